@@ -9,7 +9,7 @@
 
 namespace voxtouch::qos {
 
-enum class ProfileId : std::uint8_t { kStream, kLockstep, kLatched, kEvent, kStatus, kTap, kState, kService, kLog };
+enum class ProfileId : std::uint8_t { kStream, kLockstep, kLatched, kEvent, kStatus, kTap, kState, kService, kLog, kRecord };
 
 /// Policies of a profile. All are shared ownership, by reception, automatic liveliness, no lifespan and no latency budget (a
 /// latency budget above 0 makes Cyclone DDS batch samples asynchronously).
@@ -34,6 +34,7 @@ inline constexpr Profile kProfiles[] = {
     {ProfileId::kState, "state", true, false, false, 10, 0.0},       // ROS standard types; a full history drops, nobody waits
     {ProfileId::kService, "service", true, false, false, 64, 0.0},   // requests and replies; a client that stands still holds up nobody
     {ProfileId::kLog, "log", true, true, false, 64, 0.0},            // /rosout: who comes later gets the last lines too
+    {ProfileId::kRecord, "record", true, true, false, 256, 0.0},     // what was done, all of it: also for a recorder that comes later or stood still
 };
 
 constexpr const Profile& profile(ProfileId id) {

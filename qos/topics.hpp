@@ -62,6 +62,8 @@ inline constexpr Topic kEffectChange{"rendering/change", "voxtouch_msgs/msg/Effe
                                      "Who changes the scene while it runs writes it: voxtouch change, or any ROS 2 tool; the rendering what came by a service."};
 inline constexpr Topic kEffectChanged{"rendering/changed", "voxtouch_msgs/msg/EffectChanged", ProfileId::kStatus, 0, kRendering, kLogger,
                                       "What became of each change."};
+inline constexpr Topic kEffectMade{"rendering/made", "voxtouch_msgs/msg/EffectChange", ProfileId::kRecord, 0, kRendering, kLogger,
+                                   "Each change that was made, with its session and first sample, whoever asked: a replay goes by it."};
 inline constexpr Topic kRecover{"recover", "voxtouch_msgs/msg/Recover", ProfileId::kEvent, 0, kNobody, kDevice | kCoupling | kLogger,
                                 "A person lets a locked node give force again: voxtouch recover."};
 inline constexpr Topic kExternalWrench{"external", "geometry_msgs/msg/WrenchStamped", ProfileId::kTap, 0, kNobody, kRendering,
@@ -89,7 +91,7 @@ inline constexpr Topic kWrench{"wrench", "geometry_msgs/msg/WrenchStamped", Prof
 inline constexpr Topic kMarkers{"markers", "visualization_msgs/msg/MarkerArray", ProfileId::kState, 10, kRendering, kNobody, kForRos};
 
 inline constexpr Topic kTopics[] = {kDeviceState, kContactState, kForceCommand, kDeviceDescription, kScenePlan,
-                                    kCouplingDesign, kValidation, kNodeStatus, kEffectChange, kEffectChanged, kRecover,
+                                    kCouplingDesign, kValidation, kNodeStatus, kEffectChange, kEffectChanged, kEffectMade, kRecover,
                                     kDiagnostics, kParameterEvents, kRosout, kJointStates, kRobotDescription, kTf, kTfStatic, kClock, kPose, kWrench, kMarkers,
                                     kExternalWrench, kExternalSample};
 

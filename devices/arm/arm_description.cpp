@@ -20,13 +20,12 @@ std::string origin(const Pose& pose) {
 }
 
 /// A link that reaches to `next`, in its own frame.
-std::string link(const std::string& name, const Vec3& next) {
-  constexpr double kRadius = 0.04;
+std::string link(const std::string& name, const Vec3& next, double radius_m) {
   const double length = next.norm();
   if (!(length > 1e-6)) return fmt::format("  <link name=\"{}\"/>\n", name);
   const Pose middle{next / 2.0, Quat::FromTwoVectors(Vec3::UnitZ(), next)};
   return fmt::format("  <link name=\"{}\">\n    <visual>\n      {}\n      <geometry><cylinder radius=\"{}\" length=\"{:.10g}\"/></geometry>\n    </visual>\n  </link>\n", name,
-                     origin(middle), kRadius, length);
+                     origin(middle), radius_m, length);
 }
 
 }  // namespace
@@ -35,8 +34,8 @@ std::string to_urdf(const ArmDescription& arm) {
   const auto name_of = [&](std::size_t n) { return n == 0 ? fmt::format("{}_base", arm.model) : fmt::format("{}_link{}", arm.model, n); };
   const auto reach = [&](std::size_t n) { return n < arm.joints.size() ? arm.joints[n].origin.position : arm.flange.position; };
   std::string text = fmt::format("<?xml version=\"1.0\"?>\n<robot name=\"{}\">\n", arm.model);
-  for (std::size_t n = 0; n <= arm.joints.size(); ++n) text += link(name_of(n), reach(n));
-  text += link(fmt::format("{}_flange", arm.model), Vec3::Zero());
+  for (std::size_t n = 0; n <= arm.joints.size(); ++n) text += link(name_of(n), reach(n), arm.link_radius_m);
+  text += link(fmt::format("{}_flange", arm.model), Vec3::Zero(), arm.link_radius_m);
   for (std::size_t n = 0; n < arm.joints.size(); ++n) {
     const ArmJoint& joint = arm.joints[n];
     text += fmt::format(

@@ -18,6 +18,7 @@ struct ArmDescription {
   std::string_view model;        ///< "lwr"
   std::vector<ArmJoint> joints;  ///< from the base B on, in the order of the driver's numbers
   Pose flange;                   ///< in the last joint's link
+  double link_radius_m = 0.04;   ///< as the links are drawn
 };
 
 /// The same as URDF: links <model>_base, <model>_link1 and so on, <model>_flange. Each link is drawn as a cylinder to the next.

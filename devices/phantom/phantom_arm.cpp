@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace voxtouch::phantom {
 
@@ -68,6 +69,47 @@ Quat stylus_orientation(const Vec3& q, const Vec3& gimbal) noexcept {
   return phantom_shin(q) *
          Quat(Eigen::AngleAxisd(-gimbal[0], Vec3::UnitY()) * Eigen::AngleAxisd(-gimbal[1], Vec3::UnitX()) *
               Eigen::AngleAxisd(-gimbal[2], Vec3::UnitZ()));
+}
+
+const arm::ArmDescription& phantom_description() {
+  static const arm::ArmDescription description = [] {
+    const PhantomGeometry g;
+    const auto about = [](double angle_rad, const Vec3& axis) { return Quat(Eigen::AngleAxisd(angle_rad, axis)); };
+    constexpr double kTurn = std::numbers::pi, kQuarter = kTurn / 2.0;
+    constexpr double kAssumedRadS = 10.0, kAssumedNm = 1.8;  // 8.5 N at the end of the thigh
+    // They turn z to where the joint turns about: +y, -x, -y and -z. About z they stand so that no step from one to the next has a pitch of 90
+    // degrees, at which URDF's three angles say nothing.
+    const Quat up = about(-kQuarter, Vec3::UnitX()), left = about(-kQuarter, Vec3::UnitY()), aside = about(kQuarter, Vec3::UnitZ());
+    const Quat down = about(kQuarter, Vec3::UnitX()) * aside, away = about(kTurn, Vec3::UnitX()) * aside;
+    const Vec3 shoulder(0.0, g.shin_m, -g.thigh_m), elbow(0.0, g.shin_m, 0.0), tip = Vec3::Zero();
+    struct Placed {
+      std::string_view name;
+      Pose in_d;  // at angles of 0
+      double most_rad, torque_nm;
+    };
+    const std::array<Placed, kChainJoints> placed{{{"turret", {shoulder, up}, kTurn, kAssumedNm},
+                                                  {"thigh", {shoulder, left}, kTurn, kAssumedNm},
+                                                  {"elbow", {elbow, left}, kTurn, kAssumedNm},
+                                                  {"gimbal_turn", {tip, down}, kTurn, 0.0},
+                                                  {"gimbal_tilt", {tip, left}, kQuarter, 0.0},
+                                                  {"gimbal_roll", {tip, away}, kTurn, 0.0}}};
+    arm::ArmDescription arm{.model = "phantom", .joints = {}, .flange = {}, .link_radius_m = 0.01};
+    Pose before;
+    for (const Placed& joint : placed) {
+      arm.joints.push_back({joint.name, before.inverse() * joint.in_d, -joint.most_rad, joint.most_rad, kAssumedRadS, joint.torque_nm});
+      before = joint.in_d;
+    }
+    arm.flange = before.inverse();
+    return arm;
+  }();
+  return description;
+}
+
+std::optional<std::array<double, kChainJoints>> phantom_chain(const PhantomGeometry& geometry, const Vec3& tip, const Quat& orientation) noexcept {
+  const std::optional<Vec3> q = phantom_joints(geometry, tip);
+  if (!q) return std::nullopt;
+  const Vec3 gimbal = gimbal_angles(*q, orientation);
+  return std::array{(*q)[0], (*q)[1], (*q)[2] - (*q)[1], gimbal[0], gimbal[1], gimbal[2]};
 }
 
 PhantomDynamics::PhantomDynamics(const PhantomGeometry& g, const PhantomInertia& p, double gravity) noexcept

@@ -6,9 +6,11 @@
 /// Joints: 0 turret about +y (right-handed), 1 thigh from the horizontal (up +), 2 shin from the vertical (up +); all against
 /// the base, so the third does not contain the second. Frame D: +x right, +y up, +z to the operator; its origin is the tip in
 /// the reset pose, where all joints are zero, the thigh is level and the shin hangs.
+#include <array>
 #include <optional>
 
 #include "core/types/geometry.hpp"
+#include "devices/arm/arm_description.hpp"
 
 namespace voxtouch::phantom {
 
@@ -48,6 +50,13 @@ Quat phantom_shin(const Vec3& joints) noexcept;
 Vec3 gimbal_angles(const Vec3& joints, const Quat& orientation) noexcept;
 /// The inverse: the stylus in D.
 Quat stylus_orientation(const Vec3& joints, const Vec3& gimbal) noexcept;
+
+/// The arm as a chain, for who draws it: turret, thigh, elbow (the shin against the thigh), and the gimbal's three with the library's signs. The base is
+/// D as the library has it. Of a Premium 1.5; figures of limits are assumed.
+inline constexpr int kChainJoints = 6;
+const arm::ArmDescription& phantom_description();
+/// Angles of that chain for a tip and a stylus in D [rad]; absent where the arm does not reach. Real-time safe.
+std::optional<std::array<double, kChainJoints>> phantom_chain(const PhantomGeometry& geometry, const Vec3& tip, const Quat& orientation) noexcept;
 
 /// The arm without anything in the hand: M(q) q'' + C(q, q') q' + G(q) = torque. Rotors are part of M. The constants are
 /// summed up once; all calls are real-time safe.

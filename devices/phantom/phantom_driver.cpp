@@ -25,6 +25,7 @@ PhantomDriver::PhantomDriver(const PhantomOptions& options)
   session_.emplace(library_, options_);
   virtual_time_ = session_->virtual_time();
   description_ = describe_phantom(session_->facts());
+  is_known_arm_ = session_->facts().model.starts_with("PHANTOM Premium 1.5") && session_->facts().input_dof >= 6;
   servo_.emplace(library_, session_->device(), session_->facts(), description_, options_.velocity_cutoff_hz,
                  virtual_time_);
   session_->start(&PhantomServo::run, &*servo_);
@@ -65,6 +66,8 @@ devices::DeviceResult<devices::DeviceSample> PhantomDriver::read(std::chrono::mi
   if (!came) return std::unexpected(nothing_came());
   if (std::exchange(first_, false)) zero_ns_ = sample_.sample.time_ns;
   sample_.sample.time_ns -= zero_ns_;
+  if (const Pose& pose = sample_.sample.pose; is_known_arm_ && sample_.sample.pose_valid)
+    if (const auto angles = phantom_chain({}, pose.position, pose.orientation)) joints_ = *angles;
   sample_.sample.pose.position += options_.origin_in_d;
   pose_lost_.store(!sample_.sample.pose_valid, std::memory_order_relaxed);
   return sample_.sample;

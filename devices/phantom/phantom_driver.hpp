@@ -1,12 +1,15 @@
 #pragma once
 /// A SensAble / 3D Systems Phantom (Premium, Desktop, Omni, Touch) over the vendor's HDAPI, or the simulated library in its place.
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "devices/driver.hpp"
 #include "devices/phantom/hd_session.hpp"
+#include "devices/phantom/phantom_arm.hpp"
 #include "devices/phantom/phantom_options.hpp"
 #include "devices/phantom/phantom_servo.hpp"
 
@@ -45,6 +48,10 @@ class PhantomDriver : public devices::Driver {
   void stop() noexcept override;
   bool simulated() const noexcept override { return virtual_time_; }
   std::string trouble() const override;
+  /// Of a Premium 1.5 with a gimbal that tells its angles. Its joints are computed from tip and stylus: the library would be asked once more in each
+  /// tick, and what it refuses to tell would cost force.
+  const arm::ArmDescription* arm_description() const noexcept override { return is_known_arm_ ? &phantom_description() : nullptr; }
+  std::span<const double> joints() const noexcept override { return joints_; }
 
   /// For the thread that owns it: what ticks and errors there were, the last sample with what heat leaves of the force, and what the
   /// device told of itself. Real-time safe.
@@ -70,7 +77,8 @@ class PhantomDriver : public devices::Driver {
   std::int64_t zero_ns_ = 0;
   std::atomic<std::uint64_t> known_errors_{0};  // errors that the caller knows of
   std::atomic<bool> pose_lost_{false};  // of the last sample
-  bool first_ = true, virtual_time_ = false;
+  bool first_ = true, virtual_time_ = false, is_known_arm_ = false;
+  std::array<double, kChainJoints> joints_{};  // where the arm does not reach what the library told, the last ones
 };
 
 }  // namespace voxtouch::phantom

@@ -23,6 +23,7 @@
 #include "nodes/runtime/housekeeping.hpp"
 #include "nodes/runtime/pair_reader.hpp"
 #include "nodes/runtime/participation.hpp"
+#include "nodes/runtime/recorder_gate.hpp"
 #include "nodes/runtime/role_binding.hpp"
 
 namespace voxtouch::coupling_node {
@@ -53,7 +54,7 @@ std::vector<faults::FaultMessage> messages_of(const std::vector<ContactSeen>& ro
 class CouplingNode {
  public:
   CouplingNode(const Options& options, const scene::Scene& scene)
-      : options_(options), scene_(scene), name_(runtime::name_in_ring(options.standby, "coupling")), participant_(options.participant(name_)),
+      : options_(options), scene_(scene), name_(runtime::name_in_ring(options.standby, "coupling")), recorder_(options), participant_(options.participant(name_)),
         descriptions_(participant_, qos::kDeviceDescription, options.rig),
         plans_(participant_, qos::kScenePlan, options.rig),
         contacts_(participant_, qos::kContactState, options.rig, qos::profile_in(qos::kContactState, options.mode())),
@@ -122,7 +123,7 @@ class CouplingNode {
     });
     changed_ = fitting_.changed() || changed_;
     both_known_.store(descriptions_.current() && plans_.current(), std::memory_order_release);
-    if (!changed_ || !both_known_.load(kRelaxed) || fitting_.session() != device_.session()) return;
+    if (!changed_ || !recorder_.open() || !both_known_.load(kRelaxed) || fitting_.session() != device_.session()) return;
     changed_ = false;
     follow_change();
   }
@@ -294,8 +295,8 @@ class CouplingNode {
     faults_.report_to(report);
     keeper_.listen(device_.session(), lock_);
     if (device_.bound()) rendering_.update(registry, device_.session());
-    std::string missing =
-        session_.report_to(report, options_, registry, links_, "a device and its scene's plan", samples_.load() > 0);
+    recorder_.look(registry, commands_);
+    std::string missing = session_.report_to(report, options_, registry, links_, recorder_.open() ? "a device and its scene's plan" : "the logger", samples_.load() > 0);
     if (missing.empty() && !both_known_.load(std::memory_order_acquire)) {
       missing = "a device and its scene's plan";
       report.session_id = 0, report.state = NodeState::kStarting;
@@ -352,6 +353,7 @@ class CouplingNode {
   const Options& options_;
   const scene::Scene& scene_;
   const std::string name_;
+  runtime::RecorderGate recorder_;
   bus::Participant participant_;
   bus::LatchedReader<msg::DeviceDescription> descriptions_;
   bus::LatchedReader<msg::ScenePlan> plans_;

@@ -25,6 +25,7 @@
 #include "nodes/runtime/device_message.hpp"
 #include "nodes/runtime/housekeeping.hpp"
 #include "nodes/runtime/participation.hpp"
+#include "nodes/runtime/recorder_gate.hpp"
 #include "nodes/runtime/role_binding.hpp"
 #include "nodes/runtime/strings.hpp"
 
@@ -191,10 +192,11 @@ class DeviceNode {
     return s;
   }
 
-  /// Lockstep: sample 0 waits until everybody who takes part has answered ready for this session.
+  /// Lockstep: sample 0 waits until everybody who takes part has answered ready for this session. In real time it waits for the recorder; a
+  /// device that paces itself waits for nobody.
   End wait_for_peers(const std::atomic<bool>& stop) {
     const std::int64_t give_up = runtime::monotonic_ns() + 60'000'000'000;
-    while (options_.lockstep && !peers_ready_.load(std::memory_order_acquire)) {
+    while (options_.lockstep ? !peers_ready_.load(std::memory_order_acquire) : driver_->simulated() && !recorder_.open()) {
       progress_.heartbeat.beat();
       if (stop.load()) return End::kStopped;
       if (requests_.rig_claimed.load()) return End::kRigClaimed;
@@ -221,6 +223,8 @@ class DeviceNode {
     keeper_->listen(session_, progress_.lock);
     watch_peers(registry);
     watch_rig(registry);
+    recorder_.look(registry, states_);
+    if (!recorder_.open()) waiting_for_ = "the logger";
     if (!options_.lockstep && reminder_.is_due(registry, session_, qos::kDeviceDescription)) describe();
     const std::string foreign = coupling_->trouble(registry);
     report.session_id = session_;
@@ -373,6 +377,7 @@ class DeviceNode {
   runtime::Reminder reminder_;
   std::optional<bus::WaitSet> wait_set_;
   std::vector<runtime::Link> links_;
+  runtime::RecorderGate recorder_{options_};
   runtime::Partners partners_{{"rendering", "coupling", "logger", "validator"}};
   Progress progress_;
   Requests requests_;

@@ -38,9 +38,9 @@ RecordedTopics::RecordedTopics(const bus::Participant& participant, const runtim
     const bool flows = !from_outside && (row.profile == qos::ProfileId::kStream || row.profile == qos::ProfileId::kEvent);
     const std::lock_guard lock(numbers_mutex_);
     add(qos::dds_name(row, options.rig), *type_of(row), asked, offered.get(),
-        flows                                                    ? Stamp::kSampleTime
-        : from_outside || row.profile == qos::ProfileId::kStatus ? Stamp::kNewest
-                                                                 : Stamp::kZero);
+        flows                                                                                                    ? Stamp::kSampleTime
+        : from_outside || row.profile == qos::ProfileId::kStatus || row.profile == qos::ProfileId::kRecord ? Stamp::kNewest
+                                                                                                            : Stamp::kZero);
     if (row.profile == qos::ProfileId::kStream) {
       entries_.back().stream = qos::figure_name(row);
     }

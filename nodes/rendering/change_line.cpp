@@ -3,19 +3,19 @@
 namespace voxtouch::rendering_node {
 
 void ChangeLine::report(ChangeReport::What what, const Change& change, std::uint64_t sample) noexcept {
-  reports_.push({what, change.ticket, sample, epoch_, change.scene});
+  reports_.push({what, change.ticket, sample, epoch_, change.scene, session_});
 }
 
 void ChangeLine::retire(rendering::LiveScene& live) noexcept {
   // An update server that has not looked for long must not cost a scene's memory: it is asked for again when there is room.
   if (reports_.room() == 0) return;
-  if (rendering::BuiltScene* scene = live.retired()) reports_.push({ChangeReport::What::kRetired, 0, 0, epoch_, scene});
+  if (rendering::BuiltScene* scene = live.retired()) reports_.push({ChangeReport::What::kRetired, 0, 0, epoch_, scene, session_});
 }
 
 void ChangeLine::rest(rendering::LiveScene& live) noexcept {
   if (!moving_ || reports_.room() == 0 || !live.effects().at_rest()) return;
   moving_ = false;
-  reports_.push({ChangeReport::What::kAtRest, applied_, 0, epoch_, nullptr});
+  reports_.push({ChangeReport::What::kAtRest, applied_, 0, epoch_, nullptr, session_});
 }
 
 /// None: it waits. What is not made takes the epoch with it, for what is behind it was judged as if it had been.

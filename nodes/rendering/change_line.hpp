@@ -33,6 +33,7 @@ struct ChangeReport {
   std::uint64_t ticket = 0, sample = 0;
   std::uint64_t epoch = 0;  ///< from now on
   rendering::BuiltScene* scene = nullptr;
+  std::uint64_t session = 0;  ///< of `sample`; 0: before any
 };
 
 /// Between the update server, which judges, and the loop, which applies. Changes are taken in the order they were asked for, one that waits

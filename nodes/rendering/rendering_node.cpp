@@ -22,6 +22,7 @@
 #include "nodes/runtime/duty.hpp"
 #include "nodes/runtime/housekeeping.hpp"
 #include "nodes/runtime/participation.hpp"
+#include "nodes/runtime/recorder_gate.hpp"
 #include "nodes/runtime/role_binding.hpp"
 #include "nodes/runtime/realtime.hpp"
 #include "nodes/scene_build/build_here.hpp"
@@ -38,7 +39,7 @@ constexpr auto kRelaxed = std::memory_order_relaxed;
 class RenderingNode {
  public:
   RenderingNode(const Options& options, const scene::Scene& scene, std::unique_ptr<rendering::BuiltScene> built)
-      : options_(options), scene_(scene), name_(runtime::name_in_ring(options.standby, "rendering")), renderer_(scene.device, *built),
+      : options_(options), scene_(scene), name_(runtime::name_in_ring(options.standby, "rendering")), recorder_(options), renderer_(scene.device, *built),
         participant_(options.participant(name_)),
         descriptions_(participant_, qos::kDeviceDescription, options.rig),
         states_(participant_, qos::kDeviceState, options.rig, qos::profile_in(qos::kDeviceState, options.mode())),
@@ -73,7 +74,7 @@ class RenderingNode {
       wait_set_.wait(50'000'000);
       descriptions_.take([this](const msg::DeviceDescription& d) { listen(d); });
       // The device's status and its description name one session: then it begins, or goes on with what has changed.
-      if (described_ && described_->session == device_.session() && descriptions_.current()) follow_device();
+      if (described_ && described_->session == device_.session() && descriptions_.current() && recorder_.open()) follow_device();
       msg::DeviceState state;
       const std::uint64_t before = rendered_;
       for (int i = 0; i < states_.kMaxTakes && states_.take(state) && !over(); ++i) answer(state);
@@ -230,7 +231,8 @@ class RenderingNode {
       external_->report_to(registry, report);
       report.figures["external_given_j"] = {external_given_j_.load(), "J"};
     }
-    const std::string missing = session_.report_to(report, options_, registry, links_, "a device", samples_.load() > 0);
+    recorder_.look(registry, contacts_);
+    const std::string missing = session_.report_to(report, options_, registry, links_, recorder_.open() ? "a device" : "the logger", samples_.load() > 0);
     if (!duty_.acts_now() && !(theirs_.known() && theirs_.agrees().load())) report.state = runtime::NodeState::kStarting;  // it cannot stand by yet
     const std::string duty = duty_.look(registry, report);
     updates_.speak(duty_.acts_now());
@@ -256,6 +258,7 @@ class RenderingNode {
   const Options& options_;
   const scene::Scene& scene_;
   const std::string name_;
+  runtime::RecorderGate recorder_;
   SampleRenderer renderer_;
   ChangeLine line_;
   bus::Participant participant_;

@@ -29,16 +29,6 @@ constexpr const char* kTooMany = "too many changes wait already; wait for their 
 bool too_long(const char* text) { return text && ::strnlen(text, kMaxNameBytes + 1) > kMaxNameBytes; }
 std::string_view view(const char* text) { return text ? text : ""; }
 
-std::string in_words(const msg::EffectChange& m) {
-  const std::string effect = effects::quotable(view(m.effect));
-  switch (m.action) {
-    case kActionSwitch: return fmt::format("'{}' {}", effect, m.value[0] != 0.0 ? "on" : "off");
-    case kActionGain: return fmt::format("gain of '{}' {:g}", effect, m.value[0]);
-    case kActionValue: return fmt::format("'{}' of '{}'", effects::quotable(view(m.parameter)), effect);
-    default: return "the scene, built anew";
-  }
-}
-
 /// Of a change that came by a service: as good as never that of another.
 std::uint64_t request_number() {
   static thread_local std::random_device random;
@@ -54,6 +44,7 @@ SceneUpdateServer::SceneUpdateServer(const bus::Participant& participant, const 
       changes_(participant, qos::kEffectChange, options.rig, qos::profile_in(qos::kEffectChange, options.mode())),
       asked_by_service_(participant, qos::kEffectChange, options.rig, qos::profile_in(qos::kEffectChange, options.mode())),
       answers_(participant, qos::kEffectChanged, options.rig, qos::profile_in(qos::kEffectChanged, options.mode())),
+      made_(participant, qos::kEffectMade, options.rig, qos::profile_in(qos::kEffectMade, options.mode())),
       plans_(participant, qos::kScenePlan, options.rig, qos::profile_in(qos::kScenePlan, options.mode())),
       wait_set_(participant), scene_(scene), settled_(scene.effects), reach_(effects::at_rest(settled_)), begun_(std::move(begun)),
       services_(participant, options.rig, door()), speaks_(!options.standby.is_standby), spoke_(!options.standby.is_standby) {
@@ -102,7 +93,7 @@ ChangeDoor SceneUpdateServer::door() {
           [this] { return parameters_of(scene_, settled_); }};
 }
 
-/// What came by a service goes on as if it had come as a message, and stands in bags as one.
+/// What came by a service goes on as if it had come as a message. A standby, which answers no service, hears it as one.
 void SceneUpdateServer::ask_for(std::span<const msg::EffectChange> asked, bool together, const ChangeTold& told) {
   std::vector<msg::EffectChange> all(asked.begin(), asked.end());
   std::vector<Request> requests;
@@ -110,7 +101,7 @@ void SceneUpdateServer::ask_for(std::span<const msg::EffectChange> asked, bool t
     all[n].request = request_number();
     asked_by_service_.write(all[n]);
     requests.push_back({all[n].request, all[n].session_id, all[n].from_sample, in_words(all[n]),
-                        [told, n](bool done, std::uint64_t sample, const std::string& sentence) { told(n, done, sample, sentence); }});
+                        [told, n](bool done, std::uint64_t sample, const std::string& sentence) { told(n, done, sample, sentence); }, KeptChange(all[n])});
   }
   if (!together) {
     for (std::size_t n = 0; n < all.size(); ++n) receive(all[n], std::move(requests[n]));
@@ -176,7 +167,7 @@ std::string SceneUpdateServer::why_not(const msg::EffectChange& m) const {
 void SceneUpdateServer::receive(const msg::EffectChange& m, Request request) {
   if (answered_before(m.request)) return;
   if (const std::string why = why_not(m); !why.empty()) return refuse(request, why);
-  request.what = in_words(m);
+  request.what = in_words(m), request.change = KeptChange(m);
   if (m.action == kActionReload) return receive_reload(m, std::move(request));
   receive_effects(std::span(&m, 1), {std::move(request)});
 }
@@ -360,7 +351,7 @@ void SceneUpdateServer::handle_report(const ChangeReport& report) {
   }
   Outstanding done = std::move(outstanding_.front());
   outstanding_.pop_front();
-  if (report.what == What::kApplied) return applied(done, report.sample);
+  if (report.what == What::kApplied) return applied(done, report);
   if (report.scene) {
     std::erase_if(scenes_, [&](const auto& scene) { return scene.get() == report.scene; });
     reload_.reset();
@@ -406,7 +397,7 @@ void SceneUpdateServer::judge_running() {
   refusal_ = on_device_.refusal();
 }
 
-void SceneUpdateServer::applied(Outstanding& done, std::uint64_t sample) {
+void SceneUpdateServer::applied(Outstanding& done, const ChangeReport& report) {
   if (done.scene) {
     scene_ = std::move(*done.scene);
     settled_ = std::move(done.effects), reach_ = effects::at_rest(settled_);
@@ -422,11 +413,12 @@ void SceneUpdateServer::applied(Outstanding& done, std::uint64_t sample) {
   }
   done_.fetch_add(1);
   if (done.change.following == 0) {  // what is made together is shown as a whole: its parts by themselves nobody has judged
-    show(sample, done.change.scene != nullptr);
+    show(report.sample, done.change.scene != nullptr);
     services_.parameters_changed();
   }
-  answer(done.request, result::kResultDone, sample,
-         fmt::format("{}: holds from sample {} on", done.request.what, sample));
+  record(done.request, report);
+  answer(done.request, result::kResultDone, report.sample,
+         fmt::format("{}: holds from sample {} on", done.request.what, report.sample));
   line_.settle(done.change.ticket);
 }
 
@@ -464,6 +456,12 @@ void SceneUpdateServer::send(const Answered& answer) {
   m.result = answer.result;
   m.sentence = runtime::lend(answer.sentence);
   answers_.write(m);
+}
+
+/// The question may have come from somebody whom a recorder did not know yet; this writer it knows.
+void SceneUpdateServer::record(const Request& request, const ChangeReport& report) {
+  if (!speaks_.load(std::memory_order_acquire)) return;
+  made_.write(request.change.made(report.session, report.sample));
 }
 
 void SceneUpdateServer::answer(const Request& request, std::uint32_t result, std::uint64_t sample,

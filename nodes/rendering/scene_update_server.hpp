@@ -19,6 +19,7 @@
 #include "nodes/bus/writer.hpp"
 #include "nodes/rendering/change_line.hpp"
 #include "nodes/rendering/effect_services.hpp"
+#include "nodes/rendering/kept_change.hpp"
 #include "nodes/rendering/rendering_node.hpp"
 #include "nodes/runtime/figure.hpp"
 
@@ -31,8 +32,8 @@ struct DescribedDevice {
 };
 
 /// A thread of ordinary priority that reads `rendering/change` and answers the rendering's services, judges by its own copy of what the effects are
-/// set to and by the device that was described, builds scenes, frees them, and publishes the plan. What comes by a service is written
-/// on `rendering/change` as well, so that a bag has every change. The loop meets it only at `line` and at `device_is`, and waits for it at neither.
+/// set to and by the device that was described, builds scenes, frees them, and publishes the plan. Each change that was made is written on
+/// `rendering/made`, whoever asked, so that a bag has it. What comes by a service is written on `rendering/change` as well, for a standby. The loop meets it only at `line` and at `device_is`, and waits for it at neither.
 class SceneUpdateServer {
  public:
   /// `first` is the scene that runs, built from `scene`. Both functions are called from the update server's thread: `swapped` is told of a
@@ -67,6 +68,7 @@ class SceneUpdateServer {
     std::uint64_t id = 0, session = 0, from_sample = 0;
     std::string what;  ///< for the answer: "'viscosity' off"
     std::function<void(bool done, std::uint64_t from_sample, const std::string& sentence)> told = {};  ///< the last word, for who asked by a service
+    KeptChange change = {};    ///< for the record
   };
   struct Answered {
     std::uint64_t id = 0, sample = 0;
@@ -107,7 +109,7 @@ class SceneUpdateServer {
   Built build(double voxel_size_m, const std::string& model) const;
   void look_after_build();
   void handle_report(const ChangeReport& report);
-  void applied(Outstanding& done, std::uint64_t sample);
+  void applied(Outstanding& done, const ChangeReport& report);
   bool ask(std::vector<Outstanding> asked);
   Next next() const;
   void look_after_device();
@@ -120,6 +122,7 @@ class SceneUpdateServer {
   void publish(std::uint64_t from_sample);
   bool answered_before(std::uint64_t id);
   void send(const Answered& answer);
+  void record(const Request& request, const ChangeReport& report);
   void answer(const Request& request, std::uint32_t result, std::uint64_t sample, const std::string& sentence);
   void refuse(const Request& request, const std::string& sentence);
 
@@ -129,6 +132,7 @@ class SceneUpdateServer {
   bus::Reader<msg::EffectChange> changes_;
   bus::Writer<msg::EffectChange> asked_by_service_;  ///< what `changes_` passes over
   bus::Writer<msg::EffectChanged> answers_;
+  bus::Writer<msg::EffectChange> made_;
   bus::Writer<msg::ScenePlan> plans_;
   bus::WaitSet wait_set_;
 

@@ -10,6 +10,7 @@
 #include <fmt/ranges.h>
 
 #include "nodes/bag/bag_reader.hpp"
+#include "nodes/rendering/kept_change.hpp"
 #include "nodes/replay/message_bytes.hpp"
 #include "nodes/runtime/device_message.hpp"
 #include "qos/topics.hpp"
@@ -24,7 +25,7 @@ template <class... Args>
   throw std::runtime_error(fmt::format(form, std::forward<Args>(args)...));
 }
 
-enum class Kind : std::uint8_t { kNone, kState, kContact, kCommand, kDevice, kPlan, kDesign, kChange, kChanged, kStatus, kExternal };
+enum class Kind : std::uint8_t { kNone, kState, kContact, kCommand, kDevice, kPlan, kDesign, kChange, kChanged, kStatus, kExternal, kMade };
 
 struct KindOfTopic {
   const qos::Topic& topic;
@@ -34,7 +35,8 @@ constexpr KindOfTopic kKinds[] = {{qos::kDeviceState, Kind::kState},         {qo
                                   {qos::kForceCommand, Kind::kCommand},      {qos::kDeviceDescription, Kind::kDevice},
                                   {qos::kScenePlan, Kind::kPlan},            {qos::kCouplingDesign, Kind::kDesign},
                                   {qos::kEffectChange, Kind::kChange},       {qos::kEffectChanged, Kind::kChanged},
-                                  {qos::kNodeStatus, Kind::kStatus},         {qos::kExternalSample, Kind::kExternal}};
+                                  {qos::kNodeStatus, Kind::kStatus},         {qos::kExternalSample, Kind::kExternal},
+                                  {qos::kEffectMade, Kind::kMade}};
 
 /// The rig of a topic "/<rig>/<path>", empty where it is none.
 std::string rig_in(const std::string& name, std::string_view path) {
@@ -62,6 +64,7 @@ class Collector {
       for (const KindOfTopic& known : kKinds)
         if (topic.name == "/" + out_.rig + "/" + std::string(known.topic.path) && topic.type == known.topic.type) kinds_.back() = known.kind;
     }
+    records_changes_ = std::ranges::find(kinds_, Kind::kMade) != kinds_.end();
   }
 
   void take(const bag::BagMessage& m) {
@@ -75,6 +78,7 @@ class Collector {
       case Kind::kDesign: return text<msg::CouplingDesign>(m, [&](const auto& d) { design(d, m.time_ns); });
       case Kind::kChange: return text<msg::EffectChange>(m, [this](const auto& c) { change(c); });
       case Kind::kChanged: return text<msg::EffectChanged>(m, [this](const auto& c) { changed(c); });
+      case Kind::kMade: return text<msg::EffectChange>(m, [this](const auto& c) { made(c); });
       case Kind::kStatus: return text<msg::NodeStatus>(m, [this](const auto& s) { status(s); });
       case Kind::kNone: return;
     }
@@ -148,9 +152,24 @@ class Collector {
     designs_.push_back(std::move(design));
   }
 
+  static RecordedChange asked_by(const msg::EffectChange& m) {
+    return {.asked = true, .action = m.action, .effect = text_of(m.effect), .parameter = text_of(m.parameter), .model = text_of(m.model),
+            .value = {m.value[0], m.value[1], m.value[2]}, .voxel_size_m = m.voxel_size_m};
+  }
+
+  /// The rendering's own record of what it made: where a bag has this topic nothing else counts, or a change would be made once for each
+  /// topic that it stands on.
+  void made(const msg::EffectChange& m) {
+    RecordedChange done = asked_by(m);
+    done.session = m.session_id, done.from_sample = m.from_sample;
+    done.sentence = fmt::format("{}: holds from sample {} on", rendering_node::in_words(m), m.from_sample);
+    out_.changes.push_back(std::move(done));
+  }
+
+  /// In bags of before, without that topic: the question, and below the answer, which names the sample.
   void change(const msg::EffectChange& m) {
-    RecordedChange asked{.asked = true, .action = m.action, .effect = text_of(m.effect), .parameter = text_of(m.parameter), .model = text_of(m.model),
-                         .value = {m.value[0], m.value[1], m.value[2]}, .voxel_size_m = m.voxel_size_m};
+    if (records_changes_) return;
+    RecordedChange asked = asked_by(m);
     if (m.request != 0)
       asked_.insert_or_assign(m.request, std::move(asked));
     else
@@ -160,6 +179,7 @@ class Collector {
   /// One that was asked for twice is answered twice and made once. Without a number of its own the answers come in the order of the questions.
   void changed(const msg::EffectChanged& m) {
     using namespace msg::effect_changed;
+    if (records_changes_) return;
     if (m.result == kResultWaiting || (m.request != 0 && !answered_.insert(m.request).second)) return;
     RecordedChange made;
     if (m.request == 0 && !nameless_.empty()) {
@@ -188,6 +208,7 @@ class Collector {
   const std::filesystem::path& path_;
   Recording out_;
   std::vector<Kind> kinds_;  ///< of the bag's topics, by index
+  bool records_changes_ = false;
   std::map<std::uint64_t, DeviceDescription> devices_;
   std::map<std::uint64_t, std::vector<std::byte>> described_;  ///< the first description's bytes
   std::set<std::uint64_t> anew_, answered_;

@@ -11,6 +11,7 @@
 #include "nodes/replay/coupling_replay.hpp"
 #include "nodes/replay/recording.hpp"
 #include "nodes/replay/scene_replay.hpp"
+#include "nodes/runtime/node_registry.hpp"
 #include "nodes/runtime/stamps.hpp"
 
 namespace voxtouch::replay {
@@ -100,10 +101,10 @@ class Run {
       if (sample && together.size() == 1) coupling_.contact_shows(made.from_sample, rendering_.bounds(), rendering_.demand());
     }
   }
-  /// Of a session that has ended in the bag before its change was reached.
+  /// Of a session that has ended in the bag before its change was reached, or that was over when the recorder came.
   bool sample_of_other(std::uint64_t of, std::uint64_t now) const {
     const auto place = [&](std::uint64_t id) { return std::ranges::find(recording_.sessions, id, &RecordedSession::id); };
-    return of != 0 && of != now && place(of) < place(now);
+    return of != 0 && of != now && (place(of) == recording_.sessions.end() || place(of) < place(now));
   }
 
   /// The first of those that hold from the same sample on.
@@ -177,27 +178,41 @@ class Run {
 
   /// What the nodes counted and the bag does not hold. Where nobody tells of the sample, it is not known which one it was.
   void say_what_is_lost() {
-    std::uint64_t contacts = 0, commands = 0;
-    std::optional<std::uint64_t> no_contact, no_command;  ///< first sample of a session that the recorder has without
+    Held contacts, commands;
     for (const RecordedSession& session : recording_.sessions)
       for (const auto& [number, sample] : session.samples) {
-        contacts += sample.contact.has_value(), commands += sample.command.has_value() + sample.again.size();
-        if (!sample.rendered() && !no_contact) no_contact = number;
-        if (!sample.command && !no_command) no_command = number;
+        contacts.take(number, sample.contact ? 1 : 0, sample.rendered());
+        commands.take(number, sample.command.has_value() + sample.again.size(), sample.command.has_value());
       }
-    say_lost("rendering", "contacts", contacts + out_.lost_contacts, no_contact);
-    say_lost("coupling", "commands", commands, no_command);
+    contacts.count += out_.lost_contacts;
+    say_lost("rendering", "contacts", contacts);
+    say_lost("coupling", "commands", commands);
     say_changes();
     say_external();
   }
 
-  void say_lost(const std::string& node, std::string_view what, std::uint64_t held, std::optional<std::uint64_t> first_without) {
+  /// Of one kind of answers, in the bag.
+  struct Held {
+    std::uint64_t count = 0;
+    std::optional<std::uint64_t> first, first_without;  ///< samples of a session
+    void take(std::uint64_t number, std::uint64_t answers, bool is_answered) noexcept {
+      count += answers;
+      if (answers > 0 && !first) first = number;
+      if (!is_answered && !first_without) first_without = number;
+    }
+  };
+
+  void say_lost(const std::string& node, std::string_view what, const Held& held) {
     const auto figures = recording_.figures.find(node);
     if (figures == recording_.figures.end()) return out_.missing.push_back(fmt::format("The {} has left no status: whether all its {} are in the bag is not known.", node, what));
     const std::uint64_t made = runtime::as_count(runtime::value_of(figures->second, "samples"));
-    if (made <= held) return;
-    out_.missing.push_back(fmt::format("The {} made {} {} more than the bag has, and nothing tells of which samples: from sample {} on bits may differ for it.", node,
-                                       made - held, what, first_without.value_or(0)));
+    if (made <= held.count) return;
+    // A node counts from its own begin: of one session the first sample that it answered is the bag's first as well, or the recorder came too late.
+    const std::uint64_t began = runtime::as_count(runtime::value_of(figures->second, "first_sample"));
+    const bool came_late = recording_.sessions.size() == 1 && runtime::as_count(runtime::value_of(figures->second, runtime::kSessions)) == 1 && held.first && began < *held.first;
+    const std::string begin = came_late ? fmt::format("its first for sample {}, and the bag's first is for sample {}", began, *held.first) : "and nothing tells of which samples";
+    out_.missing.push_back(fmt::format("The {} made {} {} more than the bag has, {}: from sample {} on bits may differ for it.", node, made - held.count, what, begin,
+                                       came_late ? began : held.first_without.value_or(0)));
   }
 
   void say_changes() {

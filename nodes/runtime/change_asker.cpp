@@ -93,8 +93,6 @@ std::string ChangeAsker::ask(const ChangeWords& words, const std::function<void(
                              const std::function<void(const std::string&)>& waits, const std::function<bool()>& leave) {
   const std::vector<ChangeRequest> changes = read_changes(words);
   if (!until(kPatience, [&] { return leave() || (changes_.matched_count() > 0 && answers_.matched_count() > 0); })) return nobody();
-  // Rendering and logger: a bag without the question cannot be replayed from there on. Where nothing is recorded there is one reader.
-  until(kPatience / 5, [&] { return leave() || changes_.matched_count() > 1; });
   // A rendering that waits for its first device has told none yet.
   until(kPatience / 4, [&] {
     plans_.take_each([&](const msg::ScenePlan& plan) { session_ = plan.session_id; });

@@ -115,7 +115,8 @@ void add_node_options(CLI::App& app, NodeOptions& o, bool with_scene) {
   add_rig_options(app, o);
   app.add_option("--seed", o.seed, "Seed of everything random")->capture_default_str()->check(require_whole);
   app.add_flag("--lockstep", o.lockstep, "Simulated time: every sample waits for its command; same bits on every run");
-  app.add_option("--peers", o.peers, "Lockstep: nodes that take part, beside the device")
+  app.add_option("--peers", o.peers, "Nodes that take part, beside the device. In lockstep a run waits for them all; in real time device, rendering and\n"
+                 "coupling wait with their first sample until the logger, where it is one of them, hears them, 5 s at most")
       ->delimiter(',')
       ->check(CLI::IsMember({"rendering", "coupling", "logger", "validator"}));
   app.add_option("--realtime", o.realtime.mode,

@@ -27,7 +27,7 @@ struct NodeOptions {
   bus::RosGraph ros = bus::RosGraph::kIron;
   std::filesystem::path security;  ///< folder of keys; empty: plain DDS
   bool lockstep = false;
-  std::vector<std::string> peers;  ///< lockstep: the nodes that take part, the device aside
+  std::vector<std::string> peers;  ///< the nodes that take part, the device aside: lockstep waits for all, real time for the logger alone
   std::uint64_t seed = 1;
   RealtimeOptions realtime;
   bool announce = false;              ///< say on stderr what changes; for nodes that are started by hand

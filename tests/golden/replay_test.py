@@ -18,6 +18,7 @@ import unittest
 
 BIN, DEPLOY = (pathlib.Path(argument).resolve() for argument in sys.argv[1:3])
 STATE, CONTACT, COMMAND = "/haptic/device/state", "/haptic/rendering/contact", "/haptic/coupling/command"
+ASKED, MADE = "/haptic/rendering/change", "/haptic/rendering/made"
 HEADER, NUMBER = 4, 12  # bytes of CDR's encapsulation; where the sequence number of a ring's message stands
 POSE = 28               # and a device state's pose
 
@@ -170,8 +171,20 @@ class Replay(unittest.TestCase):
         changes = [("friction", "coulomb=0.2", "--from-sample", 4000), ("friction", "stiffness_n_per_m=80", "--from-sample", 10000),
                    ("--reload", "--voxel-size", 0.003, "--from-sample", 16000)]
         self.change(self.folder / "bag", DEPLOY / "scenes/cup_friction.yaml", changes, "--motion", "slide", "--lockstep", "--duration", "20")
-        said = self.equal(self.folder / "bag", 20000)
-        self.assertEqual(said["changes"], 3)
+        bag = self.folder / "bag"
+        self.assertEqual(self.equal(bag, 20000)["changes"], 3)
+        self.assertEqual(len(messages(bag, MADE)), 3)
+        before = pathlib.Path(shutil.copytree(bag, self.folder / "before"))
+        forget = "DELETE FROM messages WHERE topic_id = (SELECT id FROM topics WHERE name = ?)"
+        edit(bag, forget, ASKED)
+        self.assertEqual(self.equal(bag, 20000)["changes"], 3, "the record of what was made is enough")
+        edit(before, forget, MADE)
+        edit(before, "DELETE FROM topics WHERE name = ?", MADE)
+        self.assertEqual(self.equal(before, 20000)["changes"], 3, "a bag of before has question and answer")
+        edit(bag, forget, MADE)
+        status, said, _ = replay(bag)
+        self.assertEqual((status, said["changes"]), (1, 0))
+        self.assertIn("The rendering made 3 changes, and the bag has 0 of them.", said["missing"])
 
     def real_time(self, bag):
         """Equal where the bag says all; else what is missing is said."""
@@ -271,6 +284,13 @@ class Replay(unittest.TestCase):
         self.assertEqual((said["contact"]["compared"], said["command"]["compared"]), (1998, 2000))
         self.assertIn("The device's sample 500 was answered and is not in the bag", said["missing"][0])
         self.assertEqual(status, int(said["contact"]["differ"] + said["command"]["differ"] > 0))
+        bag = self.copy("late")
+        for topic in (STATE, CONTACT, COMMAND):
+            for number in (0, 1):
+                edit(bag, "DELETE FROM messages WHERE id = ?", message_of(bag, topic, number)[0])
+        _, said, _ = replay(bag)
+        self.assertTrue(any(s.startswith("The rendering made 2 contacts more than the bag has, its first for sample 0, and the bag's first is for sample 2: from sample 0 on")
+                            for s in said["missing"]), said["missing"])
         bag = self.copy("silent")
         for topic in (STATE, CONTACT, COMMAND):
             edit(bag, "DELETE FROM messages WHERE id = ?", message_of(bag, topic, 900)[0])

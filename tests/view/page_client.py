@@ -84,6 +84,11 @@ class Process:
         self.end()
 
 
+def until_it_runs(up):
+    """A ring in real time has begun to answer samples."""
+    until(lambda: " samples  force" in up.told(), 60, f"a ring that runs:\n{up.told()}")
+
+
 def ring(name, *more, motion="slide"):
     """A ring in real time that a busy machine does not end, without a bag."""
     return Process("up", scene(name), "--motion", motion, "--domain", DOMAIN, "--no-record", *more)

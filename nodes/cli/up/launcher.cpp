@@ -10,6 +10,7 @@
 #include <cstring>
 #include <filesystem>
 #include <functional>
+#include <initializer_list>
 #include <thread>
 
 #include <fmt/format.h>
@@ -200,6 +201,10 @@ std::vector<std::unique_ptr<RunningNode>> launch(LauncherOptions& o) {
   };
   using Stop = const std::atomic<bool>&;
   o.logger.realtime.mode = o.validator.realtime.mode = runtime::Realtime::kOff;  // taps
+  // What is recorded is recorded from its first sample on. In lockstep `up` has said who takes part.
+  for (runtime::NodeOptions* one : std::initializer_list<runtime::NodeOptions*>{&o.device, &o.rendering, &o.coupling, o.rendering_standby ? &*o.rendering_standby : nullptr,
+                                                                                o.coupling_standby ? &*o.coupling_standby : nullptr})
+    if (one != nullptr && o.record && !one->lockstep) one->peers = {"logger"};
   if (o.record)
     start(
         "logger", o.logger, [&] { return logger_arguments(o.logger); },

@@ -2,19 +2,56 @@
 
 usage: clients.py VOXTOUCH CYCLONE_CLIENT FAST_CLIENT|none PYTHON_WITH_CYCLONEDDS ROS2_CLIENT [TABLE]
 Prints a table, and writes it to TABLE as Markdown. ROS2_CLIENT is built by deploy/interop; where it is not there, the test says so. Lost samples and
-times are of the machine as it was: told, and judged here only so far as a busy machine holds them too.
+times are of the machine as it was. Beside other programs that take the processors a client of ordinary priority stands still, and how much it loses then
+says nothing of it: what a client must hold is judged where others took little, and told with their share otherwise.
 Exit status 77, with a sentence: this machine allows no network namespaces.
 """
 import os
 import pathlib
 import statistics
 import sys
+import time
 
-from ros_tools import DOMAIN, Clients, OtherHost, Ring, ask, enter_own_network, expect, failures, run
+from ros_tools import DOMAIN, Clients, OtherHost, Ring, ask, enter_own_network, expect, failures
 
 SECONDS, CHANGES = "5", "50"
 STANDARD = {"rt/tf", "rt/tf_static", "rt/haptic/pose", "rt/haptic/wrench", "rt/haptic/markers", "rt/diagnostics", "rt/parameter_events", "rt/rosout"}
-HEAD = ["client", "standard topics read", "DeviceState, ContactState, ForceCommand lost", "a change answered, median", "longest of 50", "asked by"]
+HEAD = ["client", "standard topics read", "DeviceState, ContactState, ForceCommand lost", "a change answered, median", "longest of 50", "asked by",
+        "processors taken by others"]
+QUIET = 0.1  # the share that programs of others may take
+MOST_LOST, ANSWERED_MS = 0.01, 20.0  # of a client on a quiet machine: a share of each topic, and 19 of 20 changes
+
+
+class Processors:
+    """Which share of the processors programs of others take, from now on: of all time that they worked what is not this program's and its children's."""
+
+    def __init__(self):
+        self.begin = self.now()
+
+    @staticmethod
+    def now():
+        user, nice, system, *_, steal = (int(ticks) for ticks in pathlib.Path("/proc/stat").read_text().split("\n", 1)[0].split()[1:9])  # not interrupts: nobody's
+        processes = {}
+        for stat in pathlib.Path("/proc").glob("[0-9]*/stat"):
+            try:
+                fields = stat.read_text().rpartition(")")[2].split()
+            except OSError:
+                continue  # it has just ended
+            processes[int(stat.parent.name)] = int(fields[1]), int(fields[11]) + int(fields[12])
+        own = os.getpid()
+
+        def is_ours(pid):
+            while pid in processes and pid != own:
+                pid = processes[pid][0]
+            return pid == own
+
+        ended = os.times()
+        ours = sum(ticks for pid, (_, ticks) in processes.items() if is_ours(pid)) + (ended.children_user + ended.children_system) * os.sysconf("SC_CLK_TCK")
+        return time.monotonic(), user + nice + system + steal - ours
+
+    def taken_by_others(self):
+        (begin_s, before), (end_s, after) = self.begin, self.now()
+        return max(after - before, 0.0) / (os.sysconf("SC_CLK_TCK") * os.cpu_count() * (end_s - begin_s))
 
 
 def commands(clients, rust):
@@ -28,26 +65,25 @@ def commands(clients, rust):
         yield "ros2-client 0.12.1 (Rust)", [rust, DOMAIN, SECONDS], "service"
 
 
-def row_of(name, answer, way):
+def row_of(name, answer, way, others):
     read = {topic for topic, count in answer["standard"].items() if count}
     expect(read == STANDARD, f"{name} reads nothing of {sorted(STANDARD - read)}")
     streams = answer["streams"].values()
     for topic, (received, lost) in answer["streams"].items():
-        expect(received > 1000 and lost < received, f"{name} gets {received} of {topic} and misses {lost}")  # a process that gets no processor loses much
+        most = MOST_LOST * (received + lost) if others < QUIET else received
+        expect(received > 1000 and lost <= most, f"{name} gets {received} of {topic} and misses {lost}; others took {100 * others:.0f} % of the processors")
     answers = answer["answers_ms"]
     expect(len(answers) == int(CHANGES), f"{name}: {len(answers)} of {CHANGES} changes are answered")
     median = statistics.median(answers or [float("inf")])
-    expect(median < 20.0, f"{name}: a change is answered after {median:.1f} ms in the middle")
+    expect(median < ANSWERED_MS, f"{name}: a change is answered after {median:.1f} ms in the middle")
+    late = sum(ms > ANSWERED_MS for ms in answers)
+    expect(others >= QUIET or late <= len(answers) / 20, f"{name}: {late} of {len(answers)} changes are answered after more than {ANSWERED_MS:.0f} ms")
     losses = ", ".join(f"{lost} of {received + lost}" for received, lost in streams)
-    return [name, f"{len(read)} of {len(STANDARD)}", losses, f"{median:.1f} ms", f"{max(answers or [float('inf')]):.1f} ms", way]
+    return [name, f"{len(read)} of {len(STANDARD)}", losses, f"{median:.1f} ms", f"{max(answers or [float('inf')]):.1f} ms", way, f"{100 * others:.0f} %"]
 
 
 def table(rows):
     return "\n".join("| " + " | ".join(cells) + " |" for cells in [HEAD, ["---"] * len(HEAD), *rows]) + "\n"
-
-
-def samples_on_loopback_alone(rust):
-    return ask([rust, DOMAIN, "3"])["samples"]
 
 
 def main():
@@ -56,18 +92,17 @@ def main():
     if not pathlib.Path(rust).exists():
         print("ros2-client is not built, and left out: deploy/interop builds it where cargo and crates can be had")
         rust = None
-    if rust:  # it hears multicast on cards that say they can, which loopback does not by itself
+    if rust:  # it has no list of peers and hears multicast alone
         ring = Ring(voxtouch)
-        print(f"ros2-client on loopback alone: {samples_on_loopback_alone(rust)} samples in 3 s")
-        run("ip", "link", "set", "lo", "multicast", "on")
-        with_multicast = samples_on_loopback_alone(rust)
-        print(f"ros2-client on loopback alone after `ip link set lo multicast on`: {with_multicast} samples in 3 s")
-        expect(with_multicast > 1000, "with multicast on loopback ros2-client finds the ring")
+        samples = ask([rust, DOMAIN, "3"])["samples"]
+        print(f"ros2-client on loopback alone: {samples} samples in 3 s")
+        expect(samples > 1000, f"ros2-client finds a ring on loopback alone: {samples} samples in 3 s")
         ring.close()
-        run("ip", "link", "set", "lo", "multicast", "off")
     clients, other, ring, rows = Clients(voxtouch, cyclone, fast, python), OtherHost(), Ring(voxtouch, scene="cup_friction"), []
     for name, command, way in commands(clients, rust):
-        rows.append(row_of(name, ask([*command, CHANGES]), way))
+        processors = Processors()
+        answer = ask([*command, CHANGES])
+        rows.append(row_of(name, answer, way, processors.taken_by_others()))
         print(" | ".join(rows[-1]), flush=True)
     ring.close()
     del other

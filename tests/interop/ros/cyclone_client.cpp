@@ -41,7 +41,7 @@ dds_qos_t* qos_of(Kind kind) {
   dds_qos_t* qos = dds_create_qos();
   dds_qset_reliability(qos, kind == Kind::kBestEffort ? DDS_RELIABILITY_BEST_EFFORT : DDS_RELIABILITY_RELIABLE, DDS_MSECS(100));
   dds_qset_durability(qos, kind == Kind::kLatched ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
-  dds_qset_history(qos, DDS_HISTORY_KEEP_LAST, 100);
+  dds_qset_history(qos, DDS_HISTORY_KEEP_LAST, 1000);  // a second of the loop
   return qos;
 }
 

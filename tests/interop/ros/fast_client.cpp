@@ -137,7 +137,7 @@ template <class Qos>
 Qos qos_of(Qos qos, Kind kind) {
   qos.reliability().kind = kind == Kind::kBestEffort ? BEST_EFFORT_RELIABILITY_QOS : RELIABLE_RELIABILITY_QOS;
   qos.durability().kind = kind == Kind::kLatched ? TRANSIENT_LOCAL_DURABILITY_QOS : VOLATILE_DURABILITY_QOS;
-  qos.history().depth = 200;
+  qos.history().depth = qos.resource_limits().max_samples_per_instance = 1000;  // a second of the loop
   qos.endpoint().history_memory_policy = PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
   return qos;
 }

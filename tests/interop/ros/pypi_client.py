@@ -42,7 +42,7 @@ domain, settings, seconds = int(sys.argv[2]), sys.argv[3], float(sys.argv[4])
 configured = Domain(domain, settings) if settings else None
 participant = DomainParticipant(domain)
 writers = BuiltinDataReader(participant, BuiltinTopicDcpsPublication)
-taps = {path: DataReader(participant, TOPICS[path].topic(participant), qos=Qos(Policy.Reliability.BestEffort, Policy.History.KeepLast(200))) for path in STREAMS}
+taps = {path: DataReader(participant, TOPICS[path].topic(participant), qos=Qos(Policy.Reliability.BestEffort, Policy.History.KeepLast(1000))) for path in STREAMS}
 readers = {path: subscription(participant, TOPICS[path].topic(participant), latched=path in LATCHED) for path in STANDARD}
 numbers, counts = {path: [] for path in STREAMS}, dict.fromkeys(STANDARD, 0)
 begin, topics, first_s = time.monotonic(), {}, -1.0

@@ -21,7 +21,7 @@ sys.path[:0] = [TYPES.name, str(DEPLOY.parent / "tests" / "view")]
 from cyclonedds.qos import Policy, Qos  # noqa: E402
 from cyclonedds.sub import DataReader  # noqa: E402
 from looker import Looker, join  # noqa: E402
-from page_client import Process, fine_scene, until  # noqa: E402
+from page_client import Process, fine_scene, until, until_it_runs  # noqa: E402
 from rviz_rules import ADD, ARROW, SPHERE_LIST, TEXT, TRIANGLES, seconds  # noqa: E402
 from voxtouch_types import TOPICS  # noqa: E402
 
@@ -41,10 +41,6 @@ def ring(scene, *more):
     return Process("up", str(scene), "--domain", str(DOMAIN), "--no-record", *more)
 
 
-def runs(up):
-    until(lambda: " samples  force" in up.told(), 60, f"a ring that runs:\n{up.told()}")
-
-
 class Pictures(unittest.TestCase):
     def setUp(self):
         self.participant = join(DOMAIN)
@@ -60,7 +56,7 @@ class Pictures(unittest.TestCase):
             return True
 
         with ring(DEPLOY / "scenes" / "objects.yaml", "--motion", "under") as up:
-            runs(up)
+            until_it_runs(up)
             looker.look(14.0, listen)
         self.assertEqual(looker.errors(), [])
         self.assertEqual(set(looker.frames.of), {"haptic/device", "haptic/tool", "haptic/object/roller"})
@@ -110,7 +106,7 @@ class Pictures(unittest.TestCase):
             scene.write_text(text)
             first = Looker(self.participant, paths=("tf", "tf_static", "markers"))
             with ring(scene, "--motion", "free") as up:
-                runs(up)
+                until_it_runs(up)
                 shown = lambda looker: {key for key, (m, _) in looker.markers.shown.items() if m.type == TRIANGLES}
                 first.look(20.0, lambda: {ns for ns, _ in shown(first)} < {"scene", "object/cup", "object/roller", "tool"})
                 first.look(4.0)
@@ -140,7 +136,7 @@ class Pictures(unittest.TestCase):
             scene = fine_scene(folder, n)
             looker = Looker(self.participant)
             with ring(scene, "--motion", "free") as up:
-                runs(up)
+                until_it_runs(up)
                 looker.look(60.0, lambda: not looker.markers.of("note"))
                 looker.look(1.0)
         count = sum(len(m.points) // 3 for m in looker.markers.of("scene"))
@@ -171,7 +167,7 @@ class Stopped(unittest.TestCase):
     def test_costs_neither_the_ring_nor_who_else_looks(self):
         looker = Looker(join(DOMAIN), paths=("pose", "markers"), depth=1000)
         with ring(DEPLOY / "scenes" / "cup.yaml", "--motion", "slide") as up:
-            runs(up)
+            until_it_runs(up)
             other = subprocess.Popen([sys.executable, "-B", HERE / "looker.py", TYPES.name, str(DOMAIN), "haptic"], stdout=subprocess.PIPE, text=True)
             self.addCleanup(other.stdout.close)
             self.addCleanup(other.wait)

@@ -134,6 +134,30 @@ class UpdateServer {
   void samples(int count) {
     for (int n = 0; n < count; ++n) loop(), std::this_thread::sleep_for(milliseconds(1));
   }
+  /// Sent without a number, as from a shell.
+  void tell(msg::EffectChange m, std::string parameter) {
+    m.effect = runtime::lend(name_), m.parameter = runtime::lend(parameter), m.model = runtime::lend(none_);
+    asker_.changes.write(m);
+  }
+
+  struct Made {
+    std::uint64_t request, session, from_sample;
+    std::uint32_t action;
+    std::string effect, parameter;
+    double value;
+    bool operator==(const Made&) const = default;
+  };
+  /// The records of what was made, as a recorder gets them that comes now.
+  std::vector<Made> records(std::size_t count) {
+    bus::Reader<msg::EffectChange> reader(participant_, qos::kEffectMade, rig_, qos::profile(qos::kEffectMade.profile));
+    std::vector<Made> all;
+    EXPECT_TRUE(wait_until([&] {
+      loop();
+      reader.take_each([&](const msg::EffectChange& m) { all.push_back({m.request, m.session_id, m.from_sample, m.action, m.effect, m.parameter, m.value[0]}); });
+      return all.size() >= count;
+    }));
+    return all;
+  }
 
   struct Plan {
     std::uint64_t from_sample;
@@ -148,7 +172,7 @@ class UpdateServer {
     scene.effects = {std::move(effect)};
     return scene;
   }
-  std::string name_;
+  std::string name_, none_;
   scene::Scene scene_;
   std::unique_ptr<rendering::BuiltScene> built_;
   rendering::LiveScene live_;
@@ -183,6 +207,22 @@ TEST(SceneUpdateServer, PublishesThePlanAnewWhereTheStiffnessBoundChanges) {
   EXPECT_NEAR(on.plans[1].stiffness_n_per_m, on.of_contact + 350.0, 1e-9);
   EXPECT_EQ(on.plans[2].from_sample, softer.from_sample);
   EXPECT_NEAR(on.plans[2].stiffness_n_per_m, on.of_contact + 50.0, 1e-9);
+}
+
+/// A bag that has these replays every change, whoever asked for it and whether its question was heard by the recorder.
+TEST(SceneUpdateServer, RecordsWhatWasMadeOnceWithSessionAndSampleAlsoForARecorderThatComesLater) {
+  UpdateServer on({.name = "spring", .kind = &kSpring, .values = effects::EffectValues(kSpringParameters), .region = {}}, stylus());
+  const Said off = on.ask(change(kActionSwitch, 0.0), "");
+  EXPECT_EQ(on.ask(change(kActionGain, 7.0), "").result, result::kResultRefused);
+  const Said stiffer = on.ask(change(kActionValue, 350.0), "stiffness_n_per_m");
+  ASSERT_EQ(stiffer.result, result::kResultDone) << stiffer.sentence;
+  on.tell(change(kActionGain, 0.5), "");
+  const std::vector<UpdateServer::Made> records = on.records(3);
+  ASSERT_EQ(records.size(), 3U);
+  EXPECT_EQ(records[0], (UpdateServer::Made{1, 3, off.from_sample, kActionSwitch, "spring", "", 0.0}));
+  EXPECT_EQ(records[1], (UpdateServer::Made{3, 3, stiffer.from_sample, kActionValue, "spring", "stiffness_n_per_m", 350.0}));
+  EXPECT_EQ(records[2], (UpdateServer::Made{0, 3, records[2].from_sample, kActionGain, "spring", "", 0.5})) << "asked for without a number";
+  EXPECT_GT(records[2].from_sample, stiffer.from_sample);
 }
 
 effects::EffectSpec paste(double lever_m = 0.0) {

@@ -78,7 +78,7 @@ struct Stream {
 
 impl Stream {
     fn new(node: &mut Node, topic: &'static str, kind: &str) -> Stream {
-        let qos = DEFAULT_SUBSCRIPTION_QOS.history(History::KeepLast { depth: 200 });
+        let qos = DEFAULT_SUBSCRIPTION_QOS.history(History::KeepLast { depth: 1000 });
         Stream { topic, subscription: subscribe(node, topic, "voxtouch_msgs", kind, qos), received: 0, first: 0, last: 0, first_s: -1.0 }
     }
     fn look(&mut self, now_s: f64) {
