@@ -20,8 +20,6 @@ class EnergyBudget {
     if (!begun_) return 1.0;
     return std::clamp(level_j_ / (kFullAbove * most_j), 0.0, 1.0);
   }
-  /// What is left [J]; 0 before the first call.
-  double level_j() const noexcept { return level_j_; }
 
  private:
   static constexpr double kFullAbove = 0.5;

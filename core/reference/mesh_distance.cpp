@@ -1,28 +1,17 @@
 #include "core/reference/mesh_distance.hpp"
 
-#include <fcl/geometry/bvh/BVH_model.h>
 #include <fcl/geometry/shape/sphere.h>
 #include <fcl/narrowphase/distance.h>
 
 #include <cmath>
 
+#include "core/reference/fcl_mesh.hpp"
+
 namespace voxtouch::reference {
 namespace {
 
-using Bvh = fcl::BVHModel<fcl::OBBRSSd>;
 constexpr double kProbeShare = 1e-9;    ///< size of the second way's triangle over the mesh's size
 constexpr double kRoundingShare = 1e-9; ///< rounding of FCL's projections over the mesh's size
-
-std::unique_ptr<Bvh> make_bvh(const ReferenceMesh& mesh) {
-  std::vector<fcl::Triangle> triangles;
-  triangles.reserve(mesh.triangles.size());
-  for (const auto& t : mesh.triangles) triangles.emplace_back(t[0], t[1], t[2]);
-  auto bvh = std::make_unique<Bvh>();
-  bvh->beginModel(static_cast<int>(triangles.size()), static_cast<int>(mesh.vertices.size()));
-  bvh->addSubModel(mesh.vertices, triangles);
-  bvh->endModel();
-  return bvh;
-}
 
 double size_of(const ReferenceMesh& mesh) {
   double size = 0.0;
@@ -47,13 +36,13 @@ fcl::Transform3d at(const Vec3& x) {
 
 struct MeshDistance::Model {
   double size;
-  std::unique_ptr<Bvh> bvh, probe;
+  std::unique_ptr<FclMesh> bvh, probe;
 };
 
 MeshDistance::MeshDistance(const ReferenceMesh& mesh) : model_(std::make_unique<Model>()) {
   model_->size = size_of(mesh);
-  model_->bvh = make_bvh(mesh);
-  model_->probe = make_bvh(probe_triangle(kProbeShare * model_->size));
+  model_->bvh = make_fcl_mesh(mesh);
+  model_->probe = make_fcl_mesh(probe_triangle(kProbeShare * model_->size));
 }
 MeshDistance::~MeshDistance() = default;
 MeshDistance::MeshDistance(MeshDistance&&) noexcept = default;

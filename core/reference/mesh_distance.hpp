@@ -1,5 +1,5 @@
 #pragma once
-/// Distances to a mesh, by FCL. The only header of this module whose source includes FCL.
+/// Distances to a mesh, by FCL. The only source of this module that asks FCL is this header's.
 #include <memory>
 
 #include "core/reference/reference_mesh.hpp"

@@ -164,20 +164,13 @@ void DistanceTree::squares(std::uint32_t place, const Points& points, Squares& o
 
 bool DistanceTree::within(const Vec3& centre, double reach, std::size_t most, std::vector<std::uint32_t>& places) const {
   places.clear();
-  if (nodes_.empty()) return true;
   const double square = reach * reach * (1.0 + kRoundingRelative) + kRoundingAbsolute;
-  std::array<std::uint32_t, kDeepest> stack;
-  std::size_t depth = 0;
-  stack[depth++] = 0;
-  while (depth > 0) {
-    const std::uint32_t index = stack[--depth];
-    const Node& node = nodes_[index];
-    if (square_distance(node, centre) > square) continue;
-    if (places.size() + node.count > most) return false;
-    for (std::uint32_t n = 0; n < node.count; ++n) places.push_back(node.first + n);
-    if (node.count == 0) stack[depth++] = node.first, stack[depth++] = index + 1;
-  }
-  return true;
+  return each_leaf([&](const Node& node) { return square_distance(node, centre) <= square; },
+                   [&](const Node& leaf) {
+                     if (places.size() + leaf.count > most) return false;
+                     for (std::uint32_t n = 0; n < leaf.count; ++n) places.push_back(leaf.first + n);
+                     return true;
+                   });
 }
 
 bool DistanceTree::on_ray(const Node& node, const Vec3& origin, const Vec3& direction) noexcept {

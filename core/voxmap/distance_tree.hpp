@@ -63,6 +63,9 @@ class DistanceTree {
     Vec3 three_middles;  ///< sum of its corners
     std::uint32_t triangle;
   };
+  /// Calls leaf(node) for each leaf of the tree in its order, below nodes of which meets(node) says true alone; ends where leaf gives false.
+  template <class Meets, class Leaf>
+  bool each_leaf(const Meets& meets, const Leaf& leaf) const;
   void split(std::vector<Place>& places, std::uint32_t begin, std::uint32_t end);
   /// The box of a node whose children have theirs.
   void enclose(std::size_t index) noexcept;
@@ -71,19 +74,31 @@ class DistanceTree {
   std::vector<Node> nodes_;
 };
 
-template <class F>
-void DistanceTree::each_on_ray(const Vec3& origin, const Vec3& direction, F&& f) const {
-  if (nodes_.empty()) return;
+template <class Meets, class Leaf>
+bool DistanceTree::each_leaf(const Meets& meets, const Leaf& leaf) const {
+  if (nodes_.empty()) return true;
   std::array<std::uint32_t, kDeepest> stack;
   std::size_t depth = 0;
   stack[depth++] = 0;
   while (depth > 0) {
     const std::uint32_t index = stack[--depth];
     const Node& node = nodes_[index];
-    if (!on_ray(node, origin, direction)) continue;
-    for (std::uint32_t n = 0; n < node.count; ++n) f(facets_[node.first + n].triangle);
-    if (node.count == 0) stack[depth++] = node.first, stack[depth++] = index + 1;
+    if (!meets(node)) continue;
+    if (node.count == 0)
+      stack[depth++] = node.first, stack[depth++] = index + 1;
+    else if (!leaf(node))
+      return false;
   }
+  return true;
+}
+
+template <class F>
+void DistanceTree::each_on_ray(const Vec3& origin, const Vec3& direction, F&& f) const {
+  each_leaf([&](const Node& node) { return on_ray(node, origin, direction); },
+            [&](const Node& leaf) {
+              for (std::uint32_t n = 0; n < leaf.count; ++n) f(facets_[leaf.first + n].triangle);
+              return true;
+            });
 }
 
 }  // namespace voxtouch::voxmap

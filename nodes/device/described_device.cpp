@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "core/types/program_folder.hpp"
+#include "core/types/shipped_files.hpp"
 #include "devices/registry.hpp"
 
 namespace voxtouch::device_node {
@@ -16,18 +16,9 @@ namespace {
 
 constexpr std::size_t kShown = 256;  ///< of a name that is none, in the message
 
-std::filesystem::path device_folder() { return shared_folder() / "devices"; }
-
 }  // namespace
 
-std::vector<std::string> shipped_devices() {
-  std::vector<std::string> names;
-  std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator(device_folder(), error))
-    if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem().string());
-  std::ranges::sort(names);
-  return names;
-}
+std::vector<std::string> shipped_devices() { return shipped_files("devices"); }
 
 std::optional<scene::DeviceFile> described_device(const std::string& device) {
   if (!device.starts_with(devices::kDescribedPrefix)) return std::nullopt;
@@ -38,7 +29,7 @@ std::optional<scene::DeviceFile> described_device(const std::string& device) {
   if (!std::ranges::binary_search(names, name))
     throw std::runtime_error(fmt::format("'{}' is no file, and no device file of this name comes with voxtouch. These do: {}",
                                          name.substr(0, kShown), fmt::join(names, ", ")));
-  return scene::load_device_file(std::filesystem::canonical(device_folder() / (name + ".yaml")));
+  return scene::load_device_file(shipped_file("devices", name));
 }
 
 std::optional<DeviceDescription> description_of(const std::string& device) {

@@ -8,14 +8,12 @@
 #include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
 
-#include "core/types/program_folder.hpp"
+#include "core/types/shipped_files.hpp"
 
 namespace voxtouch::runtime {
 namespace {
 
 constexpr std::size_t kNameShown = 64;  ///< of a name that is none, in the message
-
-std::filesystem::path scene_folder() { return shared_folder() / "scenes"; }
 
 std::string find_scene(std::string& text) {
   std::error_code error;
@@ -25,20 +23,13 @@ std::string find_scene(std::string& text) {
   if (!std::ranges::binary_search(names, text))
     return fmt::format("'{}' is no file, and no scene of this name comes with voxtouch. These do: {}", text.substr(0, kNameShown),
                        fmt::join(names, ", "));
-  text = std::filesystem::canonical(scene_folder() / (text + ".yaml")).string();
+  text = shipped_file("scenes", text).string();
   return {};
 }
 
 }  // namespace
 
-std::vector<std::string> shipped_scenes() {
-  std::vector<std::string> names;
-  std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator(scene_folder(), error))
-    if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem().string());
-  std::ranges::sort(names);
-  return names;
-}
+std::vector<std::string> shipped_scenes() { return shipped_files("scenes"); }
 
 CLI::Validator scene_argument() { return {find_scene, "FILE|NAME", "scene"}; }
 

@@ -1,7 +1,5 @@
 // What a mesh takes until it can be felt, in one thread, beside OpenVDB's signed distances of the same mesh on a grid of the same edge.
 // deploy/bench writes it down.
-#include <benchmark/benchmark.h>
-
 #include <map>
 
 #include "core/pointshell/build_shell.hpp"
@@ -9,6 +7,7 @@
 #include "core/voxmap/voxelise.hpp"
 #include "tests/bench/bench_mesh.hpp"
 #include "tests/bench/others.hpp"
+#include "tests/bench/run_benchmarks.hpp"
 
 namespace voxtouch::bench {
 namespace {
@@ -71,9 +70,5 @@ int main(int argc, char** argv) {
   for (const std::size_t triangles : {1000U, 10'000U, 100'000U, 1'000'000U})
     for (const auto& [name, what] : kRows)
       benchmark::RegisterBenchmark((std::string(name) + "/cup/" + std::to_string(triangles)).c_str(), what, triangles)->Unit(benchmark::kMillisecond);
-  benchmark::Initialize(&argc, argv);
-  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
-  benchmark::RunSpecifiedBenchmarks();
-  benchmark::Shutdown();
-  return 0;
+  return run_benchmarks(argc, argv);
 }

@@ -1,29 +1,16 @@
-#include <fcl/geometry/bvh/BVH_model.h>
 #include <fcl/narrowphase/collision.h>
 #include <fcl/narrowphase/distance.h>
 
+#include "core/reference/fcl_mesh.hpp"
 #include "tests/bench/others.hpp"
 
 namespace voxtouch::bench {
 namespace {
 
-using Bvh = fcl::BVHModel<fcl::OBBRSSd>;
-
-std::unique_ptr<Bvh> make_bvh(const mesh::TriangleMesh& mesh) {
-  std::vector<fcl::Triangle> triangles;
-  triangles.reserve(mesh.triangles.size());
-  for (const auto& t : mesh.triangles) triangles.emplace_back(t[0], t[1], t[2]);
-  auto bvh = std::make_unique<Bvh>();
-  bvh->beginModel(static_cast<int>(triangles.size()), static_cast<int>(mesh.vertices.size()));
-  bvh->addSubModel(mesh.vertices, triangles);
-  bvh->endModel();
-  return bvh;
-}
-
 class FclPair final : public OtherPair {
  public:
   FclPair(const mesh::TriangleMesh& still, const mesh::TriangleMesh& moving, FclQuestion question)
-      : still_(make_bvh(still)), moving_(make_bvh(moving)), question_(question) {}
+      : still_(reference::make_fcl_mesh(still)), moving_(reference::make_fcl_mesh(moving)), question_(question) {}
 
   double ask(const Pose& pose) override {
     fcl::Transform3d at = fcl::Transform3d::Identity();
@@ -41,7 +28,7 @@ class FclPair final : public OtherPair {
   }
 
  private:
-  std::unique_ptr<Bvh> still_, moving_;
+  std::unique_ptr<reference::FclMesh> still_, moving_;
   FclQuestion question_;
 };
 

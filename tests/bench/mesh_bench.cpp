@@ -1,7 +1,5 @@
 // A query of our contact beside those of FCL and Bullet, on the same two meshes at the same poses, by the number of their triangles. What each
 // gives differs: ours forces of all points to a voxel, FCL pairs of triangles, Bullet the same in single precision. deploy/bench writes it down.
-#include <benchmark/benchmark.h>
-
 #include <map>
 
 #include "core/contact/contact_renderer.hpp"
@@ -9,6 +7,7 @@
 #include "core/voxmap/voxelise.hpp"
 #include "tests/bench/bench_mesh.hpp"
 #include "tests/bench/others.hpp"
+#include "tests/bench/run_benchmarks.hpp"
 
 namespace voxtouch::bench {
 namespace {
@@ -88,9 +87,5 @@ void add_all() {
 
 int main(int argc, char** argv) {
   voxtouch::bench::add_all();
-  benchmark::Initialize(&argc, argv);
-  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
-  benchmark::RunSpecifiedBenchmarks();
-  benchmark::Shutdown();
-  return 0;
+  return voxtouch::bench::run_benchmarks(argc, argv);
 }

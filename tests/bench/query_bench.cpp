@@ -1,7 +1,5 @@
 // Times of the contact query and of what comes after its hits, by place and number of points, beside reading 12 bytes a point: what
 // any query that looks at every point costs at least. Ratios are what counts; deploy/bench writes them down.
-#include <benchmark/benchmark.h>
-
 #include <map>
 #include <numbers>
 #include <string_view>
@@ -14,6 +12,7 @@
 #include "tests/bench/bench_mesh.hpp"
 #include "tests/bench/bench_sizes.hpp"
 #include "tests/bench/read_floor.hpp"
+#include "tests/bench/run_benchmarks.hpp"
 
 namespace voxtouch::bench {
 namespace {
@@ -147,9 +146,5 @@ int main(int argc, char** argv) {
   }
   benchmark::AddCustomContext("instructions", std::to_string(static_cast<int>(voxtouch::contact::instructions())));
   voxtouch::bench::add_all();
-  benchmark::Initialize(&argc, argv);
-  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
-  benchmark::RunSpecifiedBenchmarks();
-  benchmark::Shutdown();
-  return 0;
+  return voxtouch::bench::run_benchmarks(argc, argv);
 }

@@ -8,6 +8,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <regex>
 #include <thread>
 
 #include "nodes/runtime/node_registry.hpp"
@@ -176,12 +177,15 @@ TEST(HungDisk, ThatIsStoppedMeanwhileLosesNothing) {
 
 class StoppedInLockstep : public testing::TestWithParam<const char*> {};
 
+/// `up` has told of samples: before the first of them all nodes are there, but the ring has not begun.
+bool has_samples(const Process& up) { return std::regex_search(up.err(), std::regex(" [1-9][0-9]* samples  force")); }
+
 TEST_P(StoppedInLockstep, EndsTheRunWithASentence) {
   const std::string node = GetParam();
   const TemporaryFolder folder;
   Process up(up_arguments(shipped_scene("cup"),
                           {"--motion", "slide", "--duration", "3000", "--lockstep", "--record", (folder / "bag").string()}));
-  ASSERT_TRUE(wait_until([&] { return runs(up); }, seconds(30))) << up.err();
+  ASSERT_TRUE(wait_until([&] { return has_samples(up); }, seconds(30))) << up.err();
   const pid_t pid = child_called(up.pid(), "voxtouch_" + node);
   ASSERT_NE(pid, 0);
   ASSERT_EQ(::kill(pid, SIGSTOP), 0);

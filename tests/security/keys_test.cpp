@@ -10,6 +10,7 @@
 #include "nodes/security/key_folder.hpp"
 #include "nodes/security/make_keys.hpp"
 #include "qos/services.hpp"
+#include "tests/support/file_count.hpp"
 #include "tests/support/process/process.hpp"
 
 namespace voxtouch::security {
@@ -75,7 +76,7 @@ TEST(Keys, NeverOverwriteAndLeaveNothingWhereTheyFail) {
   EXPECT_THROW(make_keys(folder, "haptic", 30), Error);
   EXPECT_EQ(read_file(folder / "ca.cert.pem"), before);
   EXPECT_THROW(make_keys(temporary / "no" / "folder", "haptic", 30), Error);
-  EXPECT_EQ(std::distance(fs::directory_iterator(temporary.path()), {}), 1);
+  EXPECT_EQ(test::file_count(temporary.path()), 1U);
 }
 
 TEST(Permissions, AreThoseOfTheTableOfTopics) {

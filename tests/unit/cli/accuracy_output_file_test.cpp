@@ -4,24 +4,17 @@
 #include <fstream>
 #include <iterator>
 
-#include <unistd.h>
-
 #include "nodes/cli/output_file.hpp"
+#include "tests/support/file_count.hpp"
+#include "tests/support/process/process.hpp"
 
 namespace voxtouch::cli {
 namespace {
 
 class OutputFileTest : public testing::Test {
  protected:
-  void SetUp() override {
-    folder_ = std::filesystem::temp_directory_path() / ("voxtouch_output_" + std::to_string(::getpid()));
-    std::filesystem::create_directories(folder_);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-  std::size_t files() const {
-    return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder_), {}));
-  }
-  std::filesystem::path folder_;
+  std::size_t files() const { return test::file_count(folder_.path()); }
+  test::TemporaryFolder folder_;
 };
 
 TEST_F(OutputFileTest, HoldsTheTextOnceItIsKept) {

@@ -8,6 +8,7 @@
 #include <random>
 
 #include "nodes/scene_build/cache_file.hpp"
+#include "tests/support/file_count.hpp"
 #include "tests/support/process/process.hpp"
 
 namespace voxtouch::test::cache_file {
@@ -49,7 +50,7 @@ TEST_F(CacheFile, GivesBackWhatWasWrittenAndIsThisUsersAlone) {
   struct stat is{};
   ASSERT_EQ(::stat(file_.c_str(), &is), 0);
   EXPECT_EQ(is.st_mode & 0777, 0600U);
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_.path()), {}), 1) << "nothing is left beside it";
+  EXPECT_EQ(file_count(folder_.path()), 1U) << "nothing is left beside it";
 }
 
 TEST_F(CacheFile, ThatIsNotThereIsNoFault) { EXPECT_EQ(read_cache_file(folder_ / "none.scene", kRecipe, kMost).memory, nullptr); }

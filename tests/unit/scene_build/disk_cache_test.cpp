@@ -8,16 +8,13 @@
 #include "nodes/scene_build/cache_file.hpp"
 #include "nodes/scene_build/cache_options.hpp"
 #include "nodes/scene_build/disk_cache.hpp"
+#include "tests/support/file_count.hpp"
 #include "tests/support/process/process.hpp"
 
 namespace voxtouch::test::disk_cache {
 namespace {
 
 using scene_build::DiskCache;
-
-std::size_t files_in(const std::filesystem::path& folder) {
-  return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder), {}));
-}
 
 TEST(SceneDiskCache, FindsWhatWasKeptAndNothingElse) {
   const TemporaryFolder folder;
@@ -56,10 +53,10 @@ TEST(SceneDiskCache, ForgetsWhatWasUsedLongestAgo) {
   EXPECT_FALSE(std::filesystem::exists(cache.file_of("b")));
   for (const char* recipe : {"a", "c", "d"}) EXPECT_NE(cache.find(recipe).memory, nullptr) << recipe;
   cache.keep("larger than all", std::string(5'000, 'x'));
-  EXPECT_EQ(files_in(folder.path()), 3U);
+  EXPECT_EQ(file_count(folder.path()), 3U);
   cache.keep("whole", std::string(3'900, 'x'));
   EXPECT_NE(cache.find("whole").memory, nullptr);
-  EXPECT_EQ(files_in(folder.path()), 1U);
+  EXPECT_EQ(file_count(folder.path()), 1U);
 }
 
 TEST(SceneDiskCache, ClearsWhatProgramsThatWereEndedLeft) {
@@ -94,7 +91,7 @@ TEST(SceneDiskCache, ServesManyAtOnceThatWriteReadAndForget) {
   EXPECT_EQ(wrong, 0);
   EXPECT_GT(found, 0);
   for (const auto& entry : std::filesystem::directory_iterator(folder.path())) EXPECT_EQ(entry.path().extension(), ".scene");
-  EXPECT_LE(files_in(folder.path()), 5U);
+  EXPECT_LE(file_count(folder.path()), 5U);
 }
 
 TEST(SceneDiskCache, ThatCannotBeWrittenIsSaidAndNoFault) {
