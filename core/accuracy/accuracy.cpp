@@ -118,7 +118,7 @@ class Measurement {
         return row;
       }
       const pointshell::Pointshell& shell = built->renderer().query().shell();
-      shells_.emplace(setting.shell_voxel_m, shell);
+      if (setting.budget >= 1.0) shells_.emplace(setting.shell_voxel_m, shell);
       judge(built->renderer(), law_stiffness(parameters(setting, shell), shell), row);
     } catch (const std::exception& error) {
       row = {};
@@ -139,6 +139,7 @@ class Measurement {
                        {.model = setting.model,
                         .weights = setting.weights,
                         .shell_voxel_m = setting.shell_voxel_m,
+                        .share_of_points = setting.budget < 1.0 ? std::optional(setting.budget) : std::nullopt,
                         .read = options_.read});
   }
   contact::ContactParameters parameters(const AccuracySetting& setting, const pointshell::Pointshell& shell) const {
@@ -184,7 +185,9 @@ class Measurement {
     for (std::size_t n = 0; n < places_.size(); ++n) {
       progress_.at(static_cast<double>(n) / static_cast<double>(places_.size()));
       if (wanted[n].force.isZero(0.0)) continue;
-      pairs[n].given = renderer.probe(places_[n].at(depth)).wrench;
+      const contact::ContactResult given = renderer.probe(places_[n].at(depth));
+      pairs[n].given = given.wrench;
+      row.left_out_depth_m = std::max(row.left_out_depth_m, given.left_out.depth_m);
       if (clear[n]) onsets.push_back(onset_gap(renderer, places_[n], edge));
     }
     judge_wrenches(pairs, row);
@@ -283,7 +286,7 @@ class Measurement {
     std::unique_ptr<rendering::BuiltScene> ground;
     for (AccuracyRow& row : rows) {
       const AccuracySetting& setting = row.setting;
-      if (setting.voxel_m != voxel_m || !row.refused.empty()) continue;
+      if (setting.voxel_m != voxel_m || !row.refused.empty() || setting.budget < 1.0) continue;  // what a budget costs does not hang on the grid
       try {
         ErrorFigures figures;
         if (setting.virtual_tool) {

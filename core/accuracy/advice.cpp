@@ -185,6 +185,7 @@ std::string describe(const AccuracySetting& s) {
   std::string text = s.virtual_tool
                          ? fmt::format("virtual tool, e = {:.4g} mm", s.voxel_m * 1e3)
                          : fmt::format("{}/{}, e = {:.4g} mm", contact::name_of(s.model), weights_word(s.weights), s.voxel_m * 1e3);
+  if (s.budget < 1.0) text += fmt::format(", {:.3g} % of the points", 100.0 * s.budget);
   if (s.shell_voxel_m != s.voxel_m) text += fmt::format(", shell {:.4g} mm", s.shell_voxel_m * 1e3);
   return text;
 }

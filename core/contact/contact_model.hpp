@@ -48,6 +48,7 @@ struct ContactResult {
   bool saturated = false;
   PoseStatus pose_status = PoseStatus::kUsable;
   std::uint32_t points_tested = 0;      ///< points that culling left to test
+  LeftOut left_out;                     ///< where a time budget allowed no more
 };
 
 /// Turns the hits of one frame into a wrench. Memoryless; interior voxels give no force. Sums run over the hits in their

@@ -40,7 +40,7 @@ std::vector<float> rounded(const std::vector<double>& values) {
 
 }  // namespace
 
-ContactQuery::ContactQuery(const voxmap::Voxmap& voxmap, pointshell::Pointshell shell, PointWeights weights)
+ContactQuery::ContactQuery(const voxmap::Voxmap& voxmap, pointshell::Pointshell shell, PointWeights weights, pointshell::ShellLevels levels)
     : voxmap_(voxmap), shell_(std::move(shell)) {
   check(shell_);
   if (weights == PointWeights::kArea) check_areas(shell_);
@@ -51,9 +51,10 @@ ContactQuery::ContactQuery(const voxmap::Voxmap& voxmap, pointshell::Pointshell 
   source_.place[0] = shell_.x.data(), source_.place[1] = shell_.y.data(), source_.place[2] = shell_.z.data();
   source_.normal[0] = shell_.nx.data(), source_.normal[1] = shell_.ny.data(), source_.normal[2] = shell_.nz.data();
   if (weights == PointWeights::kArea) source_.area = shell_.area_m2.data();
+  if (!levels.empty()) levels_ = LevelQuery(shell_, std::move(levels), weights == PointWeights::kArea ? shell_.area_m2 : std::vector<double>());
 }
 
-void ContactQuery::find(const Pose& pose_WT, HitList& hits) const noexcept {
+void ContactQuery::find(const Pose& pose_WT, HitList& hits, const PointLimit& limit) const noexcept {
   hits.clear();
   Quat orientation = pose_WT.orientation;
   if (!pose_WT.position.allFinite() ||
@@ -78,7 +79,16 @@ void ContactQuery::find(const Pose& pose_WT, HitList& hits) const noexcept {
   QueryFrame frame;
   if (!make_query_frame(voxmap_, source, reach_m_, frame)) return;
   FoundHits surface{hits.surface.room(shell_.size())}, interior{hits.interior.room(shell_.size())};
-  hits.tested = search({&voxmap_, shell_.size(), &tree_, x_.data(), y_.data(), z_.data()}, frame, surface, interior);
+  const QueryData data{&voxmap_, shell_.size(), &tree_, x_.data(), y_.data(), z_.data()};
+  if (levels_.empty() || !hits.work.ready()) {
+    hits.tested = search(data, frame, surface, interior);
+  } else {
+    const LevelChoice choice = levels_.choose(data, frame, limit, hits.work);
+    if (choice.weights != nullptr) frame.source.area = source.area = choice.weights;
+    hits.tested = search_leaves(data, frame, choice.leaves, surface, interior);
+    hits.left_out = choice.left_out;
+    hits.asked_end = choice.asked_end;
+  }
   hits.surface.keep(surface.count, source);
   hits.interior.keep(interior.count, source);
   hits.surface.set_sums(surface.normals, surface.weights);

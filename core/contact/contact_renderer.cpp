@@ -5,21 +5,34 @@
 namespace voxtouch::contact {
 
 ContactRenderer::ContactRenderer(const voxmap::Voxmap& voxmap, pointshell::Pointshell shell, ContactModelKind model,
-                                 const ContactParameters& parameters, const voxmap::DistanceField* field)
-    : query_(voxmap, std::move(shell), parameters.weights),
+                                 const ContactParameters& parameters, const voxmap::DistanceField* field, FrameBudget budget)
+    : query_(voxmap, std::move(shell), parameters.weights, std::move(budget.levels)),
       model_(make_contact_model(model, parameters, {&voxmap, field, query_.shell().size()})),
-      stage_({query_.shell().size(), query_.reach_m(), voxmap.grid().edge, parameters.stiffness, model}),
-      entry_stage_(stage_) {
+      stage_({query_.shell().size(), query_.reach_m(), voxmap.grid().edge, parameters.stiffness, model,
+              query_.levels().empty() ? nullptr : query_.levels().levels().stands_in.data()}),
+      budget_points_(query_.levels().empty() ? 0 : budget.points), touched_(budget_points_ > 0 ? query_.shell().size() : 0),
+      entry_stage_(stage_.config()) {  // not a copy: that would have no room for what a later frame remembers
   hits_.reserve(query_.shell().size());
+  if (budget_points_ > 0) hits_.work.reserve(query_.shell().size());
 }
 
 StageResult ContactRenderer::render(const Pose& pose_WT) noexcept {
+  if (budget_points_ > 0) limit_ = {is_fast(pose_WT) ? budget_points_ / FrameBudget::kLookups : budget_points_, &touched_};
   const ContactResult plain = evaluate_for_stage(pose_WT);
   if (hits_.pose_status != PoseStatus::kUsable) return stage_.apply(hits_, plain, 0.0);
   const double moved_m = stage_.motion_to(hits_.pose_WT);
   if (entry_kind_ != Entry::kNone || moved_m > limits::kFastEdges * query_.voxmap().grid().edge)
     return render_fast(plain, moved_m);
+  remember_touched();
   return stage_.apply(hits_, plain, moved_m);
+}
+
+/// Whether `render` is going to walk to this pose: as the pose looked up says it, to the bit.
+bool ContactRenderer::is_fast(const Pose& pose_WT) const noexcept {
+  if (entry_kind_ != Entry::kNone) return true;
+  Pose unit = pose_WT;
+  return normalise_within(unit.orientation, limits::kMinQuaternionNorm, limits::kMaxQuaternionNorm) &&
+         stage_.motion_to(unit) > limits::kFastEdges * query_.voxmap().grid().edge;
 }
 
 /// `plain` is the model's for hits_, at the frame's pose.
@@ -42,6 +55,7 @@ StageResult ContactRenderer::render_fast(const ContactResult& plain, double move
       result = walk(path, steps, plain);
     } else {
       entry_kind_ = Entry::kNone;
+      remember_touched();
       result = stage_.apply(hits_, plain, stage_.motion_to(tool));
       result.missed = true;
     }
@@ -78,6 +92,7 @@ StageResult ContactRenderer::walk(const MotionPath& path, int steps, const Conta
     const Pose pose = path.at(static_cast<double>(n) / steps);
     const ContactResult plain = looked_up ? plain_at_end : evaluate_for_stage(pose);
     if (!looked_up) ++sub_poses_;
+    remember_touched();
     result = stage_.apply(hits_, plain, stage_.motion_to(hits_.pose_WT));
     const Wrench& wrench = result.contact.wrench;
     const double share = along.share(wrench);
@@ -99,14 +114,14 @@ StageResult ContactRenderer::walk(const MotionPath& path, int steps, const Conta
 
 ContactResult ContactRenderer::evaluate_for_stage(const Pose& pose_WT) noexcept {
   ContactResult result;
-  query_.find(pose_WT, hits_);
+  query_.find(pose_WT, hits_, limit_);
   model_->evaluate_for_stage(hits_, result);
   return result;
 }
 
 ContactResult ContactRenderer::probe(const Pose& pose_WT) noexcept {
   ContactResult result;
-  query_.find(pose_WT, hits_);
+  query_.find(pose_WT, hits_, budget_points_ > 0 ? PointLimit{budget_points_, nullptr} : PointLimit{});
   model_->evaluate(hits_, result);
   return result;
 }

@@ -62,6 +62,7 @@ StageResult ContactStage::apply(const HitList& hits, const ContactResult& plain,
   }
   shared_points_ = frame.shared_points;
   last_pose_ = hits.pose_WT;
+  last_asked_end_ = hits.asked_end;
   has_last_pose_ = true;
   return result;
 }
@@ -163,9 +164,14 @@ void ContactStage::returning_point(const HitList& hits, const Hit& hit, const Re
 
 /// What a point that has just gone through pushes with from now on.
 ContactStage::RetainedHit ContactStage::gone_through(const HitList& hits, const Hit& hit) const noexcept {
-  const std::size_t n = last_surface_.find(hit.point);
-  if (n == last_surface_.size()) return {hit.point, Push::kOwn, limits::kUnseenDepthEdges * config_.edge_m};
-  return {hit.point, choose_direction(hits, hit), plain_depth(last_surface_[n], last_direction_)};
+  for (std::uint32_t point = hit.point;; point = config_.stands_in[point]) {
+    if (const std::size_t n = last_surface_.find(point); n < last_surface_.size())
+      return {hit.point, choose_direction(hits, hit), plain_depth(last_surface_[n], last_direction_)};
+    const auto held = std::lower_bound(retained_.begin(), retained_.end(), point, [](const RetainedHit& a, std::uint32_t b) { return a.point < b; });
+    if (held != retained_.end() && held->point == point) return {hit.point, held->push, held->depth_m};
+    if (config_.stands_in == nullptr || point < last_asked_end_ || config_.stands_in[point] == point) break;
+  }
+  return {hit.point, Push::kOwn, limits::kUnseenDepthEdges * config_.edge_m};
 }
 
 /// The points in interior voxels, and those of the last frame that are back in the surface layer.

@@ -26,6 +26,8 @@ struct StageConfig {
   double edge_m = 0.0;             ///< voxel edge e of the static grid
   double stiffness = 0.0;          ///< K of a weight of one, as ContactParameters
   ContactModelKind model = ContactModelKind::kAdapted;
+  /// Of a shell in levels, which may leave out points: who stands for each (pointshell::ShellLevels::stands_in). Must outlive the stage; null: none is left out.
+  const std::uint32_t* stands_in = nullptr;
 };
 
 /// Whether the stage keeps a depth for each point: for the contact models that know none beyond the surface layer.
@@ -40,7 +42,8 @@ constexpr bool remembers(ContactModelKind model) noexcept {
 /// divided by 0.1 instead of its length: the point's push fades through zero, never 0/0, and F stays continuous in rho, n_i.
 ///
 /// Retain. Each point remembers the depth it last pushed with. In an interior voxel it goes on pushing with that depth (at
-/// least e/4); one that was in no surface voxel the frame before pushes with e along its own normal. The direction is chosen
+/// least e/4); one that was in no surface voxel the frame before pushes with e along its own normal, or, where a budget had left it out, as the
+/// one that stood for it. The direction is chosen
 /// when the point goes through: the shared retained direction g or the point's own normal. g is the last coherent mean normal of
 /// all points in contact, those gone through included, while there are surface hits (without any gone through: m). It follows
 /// the present mean as far as that is coherent and agrees with g: round a curved wall it turns, beyond the tool's equator
@@ -72,6 +75,7 @@ class ContactStage {
   /// Bound of every point's way from the last pose to `pose` [m]; 0 where there is no last pose. Real-time safe.
   double motion_to(const Pose& pose) const noexcept { return has_last_pose_ ? motion_bound(pose) : 0.0; }
   const Pose& last_pose() const noexcept { return last_pose_; }
+  const StageConfig& config() const noexcept { return config_; }
 
   /// Forgets everything, also the last pose.
   void reset() noexcept;
@@ -106,6 +110,7 @@ class ContactStage {
   PushDirection last_direction_;
   std::vector<RetainedHit> retained_;
   std::vector<RetainedHit> returning_, inside_;  ///< of the frame in work
+  std::uint32_t last_asked_end_ = 0xffffffff;  ///< HitList::asked_end
   Pose last_pose_;
   bool has_last_pose_ = false;
   Vec3 shared_ = Vec3::Zero();    ///< last good direction; zero: none yet

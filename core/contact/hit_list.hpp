@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "core/contact/level_work.hpp"
 #include "core/pointshell/pointshell.hpp"
 #include "core/types/geometry.hpp"
 
@@ -134,9 +135,12 @@ struct HitList {
   Pose pose_WT;   ///< the pose looked up, its quaternion brought to unit norm
   PoseStatus pose_status = PoseStatus::kUsable;
   std::uint32_t tested = 0;  ///< points that culling left to test
+  LeftOut left_out;          ///< where no more were allowed
+  std::uint32_t asked_end = 0xffffffff;  ///< of the points below this number nobody was left out
+  LevelWork work;            ///< for look-ups with a limit; reserved apart
 
   void reserve(std::size_t points) { surface.reserve(points), interior.reserve(points); }
-  void clear() noexcept { surface.clear(), interior.clear(), pose_WT = {}, pose_status = PoseStatus::kUsable, tested = 0; }
+  void clear() noexcept { surface.clear(), interior.clear(), pose_WT = {}, pose_status = PoseStatus::kUsable, tested = 0, left_out = {}, asked_end = 0xffffffff; }
 };
 
 }  // namespace voxtouch::contact

@@ -91,6 +91,7 @@ void begin_result(const HitList& hits, ContactResult& result) noexcept {
   result.surface_hits = static_cast<std::uint32_t>(hits.surface.size());
   result.interior_hits = static_cast<std::uint32_t>(hits.interior.size());
   result.points_tested = hits.tested;
+  result.left_out = hits.left_out;
   result.pose_status = hits.pose_status;
 }
 

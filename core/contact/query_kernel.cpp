@@ -70,48 +70,71 @@ void set_sums(const HitSource& s, const NormalLanes& lanes, FoundHits& found) no
   found.weights = combined(lanes.sum[3]);
 }
 
-/// One query on its way through the tree.
+/// Depth first, one group of spheres a level: `left` are those of it still to go through. Calls `look()` before each group and `leaf(n)` for
+/// each leaf that may touch; where either is false the walk ends.
+template <class Look, class Leaf>
+void walk(const Lookup& lookup, const LeafKernel& kernel, const SphereTree& tree, Look&& look, Leaf&& leaf) noexcept {
+  const std::vector<SphereTree::Level>& levels = tree.levels();
+  if (levels.empty()) return;
+  std::uint32_t left[SphereTree::kMaxLevels] = {};
+  std::size_t base[SphereTree::kMaxLevels] = {};
+  const auto enter = [&](std::size_t level, std::size_t first) {
+    const std::size_t count = levels[level].count - first;
+    const std::uint32_t real = count < kNodes ? (1U << count) - 1U : (1U << kNodes) - 1U;
+    base[level] = first;
+    left[level] = real & (lookup.map.free != nullptr ? kernel.near_spheres(lookup, levels[level], first) : real);
+  };
+  const std::size_t top = levels.size() - 1;
+  std::size_t level = top;
+  if (!look()) return;
+  enter(top, 0);
+  for (;;) {
+    if (left[level] == 0) {
+      if (level == top) break;
+      ++level;
+      continue;
+    }
+    const std::size_t node = base[level] + static_cast<std::size_t>(std::countr_zero(left[level]));
+    left[level] &= left[level] - 1;
+    if (level > 0) {
+      if (!look()) return;
+      enter(--level, kNodes * node);
+    } else if (!leaf(static_cast<std::uint32_t>(node))) {
+      return;
+    }
+  }
+}
+
+Lookup lookup_of(const QueryData& data, const QueryFrame& frame) noexcept {
+  Lookup lookup{data, frame, data.voxmap->arrays(), {}};
+  for (std::size_t axis = 0; axis < 3; ++axis) lookup.cells[axis] = static_cast<std::int32_t>(data.voxmap->cells()[axis]);
+  return lookup;
+}
+
+/// One query on its way.
 class Search {
  public:
   Search(const QueryData& data, const QueryFrame& frame, FoundHits& surface, FoundHits& interior) noexcept
-      : lookup_{data, frame, data.voxmap->arrays(), {}}, kernel_(leaf_kernel(instructions())), surface_(surface), interior_(interior) {
-    for (std::size_t axis = 0; axis < 3; ++axis) lookup_.cells[axis] = static_cast<std::int32_t>(data.voxmap->cells()[axis]);
+      : lookup_(lookup_of(data, frame)), kernel_(leaf_kernel(instructions())), surface_(surface), interior_(interior) {}
+
+  std::uint32_t run() noexcept {
+    walk(lookup_, kernel_, *lookup_.data.tree, [] { return true; }, [this](std::uint32_t leaf) { return add(leaf), true; });
+    return finish();
   }
 
-  /// Depth first, one group of spheres a level: `left` are those of it still to go through.
-  std::uint32_t run() noexcept {
-    const std::vector<SphereTree::Level>& levels = lookup_.data.tree->levels();
-    std::uint32_t left[SphereTree::kMaxLevels] = {};
-    std::size_t base[SphereTree::kMaxLevels] = {};
-    const auto enter = [&](std::size_t level, std::size_t first) {
-      const std::size_t count = levels[level].count - first;
-      const std::uint32_t real = count < kNodes ? (1U << count) - 1U : (1U << kNodes) - 1U;
-      base[level] = first;
-      left[level] = real & (lookup_.map.free != nullptr ? kernel_.near_spheres(lookup_, levels[level], first) : real);
-    };
-    const std::size_t top = levels.size() - 1;
-    std::size_t level = top;
-    enter(top, 0);
-    for (;;) {
-      if (left[level] == 0) {
-        if (level == top) break;
-        ++level;
-        continue;
-      }
-      const std::size_t node = base[level] + static_cast<std::size_t>(std::countr_zero(left[level]));
-      left[level] &= left[level] - 1;
-      if (level > 0)
-        enter(--level, kNodes * node);
-      else
-        add(static_cast<std::uint32_t>(node));
-    }
+  std::uint32_t run(std::span<const std::uint32_t> leaves) noexcept {
+    for (const std::uint32_t leaf : leaves) add(leaf);
+    return finish();
+  }
+
+ private:
+  std::uint32_t finish() noexcept {
     if (leaves_.count > 0) test();
     set_sums(lookup_.frame.source, surface_lanes_, surface_);
     set_sums(lookup_.frame.source, interior_lanes_, interior_);
     return tested_;
   }
 
- private:
   void add(std::uint32_t leaf) noexcept {
     leaves_.leaf[leaves_.count] = leaf;
     if (++leaves_.count == Leaves::kMost) test();
@@ -186,6 +209,30 @@ bool make_query_frame(const voxmap::Voxmap& voxmap, const HitSource& source, dou
   f.per_metre = static_cast<float>(1.0 / edge * (1.0 + 8.0 * kFloat));
   f.margin = static_cast<float>(limits::kCullSafetyVoxels + 16.0 * kFloat * (reach + largest) + of_doubles);
   return beyond <= reach + f.margin;
+}
+
+NearLeaves near_leaves(const QueryData& data, const QueryFrame& frame, const SphereTree& tree, std::uint32_t first_leaf, std::size_t most_work,
+                       std::uint32_t* leaves) noexcept {
+  NearLeaves out;
+  const auto costs = [&](std::size_t points) noexcept {
+    out.work += points;
+    out.too_many = out.work > most_work;
+    return !out.too_many;
+  };
+  walk(
+      lookup_of(data, frame), leaf_kernel(instructions()), tree, [&]() noexcept { return costs(kPointsPerLook); },
+      [&](std::uint32_t leaf) noexcept {
+        if (!costs(kRun)) return false;
+        leaves[out.count++] = first_leaf + leaf;
+        return true;
+      });
+  return out;
+}
+
+std::uint32_t search_leaves(const QueryData& data, const QueryFrame& frame, std::span<const std::uint32_t> leaves, FoundHits& surface,
+                            FoundHits& interior) noexcept {
+  surface.count = interior.count = 0;
+  return Search(data, frame, surface, interior).run(leaves);
 }
 
 std::uint32_t search(const QueryData& data, const QueryFrame& frame, FoundHits& surface, FoundHits& interior) noexcept {

@@ -106,6 +106,7 @@ void VirtualTool::look_up(const Pose& tool, std::span<const ToolGround> grounds,
     out.interior_hits += static_cast<std::uint32_t>(hits_.interior.size());
     out.points_tested += hits_.tested;
   }
+  tested_ += out.points_tested;
   rows_energy_ = worst_depth_m_ = 0.0;
   for (const ConstraintRow& row : rows_) {
     const double depth = std::max(0.0, -row.gap_m);
@@ -206,8 +207,9 @@ EquilibriumStep VirtualTool::follow(const Pose& hand, double friction, std::span
     const double way = way_of(step.delta);
     out.iterations += step.iterations;
     out.residual_m = way;
-    const bool done = queries == limits::kMaxQueries || (way < rest && (step.pushed || !pulled)) ||
-                      (way == 0.0 && same(tool_, hand));
+    const bool rests = (way < rest && (step.pushed || !pulled)) || (way == 0.0 && same(tool_, hand));
+    out.cut_short = queries >= limits::kLeastQueries && !rests && work_is_done(out);
+    const bool done = queries == limits::kMaxQueries || rests || out.cut_short;
     const double energy = spring_energy(length, pull) + rows_energy_;
     const double bump = limits::kBumpShare * reach.hand_m * std::min(length, pull);
     if (worse == 0 || energy <= best.energy + bump) {
@@ -231,6 +233,15 @@ EquilibriumStep VirtualTool::follow(const Pose& hand, double friction, std::span
     look_up(tool_, grounds, out);
     way_left_m -= share * way;
   }
+}
+
+/// Whether one more query with its step would cost more than is left.
+bool VirtualTool::work_is_done(const VirtualToolFrame& out) const noexcept {
+  const ToolWork& work = options_.work;
+  const double objects = static_cast<double>(displacements_.size());
+  const double so_far = objects * work.per_query * out.queries + work.per_point * static_cast<double>(tested_) + work.per_iteration * out.iterations;
+  const double next = objects * work.per_query + work.per_point * out.points_tested + work.per_iteration * out.iterations / std::max(1, out.queries);
+  return so_far + next > work.most;
 }
 
 /// The step from where the tool is: what still pulls and pushes there.
@@ -278,6 +289,7 @@ VirtualToolFrame VirtualTool::frame(const HandSample& sample, std::span<const To
   out.tool = tool_;
   out.unplaced = !placed_;
   std::fill(pushes_.begin(), pushes_.end(), Wrench{});
+  tested_ = 0;
   Pose hand = sample.pose;
   out.pose_status = status_of(hand, grounds);
   if (out.pose_status != PoseStatus::kUsable) return out;

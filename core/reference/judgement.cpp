@@ -140,14 +140,16 @@ std::string Judge::hits_breach(const GapResult& gap, const ReportedContact& repo
                          report.wrench.force.norm());
     return "";
   }
-  if (gap.buried_m > buried_limit_m()) {
+  // A point that was left out is no deeper than this beyond one that was asked.
+  const double must_collide_m = buried_limit_m() + report.left_out_depth_m;
+  if (gap.buried_m > must_collide_m) {
     out.decided = true;
     if (report.surface_hits == 0 && report.interior_hits == 0)
       return fmt::format("no hit, though the tool is buried by {:.3g} mm (must collide from {:.3g} mm)", mm(gap.buried_m),
-                         mm(buried_limit_m()));
+                         mm(must_collide_m));
   }
   const double cap_limit = kCapSlack * settings_.edge_m + settings_.chord_error_m + settings_.shell_offset_m;
-  const bool cap_contains_a_point = settings_.shell_gap_m <= kDiagonal * settings_.edge_m * (1 + 1e-9);
+  const bool cap_contains_a_point = report.left_out_depth_m == 0.0 && settings_.shell_gap_m <= kDiagonal * settings_.edge_m * (1 + 1e-9);
   if (report.surface_hits == 0 && report.interior_hits == 0 && cap_contains_a_point && gap.cap_buried_m > cap_limit)
     return fmt::format("no hit, though all of the tool round its deepest point is at least {:.3g} mm inside",
                        mm(gap.cap_buried_m));
@@ -171,7 +173,7 @@ std::string Judge::force_breach(const ReportedContact& report) const {
 
 std::string Judge::depth_breach(const GapResult& gap, const ReportedContact& report, Judgement& out) const {
   if (!gap.depth_exact || report.retained || gap.gap_m > free_limit_m()) return "";
-  const double e = settings_.edge_m, g = settings_.shell_gap_m, radius = gap.sphere_radius_m;
+  const double e = settings_.edge_m, g = settings_.shell_gap_m + report.left_out_depth_m, radius = gap.sphere_radius_m;
   const double sag = radius > 0 ? std::min(g, g * g / (2.0 * radius)) : g;
   const double layer = 0.5 * e * (gap.direction.isZero() ? kDiagonal : gap.direction.lpNorm<1>());
   const double tolerance =
@@ -195,7 +197,7 @@ std::string Judge::direction_breach(const GapResult& gap, const ReportedContact&
       out.direction_error_rad = std::fmax(out.direction_error_rad, angle_between(reported, gap.direction));
   const double from_depth = kDirectionFromDepth * e + settings_.shell_offset_m;
   const bool to_angle = -gap.gap_m >= from_depth && report.surface_hits >= kDirectionFromHits &&
-                        report.interior_hits == 0 && !report.retained;
+                        report.interior_hits == 0 && !report.retained && report.left_out_depth_m == 0.0;
   const double limit = to_angle ? kDirectionTolerance : kWrongSide;
   if (!(out.direction_error_rad > limit)) return "";
   return fmt::format("the direction is {:.3g} degrees off, more than {:.3g}", degrees(out.direction_error_rad), degrees(limit));

@@ -81,6 +81,7 @@ struct ReportedContact {
   double deepest_depth_m = 0.0;
   double coherence = 0.0;
   std::uint32_t surface_hits = 0, interior_hits = 0;
+  double left_out_depth_m = 0.0;  ///< by a time budget; 0: every point was asked
   bool retained = false;      ///< FLAG_HELD
   bool fallback = false;  ///< FLAG_FALLBACK
 };
@@ -123,7 +124,7 @@ class Judge {
   void change(const JudgeSettings& settings);
 
   double free_limit_m() const noexcept;    ///< a gap above it is free
-  double buried_limit_m() const noexcept;  ///< a depth above it must collide
+  double buried_limit_m() const noexcept;  ///< a depth above it must collide, if no point is left out
 
  private:
   /// Checked samples in a row with the same bits in the wrench.

@@ -6,6 +6,7 @@
 #include "core/rendering/built_parts.hpp"
 #include "core/rendering/contact_parameters.hpp"
 #include "core/rendering/contact_range.hpp"
+#include "core/rendering/time_budget.hpp"
 #include "core/types/stored_bytes.hpp"
 
 namespace voxtouch::rendering {
@@ -17,20 +18,56 @@ bool has_virtual_tool(const PartsRequest& request) noexcept {
 }
 
 /// The force law of one object, with its own material; what all objects can show together is the sum of what each can.
-void add_contact_law(const PartsRequest& request, const pointshell::Pointshell& shell, StaticObject& object, BuildCounts& counts) {
+void add_contact_law(const PartsRequest& request, const pointshell::Pointshell& shell, const contact::FrameBudget& budget, StaticObject& object,
+                     BuildCounts& counts) {
   const scene::Scene& scene = request.scene;
   const scene::ContactSpec& material = object.id == 0 ? scene.contact : scene.objects[object.id - 1].contact;
   const contact::ContactParameters parameters = contact_parameters(material, request.model, shell, request.choices.weights);
-  object.renderer.emplace(object.voxmap, shell, request.model, parameters, object.field ? &*object.field : nullptr);
+  object.renderer.emplace(object.voxmap, shell, request.model, parameters, object.field ? &*object.field : nullptr, budget);
   counts.shell_bytes += shell.size() * (8 * sizeof(double) + sizeof(std::uint32_t));
   if (has_virtual_tool(request)) return;  // one spring for all objects
   const StiffnessBounds contact =
-      contact_stiffness(shell, parameters, object.field ? object.field->steepest_gradient() : 1.0);
+      contact_stiffness(shell, parameters, object.field ? object.field->steepest_gradient() : 1.0, budget.levels);
   const auto add = [](const coupling::design::ContactRange& one, coupling::design::ContactRange& sum) {
     sum.one_point = std::max(sum.one_point, one.one_point);
     sum.all_points += one.all_points;
   };
   add(contact.translation, counts.contact.translation), add(contact.rotation, counts.contact.rotation);
+}
+
+FrameWork work_of(const PartsRequest& request, const BuiltParts& parts) {
+  return {.model = request.model,
+          .virtual_tool = has_virtual_tool(request),
+          .objects = parts.objects.size(),
+          .shell_points = parts.shell.size(),
+          .tool_points = parts.counts.tool_points};
+}
+
+/// What the time budget comes to, where the forces are by penalty; puts the shell into levels where it may have to leave out points.
+contact::FrameBudget budget_of(const PartsRequest& request, BuiltParts& parts) {
+  const std::optional<double>& share = request.choices.share_of_points;
+  contact::FrameBudget budget;
+  if (has_virtual_tool(request) || (!request.scene.budget_us && !share) || parts.shell.size() == 0) return budget;
+  budget.points = share ? static_cast<std::uint32_t>(std::max(1.0, *share * static_cast<double>(parts.shell.size())))
+                        : points_within(*request.scene.budget_us, request.scene, work_of(request, parts));
+  BuildCounts& counts = parts.counts;
+  counts.budget_points = budget.points;
+  const std::uint64_t most = std::uint64_t{contact::FrameBudget::kLookups} * parts.shell.size();
+  if (most <= budget.points) return budget;
+  budget.levels = arrange_in_levels(parts.shell, contact::FrameBudget::coarsest_of(budget.points));
+  counts.level_points.assign(budget.levels.ends.begin(), budget.levels.ends.end());
+  counts.level_gap_m = budget.levels.covering_m;
+  counts.level_bytes = budget.levels.bytes() * parts.objects.size();
+  return budget;
+}
+
+/// Of a virtual tool: what its queries and steps may take together, as reckoned.
+contact::ToolWork tool_work(const PartsRequest& request, const BuiltParts& parts) {
+  if (!request.scene.budget_us) return {};
+  return {.most = tool_ns_within(*request.scene.budget_us, request.scene, work_of(request, parts)),
+          .per_query = kNsPerFrame,
+          .per_point = kNsPerPoint + kNsPerFieldPoint,
+          .per_iteration = kNsPerIteration};
 }
 
 /// One spring, whatever it touches.
@@ -72,7 +109,7 @@ BuiltScene::BuiltScene(std::vector<std::unique_ptr<StaticObject>> objects, std::
                        EffectGround ground, Plan plan, double largest_shell_gap_m)
     : contacts_(std::move(objects)), ground_(std::move(ground)),
       scene_(contacts_, std::move(effects),
-             {ground_.proximity ? &*ground_.proximity : nullptr, ground_.tool.points, ground_.body, ground_.virtual_tool_lever_m}),
+             {ground_.proximity ? &*ground_.proximity : nullptr, ground_.tool.points, ground_.body, ground_.virtual_tool_lever_m, ground_.virtual_tool_work}),
       plan_(std::move(plan)), largest_shell_gap_m_(largest_shell_gap_m) {}
 
 std::unique_ptr<BuiltScene> build_scene(const scene::Scene& scene, const ParallelFor& parallel_for,
@@ -82,8 +119,10 @@ std::unique_ptr<BuiltScene> build_scene(const scene::Scene& scene, const Paralle
     throw std::invalid_argument(scene.file.string() + ": there is no contact model '" + scene.contact.model + "'");
   const PartsRequest request{scene, choices, choices.model.value_or(kind)};
   BuiltParts parts = kept_or_built(request, parallel_for, progress);
-  for (auto& object : parts.objects) add_contact_law(request, parts.shell, *object, parts.counts);
-  EffectGround ground{.proximity = std::move(parts.proximity), .tool = std::move(parts.tool_points), .body = parts.body, .virtual_tool_lever_m = {}};
+  const contact::FrameBudget budget = budget_of(request, parts);
+  for (auto& object : parts.objects) add_contact_law(request, parts.shell, budget, *object, parts.counts);
+  EffectGround ground{.proximity = std::move(parts.proximity), .tool = std::move(parts.tool_points), .body = parts.body, .virtual_tool_lever_m = {}, .virtual_tool_work = {}};
+  ground.virtual_tool_work = tool_work(request, parts);
   add_virtual_tool(request, *parts.objects.front()->renderer, ground, parts.counts);
   return std::make_unique<BuiltScene>(std::move(parts.objects), scene.effects, std::move(ground), make_plan(scene, parts.counts),
                                       parts.largest_gap_m);

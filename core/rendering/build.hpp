@@ -22,6 +22,7 @@ struct EffectGround {
   ToolPoints tool;
   std::optional<effects::BodyShape> body;  ///< of the dynamic object, where it moves by itself
   std::optional<double> virtual_tool_lever_m;  ///< where the scene has one; 0: the tool's reach
+  contact::ToolWork virtual_tool_work;         ///< that a frame of it may cost
 };
 
 /// Everything of one scene in memory. Stays where it is: the renderer points into it.
@@ -62,6 +63,9 @@ struct BuildChoices {
   std::optional<contact::ContactModelKind> model = {};
   std::optional<contact::PointWeights> weights = {};  ///< std::invalid_argument where the model does not weigh so
   std::optional<double> shell_voxel_m = {};  ///< voxel edge that the pointshell is made with, instead of the scene's
+  /// Share of the shell's points that a frame may test of each object, instead of what the scene's time budget comes to: to measure what a budget
+  /// costs. Without a bound from below. Not for a virtual tool.
+  std::optional<double> share_of_points = {};
   mesh::TriangleReader read = mesh::read_triangles;  ///< programs give one that a broken file cannot take with it (nodes/mesh_import)
   SceneStore* store = nullptr;  ///< where parts that were built before are found and new ones kept; null: all is built
 };

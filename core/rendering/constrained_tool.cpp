@@ -8,13 +8,14 @@
 namespace voxtouch::rendering {
 namespace {
 
-contact::VirtualToolOptions options_of(const ObjectContacts& objects, double lever_m) {
+contact::VirtualToolOptions options_of(const ObjectContacts& objects, double lever_m, const contact::ToolWork& work) {
   const contact::ContactQuery& query = objects.object(0).renderer->query();
   contact::VirtualToolOptions options{.points = query.shell().size(),
                              .objects = objects.size(),
                              .reach_m = query.reach_m(),
                              .edge_m = query.voxmap().grid().edge,
-                             .lever_m = lever_m};
+                             .lever_m = lever_m,
+                             .work = work};
   for (std::size_t n = 1; n < objects.size(); ++n)
     options.edge_m = std::min(options.edge_m, objects.object(n).voxmap.grid().edge);
   return options;
@@ -27,8 +28,8 @@ Vec3 rotation_vector(const Quat& turn) noexcept {
 
 }  // namespace
 
-ConstrainedTool::ConstrainedTool(ObjectContacts& objects, double lever_m)
-    : objects_(objects), tool_(options_of(objects, lever_m)), results_(objects.size()) {
+ConstrainedTool::ConstrainedTool(ObjectContacts& objects, double lever_m, const contact::ToolWork& work)
+    : objects_(objects), tool_(options_of(objects, lever_m, work)), results_(objects.size()) {
   for (std::size_t n = 0; n < objects.size(); ++n) {
     const StaticObject& object = objects.object(n);
     grounds_.push_back({&object.renderer->query(), &*object.field, Vec3::Zero()});
@@ -65,6 +66,7 @@ contact::ContactResult ConstrainedTool::render(const Pose& hand, double time_s, 
   out = {.constrained = frame_.constrained,
           .lag = frame_.lag || frame_.moved_too_far,
           .unplaced = frame_.unplaced || frame_.pose_status != contact::PoseStatus::kUsable,
+          .cut_short = frame_.cut_short,
           .residual_m = frame_.residual_m,
           .queries = static_cast<std::uint32_t>(std::max(frame_.queries, 0))};
   if (frame_.unplaced) frame_.tool = hand;

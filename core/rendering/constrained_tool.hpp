@@ -14,6 +14,7 @@ struct ToolFrame {
   bool constrained = false;  ///< something holds it off the hand's pose
   bool lag = false;          ///< it has not come to its place within the frame, or an object moved so far that it may have passed it
   bool unplaced = false;     ///< it has none: the hand has not been outside yet, or is where nothing can be looked up
+  bool cut_short = false;    ///< the frame ended by its time budget before the tool had come to its place
   double residual_m = 0.0;   ///< way that its last step would still have gone
   std::uint32_t queries = 0;
 };
@@ -28,7 +29,7 @@ class ConstrainedTool {
   static constexpr double kSpringRampS = 0.2;
 
   /// `lever_m` 0: the tool's reach. Every object must have its field.
-  ConstrainedTool(ObjectContacts& objects, double lever_m);
+  ConstrainedTool(ObjectContacts& objects, double lever_m, const contact::ToolWork& work = {});
 
   /// The stiffness of the spring [N/m] in W from the next frames on, on a straight line over kSpringRampS; at once after `reset`. One
   /// that is no number, or below zero, is 0. Real-time safe.

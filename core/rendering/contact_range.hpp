@@ -1,7 +1,7 @@
 #pragma once
 /// The stiffness that a tool's contact can show at most, before any coupling: what a coupling has to be designed for.
 #include "core/contact/contact_model.hpp"
-#include "core/pointshell/pointshell.hpp"
+#include "core/pointshell/shell_levels.hpp"
 #include "core/rendering/plan.hpp"
 
 namespace voxtouch::rendering {
@@ -21,8 +21,12 @@ namespace voxtouch::rendering {
 /// for `field` the largest gradient of its interpolation (DistanceField::steepest_gradient). Its K_i |g_i| (Jn' Jn + Jh' Jh) / 2
 /// (field_model.hpp) are the sums above for two sets of unit directions, halved, with K_i |g_i| <= K_i steepest.
 ///
+/// `levels`: of a shell whose points may be left out for a time budget; none: they are not. All that are asked weigh together what all points
+/// weigh, so the first sum stays; one may weigh what it does at the coarsest level. Where q stands for p, p's part of the inertia is that of
+/// q at most: | |a x q|^2 - |a x p|^2 | <= |q - p| (|q| + |p|), the most of it over all that may stand for p.
+///
 /// An empty shell gives zeros. Not for the loop.
 StiffnessBounds contact_stiffness(const pointshell::Pointshell& shell, const contact::ContactParameters& parameters,
-                                   double steepest = 1.0);
+                                   double steepest = 1.0, const pointshell::ShellLevels& levels = {});
 
 }  // namespace voxtouch::rendering

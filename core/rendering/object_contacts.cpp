@@ -31,6 +31,8 @@ void add_contact(const contact::ContactResult& other, contact::ContactResult& su
   sum.fallback |= other.fallback, sum.saturated |= other.saturated;
   if (sum.pose_status == contact::PoseStatus::kUsable) sum.pose_status = other.pose_status;
   sum.points_tested += other.points_tested;
+  sum.left_out.points += other.left_out.points;
+  sum.left_out.depth_m = std::max(sum.left_out.depth_m, other.left_out.depth_m);
 }
 
 ObjectContacts::ObjectContacts(std::vector<std::unique_ptr<StaticObject>> objects) : objects_(std::move(objects)) {

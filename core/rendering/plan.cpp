@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/contact/contact_renderer.hpp"
 #include "core/contact/limits.hpp"
 #include "core/coupling/coupling_spec.hpp"
+#include "core/rendering/time_budget.hpp"
 
 namespace voxtouch::rendering {
 namespace {
@@ -101,6 +103,35 @@ std::string grid_sentence(const PlacedGrid& grid) {
                      metres(grid.at_multiples));
 }
 
+FrameWork counted_work(const BuildCounts& n) {
+  return {.virtual_tool = n.virtual_tool_lever_m > 0.0, .objects = n.objects, .shell_points = n.shell_points, .tool_points = n.tool_points};
+}
+
+std::string levels_text(const BuildCounts& n) {
+  std::string text;
+  for (std::size_t k = n.level_points.size(); k-- > 0;)
+    if (n.level_gap_m[k] > 0.0) text += fmt::format("{}{} ({:.2g} mm)", text.empty() ? "" : ", ", n.level_points[k], 1e3 * n.level_gap_m[k]);
+  return text;
+}
+
+std::string budget_sentence(const scene::Scene& scene, const BuildCounts& n) {
+  if (n.virtual_tool_lever_m > 0.0)
+    return fmt::format(
+        "Time budget of {:g} us: a virtual tool leaves out no point, so that it passes no wall. Where a frame would take longer as reckoned from its "
+        "counts it makes fewer queries, at least {}, and the tool comes to its place in the frames that follow.",
+        *scene.budget_us, contact::limits::kLeastQueries);
+  contact::ContactModelKind model{};
+  contact::parse_contact_model(scene.contact.model, model);
+  const std::string points = fmt::format("Time budget of {:g} us: a frame tests at most {} of the {} with each object, {:g} ns each as reckoned on every machine",
+                                         *scene.budget_us, counted(n.budget_points, "point", "points"), n.shell_points, ns_per_budget_point(model));
+  if (n.level_points.empty()) return points + "; that is enough for all of them always, so none is left out.";
+  return fmt::format(
+      "{}. Where culling leaves more, coarser levels are asked, of so many points (farthest of a point that is left out from the one that stands for it, "
+      "which bounds how much deeper it may be): {}. A frame that walks a fast motion has a tenth of the points for each of its sub-poses. What "
+      "touched in the frame before is not lost.",
+      points, levels_text(n));
+}
+
 void say_built(const scene::Scene& scene, const BuildCounts& n, Plan& plan) {
   const std::size_t meshes = scene.static_meshes.size();
   plan.built.push_back(fmt::format("Voxmap of {} ({}) at {:g} m: {}, {}, {}; every contact model asks it.",
@@ -151,6 +182,7 @@ void say_built(const scene::Scene& scene, const BuildCounts& n, Plan& plan) {
                                    plan.contact_n_per_m.one_point, plan.contact_nm_per_rad.one_point,
                                    plan.contact_n_per_m.all_points, plan.contact_nm_per_rad.all_points,
                                    scene.effects.empty() ? "by all points" : "by all that may push at once"));
+  if (scene.budget_us && (n.budget_points > 0 || n.virtual_tool_lever_m > 0.0)) plan.built.push_back(budget_sentence(scene, n));
   plan.built.push_back(scene.design ? design_sentence(*scene.design) : coupling_sentence(scene.coupling));
   for (const effects::EffectSpec& effect : scene.effects) plan.built.push_back(effect_sentence(effect));
   if (const effects::EffectSpec* external = effects::external_of(scene.effects)) plan.built.push_back(effects::no_certificate_sentence(external->name));
@@ -212,6 +244,11 @@ void say_warnings(const scene::Scene& scene, const BuildCounts& n, Plan& plan) {
   if (n.shell_points == 0) plan.warnings.push_back("The pointshell is empty: nothing can touch.");
   if (n.field_bytes > 0) say_field_warnings(scene, n, plan);
   if (n.proximity_bytes > 0) say_proximity_warnings(n, plan);
+  if (scene.budget_us && n.virtual_tool_lever_m > 0.0 && least_tool_ns(counted_work(n)) > tool_ns_within(*scene.budget_us, scene, counted_work(n)))
+    plan.warnings.push_back(fmt::format(
+        "The time budget of {:g} us is not kept at every pose: the {} queries that a virtual tool always makes take up to {:.0f} us with all {} near "
+        "something, and leaving out points could let a wall pass. Use a larger voxel_size for fewer points.",
+        *scene.budget_us, contact::limits::kLeastQueries, 1e-3 * least_tool_ns(counted_work(n)), counted(n.shell_points, "point", "points")));
   if (plan.expected_ns_per_frame > 1e6)
     plan.warnings.push_back(fmt::format("A frame with every point looked up takes about {:.1f} ms, longer than a period of 1 ms.",
                                         plan.expected_ns_per_frame / 1e6));
@@ -244,6 +281,8 @@ Plan make_plan(const scene::Scene& scene, const BuildCounts& counts) {
   plan.voxel_size_m = scene.voxel_size_m;
   plan.swept_m = contact::limits::kMaxSubPoses * contact::limits::kSubStepEdges * scene.voxel_size_m;
   plan.shell_points = counts.shell_points;
+  plan.budget_us = scene.budget_us.value_or(0.0);
+  if (!counts.level_points.empty()) plan.budget_points = counts.objects * counts.budget_points;
   plan.surface_voxels = counts.surface_voxels, plan.interior_voxels = counts.interior_voxels;
   plan.of_contact_alone = counts.contact;
   const StiffnessBounds bounds = with_effects(plan.of_contact_alone, scene.effects);

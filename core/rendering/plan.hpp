@@ -44,6 +44,10 @@ struct BuildCounts {
   double tool_gap_m = 0.0;                                 ///< no point of the tool's shell is farther from one of these [m]
   std::vector<std::string> open_meshes;              ///< static meshes that are not closed
   double virtual_tool_lever_m = 0.0;                 ///< [m]; 0: there is no virtual tool
+  std::uint64_t budget_points = 0;                   ///< that a frame may test of each object; 0: there is no budget, or a virtual tool's
+  std::vector<std::uint64_t> level_points;           ///< of the shell's levels, from the coarsest; none: the budget is enough for all points always
+  std::vector<double> level_gap_m;                   ///< of each [m]: no point of the shell is farther from the one that stands for it
+  std::uint64_t level_bytes = 0;
   StiffnessBounds contact;                           ///< without effects; see contact_range.hpp
   bool closed = true;                       ///< all static meshes are closed; an open one has no interior
   std::vector<std::string> mesh_warnings;   ///< what is wrong with the meshes, as sentences
@@ -76,6 +80,8 @@ struct Plan {
   double voxel_size_m = 0.0;
   double swept_m = 0.0;                     ///< way of any point of the tool within a sample for which no wall is crossed unseen
   std::uint64_t shell_points = 0, surface_voxels = 0, interior_voxels = 0;
+  double budget_us = 0.0;                   ///< of a frame of the rendering [us]; 0: none
+  std::uint64_t budget_points = 0;          ///< that a frame may test of all objects; 0: none is ever left out
   std::uint64_t bytes = 0;                  ///< of what a frame looks up: voxmap, pointshell, fields
   double expected_ns_per_frame = 0.0;       ///< of the rendering, contact and effects: from counts, not measured
   /// What the contact can show at most, in W before the coupling: translation, and rotation about the tool's origin.
@@ -91,6 +97,8 @@ inline constexpr double kNsPerPoint = 6.0, kNsPerFrame = 150.0;
 /// A point in contact, with the sums for the stiffness and what the stage remembers of it [ns]: `original` and `adapted`;
 /// `clustered`, which looks for its patch; `field`, eight nodes.
 inline constexpr double kNsPerPlainPoint = 12.0, kNsPerClusteredPoint = 250.0, kNsPerFieldPoint = 35.0;
+/// With a time budget: what the levels of the shell add to a point that is tested [ns], choosing and weighing.
+inline constexpr double kNsPerLevelPoint = 2.0;
 /// An iteration of a virtual tool's step, with the most rows that one has [ns].
 inline constexpr double kNsPerIteration = 3000.0;
 /// An effect's gate and sum beside its own law, one that is switched off, and a step of the coupling with cap, law, damping

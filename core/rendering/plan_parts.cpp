@@ -54,7 +54,9 @@ double expected_ns(const effects::EffectSpec& effect, std::uint64_t tool_points)
 }
 
 std::vector<PlanPart> plan_parts(const scene::Scene& scene, const BuildCounts& n) {
-  const double points = static_cast<double>(n.objects * n.shell_points);  // each object is asked for all of them
+  // Each object is asked for all of them, if no budget is left.
+  const bool cut = !n.level_points.empty() && n.budget_points < n.shell_points;
+  const double points = static_cast<double>(n.objects * (cut ? n.budget_points : n.shell_points));
   std::vector<PlanPart> parts;
   parts.push_back(
       {.name = "voxmap",
@@ -80,6 +82,12 @@ std::vector<PlanPart> plan_parts(const scene::Scene& scene, const BuildCounts& n
                    .node = kRendering,
                    .why = "Leaves out the points that are far from everything; with it, the points in single precision, which decide most.",
                    .bytes = contact::ContactQuery::lookup_bytes(n.shell_points)});
+  if (!n.level_points.empty())
+    parts.push_back({.name = "levels",
+                     .node = kRendering,
+                     .why = "The scene's budget_us asks for them: where a frame may not test every point, it tests those of a coarser level.",
+                     .bytes = n.level_bytes,
+                     .expected_ns = kNsPerLevelPoint * points});
   parts.push_back(
       {.name = "contact model " + scene.contact.model,
        .node = kRendering,

@@ -15,7 +15,7 @@ SceneRenderer::SceneRenderer(ObjectContacts& contact, std::vector<effects::Effec
     if (!surroundings.body) throw std::invalid_argument("the effect 'body' needs the shape of the dynamic object");
     body_.emplace(BodyPart{effects::RigidBody(*surroundings.body), n});
   }
-  if (surroundings.virtual_tool_lever_m) constrained_.emplace(contact, *surroundings.virtual_tool_lever_m);
+  if (surroundings.virtual_tool_lever_m) constrained_.emplace(contact, *surroundings.virtual_tool_lever_m, surroundings.virtual_tool_work);
 }
 
 /// The contact pushes the tool where the hand has it.

@@ -34,6 +34,7 @@ struct SceneSurroundings {
   std::span<const effects::ToolPoint> tool_points = {};
   std::optional<effects::BodyShape> body = {};  ///< of the dynamic object, for scenes with the effect of that name
   std::optional<double> virtual_tool_lever_m = {};  ///< there is a virtual tool, with this lever; 0: the tool's reach
+  contact::ToolWork virtual_tool_work = {};         ///< that a frame of it may cost
 };
 
 /// One thread at a time. `contact` and what `surroundings` points to must outlive it.

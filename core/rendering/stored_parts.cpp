@@ -16,13 +16,14 @@ template <class Archive, class Counts>
 void counts_of(Archive& archive, Counts& counts) {
   auto& [static_triangles, dynamic_triangles, surface_voxels, interior_voxels, shell_points, objects, grids, voxmap_bytes, shell_bytes, field_bytes,
          field_nodes, field_depth_m, thinnest_m, thinnest_mesh, proximity_bytes, proximity_nodes, proximity_m, proximity_smoothing_m, tool_points,
-         tool_gap_m, open_meshes, virtual_tool_lever_m, contact, closed, mesh_warnings] = counts;
+         tool_gap_m, open_meshes, virtual_tool_lever_m, budget_points, level_points, level_gap_m, level_bytes, contact, closed, mesh_warnings] = counts;
   archive(static_triangles), archive(dynamic_triangles), archive(surface_voxels), archive(interior_voxels), archive(shell_points), archive(objects);
   archive(voxmap_bytes), archive(field_bytes), archive(field_nodes), archive(field_depth_m), archive(thinnest_m), archive(thinnest_mesh);
   archive(proximity_bytes), archive(proximity_nodes), archive(proximity_m), archive(proximity_smoothing_m), archive(tool_points), archive(tool_gap_m);
   archive(open_meshes), archive(closed), archive(mesh_warnings);
   // Of the contact's law, which is added each time.
   (void)shell_bytes, (void)virtual_tool_lever_m, (void)contact;
+  (void)budget_points, (void)level_points, (void)level_gap_m, (void)level_bytes;
   grids_of(archive, grids);  // as many as there are objects
 }
 

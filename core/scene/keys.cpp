@@ -182,6 +182,9 @@ constexpr auto kScene = std::to_array<Key>({
   {"dynamic", kMap, kRequired, "", "", "", &dynamic_mesh},
   {"contact", kMap, kRequired, "", "", "", &contact},
   {"tool", kMap, kOptional, "", "", "", &tool},
+  {"budget_us", kPositive, kOptional, "",
+   "Time that a frame of the rendering may take [us], turned into a count of points when the scene is built: where more would have to be tested, "
+   "coarser levels of the shell are. A virtual tool leaves out none; it makes fewer queries. Left out: every point counts."},
   {"effects", kMaps, kOptional, "", "What is felt beside the contact; what is not here is not computed.", "", &effect},
   {"coupling", kMap, kOptional, "", "", "", &coupling},
   {"device", kMap, kOptional, "", "", "", &device},

@@ -76,6 +76,7 @@ struct Scene {
   MeshSpec dynamic_mesh;
   ShellKind shell = ShellKind::kExact;
   ContactSpec contact;
+  std::optional<double> budget_us;  ///< of a frame of the rendering [us]; left out: it takes what it takes
   std::optional<double> lever_m;  ///< of a virtual tool; left out: the tool's reach
   bool virtual_tool() const noexcept { return contact.rendering == RenderingKind::kVirtualTool; }
   std::vector<effects::EffectSpec> effects;  ///< asked for, in the file's order; what is not here is not computed

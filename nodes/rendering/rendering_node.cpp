@@ -190,8 +190,20 @@ class RenderingNode {
     if (frame.tool.residual_m > most_residual_m_.load(kRelaxed)) most_residual_m_.store(frame.tool.residual_m, kRelaxed);
     if (frame.tool.constrained && c.deepest_depth_m > most_depth_m_.load(kRelaxed)) most_depth_m_.store(c.deepest_depth_m, kRelaxed);
     if (spent > longest_ns_.load(kRelaxed)) longest_ns_.store(spent, kRelaxed);
+    if (const double budget_us = renderer_.live().dominant().plan().budget_us; budget_us > 0.0) hold_to_budget(budget_us, spent, frame);
     const bool refused = (m.flags & msg::contact_state::kFlagRefusedSample) != 0;  // then the frame is the last one once more
     if (external_ && !refused) external_given_j_.store(external_given_j_.load(kRelaxed) + frame.effects.given_j, kRelaxed);
+  }
+
+  /// The clock checks what the counts have promised, and changes nothing.
+  void hold_to_budget(double budget_us, std::int64_t spent_ns, const rendering::SceneFrame& frame) noexcept {
+    constexpr double kTolerated = 1.1;
+    const contact::LeftOut& left_out = frame.touch.contact.left_out;
+    has_budget_.store(true, kRelaxed);
+    if (!options_.lockstep && static_cast<double>(spent_ns) > kTolerated * 1e3 * budget_us) over_budget_.fetch_add(1, kRelaxed);
+    if (left_out.points > 0) left_out_.fetch_add(1, kRelaxed);
+    if (frame.tool.cut_short) cut_short_.fetch_add(1, kRelaxed);
+    if (left_out.depth_m > most_left_out_m_.load(kRelaxed)) most_left_out_m_.store(left_out.depth_m, kRelaxed);
   }
 
   /// For who draws them: all points of the last query in contact, or every n-th of them. Of a virtual tool the deepest alone.
@@ -225,6 +237,12 @@ class RenderingNode {
       report.figures["most_residual_m"] = {most_residual_m_.load(), "m"};
       report.figures["most_penetration_m"] = {most_depth_m_.load(), "m"};
       report.figures["spring_n_per_m"] = {updates_.spring_n_per_m(), "N/m"};
+    }
+    if (has_budget_.load()) {
+      report.figures["over_budget_samples"] = {over_budget_.load(), "samples"};
+      report.figures["left_out_samples"] = {left_out_.load(), "samples"};
+      report.figures["most_left_out_depth_m"] = {most_left_out_m_.load(), "m"};
+      report.figures["cut_short_samples"] = {cut_short_.load(), "samples"};
     }
     device_.update(registry, std::nullopt);
     if (external_) {
@@ -294,6 +312,9 @@ class RenderingNode {
   std::array<std::atomic<std::uint64_t>, kCounted.size()> counted_{};
   std::atomic<std::uint64_t> samples_{0}, first_sample_{0};
   std::atomic<double> most_residual_m_{0.0}, most_depth_m_{0.0};  ///< of a virtual tool
+  std::atomic<bool> has_budget_{false};        ///< a scene with a time budget has run; what follows is of such scenes
+  std::atomic<std::uint64_t> over_budget_{0}, left_out_{0}, cut_short_{0};
+  std::atomic<double> most_left_out_m_{0.0};
   std::atomic<double> external_given_j_{0.0};  ///< to the hand, in W, by the effect `external`; below 0: taken
   std::atomic<std::int64_t> longest_ns_{0};
 };

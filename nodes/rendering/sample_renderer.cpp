@@ -1,5 +1,7 @@
 #include "nodes/rendering/sample_renderer.hpp"
 
+#include <algorithm>
+
 #include "nodes/runtime/convert.hpp"
 #include "nodes/runtime/stamps.hpp"
 
@@ -51,6 +53,9 @@ msg::ContactState SampleRenderer::message(const msg::DeviceState& state, bool go
   m.deepest_depth_m = c.deepest_depth_m;
   m.residual_m = frame_.tool.residual_m;
   m.queries = frame_.tool.queries;
+  m.points_left_out = c.left_out.points;
+  m.left_out_depth_m = c.left_out.depth_m;
+  m.points_budget = static_cast<std::uint32_t>(std::min<std::uint64_t>(live_.dominant().plan().budget_points, 0xffffffff));
   m.coherence = c.coherence;
   m.stiffness_bound_n_per_m = frame_.stiffness_bound_n_per_m;
   runtime::to_msg(frame_.stiffness, m.stiffness);

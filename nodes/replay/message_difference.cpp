@@ -46,10 +46,11 @@ constexpr MessageField kContactFields[] = {
     VOXTOUCH_FIELD(Contact, tool_pose),      VOXTOUCH_FIELD(Contact, object_pose),       VOXTOUCH_FIELD(Contact, wrench),
     VOXTOUCH_FIELD(Contact, contact_wrench), VOXTOUCH_FIELD(Contact, effects_wrench),    VOXTOUCH_FIELD(Contact, mean_normal),
     VOXTOUCH_FIELD(Contact, deepest_point),  VOXTOUCH_FIELD(Contact, deepest_depth_m),   VOXTOUCH_FIELD(Contact, residual_m),
-    VOXTOUCH_FIELD(Contact, coherence),      VOXTOUCH_FIELD(Contact, stiffness_bound_n_per_m), VOXTOUCH_FIELD(Contact, stiffness),
+    VOXTOUCH_FIELD(Contact, left_out_depth_m), VOXTOUCH_FIELD(Contact, coherence),      VOXTOUCH_FIELD(Contact, stiffness_bound_n_per_m), VOXTOUCH_FIELD(Contact, stiffness),
     VOXTOUCH_FIELD(Contact, supplied_energy_j), VOXTOUCH_FIELD(Contact, scene_time_ns),  VOXTOUCH_FIELD(Contact, time_spent_ns),
     VOXTOUCH_FIELD(Contact, surface_hits),   VOXTOUCH_FIELD(Contact, interior_hits),     VOXTOUCH_FIELD(Contact, points_tested),
-    VOXTOUCH_FIELD(Contact, model),          VOXTOUCH_FIELD(Contact, flags),             VOXTOUCH_FIELD(Contact, queries)};
+    VOXTOUCH_FIELD(Contact, model),          VOXTOUCH_FIELD(Contact, flags),             VOXTOUCH_FIELD(Contact, queries),
+    VOXTOUCH_FIELD(Contact, points_left_out), VOXTOUCH_FIELD(Contact, points_budget)};
 using Command = msg::ForceCommand;
 constexpr MessageField kCommandFields[] = {
     VOXTOUCH_FIELD(Command, session_id),       VOXTOUCH_FIELD(Command, sequence_number), VOXTOUCH_FIELD(Command, sample_time_ns),

@@ -40,6 +40,7 @@ reference::ReportedContact to_report(const msg::ContactState& c) {
   r.wrench = runtime::from_msg(c.contact_wrench);  // the reference knows contact only
   r.mean_normal = runtime::from_msg(c.mean_normal);
   r.deepest_depth_m = c.deepest_depth_m;
+  r.left_out_depth_m = c.left_out_depth_m;
   r.coherence = c.coherence;
   r.surface_hits = c.surface_hits;
   r.interior_hits = c.interior_hits;

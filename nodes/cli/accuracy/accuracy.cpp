@@ -72,6 +72,7 @@ constexpr const char* kFooter =
     "  voxtouch accuracy deploy/scenes/cup.yaml --plot accuracy.png             what there is to choose from\n"
     "  voxtouch accuracy deploy/scenes/cup.yaml --want-direction-deg 1          the cheapest that points within 1 deg\n"
     "  voxtouch accuracy deploy/scenes/cup.yaml --within-us 200                 the most accurate within 200 us\n"
+    "  voxtouch accuracy deploy/scenes/cup.yaml --models field --budgets 1,0.5,0.25   what leaving out points costs, and saves\n"
     "  voxtouch accuracy deploy/scenes/plane.yaml --models adapted,field --voxel-sizes 0.004,0.002 --shell-densities "
     "1,2";
 
@@ -165,6 +166,10 @@ void add_accuracy(CLI::App& app, Action& action) {
   add_list(*verb, "--shell-densities", o->choice.shell_densities,
            "The shell is made with voxels of e / density, so 2 makes about four times the points; default: 1")
       ->check(runtime::require_positive);
+  add_list(*verb, "--budgets", o->choice.budgets,
+           "Shares of the shell's points that a frame may test, as under a scene's budget_us; default: 1, all of them. A virtual tool leaves out none")
+      ->check(runtime::require_positive)
+      ->check(CLI::Range(1e-6, 1.0));
   verb->add_option("--contacts", o->contacts, "Contact poses, the same for every setting")
       ->capture_default_str()
       ->check(CLI::Range(1, 1'000'000));

@@ -52,7 +52,7 @@ std::vector<accuracy::AccuracySetting> settings_of(const AccuracyChoice& choice,
   const std::vector<contact::PointWeights> weights = weights_of(choice);
   const std::vector<double> voxels =
       each_once(choice.voxel_sizes_m, {2.0 * scene_voxel_m, scene_voxel_m, 0.5 * scene_voxel_m});
-  const std::vector<double> densities = each_once(choice.shell_densities, {1.0});
+  const std::vector<double> densities = each_once(choice.shell_densities, {1.0}), budgets = each_once(choice.budgets, {1.0});
   const bool area = std::find(weights.begin(), weights.end(), contact::PointWeights::kArea) != weights.end();
   std::vector<accuracy::AccuracySetting> out;
   for (const contact::ContactModelKind model : models_of(choice)) {
@@ -64,7 +64,9 @@ std::vector<accuracy::AccuracySetting> settings_of(const AccuracyChoice& choice,
     for (const contact::PointWeights weight : weights) {
       if (knows_area_only(model) && weight != contact::PointWeights::kArea) continue;
       for (const double voxel : voxels)
-        for (const double density : densities) out.push_back({model, weight, voxel, voxel / density});
+        for (const double density : densities)
+          for (const double budget : budgets)
+            out.push_back({.model = model, .weights = weight, .voxel_m = voxel, .shell_voxel_m = voxel / density, .budget = budget});
     }
   }
   // One row of it where nothing is said: at the scene's own voxels.

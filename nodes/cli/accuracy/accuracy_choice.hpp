@@ -13,6 +13,7 @@ struct AccuracyChoice {
   std::vector<std::string> weights = {};     ///< one, area; default: every one that the model knows
   std::vector<double> voxel_sizes_m = {};    ///< e; default: twice the scene's, the scene's, half of it
   std::vector<double> shell_densities = {};  ///< e / voxel edge that the shell is made with; default 1
+  std::vector<double> budgets = {};          ///< share of the shell's points that a frame may test; default 1, all of them
 };
 
 /// Most settings of one run: more is a slip of the pen, and would take hours.

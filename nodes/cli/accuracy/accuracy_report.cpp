@@ -116,6 +116,25 @@ std::string phase_table(const AccuracyReport& report) {
   return text;
 }
 
+/// What leaving out points costs and saves, where settings differ in nothing else.
+std::string budget_table(const AccuracyReport& report) {
+  std::string text;
+  for (const accuracy::AccuracyRow& r : report.rows) {
+    if (r.setting.budget >= 1.0 || !no_figures(r).empty()) continue;
+    const auto whole = std::find_if(report.rows.begin(), report.rows.end(), [&](const accuracy::AccuracyRow& other) {
+      accuracy::AccuracySetting same = other.setting;
+      same.budget = r.setting.budget;
+      return other.setting.budget >= 1.0 && no_figures(other).empty() && same == r.setting;
+    });
+    const bool known = whole != report.rows.end() && whole->median_us > 0.0;
+    text += fmt::format("    {:<48} {:>14} {:>14} {:>14} {:>14}\n", accuracy::describe(r.setting), cell(r.left_out_depth_m * 1e3),
+                        cell(r.direction_mean_deg), known ? cell(r.direction_mean_deg - whole->direction_mean_deg) : "-",
+                        known ? cell(r.median_us / whole->median_us) : "-");
+  }
+  if (text.empty()) return text;
+  return fmt::format("  Under a budget\n    {:<48} {:>14} {:>14} {:>14} {:>14}\n", "", "deeper [mm]", "dir., mean", "more [deg]", "time /all") + text + '\n';
+}
+
 std::string load_text(const AccuracyReport& r) {
   if (r.load_before < 0.0 || r.load_after < 0.0) return "load not known";
   return fmt::format("load {:.1f} before and {:.1f} after", r.load_before, r.load_after);
@@ -194,7 +213,9 @@ nlohmann::ordered_json row_json(const AccuracyReport& report, std::size_t index)
                            {"shell_points", built ? nlohmann::ordered_json(r.shell_points) : nlohmann::ordered_json()},
                            {"bytes", built ? nlohmann::ordered_json(r.bytes) : nlohmann::ordered_json()},
                            {"contacts", r.contacts},
-                           {"missed", r.missed}};
+                           {"missed", r.missed},
+                           {"budget", r.setting.budget},
+                           {"left_out_depth_m", no_figures(r).empty() ? number_or_null(r.left_out_depth_m) : nlohmann::ordered_json()}};
   for (const Entry& f : figures(r)) j[f.key] = number_or_null(f.value);
   j.update(spread_json(r));
   j["pareto"] = on_front(report, index);
@@ -212,8 +233,8 @@ std::string csv_quoted(const std::string& text) {
 }  // namespace
 
 std::string to_text(const AccuracyReport& r) {
-  std::string text = fmt::format("\n  What accuracy costs: scene {}, {} contacts, each {} e deep, seed {}\n\n{}\n{}{}\n",
-                                 r.scene, r.contacts, r.depth_edges, r.seed, table(r), depth_table(r), phase_table(r));
+  std::string text = fmt::format("\n  What accuracy costs: scene {}, {} contacts, each {} e deep, seed {}\n\n{}\n{}{}{}\n",
+                                 r.scene, r.contacts, r.depth_edges, r.seed, table(r), budget_table(r), depth_table(r), phase_table(r));
   text += "  *  on the Pareto front: no other setting is both faster and closer in direction, a missed contact being 180 deg off";
   if (r.advice.row) text += ";  > the one that the advice names";
   text += fmt::format(
@@ -258,6 +279,7 @@ nlohmann::ordered_json to_json(const AccuracyReport& r) {
 std::string to_csv(const AccuracyReport& report) {
   std::string text = "model,weights,voxel_m,shell_voxel_m,shell_points,bytes,contacts,missed";
   const std::vector<double> depths = depths_of(report);
+  text += ",budget,left_out_depth_m";
   for (const Entry& f : figures({})) text += fmt::format(",{}", f.key);
   for (const EntryPair& f : median_intervals({})) text += fmt::format(",{0}_95_low,{0}_95_high", f.key);
   for (const double edges : depths) text += fmt::format(",missed_at_{0}_e,direction_mean_deg_at_{0}_e,force_ratio_at_{0}_e,magnitude_noise_at_{0}_e", edges);
@@ -270,6 +292,7 @@ std::string to_csv(const AccuracyReport& report) {
     text += fmt::format("{},{},{},{}", model_word(r.setting), accuracy::weights_word(r.setting.weights), r.setting.voxel_m,
                         r.setting.shell_voxel_m);
     text += r.refused.empty() ? fmt::format(",{},{},{},{}", r.shell_points, r.bytes, r.contacts, r.missed) : std::string(",,,0,0");
+    add(r.setting.budget), add(no_figures(r).empty() ? r.left_out_depth_m : std::numeric_limits<double>::quiet_NaN());
     for (const Entry& f : figures(r)) add(f.value);
     for (const EntryPair& f : median_intervals(r)) add(f.value.low), add(f.value.high);
     for (std::size_t d = 0; d < depths.size(); ++d) {

@@ -27,6 +27,12 @@ std::uint64_t count(const Reports& reports, const std::string& node, const std::
   return runtime::as_count(number(reports, node, name));
 }
 
+/// A scene with a time budget has run.
+bool has_budget(const RunSummary& summary) {
+  const auto report = summary.reports.find("rendering");
+  return report != summary.reports.end() && report->second.figures.contains("over_budget_samples");
+}
+
 using Names = std::initializer_list<const char*>;
 
 /// Figures of a node under their own names: those that count as whole numbers.
@@ -81,6 +87,10 @@ nlohmann::ordered_json to_json(const RunSummary& s) {
     add_counts(j["external"], r, "rendering", {"external_samples", "external_foreign", "external_not_finite", "external_wrong_frame", "external_late"});
     add_numbers(j["external"], r, "rendering", {"external_given_j"});
   }
+  if (has_budget(s)) {
+    add_counts(j["budget"], r, "rendering", {"left_out_samples", "over_budget_samples", "cut_short_samples"});
+    add_numbers(j["budget"], r, "rendering", {"most_left_out_depth_m"});
+  }
   add_counts(j, r, "device", {"zero_force_samples", "interruptions"});
   j["max_force_n"] = number(r, "device", "max_force_n");
   j["coupling"] = coupling_json(r);
@@ -133,6 +143,10 @@ std::string figures(const RunSummary& s) {
                         number(r, "rendering", "spring_n_per_m"), 1e3 * number(r, "rendering", "most_penetration_m"),
                         1e3 * number(r, "rendering", "most_residual_m"), count(r, "rendering", "samples_at_most_queries"),
                         count(r, "rendering", "lag_samples"), count(r, "rendering", "unplaced_samples"));
+  if (has_budget(s))
+    text += fmt::format("  budget      {} samples left out points, at most {:.3g} mm deeper than those tested; {} cut short; {} over the time by a tenth\n",
+                        count(r, "rendering", "left_out_samples"), 1e3 * number(r, "rendering", "most_left_out_depth_m"),
+                        count(r, "rendering", "cut_short_samples"), count(r, "rendering", "over_budget_samples"));
   if (!s.bag.empty())
     text += fmt::format("  bag         {} ({} messages, {} dropped)\n", s.bag, count(r, "logger", "written"),
                         count(r, "logger", "dropped"));

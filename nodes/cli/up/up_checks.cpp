@@ -80,6 +80,8 @@ constexpr SampleNote kSampleNotes[] = {
     {"unplaced_samples", 100,
      "there was no virtual tool, for the hand was inside a static object since it came in without one: nothing was felt"},
     {"lag_samples", 0, "the hand was too fast for the virtual tool, or an object moved more than half a voxel"},
+    {"over_budget_samples", 0, "a frame took longer than the scene's budget_us by a tenth, by the clock, which counts other work on the machine too"},
+    {"cut_short_samples", 0, "the time budget ended a frame before the virtual tool had come to its place; it went on in the next"},
     {"saturated_samples", 0,
      "the tool was so deep, or a wall so thin, that going deeper meets no more force: more stiffness, a thicker body or a stronger "
      "device holds it out",

@@ -169,7 +169,7 @@ WallFigures walls(const WallOptions& o) {
     contact::ContactQuery query;
     contact::VirtualTool tool;
   } wall{test::Ground(mesh, grid, 12.0), contact::ContactQuery(wall.ground.voxmap, shell),
-         contact::VirtualTool({.points = shell.size(), .reach_m = 5.1 * e, .edge_m = e})};
+         contact::VirtualTool({.points = shell.size(), .reach_m = 5.1 * e, .edge_m = e, .work = o.work})};
   const contact::ToolGround ground{&wall.query, &wall.ground.field, Vec3::Zero()};
   const double k = kStiffness * 0.002 / e;
   WallFigures figures;
@@ -194,6 +194,7 @@ WallFigures walls(const WallOptions& o) {
         const contact::VirtualToolFrame frame = wall.tool.frame({{hand, orientation}, kPeriod, 0.0}, {&ground, 1});
         figures.depth_worst = std::max(figures.depth_worst, frame.worst_depth_m / e);
         queries += frame.queries, ++frames;
+        figures.queries_most = std::max(figures.queries_most, frame.queries), figures.cut_short += frame.cut_short;
         const double height = side * normal.dot(frame.tool.position);
         passed = passed || height < 4.0 * e;  // the ball's radius is 5 e
         return frame;

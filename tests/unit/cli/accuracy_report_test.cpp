@@ -157,11 +157,11 @@ TEST(AccuracyCsv, HasAHeaderAndACellForEveryColumnAndQuotesReasons) {
   const auto commas = [](const std::string& line) { return std::count(line.begin(), line.end(), ','); };
   EXPECT_TRUE(all[0].starts_with("model,weights,voxel_m,")) << all[0];
   for (std::size_t i : {1u, 2u, 3u, 4u, 6u}) EXPECT_EQ(commas(all[i]), commas(all[0])) << all[i];
-  EXPECT_EQ(all[1], "original,one,0.004,0.004,1300,300000,40,10,0.2,8,6.4,16,0.9,0.4,0.0001,-0.0002,0.0005,5,15,0.25,5.6,7.2,,,,,,,"
+  EXPECT_EQ(all[1], "original,one,0.004,0.004,1300,300000,40,10,1,0,0.2,8,6.4,16,0.9,0.4,0.0001,-0.0002,0.0005,5,15,0.25,5.6,7.2,,,,,,,"
                     "0,3,0.875,0,10,45,0.125,0,4,0.1,0.5,2,90,0.5,1.5,1,0,");
   EXPECT_NE(all[0].find(",missed_at_4_e,direction_mean_deg_at_4_e,force_ratio_at_4_e,"), std::string::npos) << all[0];
   EXPECT_TRUE(all[3].ends_with(",1,1,")) << all[3];
-  EXPECT_TRUE(all[5].starts_with("field,area,0.0001,0.0001,,,0,0,,,,")) << all[5];
+  EXPECT_TRUE(all[5].starts_with("field,area,0.0001,0.0001,,,0,0,1,,,,")) << all[5];
   EXPECT_TRUE(all[5].ends_with(",0,0,\"it would need 80 GB, \"\"too much\"\" <here>\"")) << all[5];
 }
 
