@@ -200,6 +200,18 @@ TEST_P(StoppedInLockstep, EndsTheRunWithASentence) {
 
 INSTANTIATE_TEST_SUITE_P(Lockstep, StoppedInLockstep, kNodes, only_name);
 
+/// It has said nothing yet, so only who waits for it can tell.
+TEST(StoppedInLockstep, IsNamedWhileTheOthersWaitForItToStart) {
+  Process up(up_arguments(shipped_scene("cup"), {"--motion", "slide", "--duration", "1", "--lockstep", "--no-record"}));
+  pid_t validator = 0;
+  ASSERT_TRUE(wait_until([&] { return (validator = child_called(up.pid(), "voxtouch_validator")) != 0; }, seconds(30))) << up.err();
+  ASSERT_EQ(::kill(validator, SIGSTOP), 0);
+  EXPECT_TRUE(wait_until([&] { return std::regex_search(up.err(), std::regex("waiting for validator\n")); }, seconds(20))) << up.err();
+  EXPECT_EQ(up.err().find(" samples  force"), std::string::npos) << up.err();
+  ::kill(validator, SIGCONT);
+  EXPECT_EQ(up.wait(seconds(50)).status, 0) << up.err();
+}
+
 TEST(StoppedInLockstep, EndsNodesThatWereStartedByHandToo) {
   const std::string scene = shipped_scene("plane");
   const auto start = [&](const std::string& node, std::vector<std::string> more) {

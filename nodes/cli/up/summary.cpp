@@ -165,13 +165,12 @@ std::string to_text(const RunSummary& s) {
 
 std::string status_line(const Reports& r, const std::vector<std::string>& nodes) {
   const auto device = r.find("device");
-  if (device == r.end() || device->second.state == runtime::NodeState::kStarting) {
-    std::string waiting;
-    for (const std::string& node : nodes)
-      if (const auto report = r.find(node); report == r.end() || report->second.session_id == 0)
-        waiting += (waiting.empty() ? "" : ", ") + node;
-    return "starting: waiting for " + waiting;
-  }
+  std::string waiting;
+  for (const std::string& node : nodes)
+    if (const auto report = r.find(node); report == r.end() || report->second.session_id == 0)
+      waiting += (waiting.empty() ? "" : ", ") + node;
+  const bool starts = device == r.end() || device->second.state == runtime::NodeState::kStarting;
+  if (starts || (!waiting.empty() && count(r, "device", "samples") == 0)) return "starting: waiting for " + waiting;  // in lockstep a ready device waits too
   return fmt::format(
       "{:>7} samples  force {:6.2f} N at most  answered {:5.1f} %  latency p50 {:>4.0f} us p99 {:>5.0f} us  overruns {}  "
       "contacts {}  validator {}/{} agree",
