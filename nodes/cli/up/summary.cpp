@@ -165,10 +165,14 @@ std::string to_text(const RunSummary& s) {
 
 std::string status_line(const Reports& r, const std::vector<std::string>& nodes) {
   const auto device = r.find("device");
-  std::string waiting;
+  std::string silent, unready;
+  const auto add = [](std::string& to, const std::string& node) { to += (to.empty() ? "" : ", ") + node; };
   for (const std::string& node : nodes)
-    if (const auto report = r.find(node); report == r.end() || report->second.session_id == 0)
-      waiting += (waiting.empty() ? "" : ", ") + node;
+    if (const auto report = r.find(node); report == r.end())
+      add(silent, node);
+    else if (report->second.session_id == 0)
+      add(unready, node);
+  const std::string& waiting = silent.empty() ? unready : silent;  // who is there waits for who has said nothing
   const bool starts = device == r.end() || device->second.state == runtime::NodeState::kStarting;
   if (starts || (!waiting.empty() && count(r, "device", "samples") == 0)) return "starting: waiting for " + waiting;  // in lockstep a ready device waits too
   return fmt::format(
