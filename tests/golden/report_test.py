@@ -288,7 +288,7 @@ class Reports(unittest.TestCase):
         bag = self.copy("faulty", *(f"DELETE FROM messages WHERE id IN (SELECT m.id FROM messages m JOIN topics t ON t.id = m.topic_id "
                                     f"WHERE t.name = '/haptic/coupling/command' ORDER BY m.id LIMIT {n} OFFSET {at})"
                                     for at, n in ((1500, 30), (1000, 20), (500, 10))))
-        for topic, place, at, value in (("coupling/command", 100, 104, 2), ("rendering/contact", 200, 568, 128), ("validation", 50, 64, 2)):
+        for topic, place, at, value in (("coupling/command", 100, 104, 2), ("rendering/contact", 200, 576, 128), ("validation", 50, 64, 2)):
             self.alter(bag, topic, at, struct.pack("<I", value), place, 1)
         page = self.report_of(bag)
         for words in (("0.500 to 0.509", "10", "no answer"), ("1.000 to 1.019", "20", "no answer"), ("1.500 to 1.529", "30", "no answer"),
