@@ -162,8 +162,14 @@ TEST(Budget, KeepsAContactThatNoPointOfTheCoarserLevelFeels) {
 /// A ball pressed into a block and out again: levels come and go.
 TEST(Budget, NoForceStepsWhereALevelComesOrGoes) {
   const Ground ground(box_mesh(Vec3(0.1, 0.1, 0.05), {Vec3(0.0003, 0.0004, -0.025), Quat::Identity()}), kEdge);
-  for (const Kind kind : {Kind::kClustered, Kind::kField}) {
-    Tool tool(ground, sphere_shell(0.03, kEdge), kind, 1800), whole(ground, sphere_shell(0.03, kEdge), kind, 0);
+  struct Case {
+    int limit;
+    double most_step, most_off;  ///< of the largest force, and of the force
+  };
+  // 3000 is where a level that came without fading in would step by 1.3 to 1.5 %; at 1000 the kept contacts step by 1.4 % with the fade too.
+  const Case cases[] = {{800, 0.01, 0.1}, {1000, 0.015, 0.11}, {1400, 0.01, 0.1}, {1800, 0.01, 0.1}, {2200, 0.01, 0.1}, {3000, 0.01, 0.1}};
+  for (const Kind kind : {Kind::kClustered, Kind::kField}) for (const Case& c : cases) {
+    Tool tool(ground, sphere_shell(0.03, kEdge), kind, c.limit), whole(ground, sphere_shell(0.03, kEdge), kind, 0);
     double step = 0.0, step_whole = 0.0, most = 0.0, off = 0.0;
     std::vector<Vec3> forces, wholes;
     std::uint32_t least_out = 0xffffffff, most_out = 0;
@@ -180,12 +186,12 @@ TEST(Budget, NoForceStepsWhereALevelComesOrGoes) {
       step = std::max(step, (forces[n] - forces[n - 1]).norm()), step_whole = std::max(step_whole, (wholes[n] - wholes[n - 1]).norm());
       if (wholes[n].norm() > 0.2 * most) off = std::max(off, (forces[n] - wholes[n]).norm() / wholes[n].norm());
     }
-    std::printf("%s: largest step per 4e-3 e %.2e of the largest force, %.2e without a budget; force off by at most %.3f; %u to %u left out\n",
-                std::string(contact::name_of(kind)).c_str(), step / most, step_whole / most, off, least_out, most_out);
+    std::printf("%s, at most %d points: largest step per 4e-3 e %.2e of the largest force, %.2e without a budget; force off by at most %.3f; %u to %u left out\n",
+                std::string(contact::name_of(kind)).c_str(), c.limit, step / most, step_whole / most, off, least_out, most_out);
     EXPECT_LT(least_out, most_out) << "no level came or went";
     EXPECT_GT(most_out, 1000U);
-    EXPECT_LE(step, 0.01 * most);
-    EXPECT_LE(off, 0.1);
+    EXPECT_LE(step, c.most_step * most) << c.limit;
+    EXPECT_LE(off, c.most_off) << c.limit;
   }
 }
 
