@@ -36,7 +36,7 @@ Tool tool_of(const mesh::TriangleMesh& mesh) {
   return {.sphere = false, .reach_m = 0.5 * (high - low).maxCoeff(), .lowest_T = lowest};
 }
 
-ProposedScene propose_scene(const mesh::TriangleMesh& part, const mesh::MeshReport& report, Tool tool) {
+ProposedScene propose_scene(const mesh::TriangleMesh& part, const mesh::MeshReport& report, Tool tool, const ModelChoice& contact) {
   const Vec3 extents = report.max - report.min;
   const double largest = extents.maxCoeff();
   if (!(largest > 0.0)) throw std::invalid_argument("the part has no extent: all of its vertices are at one place");
@@ -52,12 +52,8 @@ ProposedScene propose_scene(const mesh::TriangleMesh& part, const mesh::MeshRepo
                         1e3 * e, *wall / e));
   if (wall && *wall < 2.0 * e)
     because(fmt::format("That is too few for thin walls: finer voxels than a {:.0f}th of the part cost memory; voxel_size sets them.", kFinest));
-  scene.virtual_tool = report.closed && !report.inverted;
-  if (scene.virtual_tool)
-    because("The part is closed, so it has an inside: the tool is held outside by a virtual tool, as stiff as the device allows.");
-  else
-    because(fmt::format("The part is {}, so it has no inside that one could be held out of: the contact model is `adapted`, which a hard push passes.",
-                        report.closed ? "inside out" : "open"));
+  scene.contact = contact;
+  because(contact.reason);
   scene.point_stiffness_n_per_m = kPointStiffness;
 
   if (tool.sphere) {
@@ -71,7 +67,7 @@ ProposedScene propose_scene(const mesh::TriangleMesh& part, const mesh::MeshRepo
   const Vec3 touch = place_to_touch(part), at = touch - tool.lowest_T;
   const double top = report.max.z() - touch.z();  // what stands higher than the place
   const double clear = top + std::max(4.0 * e, 0.3 * tool.reach_m);
-  const double press = scene.virtual_tool ? kPressM : 0.5 * e, slide = scene.virtual_tool ? kSlideM : 0.5 * e;
+  const double press = contact.virtual_tool ? kPressM : 0.5 * e, slide = contact.virtual_tool ? kSlideM : 0.5 * e;
   const auto along_z = [&](const Vec3& x, double z) { return Vec3(x + z * Vec3::UnitZ()); };
   scene.press_W = {along_z(at, clear), along_z(at, -press)};
   const Vec3 aside = at + Vec3(extents.x() / 6.0, 0.0, 0.0), back = at - Vec3(extents.x() / 6.0, 0.0, 0.0);

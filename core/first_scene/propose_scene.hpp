@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "core/first_scene/model_choice.hpp"
 #include "core/mesh/report.hpp"
 #include "core/mesh/triangle_mesh.hpp"
 
@@ -17,8 +18,8 @@ struct Tool {
 
 struct ProposedScene {
   double voxel_size_m = 0.0;
-  bool virtual_tool = false;             ///< else the contact model `adapted`, which needs no inside
-  double point_stiffness_n_per_m = 0.0;  ///< of `adapted`, for each point of the tool's shell
+  ModelChoice contact;
+  double point_stiffness_n_per_m = 0.0;  ///< without a virtual tool, for each point of the tool's shell; by area, for a voxel's face
   Tool tool;
   std::vector<Vec3> press_W, slide_W;    ///< way points of the tool's origin in W [m]; both begin outside, above the part
   double press_speed_m_per_s = 0.0, slide_speed_m_per_s = 0.0;
@@ -28,8 +29,8 @@ struct ProposedScene {
 /// Of a mesh in metres; its origin is what the hand holds.
 Tool tool_of(const mesh::TriangleMesh& mesh);
 
-/// `part`: in metres, with its report; `tool`: a mesh's, or a sphere whose radius is still to be found. Deterministic.
-/// Throws std::invalid_argument, a sentence, where the part has no extent.
-ProposedScene propose_scene(const mesh::TriangleMesh& part, const mesh::MeshReport& report, Tool tool);
+/// `part`: in metres, with its report; `tool`: a mesh's, or a sphere whose radius is still to be found; `contact`: usual_model(report), or what
+/// was measured. Deterministic. Throws std::invalid_argument, a sentence, where the part has no extent.
+ProposedScene propose_scene(const mesh::TriangleMesh& part, const mesh::MeshReport& report, Tool tool, const ModelChoice& contact);
 
 }  // namespace voxtouch::first_scene

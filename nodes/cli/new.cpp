@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include "core/accuracy/accuracy.hpp"
 #include "core/first_scene/measure_part.hpp"
 #include "core/first_scene/scene_text.hpp"
 #include "core/first_scene/try_scene.hpp"
@@ -12,7 +13,9 @@
 #include "core/scene/scene_file.hpp"
 #include "core/types/program_folder.hpp"
 #include "nodes/cli/known_device.hpp"
+#include "nodes/cli/machine.hpp"
 #include "nodes/cli/verbs.hpp"
+#include "nodes/log/progress.hpp"
 #include "nodes/log/tell.hpp"
 #include "nodes/mesh_import/mesh_process.hpp"
 #include "nodes/scene_build/build_here.hpp"
@@ -62,37 +65,76 @@ void write_new(const fs::path& file, const std::string& text) {
   if (!out) throw std::runtime_error(fmt::format("{} cannot be written: is it there already, is there room, and may you write there? --out FILE is another", file.string()));
 }
 
+struct Meshes {
+  ReadMesh part;
+  first_scene::Tool tool;
+  first_scene::SceneNames names;
+  std::vector<std::string> units;  ///< sentences
+};
+
+Meshes read_meshes(const NewOptions& o, const fs::path& out) {
+  Meshes m{.part = read_mesh(o.part, o.part_unit), .tool = {}, .names = {}, .units = {}};
+  m.units.push_back(m.part.unit);
+  m.names = {.scene = first_scene::scene_name(o.part.stem().string()), .part_file = named_from(out.parent_path(), o.part),
+             .tool_file = (fs::canonical(shared_folder() / "meshes") / "sphere.obj").string(), .part_scale = m.part.scale};
+  if (o.tool.empty()) return m;
+  const ReadMesh tool = read_mesh(o.tool, o.tool_unit);
+  m.units.push_back(tool.unit);
+  m.tool = first_scene::tool_of(tool.mesh.mesh);
+  m.names.tool_file = named_from(out.parent_path(), o.tool), m.names.tool_scale = tool.scale;
+  return m;
+}
+
+first_scene::ProposedScene propose(Meshes& m, const first_scene::ModelChoice& contact) {
+  first_scene::ProposedScene proposed = first_scene::propose_scene(m.part.mesh.mesh, m.part.mesh.report, m.tool, contact);
+  if (m.tool.sphere) m.names.tool_scale = proposed.tool.reach_m;  // the shipped sphere has radius 1
+  proposed.reasons.insert(proposed.reasons.begin(), m.units.begin(), m.units.end());
+  return proposed;
+}
+
+/// The short form of `voxtouch accuracy`: few contacts, the scene's own voxels, no spread.
+first_scene::ModelChoice measured_model(const scene::Scene& scene, const first_scene::ModelChoice& usual) {
+  accuracy::AccuracyOptions options;
+  options.contacts = first_scene::kMeasuredContacts;
+  options.spread_contacts = options.phases = 0;
+  options.cpu_time_s = thread_cpu_s;
+  options.read = mesh_import::mesh_process();
+  options.progress = [tell = log::tell_each_second("new")](const std::string& what, double share) {
+    tell(fmt::format("measuring contact models, {:.0f} %: {}", 100.0 * share, what));
+  };
+  return first_scene::measured_model(accuracy::measure_accuracy(scene, first_scene::models_to_measure(scene.voxel_size_m), options, serial_for()), usual);
+}
+
+/// What a person must know of the scene as it is: what is wrong with it, and how it feels.
+std::vector<std::string> tried(const scene::Scene& scene, const coupling::design::DeviceModel& device, const scene_build::CacheOptions& cache) {
+  std::vector<std::string> said;
+  const auto built = scene_build::build_here(scene, {.who = "new", .cache = cache});
+  if (const std::string wrong = first_scene::what_is_wrong(scene, *built); !wrong.empty()) said.push_back("To be mended by hand: " + wrong + ".");
+  const rendering::StiffnessBounds bounds{built->plan().contact_n_per_m, built->plan().contact_nm_per_rad};
+  const fitting::FittedCoupling fitted = fitting::fit_coupling(scene, device, bounds.translation, bounds.rotation);
+  if (!fitted.refusal.empty()) said.push_back("To be mended by hand: " + fitted.refusal);
+  if (const std::string felt = felt::felt_sentence(fitted, scene, device, *built); !felt.empty()) said.push_back(felt);
+  return said;
+}
+
 int make_new(const NewOptions& o) {
   const coupling::design::DeviceModel device = find_device(o.device);
-  const ReadMesh part = read_mesh(o.part, o.part_unit);
-  first_scene::Tool tool;
-  std::vector<std::string> said{part.unit};
-  first_scene::SceneNames names{.scene = first_scene::scene_name(o.part.stem().string()), .part_file = {}, .tool_file = {}, .part_scale = part.scale};
-  const fs::path out = fs::absolute(o.out.empty() ? fs::path(names.scene + ".yaml") : o.out);
+  const fs::path out = fs::absolute(o.out.empty() ? fs::path(first_scene::scene_name(o.part.stem().string()) + ".yaml") : o.out);
   if (fs::exists(out)) throw std::runtime_error(fmt::format("{} is there already and is left as it is; --out FILE is another", out.string()));
-  names.part_file = named_from(out.parent_path(), o.part);
-  names.tool_file = (fs::canonical(shared_folder() / "meshes") / "sphere.obj").string();
-  if (!o.tool.empty()) {
-    const ReadMesh read = read_mesh(o.tool, o.tool_unit);
-    said.push_back(read.unit);
-    tool = first_scene::tool_of(read.mesh.mesh);
-    names.tool_file = named_from(out.parent_path(), o.tool), names.tool_scale = read.scale;
-  }
-  first_scene::ProposedScene proposed = first_scene::propose_scene(part.mesh.mesh, part.mesh.report, tool);
-  if (o.tool.empty()) names.tool_scale = proposed.tool.reach_m;  // the shipped sphere has radius 1
-  proposed.reasons.insert(proposed.reasons.begin(), said.begin(), said.end());
-  for (const std::string& sentence : part.mesh.report.sentences()) log::tell("warning: {}\n", sentence);
+  Meshes meshes = read_meshes(o, out);
+  const mesh::MeshReport& report = meshes.part.mesh.report;
+  for (const std::string& sentence : report.sentences()) log::tell("warning: {}\n", sentence);
 
-  write_new(out, first_scene::scene_text(proposed, names));
+  const first_scene::ModelChoice usual = first_scene::usual_model(report);
+  first_scene::ProposedScene proposed = propose(meshes, usual);
+  write_new(out, first_scene::scene_text(proposed, meshes.names));
   try {
-    const scene::Scene scene = scene::load_scene(out);
-    const auto built = scene_build::build_here(scene, {.who = "new", .cache = o.cache});
-    if (const std::string wrong = first_scene::what_is_wrong(scene, *built); !wrong.empty())
-      proposed.reasons.push_back("To be mended by hand: " + wrong + ".");
-    const rendering::StiffnessBounds bounds{built->plan().contact_n_per_m, built->plan().contact_nm_per_rad};
-    const fitting::FittedCoupling fitted = fitting::fit_coupling(scene, device, bounds.translation, bounds.rotation);
-    if (!fitted.refusal.empty()) proposed.reasons.push_back("To be mended by hand: " + fitted.refusal);
-    if (const std::string felt = felt::felt_sentence(fitted, scene, device, *built); !felt.empty()) proposed.reasons.push_back(felt);
+    if (first_scene::has_inside(report) && first_scene::is_soon_measured(report)) {
+      proposed = propose(meshes, measured_model(scene::load_scene(out), usual));
+      fs::remove(out);
+      write_new(out, first_scene::scene_text(proposed, meshes.names));
+    }
+    for (std::string& sentence : tried(scene::load_scene(out), device, o.cache)) proposed.reasons.push_back(std::move(sentence));
   } catch (const std::exception&) {
     fs::remove(out);  // a scene that cannot even be built is no begin
     throw;
@@ -109,8 +151,8 @@ void add_new(CLI::App& app, Action& action) {
   auto o = std::make_shared<NewOptions>();
   CLI::App* verb = app.add_subcommand(
       "new",
-      "Writes a scene file for a part of yours that runs as it is, and says what was guessed: unit, voxel size, contact model, tool,\n"
-      "and two motions of a simulated hand. Each line of the file may be changed afterwards.\n"
+      "Writes a scene file for a part of yours that runs as it is, and says what was guessed: unit, voxel size, tool, two motions of a\n"
+      "simulated hand, and the contact model, by a short form of `voxtouch accuracy` where the part is closed and below 500,000 triangles. Each line of the file may be changed afterwards.\n"
       "Try: voxtouch new part.stl   and then   voxtouch up part.yaml --motion press --view");
   verb->add_option("PART", o->part, "Mesh to be felt: OBJ, STL, PLY, glTF/GLB, COLLADA")->required()->check(CLI::ExistingFile);
   verb->add_option("TOOL", o->tool, "Mesh that the hand holds, by its origin; default: a sphere")->check(CLI::ExistingFile);

@@ -97,6 +97,10 @@ class Remedies {
       if (p.model.damping >= d.damping_required) continue;
       const double least = std::min(d.damping_required, d.damping_required_any_cutoff) - p.model.damping;
       if (p.hand.any_passive || !(least <= p.hand.damping_max)) continue;
+      if (least <= 0.0) {
+        out_.push_back(fmt::format("{}: the wish would be stable with every passive hand as the device is damped, with the cut-off as high as it may be.", p.units->name));
+        continue;
+      }
       out_.push_back(fmt::format("{}: a damper of {:.3g} {} at the tool would make the wish stable with every passive hand{}.", p.units->name,
                                  least, p.units->damping,
                                  d.damping_required_any_cutoff < 0.99 * d.damping_required ? ", with the cut-off as high as it may be" : ""));

@@ -246,6 +246,7 @@ TEST(Design, WhatTwiceTheRateIsSaidToGiveIsTrueAndNoRemedyIsOutOfALaboratorysRea
     for (const std::string& s : d.remedies) {
       EXPECT_EQ(s.find("delay of 0 ms"), std::string::npos) << s;
       EXPECT_EQ(s.find("device damping"), std::string::npos) << s;
+      EXPECT_EQ(s.find("a damper of -"), std::string::npos) << s;
       if (!short_of || !s.starts_with("At ")) continue;
       DesignProblem other = r;
       other.device.timing.period_s *= 0.5;

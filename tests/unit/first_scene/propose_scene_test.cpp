@@ -14,12 +14,15 @@ namespace {
 
 using test::box;
 
-ProposedScene proposal(const mesh::TriangleMesh& part, Tool tool = {}) { return propose_scene(part, mesh::inspect(part), tool); }
+ProposedScene proposal(const mesh::TriangleMesh& part, Tool tool = {}) {
+  const mesh::MeshReport report = mesh::inspect(part);
+  return propose_scene(part, report, tool, usual_model(report));
+}
 
 TEST(ProposedScene, HasFourVoxelsInAWall) {
   const ProposedScene scene = proposal(box({0, 0, 0}, {0.1, 0.08, 0.0032}));
   EXPECT_NEAR(scene.voxel_size_m, 0.0008, 1e-9);
-  EXPECT_TRUE(scene.virtual_tool);
+  EXPECT_TRUE(scene.contact.virtual_tool);
 }
 
 TEST(ProposedScene, BoundsTheVoxelsOfAVeryThinAndOfASolidPart) {
@@ -30,7 +33,7 @@ TEST(ProposedScene, BoundsTheVoxelsOfAVeryThinAndOfASolidPart) {
 TEST(ProposedScene, OfAnOpenPartHasNoVirtualTool) {
   mesh::TriangleMesh open = box({0, 0, 0}, {0.1, 0.1, 0.1});
   open.triangles.pop_back();
-  EXPECT_FALSE(proposal(open).virtual_tool);
+  EXPECT_FALSE(proposal(open).contact.virtual_tool);
 }
 
 TEST(ProposedScene, ComesDownWithTheToolsLowestPointOverTheMiddle) {
