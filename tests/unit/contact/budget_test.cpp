@@ -89,6 +89,20 @@ std::vector<Pose> tumbling(int frames, std::uint64_t seed, double most_edges = 4
   return poses;
 }
 
+/// CPU time [s] of each frame: the least of several runs from the start, so that it is the frame's and not that of whoever interrupted it.
+std::vector<double> times_of(const Ground& ground, Kind kind, std::uint32_t budget, const std::vector<Pose>& poses) {
+  std::vector<double> least_s(poses.size(), 1.0);
+  for (int run = 0; run < 7; ++run) {
+    Tool tool(ground, plate(60), kind, budget);
+    for (std::size_t n = 0; n < poses.size(); ++n) {
+      const double begin = cpu_s();
+      tool.renderer.render(poses[n]);
+      least_s[n] = std::min(least_s[n], cpu_s() - begin);
+    }
+  }
+  return least_s;
+}
+
 TEST(Budget, NoFrameTestsMoreThanItMay) {
   const std::uint64_t seed = testing::seed(3);
   SCOPED_TRACE(testing::seed_trace(seed));
@@ -97,12 +111,11 @@ TEST(Budget, NoFrameTestsMoreThanItMay) {
     for (const std::uint32_t budget : {contact::FrameBudget::kLeastPoints, 2000U}) {
       Tool tool(scene.ground, plate(60), kind, budget);
       std::uint32_t most = 0, left_out = 0;
-      std::vector<double> times_s;
-      for (const Pose& pose : tumbling(600, seed)) {
+      const std::vector<Pose> poses = tumbling(600, seed);
+      const std::vector<double> times_s = times_of(scene.ground, kind, budget, poses);
+      for (const Pose& pose : poses) {
         const std::uint64_t before = tool.renderer.sub_poses();
-        const double begin = cpu_s();
         const contact::StageResult result = tool.renderer.render(pose);
-        times_s.push_back(cpu_s() - begin);
         // Each look-up of a fast frame has the same allowance, so the last one tells of all.
         const auto lookups = static_cast<std::uint32_t>(1 + tool.renderer.sub_poses() - before);
         const std::uint32_t allowed = lookups > 1 ? budget / contact::FrameBudget::kLookups : budget;
