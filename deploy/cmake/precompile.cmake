@@ -7,7 +7,8 @@ set(VOXTOUCH_COMMON_HEADERS <Eigen/Core> <Eigen/Geometry> <algorithm> <array> <c
   <optional> <span> <stdexcept> <string> <string_view> <vector>)
 
 # Every target of `type` in `folder` and below it reads the headers that `donor` has precompiled.
-# Only those that link `library` take part: a header is precompiled with that library's definitions.
+# Only those that link `library` take part: a header is precompiled with that library's definitions. What is compiled quickly (voxtouch::runs_once)
+# reads those of `donor`_runs_once, where there is one: GCC 14 takes no header that was precompiled with other optimisation.
 function(voxtouch_precompile_below folder type library donor)
   get_directory_property(folders DIRECTORY ${folder} SUBDIRECTORIES)
   foreach(below IN LISTS folders)
@@ -23,7 +24,11 @@ function(voxtouch_precompile_below folder type library donor)
       continue()  # a target that is C as well has no precompiled header for that half
     endif()
     if(kind STREQUAL type AND NOT own AND NOT target STREQUAL donor AND libraries MATCHES "${library}")
-      target_precompile_headers(${target} REUSE_FROM ${donor})
+      if(libraries MATCHES "voxtouch::runs_once" AND TARGET ${donor}_runs_once)
+        target_precompile_headers(${target} REUSE_FROM ${donor}_runs_once)
+      else()
+        target_precompile_headers(${target} REUSE_FROM ${donor})
+      endif()
     endif()
   endforeach()
 endfunction()
@@ -45,6 +50,7 @@ function(voxtouch_precompile)
   target_compile_options(voxtouch_warnings INTERFACE
     $<$<AND:$<COMPILE_LANGUAGE:CXX>,$<CXX_COMPILER_ID:GNU>>:-Wno-restrict -Wno-stringop-overflow -Wno-stringop-overread -Wno-array-bounds>)
   voxtouch_headers(voxtouch_headers STATIC)
+  voxtouch_headers(voxtouch_headers_runs_once STATIC voxtouch::runs_once)
   foreach(folder core devices nodes)
     voxtouch_precompile_below(${PROJECT_SOURCE_DIR}/${folder} STATIC_LIBRARY voxtouch:: voxtouch_headers)
   endforeach()
