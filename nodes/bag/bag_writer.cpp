@@ -68,6 +68,8 @@ Result<void> BagWriter::open_file() {
   Result<void> result;
   if (!made) result = std::unexpected(made.error());
   for (std::size_t i = 0; result && i < metadata_.topics.size(); ++i) result = (*made)->add_topic(metadata_.topics[i]);
+  // At once, and not with the next refresh: whenever the recorder is killed, a reader that looks at the file alone finds a bag.
+  if (result && !metadata_.topics.empty()) result = (*made)->refresh(metadata_);
   if (!result) {
     if (made) made->reset();
     std::filesystem::remove(folder_ / name, ignored);

@@ -12,6 +12,7 @@
 #include "nodes/runtime/clock.hpp"
 #include "nodes/runtime/housekeeping.hpp"
 #include "nodes/runtime/role_binding.hpp"
+#include "nodes/runtime/standby.hpp"
 
 namespace voxtouch::logger {
 namespace {
@@ -34,7 +35,7 @@ class LoggerNode {
         descriptions_(participant_, qos::kDeviceDescription, options.rig),
         wait_set_(participant_), recorder_(open_bag(options.bag, options.format), {.lockstep = options.lockstep}),
         topics_(participant_, options, options.topics, recorder_, wait_set_),
-        device_("device", {&descriptions_.following()}), links_(topics_.links()) {
+        device_("device", {&descriptions_.following()}), rendering_("rendering", topics_.of_rendering()), links_(topics_.links()) {
     wait_set_.attach(descriptions_.condition());
   }
 
@@ -68,6 +69,7 @@ class LoggerNode {
         descriptions_.take([](const msg::DeviceDescription&) {});
         topics_.drain();
       }
+      topics_.end();
       lost_peer_ = housekeeping.peer_lost();
       constexpr std::int64_t kMaxCloseNs = 20'000'000'000;  // as long as `up` waits for it
       const runtime::Heartbeat::Busy busy(heartbeat_, kMaxCloseNs), closing(closing_, kMaxCloseNs);
@@ -100,7 +102,28 @@ class LoggerNode {
                       {"topics", {now.topics.size(), "topics"}}};
     topics_.tell(session_in_bag_.load(std::memory_order_relaxed), report.figures);
     device_.update(registry, std::nullopt);
+    look_for_rendering(registry, report);
     session_.report_to(report, options_, registry, links_, "a device", true);
+  }
+
+  /// Of two that play it both are entitled: the one that stands by writes no record before it acts.
+  void look_for_rendering(const runtime::NodeRegistry& registry, runtime::NodeReport& report) {
+    if (device_.bound()) rendering_.update(registry, device_.session());
+    RoleRecords& records = topics_.records();
+    const auto& acting = rendering_.participant();
+    if (acting) records.entitle(*acting);
+    const runtime::NodeReport* said = acting ? registry.report_of(*acting) : nullptr;
+    if (const auto standby = said ? runtime::named_standby(*said).participant : std::nullopt) records.entitle(*standby);
+    records.looked(acting.has_value());
+    const std::uint64_t refused = records.refused();
+    report.figures["records"] = {records.settled(), "messages"};
+    report.figures["refused_records"] = {refused, "messages"};
+    if (refused == 0) return;
+    std::string names;
+    for (const bus::Guid& writer : records.refused_writers())
+      names += (names.empty() ? "" : " and ") + (writer == bus::Guid{} ? "somebody who has gone" : registry.name_of(writer));
+    report.message += fmt::format("; {} records that {} wrote are not in the bag: only the rendering's are, and {}", refused, names,
+                                  acting ? "that is " + registry.name_of(*acting) : "none is known");
   }
 
   const Options& options_;
@@ -109,7 +132,8 @@ class LoggerNode {
   bus::WaitSet wait_set_;
   bag::BagRecorder recorder_;
   RecordedTopics topics_;
-  runtime::RoleBinding device_;  ///< whose session this is; what is recorded is all that is on the wire
+  runtime::RoleBinding device_;     ///< whose session this is; what is recorded is all that is on the wire, but for records that a replay follows
+  runtime::RoleBinding rendering_;  ///< whose records those are
   std::vector<runtime::Link> links_;
   bag::RecordingReport final_;
   runtime::Session session_;

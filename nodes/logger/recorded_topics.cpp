@@ -21,6 +21,11 @@ constexpr const msg::AnyType* type_of(const qos::Topic& row) {
 }
 static_assert(std::ranges::none_of(qos::kTopics, [](const qos::Topic& row) { return type_of(row) == std::end(msg::kAllTypes); }));
 
+/// Who plays the rendering writes each of these.
+constexpr std::string_view kOfRendering[] = {qos::kContactState.path, qos::kScenePlan.path, qos::kEffectMade.path};
+/// What a replay follows: the rendering's alone.
+constexpr std::string_view kRecordsOfRendering[] = {qos::kEffectMade.path, qos::kExternalSample.path};
+
 }  // namespace
 
 RecordedTopics::RecordedTopics(const bus::Participant& participant, const runtime::NodeOptions& options,
@@ -37,18 +42,20 @@ RecordedTopics::RecordedTopics(const bus::Participant& participant, const runtim
     const bool from_outside = row.path == qos::kEffectChange.path;  // whoever asks knows no sample's time
     const bool flows = !from_outside && (row.profile == qos::ProfileId::kStream || row.profile == qos::ProfileId::kEvent);
     const std::lock_guard lock(numbers_mutex_);
-    add(qos::dds_name(row, options.rig), *type_of(row), asked, offered.get(),
-        flows                                                                                                    ? Stamp::kSampleTime
-        : from_outside || row.profile == qos::ProfileId::kStatus || row.profile == qos::ProfileId::kRecord ? Stamp::kNewest
-                                                                                                            : Stamp::kZero);
-    if (row.profile == qos::ProfileId::kStream) {
-      entries_.back().stream = qos::figure_name(row);
-    }
+    Entry& entry = add(qos::dds_name(row, options.rig), *type_of(row), asked, offered.get(),
+                       flows                                                                                                    ? Stamp::kSampleTime
+                       : from_outside || row.profile == qos::ProfileId::kStatus || row.profile == qos::ProfileId::kRecord ? Stamp::kNewest
+                                                                                                                           : Stamp::kZero);
+    if (row.profile == qos::ProfileId::kStream) entry.stream = qos::figure_name(row);
+    entry.of_role = std::ranges::find(kRecordsOfRendering, row.path) != std::end(kRecordsOfRendering);
+    if (std::ranges::find(kOfRendering, row.path) == std::end(kOfRendering)) continue;
+    entry.following = std::make_unique<bus::Following>(bus::Following::WhileNobody::kTakeAll);
+    entry.following->attach(entry.reader.get());
   }
 }
 
-void RecordedTopics::add(const std::string& name, const msg::AnyType& type, const qos::Qos& qos, const dds_qos_t* offered,
-                         Stamp stamp) {
+RecordedTopics::Entry& RecordedTopics::add(const std::string& name, const msg::AnyType& type, const qos::Qos& qos, const dds_qos_t* offered,
+                                           Stamp stamp) {
   bus::announce(qos.get(), type);
   bus::RawReader reader(participant_.get(), name, *type.descriptor, qos.get());
   bus::GraphEntry shown = participant_.enter(reader.get(), qos::Endpoint::kReader);
@@ -59,8 +66,8 @@ void RecordedTopics::add(const std::string& name, const msg::AnyType& type, cons
                                        .definition = std::string(msg::definition_of(type.ros_name))});
   if (!id) throw bus::Error(id.error().sentence);
   wait_set_.attach(reader.condition());
-  entries_.push_back({name, std::move(reader), std::move(shown), *id, stamp});
   known_.insert(name);
+  return entries_.emplace_back(Entry{name, nullptr, std::move(reader), std::move(shown), *id, stamp});
 }
 
 bool RecordedTopics::wants(const std::string& topic) const {
@@ -71,6 +78,8 @@ bool RecordedTopics::wants(const std::string& topic) const {
 
 std::vector<std::string> RecordedTopics::discover() {
   std::vector<std::string> sentences;
+  for (Entry& entry : entries_)
+    if (entry.of_role) look_for_writers(entry);
   discovery_.take([&](const dds_builtintopic_endpoint_t& writer) {
     const std::string name = writer.topic_name, type_name = writer.type_name;
     if (!name.starts_with("rt/") || !wants(name) || !known_.insert(name).second) return;
@@ -103,11 +112,44 @@ std::int64_t RecordedTopics::time_of(const Entry& entry, std::span<const std::by
 std::size_t RecordedTopics::drain() {
   std::size_t count = 0;
   for (Entry& entry : entries_)
-    count += entry.reader.take([&](std::span<const std::byte> bytes) {
-      const auto pushed = recorder_.push(entry.id, time_of(entry, bytes), bytes);
+    count += entry.reader.take([&](std::span<const std::byte> bytes, dds_instance_handle_t writer) {
+      const std::int64_t time_ns = time_of(entry, bytes);
+      if (entry.of_role) return records_.take(writer_of(entry, writer), {entry.id, time_ns, {bytes.begin(), bytes.end()}});
+      const auto pushed = recorder_.push(entry.id, time_ns, bytes);
       if (pushed == bag::PushResult::kQueued && !entry.stream.empty()) note(entry, bytes);
     });
+  records_.settle([this](const RoleRecords::Record& record) { push(record); });
   return count;
+}
+
+void RecordedTopics::end() {
+  records_.settle([this](const RoleRecords::Record& record) { push(record); });
+  records_.end();
+}
+
+void RecordedTopics::push(const RoleRecords::Record& record) { recorder_.push(record.topic, record.time_ns, record.bytes); }
+
+/// Who writes one record and goes is asked for in vain afterwards.
+void RecordedTopics::look_for_writers(Entry& entry) {
+  const std::vector<dds_instance_handle_t> matched = bus::matched_writer_handles(entry.reader.get());
+  constexpr std::size_t kMostWriters = 256;
+  if (entry.writers.size() > kMostWriters) std::erase_if(entry.writers, [&](const auto& one) { return std::ranges::find(matched, one.first) == matched.end(); });
+  for (const dds_instance_handle_t writer : matched)
+    if (entry.writers.size() <= kMostWriters) writer_of(entry, writer);
+}
+
+bus::Guid RecordedTopics::writer_of(Entry& entry, dds_instance_handle_t writer) {
+  if (const auto known = entry.writers.find(writer); known != entry.writers.end()) return known->second;
+  const bus::Guid participant = bus::participant_of_writer(entry.reader.get(), writer);
+  if (participant != bus::Guid{}) entry.writers.emplace(writer, participant);
+  return participant;
+}
+
+std::vector<bus::Following*> RecordedTopics::of_rendering() const {
+  std::vector<bus::Following*> all;
+  for (const Entry& entry : entries_)
+    if (entry.following) all.push_back(entry.following.get());
+  return all;
 }
 
 void RecordedTopics::note(Entry& entry, std::span<const std::byte> bytes) {

@@ -11,9 +11,11 @@
 #include <vector>
 
 #include "nodes/bag/bag_recorder.hpp"
+#include "nodes/bus/following.hpp"
 #include "nodes/bus/raw_reader.hpp"
 #include "nodes/bus/wait_set.hpp"
 #include "nodes/bus/writer_discovery.hpp"
+#include "nodes/logger/role_records.hpp"
 #include "nodes/logger/sequence_count.hpp"
 #include "nodes/runtime/figure.hpp"
 #include "nodes/runtime/options.hpp"
@@ -33,6 +35,12 @@ class RecordedTopics {
   std::vector<std::string> discover();
   /// Takes all that is there into the recorder; how many samples that was.
   std::size_t drain();
+  /// The last call: what is kept for somebody who has not come is refused.
+  void end();
+  /// Readers of what who plays the rendering writes. Their addresses stay.
+  std::vector<bus::Following*> of_rendering() const;
+  /// Records that the rendering alone may write, for a replay follows them.
+  RoleRecords& records() noexcept { return records_; }
   /// Who must have matched what before a lockstep run.
   std::vector<runtime::Link> links() const;
   /// Which samples of `session` were taken to be written, for each stream of the ring. Any thread.
@@ -43,16 +51,22 @@ class RecordedTopics {
   enum class Stamp { kSampleTime, kZero, kNewest };
   struct Entry {
     std::string name;
+    std::unique_ptr<bus::Following> following;  ///< who has matched the reader, which it outlives; where a role asks for it
     bus::RawReader reader;
     bus::GraphEntry shown;  ///< to ROS 2 tools
     bag::TopicId id;
     Stamp stamp;
     std::string stream{};     ///< "device_state"; empty where samples bear no number
     SequenceCount numbers{};  ///< under `numbers_mutex_`
+    bool of_role = false;     ///< only what who plays the role writes is for the bag
+    std::map<dds_instance_handle_t, bus::Guid> writers{};  ///< those that have been seen, where it is `of_role`
   };
-  void add(const std::string& name, const msg::AnyType& type, const qos::Qos& qos, const dds_qos_t* offered, Stamp stamp);
+  Entry& add(const std::string& name, const msg::AnyType& type, const qos::Qos& qos, const dds_qos_t* offered, Stamp stamp);
   bool wants(const std::string& topic) const;
   void note(Entry& entry, std::span<const std::byte> bytes);
+  void push(const RoleRecords::Record& record);
+  static void look_for_writers(Entry& entry);
+  static bus::Guid writer_of(Entry& entry, dds_instance_handle_t writer);
   std::int64_t time_of(const Entry& entry, std::span<const std::byte> bytes);
 
   const bus::Participant& participant_;
@@ -63,6 +77,7 @@ class RecordedTopics {
   bus::WriterDiscovery discovery_;
   std::deque<Entry> entries_;  // addresses stay
   std::set<std::string> known_;
+  RoleRecords records_;
   std::int64_t newest_ns_ = 0;
   mutable std::mutex numbers_mutex_;
 };

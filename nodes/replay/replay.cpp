@@ -13,6 +13,7 @@
 #include "nodes/replay/scene_replay.hpp"
 #include "nodes/runtime/node_registry.hpp"
 #include "nodes/runtime/stamps.hpp"
+#include "nodes/runtime/standby_options.hpp"
 
 namespace voxtouch::replay {
 namespace {
@@ -188,6 +189,7 @@ class Run {
     say_lost("rendering", "contacts", contacts);
     say_lost("coupling", "commands", commands);
     say_changes();
+    say_refused();
     say_external();
   }
 
@@ -218,9 +220,20 @@ class Run {
   void say_changes() {
     const auto figures = recording_.figures.find("rendering");
     if (figures == recording_.figures.end()) return;
-    const std::uint64_t made = runtime::as_count(runtime::value_of(figures->second, "changes"));
-    if (made > recording_.changes.size())
-      out_.missing.push_back(fmt::format("The rendering made {} changes, and the bag has {} of them.", made, recording_.changes.size()));
+    const auto standby = recording_.figures.find(runtime::standby_of("rendering"));
+    const std::uint64_t by_standby = standby == recording_.figures.end() ? 0 : runtime::as_count(runtime::value_of(standby->second, "changes"));
+    const std::uint64_t made = std::max(runtime::as_count(runtime::value_of(figures->second, "changes")), by_standby);
+    const std::size_t recorded = recording_.changes.size();
+    if (made > recorded) out_.missing.push_back(fmt::format("The rendering made {} changes, and the bag has {} of them.", made, recorded));
+    if (made < recorded)
+      out_.missing.push_back(fmt::format("The bag has {} records of changes, and the rendering counts {} in its last status: it made some after that, or somebody else wrote some, "
+                                         "which are made here all the same.", recorded, made));
+  }
+
+  void say_refused() {
+    const auto figures = recording_.figures.find("logger");
+    const std::uint64_t refused = figures == recording_.figures.end() ? 0 : runtime::as_count(runtime::value_of(figures->second, "refused_records"));
+    if (refused > 0) out_.notes.push_back(fmt::format("The recorder refused {} records that the rendering did not write.", refused));
   }
 
   /// What the effect `external` was given and the bag does not hold. The rendering counts those of a ring, the bag has those of its sessions.

@@ -2,6 +2,7 @@
 /// A recorder that is told to take part has a run in real time from its first sample on. In lockstep everybody is waited for: participation.hpp.
 #include <atomic>
 #include <cstdint>
+#include <optional>
 
 #include "nodes/runtime/clock.hpp"
 #include "nodes/runtime/node_registry.hpp"
@@ -14,25 +15,25 @@ namespace voxtouch::runtime {
 /// costs samples in the bag and no force.
 class RecorderGate {
  public:
-  /// The longest that a logger which does not come keeps a node from beginning.
-  static constexpr std::int64_t kPatienceNs = 5'000'000'000;
+  /// The longest that a logger which does not come keeps a node from beginning [ns]. A test that goes by what comes, and by no clock, sets it
+  /// before it makes a node.
+  static inline std::atomic<std::int64_t> patience_ns{5'000'000'000};
 
   explicit RecorderGate(const NodeOptions& options) : open_(options.lockstep || !options.has_peer("logger")) {}
 
   /// From the housekeeping, at each look, with the node's writer of a stream.
   template <class Writer>
-  void look(const NodeRegistry& registry, const Writer& writer) {
+  void look(const NodeRegistry& registry, const Writer& writer, std::int64_t now_ns = monotonic_ns()) {
     if (open()) return;
-    const std::int64_t now_ns = monotonic_ns();
-    if (begin_ns_ == 0) begin_ns_ = now_ns;
-    if (has_matched(registry, writer.matched(), {"logger"}) || now_ns - begin_ns_ > kPatienceNs) open_.store(true, std::memory_order_release);
+    if (!begin_ns_) begin_ns_ = now_ns;
+    if (has_matched(registry, writer.matched(), {"logger"}) || now_ns - *begin_ns_ > patience_ns) open_.store(true, std::memory_order_release);
   }
   /// Whether samples may be answered. Any thread; real-time safe.
   bool open() const noexcept { return open_.load(std::memory_order_acquire); }
 
  private:
   std::atomic<bool> open_;
-  std::int64_t begin_ns_ = 0;  ///< of the first look
+  std::optional<std::int64_t> begin_ns_;  ///< of the first look
 };
 
 }  // namespace voxtouch::runtime

@@ -186,6 +186,17 @@ class Replay(unittest.TestCase):
         self.assertEqual((status, said["changes"]), (1, 0))
         self.assertIn("The rendering made 3 changes, and the bag has 0 of them.", said["missing"])
 
+    def test_a_record_more_than_the_rendering_counts_is_said(self):
+        """As in a bag of `ros2 bag record`, which takes a stranger's record too: our recorder refuses it (tests/ring/forged_record_test.cpp)."""
+        bag = self.copy()
+        session = struct.unpack_from("<Q", message_of(bag, STATE, 0)[1], HEADER)[0]
+        forged = b"\0\1\0\0" + struct.pack("<QQQI I9s3x I1s7x 3dd I1s", 0, session, 1000, 1, 9, b"friction\0", 1, b"\0", 0.0, 0.0, 0.0, 0.0, 1, b"\0")
+        self.assertEqual(edit(bag, "INSERT INTO messages (topic_id, timestamp, data) SELECT id, ?, ? FROM topics WHERE name = ?", 1_000_000_000, forged, MADE), 1)
+        status, said, err = replay(bag)
+        self.assertEqual((status, said["changes"]), (0, 1), f"{said} {err}")
+        self.assertIn("cannot be made again", said["missing"][0])
+        self.assertIn("The bag has 1 records of changes, and the rendering counts 0 in its last status: ", said["missing"][1])
+
     def real_time(self, bag):
         """Equal where the bag says all; else what is missing is said."""
         status, said, err = replay(bag)

@@ -46,14 +46,14 @@ def fine_scene(folder, n):
 
 
 def until(holds, patience_s, what):
-    """The first true value of holds(); fails with a sentence after so long."""
+    """The first true value of holds(); fails with a sentence after so long. `what`: the words, or a function that gives them then."""
     end = time.monotonic() + patience_s
     while time.monotonic() < end:
         value = holds()
         if value:
             return value
         time.sleep(0.02)
-    raise AssertionError(f"not within {patience_s} s: {what}")
+    raise AssertionError(f"not within {patience_s} s: {what() if callable(what) else what}")
 
 
 class Process:
@@ -86,7 +86,12 @@ class Process:
 
 def until_it_runs(up):
     """A ring in real time has begun to answer samples."""
-    until(lambda: " samples  force" in up.told(), 60, f"a ring that runs:\n{up.told()}")
+    def runs():
+        if up.process.poll() is not None:
+            raise AssertionError(f"the ring has ended:\n{up.told()}")
+        return " samples  force" in up.told()
+
+    until(runs, 60, lambda: f"a ring that runs:\n{up.told()}")
 
 
 def ring(name, *more, motion="slide"):

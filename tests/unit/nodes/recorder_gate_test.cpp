@@ -3,12 +3,15 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <optional>
 
 #include "nodes/bus/reader.hpp"
+#include "nodes/coupling/coupling_node.hpp"
 #include "nodes/device/device_node.hpp"
 #include "nodes/rendering/rendering_node.hpp"
 #include "tests/support/stand_in.hpp"
+#include "tests/unit/nodes/around_coupling.hpp"
 #include "tests/unit/nodes/node_thread.hpp"
 
 namespace voxtouch::test {
@@ -50,7 +53,60 @@ double figure_of(runtime::NodeRegistry& registry, const std::string& node, const
   return report ? runtime::value_of(report->figures, name) : 0.0;
 }
 
-TEST(RecorderGate, RenderingAnswersItsFirstSampleWhenTheLoggerHearsIt) {
+/// Only a logger that hears it opens a node's gate: without a clock that would do so too.
+class RecorderGate : public testing::Test {
+ protected:
+  RecorderGate() { runtime::RecorderGate::patience_ns = std::numeric_limits<std::int64_t>::max(); }
+  ~RecorderGate() override { runtime::RecorderGate::patience_ns = kUsual; }
+  const std::int64_t kUsual = runtime::RecorderGate::patience_ns;
+};
+
+/// By given times, so that nothing but what is asked opens it.
+TEST_F(RecorderGate, OpensWhenALoggerHearsThisWriterAndForNobodyElse) {
+  const std::string rig = own_rig("o");
+  StandIn node(kDomain, "device", rig);
+  runtime::NodeRegistry registry(node.participant, rig);
+  bus::Writer<msg::DeviceState> states(node.participant, qos::kDeviceState, rig, qos::profile(qos::ProfileId::kStream));
+  runtime::NodeOptions options;
+  EXPECT_TRUE(runtime::RecorderGate(options).open()) << "nobody is to record";
+  options.peers = {"logger"};
+  runtime::RecorderGate gate(options);
+  const auto opens = [&] {
+    registry.update();
+    gate.look(registry, states, 1'000);
+    return gate.open();
+  };
+  EXPECT_FALSE(opens());
+  StandIn reader_of_another(kDomain, "validator", rig), silent_logger(kDomain, "logger", rig);
+  bus::Reader<msg::DeviceState> another(reader_of_another.participant, qos::kDeviceState, rig, deep_tap());
+  reader_of_another.say(0), silent_logger.say(0);
+  ASSERT_TRUE(wait_until([&] { return opens() || (registry.find("logger") && registry.find("validator") && states.matched_count() == 1); }));
+  EXPECT_FALSE(opens()) << "the one that reads is no logger, and the logger does not read this";
+  bus::Reader<msg::DeviceState> its(silent_logger.participant, qos::kDeviceState, rig, deep_tap());
+  ASSERT_TRUE(wait_until(opens));
+  options.lockstep = true;
+  EXPECT_TRUE(runtime::RecorderGate(options).open()) << "in lockstep the links are waited for";
+}
+
+TEST_F(RecorderGate, OpensByItselfAfterFiveSecondsWhereNoLoggerComes) {
+  runtime::RecorderGate::patience_ns = kUsual;
+  constexpr std::int64_t kFirst = -7'000, kPatience = 5'000'000'000;
+  const std::string rig = own_rig("i");
+  StandIn node(kDomain, "device", rig);
+  runtime::NodeRegistry registry(node.participant, rig);
+  bus::Writer<msg::DeviceState> states(node.participant, qos::kDeviceState, rig, qos::profile(qos::ProfileId::kStream));
+  runtime::NodeOptions options;
+  options.peers = {"logger"};
+  runtime::RecorderGate gate(options);
+  for (const std::int64_t now_ns : {kFirst, kFirst + kPatience}) {
+    gate.look(registry, states, now_ns);
+    EXPECT_FALSE(gate.open()) << now_ns;
+  }
+  gate.look(registry, states, kFirst + kPatience + 1);
+  EXPECT_TRUE(gate.open());
+}
+
+TEST_F(RecorderGate, RenderingAnswersItsFirstSampleWhenTheLoggerHearsIt) {
   const std::string rig = own_rig("g");
   StandIn device(kDomain, "device", rig);
   runtime::NodeRegistry registry(device.participant, rig);
@@ -76,7 +132,42 @@ TEST(RecorderGate, RenderingAnswersItsFirstSampleWhenTheLoggerHearsIt) {
   EXPECT_EQ(static_cast<double>(*recorder.first()), figure_of(registry, "rendering", "first_sample"));
 }
 
-TEST(RecorderGate, ASimulatedDeviceWritesItsFirstSampleWhenTheLoggerHearsIt) {
+TEST_F(RecorderGate, CouplingCommandsForTheFirstTimeWhenTheLoggerHearsIt) {
+  const std::string rig = own_rig("k");
+  StandIn device(kDomain, "device", rig), rendering(kDomain, "rendering", rig);
+  runtime::NodeRegistry registry(device.participant, rig);
+  bus::Writer<msg::DeviceDescription> descriptions(device.participant, qos::kDeviceDescription, rig, qos::profile(qos::ProfileId::kLatched));
+  bus::Writer<msg::ScenePlan> plans(rendering.participant, qos::kScenePlan, rig, qos::profile(qos::ProfileId::kLatched));
+  bus::Writer<msg::ContactState> contacts(rendering.participant, qos::kContactState, rig, qos::profile(qos::ProfileId::kStream));
+  auto options = node_options<coupling_node::Options>(rig);
+  options.scene = around_coupling::scene_with("{design: auto}"), options.peers = {"logger"};
+  NodeThread coupling([&](const std::atomic<bool>& stop) { return coupling_node::run(options, stop); });
+  ASSERT_TRUE(wait_until([&] { return contacts.matched_count() == 1 && plans.matched_count() == 1 && descriptions.matched_count() == 1; })) << coupling.error();
+  descriptions.write(stylus(7));
+  plans.write(around_coupling::Around::message_of(30.0, 7, {0.0, 0.0, ""}));
+  device.say(7), rendering.say(7);
+  msg::ContactState contact{};
+  contact.session_id = 7, contact.tool_pose.orientation.w = 1.0;
+  const auto write = [&] {
+    contacts.write(contact);
+    ++contact.sequence_number, contact.sample_time_ns += 1'000'000;
+    std::this_thread::sleep_for(milliseconds(1));
+  };
+  const auto says = [&] {
+    registry.update();
+    const auto report = registry.find("coupling");
+    return report ? report->message : "";
+  };
+  ASSERT_TRUE(wait_until([&] { return write(), says() == "waiting for the logger"; })) << says();
+  for (int n = 0; n < 200; ++n) write();
+  EXPECT_EQ(figure_of(registry, "coupling", "samples"), 0.0) << "nobody records it yet";
+  EXPECT_EQ(figure_of(registry, "coupling", runtime::kSessions), 0.0);
+  Recorder<msg::ForceCommand> recorder(qos::kForceCommand, rig);
+  ASSERT_TRUE(wait_until([&] { return write(), recorder.first().has_value() && figure_of(registry, "coupling", "samples") > 0.0; })) << says();
+  EXPECT_EQ(static_cast<double>(*recorder.first()), figure_of(registry, "coupling", "first_sample"));
+}
+
+TEST_F(RecorderGate, ASimulatedDeviceWritesItsFirstSampleWhenTheLoggerHearsIt) {
   const std::string rig = own_rig("h");
   auto options = node_options<device_node::Options>(rig, "plane");
   options.device = "sim-phantom", options.peers = {"logger"};
@@ -85,23 +176,6 @@ TEST(RecorderGate, ASimulatedDeviceWritesItsFirstSampleWhenTheLoggerHearsIt) {
   Recorder<msg::DeviceState> recorder(qos::kDeviceState, rig);
   ASSERT_TRUE(wait_until([&] { return recorder.first().has_value(); })) << device.error();
   EXPECT_EQ(*recorder.first(), 0U);
-}
-
-/// Takes five seconds, as long as a node waits.
-TEST(RecorderGate, OpensByItselfWhereNoLoggerComes) {
-  const std::string rig = own_rig("i");
-  StandIn node(kDomain, "device", rig);
-  runtime::NodeRegistry registry(node.participant, rig);
-  bus::Writer<msg::DeviceState> states(node.participant, qos::kDeviceState, rig, qos::profile(qos::ProfileId::kStream));
-  runtime::NodeOptions options;
-  EXPECT_TRUE(runtime::RecorderGate(options).open()) << "nobody is to record";
-  options.peers = {"logger"};
-  runtime::RecorderGate gate(options);
-  const std::int64_t begin_ns = runtime::monotonic_ns();
-  EXPECT_TRUE(wait_until([&] { return gate.look(registry, states), gate.open(); }));
-  EXPECT_GE(runtime::monotonic_ns() - begin_ns, runtime::RecorderGate::kPatienceNs);
-  options.lockstep = true;
-  EXPECT_TRUE(runtime::RecorderGate(options).open()) << "in lockstep the links are waited for";
 }
 
 }  // namespace

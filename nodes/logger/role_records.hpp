@@ -1,0 +1,69 @@
+#pragma once
+/// Records that a replay follows: what the participant wrote that plays the role is for the bag, and what others wrote is not.
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <mutex>
+#include <set>
+#include <vector>
+
+#include "nodes/bag/bag_sink.hpp"
+#include "nodes/bus/graph.hpp"
+
+namespace voxtouch::logger {
+
+/// A record may come before it is known who plays the role: it is kept until then. One whose writer is not entitled is kept for two looks at the
+/// statuses, as the one that took over may be heard before the status is that names it. What is refused then is counted.
+/// `entitle` and `looked`: the housekeeping. `take`, `settle` and `end`: the thread that reads. Allocates; not for the loop of a ring.
+class RoleRecords {
+ public:
+  struct Record {
+    bag::TopicId topic = 0;
+    std::int64_t time_ns = 0;  ///< the bag's, of when it was taken
+    std::vector<std::byte> bytes{};
+  };
+
+  /// Of one writer and of all that are kept [bytes]; what is beyond is refused. A change takes about 200, a value of the outside wrench 80.
+  static constexpr std::size_t kMostOfOne = 1'000'000, kMostOfAll = 16'000'000;
+
+  /// This participant plays the role, or is the standby that the acting one has named. What it wrote counts, also after it has gone.
+  void entitle(const bus::Guid& participant);
+  /// All that one look at the statuses tells has been said. `bound`: somebody plays the role.
+  void looked(bool bound);
+
+  /// `writer`: the participant that wrote it; all zero where it has gone before anybody knew it.
+  void take(const bus::Guid& writer, Record record);
+  /// Calls push(const Record&) for each that is now known to be the role's, in the order that they came.
+  template <class Push>
+  void settle(Push&& push) {
+    for (const Record& record : decided()) push(record);
+  }
+  /// Nobody comes any more who might be entitled: what is still kept is refused.
+  void end();
+
+  /// Any thread: how many were for the bag, and how many were not.
+  std::uint64_t settled() const;
+  std::uint64_t refused() const;
+  /// Those whose records were refused; the first sixteen.
+  std::set<bus::Guid> refused_writers() const;
+
+ private:
+  struct Kept {
+    bus::Guid writer;
+    Record record;
+    std::uint64_t decided_at;  ///< the look after which it is known whether the writer is entitled
+  };
+  std::vector<Record> decided();
+  void refuse(const bus::Guid& writer);
+
+  mutable std::mutex mutex_;
+  std::deque<bus::Guid> entitled_;
+  std::deque<Kept> kept_;
+  std::map<bus::Guid, std::size_t> kept_bytes_;  ///< of each writer
+  std::size_t all_bytes_ = 0;
+  std::uint64_t looks_ = 0, settled_ = 0, refused_ = 0;
+  bool bound_ = false;
+  std::set<bus::Guid> refused_writers_;
+};
+
+}  // namespace voxtouch::logger

@@ -1,0 +1,198 @@
+// Records that a replay follows: those of who plays the rendering are in the bag, whoever comes when; those of others are not, and are told.
+#include "nodes/logger/role_records.hpp"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <set>
+
+#include "nodes/bus/writer.hpp"
+#include "nodes/logger/logger_node.hpp"
+#include "nodes/runtime/standby.hpp"
+#include "nodes/runtime/strings.hpp"
+#include "tests/support/adversary.hpp"
+#include "tests/support/stand_in.hpp"
+#include "tests/support/whole_bag.hpp"
+#include "tests/unit/nodes/node_thread.hpp"
+
+namespace voxtouch::test {
+namespace {
+
+using logger::RoleRecords;
+
+bus::Guid guid(std::uint8_t number) {
+  bus::Guid all{};
+  all[0] = number;
+  return all;
+}
+
+RoleRecords::Record record(std::int64_t time_ns, std::size_t bytes = 10) { return {0, time_ns, std::vector<std::byte>(bytes)}; }
+
+/// Times of those that are for the bag now.
+std::vector<std::int64_t> settled(RoleRecords& records) {
+  std::vector<std::int64_t> times;
+  records.settle([&](const RoleRecords::Record& one) { times.push_back(one.time_ns); });
+  return times;
+}
+
+TEST(RoleRecordsRule, KeepsWhatComesBeforeSomebodyPlaysTheRole) {
+  RoleRecords records;
+  records.take(guid(1), record(1));
+  records.take(guid(2), record(2));
+  records.take(guid(1), record(3));
+  for (int look = 0; look < 10; ++look) records.looked(false);
+  EXPECT_TRUE(settled(records).empty());
+  records.entitle(guid(1));
+  records.looked(true);
+  EXPECT_EQ(settled(records), (std::vector<std::int64_t>{1, 3}));
+  EXPECT_EQ(records.refused(), 1U);
+  EXPECT_EQ(records.refused_writers(), std::set{guid(2)});
+}
+
+TEST(RoleRecordsRule, WaitsForTwoLooksBeforeItRefusesWhoMayHaveTakenOver) {
+  RoleRecords records;
+  records.entitle(guid(1)), records.looked(true);
+  records.take(guid(2), record(1));
+  records.looked(true);
+  EXPECT_TRUE(settled(records).empty());
+  records.entitle(guid(2)), records.looked(true);
+  EXPECT_EQ(settled(records), std::vector<std::int64_t>{1});
+  records.take(guid(3), record(2));
+  records.looked(true), records.looked(true);
+  EXPECT_TRUE(settled(records).empty());
+  EXPECT_EQ(records.refused(), 1U);
+  records.entitle(guid(3));
+  EXPECT_TRUE(settled(records).empty()) << "what was refused stays so";
+}
+
+TEST(RoleRecordsRule, RefusesAtTheEndWhatNobodyHasVouchedFor) {
+  RoleRecords records;
+  records.take(bus::Guid{}, record(1));
+  EXPECT_TRUE(settled(records).empty());
+  records.end();
+  EXPECT_EQ(records.refused(), 1U);
+  EXPECT_TRUE(settled(records).empty());
+}
+
+TEST(RoleRecordsRule, WhoFloodsItTakesNoRoomOfOthers) {
+  RoleRecords records;
+  for (int n = 0; n < 100; ++n) records.take(guid(2), record(n, RoleRecords::kMostOfOne / 10));
+  EXPECT_EQ(records.refused(), 90U);
+  records.take(guid(1), record(7));
+  records.entitle(guid(1));
+  EXPECT_EQ(settled(records), std::vector<std::int64_t>{7});
+  for (std::uint8_t n = 3; n < 100; ++n) records.take(guid(n), record(0, RoleRecords::kMostOfOne));
+  EXPECT_EQ(records.refused(), 90U + 97U - 15U) << "of sixteen million bytes the first has one";
+}
+
+/// A rendering as the real ones are, as far as a logger sees them.
+struct Rendering : StandIn {
+  Rendering(const std::string& rig, const std::string& name = "rendering")
+      : StandIn(kDomain, name, rig), contacts(participant, qos::kContactState, rig, qos::profile(qos::kContactState.profile)),
+        plans(participant, qos::kScenePlan, rig, qos::profile(qos::kScenePlan.profile)),
+        made(participant, qos::kEffectMade, rig, qos::profile(qos::kEffectMade.profile)) {}
+  void say_standby(const std::string& duty, const bus::Guid* standby = nullptr) {
+    runtime::NodeReport report;
+    report.session_id = 7, report.state = runtime::NodeState::kRunning, report.values[runtime::kDuty] = duty;
+    if (standby) report.values[runtime::kStandby] = runtime::to_hex(*standby);
+    status.publish(report);
+  }
+  void make(std::uint64_t from_sample) {
+    const std::string effect = "oil", none;
+    msg::EffectChange m{};
+    m.session_id = 7, m.from_sample = from_sample, m.action = msg::effect_change::kActionSwitch;
+    m.effect = runtime::lend(effect), m.parameter = m.model = runtime::lend(none);
+    made.write(m);
+  }
+  bus::Writer<msg::ContactState> contacts;
+  bus::Writer<msg::ScenePlan> plans;
+  bus::Writer<msg::EffectChange> made;
+};
+
+class RecordsOfTheLogger : public testing::Test {
+ protected:
+  RecordsOfTheLogger()
+      : descriptions(device.participant, qos::kDeviceDescription, rig, qos::profile(qos::ProfileId::kLatched)), options(options_for(rig)),
+        node([this](const std::atomic<bool>& stop) { return logger::run(options, stop); }) {}
+  ~RecordsOfTheLogger() override { std::filesystem::remove_all(options.bag); }
+  static logger::Options options_for(const std::string& rig) {
+    auto o = node_options<logger::Options>(rig);
+    o.bag = std::filesystem::temp_directory_path() / ("voxtouch_records_" + rig);
+    return o;
+  }
+  void begin() { descriptions.write(stylus(7)), device.say(7); }
+  std::string message() { return report() ? report()->message : ""; }
+  double figure(const char* name) {
+    const auto now = report();
+    return now ? runtime::value_of(now->figures, name) : 0.0;
+  }
+  double refused() { return figure("refused_records"); }
+  std::optional<runtime::NodeReport> report() {
+    registry.update();
+    return registry.find("logger");
+  }
+  /// First samples of the records in the bag.
+  std::vector<std::uint64_t> recorded() {
+    EXPECT_EQ(node.end(), 0) << node.error();
+    std::vector<std::uint64_t> samples;
+    const auto bag = bag::WholeBag::open(options.bag);
+    const auto messages = bag ? bag->read_topic("/" + rig + "/rendering/made", bag::WholeBag::Order::kArrival) : std::unexpected(bag.error());
+    if (!messages) throw std::runtime_error(messages.error().sentence);
+    for (const auto& message : *messages) std::memcpy(&samples.emplace_back(), message.bytes.data() + 4 + 16, 8);
+    return samples;
+  }
+
+  const std::string rig = own_rig("m");
+  StandIn device{kDomain, "device", rig};
+  runtime::NodeRegistry registry{device.participant, rig};
+  bus::Writer<msg::DeviceDescription> descriptions;
+  logger::Options options;
+  NodeThread node;
+};
+
+TEST_F(RecordsOfTheLogger, AreTheRenderingsAloneAndAStrangersAreToldWithHisName) {
+  Rendering rendering(rig);
+  Adversary stranger(kDomain, rig);
+  ASSERT_TRUE(wait_until([&] { return rendering.made.matched_count() == 1 && report(); })) << node.error();
+  rendering.make(11);  // before anybody plays a role
+  char effect[] = "oil", none[] = "";
+  msg::EffectChange forged{};
+  forged.session_id = 7, forged.from_sample = 66, forged.action = msg::effect_change::kActionSwitch, forged.effect = effect, forged.parameter = forged.model = none;
+  bus::Writer<msg::EffectChange> forger(stranger.participant(), qos::kEffectMade, rig, qos::profile(qos::kEffectMade.profile));
+  forger.write(forged);
+  begin(), rendering.say(7);
+  ASSERT_TRUE(wait_until([&] { return refused() == 1.0; })) << message();
+  stranger.claim("rendering", 7);
+  forged.from_sample = 67, forger.write(forged);
+  ASSERT_TRUE(wait_until([&] { return refused() == 2.0; })) << message();
+  EXPECT_NE(message().find("2 records that "), std::string::npos) << message();
+  EXPECT_NE(message().find("(process 666 on elsewhere) wrote are not in the bag: only the rendering's are, and that is rendering (process "), std::string::npos) << message();
+  rendering.make(12);
+  EXPECT_EQ(recorded(), (std::vector<std::uint64_t>{11, 12}));
+}
+
+TEST_F(RecordsOfTheLogger, AreAlsoOfTheStandbyThatHasTakenOver) {
+  auto first = std::make_unique<Rendering>(rig);
+  Rendering standby(rig, "rendering_standby");
+  ASSERT_TRUE(wait_until([&] { return first->made.matched_count() == 1 && standby.made.matched_count() == 1; })) << node.error();
+  begin(), standby.say_standby(runtime::kStandsBy), first->say_standby(runtime::kActs, &standby.participant.guid());
+  first->make(1);
+  ASSERT_TRUE(wait_until([&] { return figure("records") == 1.0; })) << message();
+  standby.make(2);  // the first one hangs, and is still here
+  Adversary stranger(kDomain, rig);
+  bus::Writer<msg::EffectChange> forger(stranger.participant(), qos::kEffectMade, rig, qos::profile(qos::kEffectMade.profile));
+  char none[] = "";
+  msg::EffectChange forged{};
+  forged.from_sample = 66, forged.effect = forged.parameter = forged.model = none;
+  ASSERT_TRUE(wait_until([&] { return forger.matched_count() == 1; }));
+  forger.write(forged);
+  ASSERT_TRUE(wait_until([&] { return refused() == 1.0; })) << message();
+  first.reset();
+  standby.say_standby(runtime::kActs);
+  standby.make(3);
+  ASSERT_TRUE(wait_until([&] { return figure("records") == 3.0; })) << message();
+  EXPECT_EQ(recorded(), (std::vector<std::uint64_t>{1, 2, 3}));
+}
+
+}  // namespace
+}  // namespace voxtouch::test
