@@ -78,15 +78,17 @@ class Ring:
     def __init__(self, voxtouch, *more, record=("--no-record",), scene="plane"):
         self.up = subprocess.Popen([voxtouch, "up", REPOSITORY / f"deploy/scenes/{scene}.yaml", "--device", "sim-phantom", "--motion", "slide",
                                     "--domain", DOMAIN, "--duration", "600", *record, *more],
-                                   stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+                                   stdout=subprocess.PIPE if "--json" in more else subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
         for line in self.up.stderr:
             if "samples  force" in line:
                 return
         raise SystemExit("the ring did not start")
 
     def close(self):
+        """Its summary, where it was asked for one (--json)."""
         self.up.send_signal(signal.SIGINT)
-        self.up.communicate(timeout=30)
+        summary, _ = self.up.communicate(timeout=30)
+        return json.loads(summary) if summary else {}
 
 
 def ask(command):
