@@ -188,6 +188,7 @@ class Run {
     contacts.count += out_.lost_contacts;
     say_lost("rendering", "contacts", contacts);
     say_lost("coupling", "commands", commands);
+    say_takeovers();
     say_changes();
     say_refused();
     say_external();
@@ -228,6 +229,17 @@ class Run {
     if (made < recorded)
       out_.missing.push_back(fmt::format("The bag has {} records of changes, and the rendering counts {} in its last status: it made some after that, or somebody else wrote some, "
                                          "which are made here all the same.", recorded, made));
+  }
+
+  /// A standby has lived through the session beside the acting one, and what it had made of it by then no message says.
+  void say_takeovers() {
+    for (const std::string role : {"rendering", "coupling"})
+      for (const std::string& node : {role, runtime::standby_of(role)}) {
+        const auto figures = recording_.figures.find(node);
+        if (figures == recording_.figures.end() || runtime::value_of(figures->second, "took_over") == 0.0) continue;
+        out_.missing.push_back(fmt::format("{} took over at sample {}. How it stood by then is not in the bag: from there on bits may differ for it.", node,
+                                           runtime::as_count(runtime::value_of(figures->second, "took_over_at"))));
+      }
   }
 
   void say_refused() {
