@@ -175,7 +175,7 @@ TEST(ReferenceWrench, IsWhatSamplingEverywhereGivesForFewerQuestions) {
     }
     EXPECT_EQ(contacts, 4);
     std::printf("%s: %.2f %% off at most, %.0f distances a contact, %.0f where sampled everywhere\n", name, 100 * largest, asked / 4.0, asked_before / 4.0);
-    EXPECT_LT(asked, 0.4 * asked_before);
+    EXPECT_LT(asked, 0.23 * asked_before) << "what neighbours share is asked for once, and what the corners' distances cover is not asked for";
     std::filesystem::remove(scene.static_meshes[0].path);
   }
   std::filesystem::remove(scene.dynamic_mesh.path);
