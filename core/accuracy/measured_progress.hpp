@@ -16,7 +16,8 @@ enum class Step : std::uint8_t { kPlaces, kBuild, kTruth, kJudge, kPhase, kCount
 /// other steps: a guess that is off by ten costs no more than one step of that kind. Without a clock the guesses stand.
 class MeasuredProgress {
  public:
-  using Tell = std::function<void(const std::string& what, double share)>;
+  /// `left_s`: what is left of the clock's time, as reckoned.
+  using Tell = std::function<void(const std::string& what, double share, double left_s)>;
 
   /// `now_s`: a clock, or none.
   MeasuredProgress(std::function<double()> now_s, Tell tell) : now_s_(std::move(now_s)), tell_(std::move(tell)) {}
@@ -41,7 +42,7 @@ class MeasuredProgress {
     }
     const double done = done_s_ + gone;
     if (done + left > 0.0) last_ = std::max(last_, std::clamp(done / (done + left), 0.0, 1.0));
-    tell_(what_, last_);
+    tell_(what_, last_, left);
   }
 
  private:

@@ -130,9 +130,9 @@ TEST(ContactPlaces, TouchAndAreTheSameForTheSameSeed) {
 /// A clock of its own: one kind of step takes ten times what was guessed, another a fifth.
 TEST(MeasuredProgress, TellsTheRestFromWhatStepsOfTheSameKindTook) {
   double now = 0.0, told_left = 0.0, last = 0.0;
-  MeasuredProgress progress([&] { return now; }, [&](const std::string&, double share) {
+  MeasuredProgress progress([&] { return now; }, [&](const std::string&, double share, double left_s) {
     EXPECT_GE(share, last);
-    last = share, told_left = now * (1.0 - share) / std::max(share, 1e-3);
+    last = share, told_left = left_s;
   });
   constexpr int kSteps = 4;
   double left = 0.0;
@@ -154,10 +154,11 @@ TEST(MeasuredProgress, TellsTheRestFromWhatStepsOfTheSameKindTook) {
 }
 
 TEST(MeasuredProgress, GoesByTheGuessesWithoutAClock) {
-  double last = 0.0;
-  MeasuredProgress progress({}, [&](const std::string&, double share) { last = share; });
+  double last = 0.0, left = 0.0;
+  MeasuredProgress progress({}, [&](const std::string&, double share, double left_s) { last = share, left = left_s; });
   progress.plan(Step::kPlaces, 1.0), progress.plan(Step::kTruth, 3.0);
   progress.begin(Step::kPlaces, "places", 1.0);
+  EXPECT_NEAR(left, 4.0, 1e-12) << "told before anything is measured";
   progress.at(0.5);
   EXPECT_NEAR(last, 0.125, 1e-12);
   progress.begin(Step::kTruth, "truth", 3.0);
@@ -248,7 +249,8 @@ TEST(Accuracy, GivesTheSameFiguresAgainAndTimesWhereThereIsAClock) {
   const AccuracyRow a = measure_accuracy(shipped("tilted_plane"), settings, options, serial_for()).front();
   double time = 0.0, last = -1.0;
   options.cpu_time_s = [&] { return time += 1e-6; };
-  options.progress = [&](const std::string& what, double share) {
+  options.progress = [&](const std::string& what, double share, double left_s) {
+    EXPECT_GE(left_s, 0.0);
     EXPECT_FALSE(what.empty());
     EXPECT_GE(share, last);
     EXPECT_LE(share, 1.0);
