@@ -9,9 +9,11 @@
 
 #include "core/accuracy/contact_errors.hpp"
 #include "core/accuracy/contact_places.hpp"
+#include "core/accuracy/guessed_costs.hpp"
 #include "core/accuracy/measured_progress.hpp"
 #include "core/accuracy/tool_row.hpp"
 #include "core/accuracy/true_forces.hpp"
+#include "core/reference/reference_mesh.hpp"
 #include "core/reference/reference_scene.hpp"
 #include "core/rendering/build.hpp"
 #include "core/rendering/contact_parameters.hpp"
@@ -24,8 +26,8 @@ constexpr double kLookAheadEdges = 2.0, kLookInEdges = 1.5, kStepEdges = 1.0 / 3
 constexpr int kHalvings = 12;
 constexpr double kPressEdges = 0.25;  ///< a frame, for the spread over depth: below half a voxel nothing counts as fast
 
-/// Weights of progress, roughly the seconds of 200 contacts on a part of a hundred thousand triangles.
-constexpr double kPlacesWeight = 6.0, kTruthWeight = 1.5, kSpreadTruthWeight = 1.0, kRowWeight = 1.5, kPhaseWeight = 1.0;
+/// Deeper than what is asked about, interpolated distances look at nodes within a voxel's diagonal.
+constexpr double kNodesBelowVoxels = 2.0;
 
 /// The gap at which the force begins on the way in; minus the last depth looked at where it never does.
 double onset_gap(contact::ContactRenderer& renderer, const ContactPlace& place, double edge) {
@@ -47,6 +49,17 @@ double law_stiffness(const contact::ContactParameters& parameters, const pointsh
   return parameters.stiffness * static_cast<double>(shell.size()) / area;
 }
 
+GuessedCosts guessed_costs(const scene::Scene& scene) {
+  GuessedCosts guess;
+  for (const scene::MeshSpec& spec : scene.static_meshes) {
+    const reference::ReferenceMesh mesh = reference::read_reference_mesh(spec);
+    guess.triangles += static_cast<double>(mesh.triangles.size());
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+      guess.area_m2 += 0.5 * (mesh.corner(t, 1) - mesh.corner(t, 0)).cross(mesh.corner(t, 2) - mesh.corner(t, 0)).norm();
+  }
+  return guess;
+}
+
 void widen(Interval& all, double value) {
   all.low = std::isnan(all.low) ? value : std::min(all.low, value);
   all.high = std::isnan(all.high) ? value : std::max(all.high, value);
@@ -56,11 +69,12 @@ class Measurement {
  public:
   Measurement(const scene::Scene& scene, const AccuracyOptions& options, const ParallelFor& parallel_for,
               const std::vector<AccuracySetting>& settings)
-      : scene_(scene), options_(options), parallel_for_(parallel_for), settings_(settings), progress_(all_weights(), options.progress) {
+      : scene_(scene), options_(options), parallel_for_(parallel_for), settings_(settings), guess_(guessed_costs(scene)), progress_(options.cpu_time_s, options.progress) {
     if (!scene.objects.empty())
       throw std::runtime_error(scene.file.string() +
                                ": the true force is known for one material that rests; this scene has objects of their own");
-    progress_.begin("places where the tool touches", kPlacesWeight);
+    plan_steps();
+    progress_.begin(Step::kPlaces, "places where the tool touches", guess_.places_s(options.contacts));
     reference_ = std::make_unique<reference::ReferenceScene>(scene);
     places_ = contact_places(scene, options.contacts, options.seed, [this](double share) { progress_.at(share); });
     if (places_.empty())
@@ -93,11 +107,25 @@ class Measurement {
     return out;
   }
 
-  double all_weights() const {
-    const double scale = std::max(0.1, options_.contacts / 200.0);
-    const auto sizes = static_cast<double>(voxel_sizes().size());
-    const double spread = options_.spread_contacts > 0 ? static_cast<double>(options_.spread_depth_edges.size()) * kSpreadTruthWeight : 0.0;
-    return kPlacesWeight + sizes * (kTruthWeight + spread + options_.phases * kPhaseWeight) + static_cast<double>(settings_.size()) * kRowWeight * scale;
+  /// Depths that the rows of a voxel size are judged at, and how many of the places.
+  std::vector<std::pair<double, std::size_t>> truths_of(double voxel_m) const {
+    std::vector<std::pair<double, std::size_t>> out = {{options_.depth_edges * voxel_m, options_.contacts}};
+    if (options_.spread_contacts > 0)
+      for (const double edges : options_.spread_depth_edges) out.emplace_back(edges * voxel_m, std::min(options_.spread_contacts, options_.contacts));
+    return out;
+  }
+
+  void plan_steps() {
+    progress_.plan(Step::kPlaces, guess_.places_s(options_.contacts));
+    std::map<double, std::size_t> truths;
+    for (const AccuracySetting& s : settings_) {
+      progress_.plan(Step::kBuild, guess_.build_s(s)), progress_.plan(Step::kJudge, guess_.judge_s(s, options_.contacts));
+      if (!s.virtual_tool)
+        for (const auto& [depth_m, count] : truths_of(s.voxel_m)) truths[depth_m] = std::max(truths[depth_m], count);
+    }
+    for (const auto& [depth_m, count] : truths) progress_.plan(Step::kTruth, guess_.truth_s(count));
+    if (options_.spread_contacts > 0)
+      for (const double voxel_m : voxel_sizes()) progress_.plan(Step::kPhase, options_.phases * guess_.phase_s(voxel_m));
   }
 
   AccuracyRow row(const AccuracySetting& setting) {
@@ -105,14 +133,14 @@ class Measurement {
     row.setting = setting;
     try {
       const std::string name(setting.virtual_tool ? "virtual tool" : contact::name_of(setting.model));
-      progress_.begin("building " + name, 0.0);
+      progress_.begin(Step::kBuild, "building " + name, guess_.build_s(setting));
       const double begin = now();
       const std::unique_ptr<rendering::BuiltScene> built = build(setting, scene_.grid_origin);
       row.build_s = now() - begin;
       row.shell_points = built->plan().shell_points, row.bytes = built->plan().bytes;
       origins_.emplace(setting.voxel_m, built->voxmap().grid().origin);
       if (!setting.virtual_tool) know_truth(setting.voxel_m);  // not before: what is too fine to be built is too fine to be integrated
-      progress_.begin(name, kRowWeight * std::max(0.1, options_.contacts / 200.0));
+      progress_.begin(Step::kJudge, name, guess_.judge_s(setting, options_.contacts));
       if (setting.virtual_tool) {
         judge_tool(*built, row);
         return row;
@@ -128,7 +156,9 @@ class Measurement {
     return row;
   }
 
-  std::unique_ptr<rendering::BuiltScene> build(const AccuracySetting& setting, const std::optional<Vec3>& origin) {
+  /// `depth_m`: none of the tool's points goes deeper, so that no more of the distances is needed; none: all are built.
+  std::unique_ptr<rendering::BuiltScene> build(const AccuracySetting& setting, const std::optional<Vec3>& origin,
+                                               std::optional<double> depth_m = std::nullopt) {
     scene::Scene scene = scene_;
     scene.voxel_size_m = setting.voxel_m;
     scene.grid_origin = origin;
@@ -140,6 +170,7 @@ class Measurement {
                         .weights = setting.weights,
                         .shell_voxel_m = setting.shell_voxel_m,
                         .share_of_points = setting.budget < 1.0 ? std::optional(setting.budget) : std::nullopt,
+                        .field_depth_voxels = depth_m ? std::optional(std::max(0.0, *depth_m / setting.voxel_m) + kNodesBelowVoxels) : std::nullopt,
                         .read = options_.read});
   }
   contact::ContactParameters parameters(const AccuracySetting& setting, const pointshell::Pointshell& shell) const {
@@ -149,13 +180,9 @@ class Measurement {
   /// What the rows of this voxel size are held beside.
   void know_truth(double voxel_m) {
     if (!known_.insert({voxel_m, true}).second) return;
-    const auto tell = [this](double share) { progress_.at(share); };
-    progress_.begin("true forces", kTruthWeight);
-    truth().at(places_, places_.size(), options_.depth_edges * voxel_m, tell);
-    if (spread_count() == 0) return;
-    for (const double edges : options_.spread_depth_edges) {
-      progress_.begin("true forces", kSpreadTruthWeight);
-      truth().at(places_, spread_count(), edges * voxel_m, tell);
+    for (const auto& [depth_m, count] : truths_of(voxel_m)) {
+      progress_.begin(Step::kTruth, "true forces", guess_.truth_s(truth().unknown(places_, count, depth_m)));
+      truth().at(places_, count, depth_m, [this](double share) { progress_.at(share); });
     }
   }
 
@@ -276,7 +303,7 @@ class Measurement {
     std::mt19937_64 random(options_.seed);
     const auto share = [&random] { return static_cast<double>(random() >> 11) * 0x1p-53; };
     for (std::uint32_t n = 0; n < options_.phases; ++n) {
-      progress_.begin("other places of the grid", kPhaseWeight);
+      progress_.begin(Step::kPhase, "other places of the grid", guess_.phase_s(voxel_m));
       const Vec3 moved(share(), share(), share());
       add_phase(voxel_m, origin->second - voxel_m * moved, rows);
     }
@@ -292,7 +319,7 @@ class Measurement {
         if (setting.virtual_tool) {
           judge_forces(tool_at(origin, setting), figures);
         } else {
-          if (!ground) ground = build({contact::ContactModelKind::kField, contact::PointWeights::kArea, voxel_m, voxel_m}, origin);
+          if (!ground) ground = build({contact::ContactModelKind::kField, contact::PointWeights::kArea, voxel_m, voxel_m}, origin, options_.depth_edges * voxel_m);
           judge_forces(contacts_at(*ground, setting), figures);
         }
         ++row.phases.phases;
@@ -316,9 +343,9 @@ class Measurement {
   }
 
   std::vector<WrenchPair> tool_at(const Vec3& origin, const AccuracySetting& setting) {
-    const std::unique_ptr<rendering::BuiltScene> built = build(setting, origin);
-    ToolPress press(*built, setting.voxel_m);
     const double depth = kHandDepthEdges * setting.voxel_m;
+    const std::unique_ptr<rendering::BuiltScene> built = build(setting, origin, depth);
+    ToolPress press(*built, setting.voxel_m);
     std::vector<WrenchPair> pairs = scaled(drawn_forces(*reference_, drawn_radius_m(scene_), places_, spread_count(), depth), 1.0);
     for (std::size_t n = 0; n < pairs.size(); ++n) pairs[n].given = press.into(places_[n], depth);
     return pairs;
@@ -328,6 +355,7 @@ class Measurement {
   const AccuracyOptions& options_;
   const ParallelFor& parallel_for_;
   const std::vector<AccuracySetting>& settings_;
+  GuessedCosts guess_;
   MeasuredProgress progress_;
   std::unique_ptr<TrueForces> truth_;
   std::unique_ptr<reference::ReferenceScene> reference_;

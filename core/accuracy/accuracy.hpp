@@ -87,7 +87,8 @@ struct AccuracyOptions {
   std::vector<double> spread_depth_edges = {0.25, 0.5, 1.0, 2.0, 4.0};
   std::uint32_t phases = 4;
   std::function<double()> cpu_time_s;  ///< a clock that counts this thread's CPU time [s]; none: times read 0
-  std::function<void(const std::string& what, double share)> progress;  ///< called often; 0 <= share <= 1, roughly of the time
+  /// Called often, first before anything is measured; 0 <= share <= 1, roughly of the time; `left_s`: CPU time left, as guessed and then measured [s].
+  std::function<void(const std::string& what, double share, double left_s)> progress;
   mesh::TriangleReader read = mesh::read_triangles;  ///< see BuildChoices
 };
 

@@ -27,6 +27,12 @@ std::vector<Wrench> TrueForces::at(const std::vector<ContactPlace>& places, std:
   return out;
 }
 
+std::size_t TrueForces::unknown(const std::vector<ContactPlace>& places, std::size_t count, double depth_m) const {
+  const auto known = known_.find(depth_m);
+  const std::size_t wanted = std::min(count, places.size()), has = known == known_.end() ? 0 : known->second.size();
+  return wanted > has ? wanted - has : 0;
+}
+
 std::vector<Wrench> drawn_forces(const reference::ReferenceScene& reference, double radius_m, const std::vector<ContactPlace>& places,
                                  std::size_t count, double depth_m) {
   std::vector<Wrench> out;

@@ -19,6 +19,8 @@ class TrueForces {
   /// model. The same places in every call. `progress` hears the share of what was not known yet.
   std::vector<Wrench> at(const std::vector<ContactPlace>& places, std::size_t count, double depth_m,
                          const std::function<void(double share)>& progress = {});
+  /// How many of these have not been worked out yet.
+  std::size_t unknown(const std::vector<ContactPlace>& places, std::size_t count, double depth_m) const;
 
  private:
   reference::ReferenceWrench reference_;

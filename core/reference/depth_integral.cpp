@@ -1,9 +1,9 @@
 #include "core/reference/depth_integral.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
-#include <limits>
-#include <vector>
+#include <unordered_map>
 
 namespace voxtouch::reference {
 namespace {
@@ -18,11 +18,19 @@ struct Sample {
   double depth;
 };
 
+/// Of a place, by its bits: the middle of an edge comes out the same for both triangles beside it.
+struct PlaceHash {
+  std::size_t operator()(const Vec3& x) const noexcept {
+    std::uint64_t hash = 0;
+    for (const double v : {x.x(), x.y(), x.z()}) hash = std::rotl(hash ^ std::bit_cast<std::uint64_t>(v + 0.0), 29) * 0x9e3779b97f4a7c15;
+    return hash ^ hash >> 32;
+  }
+};
+
 class DepthIntegral {
  public:
   DepthIntegral(const ToolTriangles& tool, const Pose& pose, double resolution, const DepthQuery& distance)
-      : tool_(tool), pose_(pose), resolution_(resolution), distance_(distance),
-        at_vertex_(tool.vertices(), std::numeric_limits<double>::quiet_NaN()) {}
+      : tool_(tool), pose_(pose), resolution_(resolution), distance_(distance) {}
 
   TrueWrench run() {
     for (std::size_t n = 0; n < tool_.nodes().size();) {
@@ -43,10 +51,13 @@ class DepthIntegral {
     ++out_.samples;
     return -distance_(x);
   }
-  Sample between(const Sample& a, const Sample& b) {
-    const Vec3 x = 0.5 * (a.x + b.x);
-    return {x, depth(x)};
+  /// Of a place that neighbours share.
+  Sample shared(const Vec3& x) {
+    const auto [known, is_new] = known_.try_emplace(x, 0.0);
+    if (is_new) known->second = depth(x);
+    return {x, known->second};
   }
+  Sample between(const Sample& a, const Sample& b) { return shared(0.5 * (a.x + b.x)); }
 
   void add_triangle(const ToolTriangle& t) {
     const Vec3 area = 0.5 * (t.corner[1] - t.corner[0]).cross(t.corner[2] - t.corner[0]);
@@ -55,12 +66,7 @@ class DepthIntegral {
     const Vec3 middle = (c[0] + c[1] + c[2]) / 3.0;
     const double at_middle = depth(middle);
     if (-at_middle > reach(c[0], c[1], c[2], middle)) return;
-    std::array<Sample, 3> corner;
-    for (std::size_t k = 0; k < 3; ++k) {
-      double& known = at_vertex_[t.vertex[k]];
-      if (std::isnan(known)) known = depth(c[k]);
-      corner[k] = {c[k], known};
-    }
+    const std::array<Sample, 3> corner{shared(c[0]), shared(c[1]), shared(c[2])};
     add(corner[0], corner[1], corner[2], {middle, at_middle}, pose_.orientation * area);
   }
 
@@ -68,7 +74,16 @@ class DepthIntegral {
     return std::sqrt(std::max({(a - middle).squaredNorm(), (b - middle).squaredNorm(), (c - middle).squaredNorm()}));
   }
 
+  /// Whether the balls round the corners that hold nothing of the static object cover the triangle: none of its points is farther from the
+  /// nearest corner than the longest edge over sqrt(3).
+  static bool covered(const Sample& a, const Sample& b, const Sample& c) {
+    const double gap = -std::max({a.depth, b.depth, c.depth});
+    const double square = std::max({(a.x - b.x).squaredNorm(), (b.x - c.x).squaredNorm(), (c.x - a.x).squaredNorm()});
+    return gap > 0.0 && gap * gap * 3.0 > square;
+  }
+
   void add_part(const Sample& a, const Sample& b, const Sample& c, const Vec3& area) {
+    if (covered(a, b, c)) return;
     const Vec3 middle = (a.x + b.x + c.x) / 3.0;
     add(a, b, c, {middle, depth(middle)}, area);
   }
@@ -84,7 +99,7 @@ class DepthIntegral {
     const Vec3 quarter = 0.25 * area;
     if (!even && radius > kShortestShare * resolution_) {
       add_part(a, ab, ca, quarter), add_part(ab, b, bc, quarter), add_part(ca, bc, c, quarter);
-      add(bc, ca, ab, middle, quarter);  // its middle is the whole one's
+      if (!covered(bc, ca, ab)) add(bc, ca, ab, middle, quarter);  // its middle is the whole one's
       return;
     }
     if (std::min({a.depth, b.depth, c.depth, ab.depth, bc.depth, ca.depth}) >= 0.0) {
@@ -132,7 +147,7 @@ class DepthIntegral {
   Pose pose_;
   double resolution_;
   const DepthQuery& distance_;
-  std::vector<double> at_vertex_;  ///< depth; NaN: not asked for yet
+  std::unordered_map<Vec3, double, PlaceHash> known_;  ///< depths at corners and middles of edges
   TrueWrench out_;
 };
 

@@ -25,11 +25,11 @@ Vec3 centroid(const Corners& c) { return (c[0] + c[1] + c[2]) / 3.0; }
 
 }  // namespace
 
-ToolTriangles::ToolTriangles(const ReferenceMesh& mesh, const Pose& pose_TM) : vertices_(mesh.vertices.size()) {
+ToolTriangles::ToolTriangles(const ReferenceMesh& mesh, const Pose& pose_TM) {
   const InsideTest body(mesh);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    ToolTriangle c{{mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2)}, mesh.triangles[t]};
-    if (mesh.closed && outward(body, c.corner) < 0) std::swap(c.corner[1], c.corner[2]), std::swap(c.vertex[1], c.vertex[2]);
+    ToolTriangle c{{mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2)}};
+    if (mesh.closed && outward(body, c.corner) < 0) std::swap(c.corner[1], c.corner[2]);
     for (Vec3& corner : c.corner) corner = pose_TM * corner;
     triangles_.push_back(c);
   }

@@ -11,7 +11,6 @@ namespace voxtouch::reference {
 /// One triangle of the tool, in T; a closed tool's faces outward whichever way round its file has it, an open one has no outside.
 struct ToolTriangle {
   std::array<Vec3, 3> corner;
-  std::array<std::uint32_t, 3> vertex;  ///< of the mesh: neighbours share them
 };
 
 /// Balls round runs of the tool's triangles, as a binary tree laid out depth first.
@@ -27,14 +26,12 @@ class ToolTriangles {
   ToolTriangles(const ReferenceMesh& mesh, const Pose& pose_TM);
   const std::vector<Node>& nodes() const noexcept { return nodes_; }
   const ToolTriangle& triangle(std::size_t t) const noexcept { return triangles_[t]; }
-  std::size_t vertices() const noexcept { return vertices_; }  ///< ids are below this
 
  private:
   void build(std::uint32_t first, std::uint32_t last);
 
   std::vector<ToolTriangle> triangles_;
   std::vector<Node> nodes_;
-  std::size_t vertices_ = 0;
 };
 
 }  // namespace voxtouch::reference

@@ -66,6 +66,9 @@ struct BuildChoices {
   /// Share of the shell's points that a frame may test of each object, instead of what the scene's time budget comes to: to measure what a budget
   /// costs. Without a bound from below. Not for a virtual tool.
   std::optional<double> share_of_points = {};
+  /// A field that tells depth down to here [voxels] instead of DistanceFieldOptions' own: the same bits to this depth for less time. For a tool that
+  /// is known to go no deeper.
+  std::optional<double> field_depth_voxels = {};
   mesh::TriangleReader read = mesh::read_triangles;  ///< programs give one that a broken file cannot take with it (nodes/mesh_import)
   SceneStore* store = nullptr;  ///< where parts that were built before are found and new ones kept; null: all is built
 };

@@ -97,11 +97,15 @@ auto with_hints(const BuildCounts& counts, Build&& build) {
 }
 
 /// Only a body with an inside can push by depth.
-voxmap::DistanceField build_field(const scene::Scene& scene, const ObjectMesh& fixed, const voxmap::Voxmap& voxmap,
-                          const ParallelFor& parallel_for, BuildCounts& counts) {
+voxmap::DistanceField build_field(const Kit& kit, const ObjectMesh& fixed, const voxmap::Voxmap& voxmap) {
+  const scene::Scene& scene = kit.scene;
+  BuildCounts& counts = kit.counts;
+  const ParallelFor& parallel_for = kit.parallel_for;
+  voxmap::DistanceFieldOptions options;
+  options.depth_voxels = kit.choices.field_depth_voxels.value_or(options.depth_voxels);
   const voxmap::ClosedMesh closed(fixed.mesh, voxmap.grid());
   voxmap::DistanceField field =
-      with_hints(counts, [&] { return voxmap::build_distance_field(closed, voxmap, voxmap::DistanceFieldOptions{}, parallel_for); });
+      with_hints(counts, [&] { return voxmap::build_distance_field(closed, voxmap, options, parallel_for); });
   const bool surface_will_do = scene.virtual_tool() && fixed.open < fixed.specs.size();  // thin walls hold without an inside
   if (!field.has_inside() && !surface_will_do)
     throw std::invalid_argument(fmt::format(
@@ -184,7 +188,7 @@ std::unique_ptr<StaticObject> build_object(const Kit& kit, std::uint32_t id, con
   kit.counts.voxmap_bytes += object->voxmap.bytes();
   if (kit.model == contact::ContactModelKind::kField) {
     kit.step("distance field");
-    object->field = build_field(scene, fixed, object->voxmap, kit.parallel_for, kit.counts);
+    object->field = build_field(kit, fixed, object->voxmap);
   }
   return object;
 }

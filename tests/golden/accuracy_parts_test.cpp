@@ -1,7 +1,7 @@
 /// `voxtouch accuracy` on parts of one's own, with nothing said but the part: every setting, within a minute of one core.
 #include <gtest/gtest.h>
 
-#include <fstream>
+#include <cstdio>
 
 #include <sys/resource.h>
 
@@ -31,7 +31,13 @@ void expect_measured(const Part& part, const Part& tool, const std::string& name
   ASSERT_EQ(run.status, 0) << run.err;
   std::printf("%s: %.1f s of CPU\n", name.c_str(), took);
   EXPECT_LE(took, 60.0) << name;
-  EXPECT_NE(run.err.find(" s left: "), std::string::npos) << "how long it takes is not told\n" << run.err;
+  int share = -1, told_s = 0;  // the first line, before anything is measured
+  const std::size_t first = run.err.find("accuracy: ");
+  ASSERT_NE(first, std::string::npos) << run.err;
+  ASSERT_EQ(std::sscanf(run.err.c_str() + first, "accuracy: %d %%, about %d s left: ", &share, &told_s), 2) << run.err;
+  EXPECT_EQ(share, 0);
+  EXPECT_GT(told_s, took / 5.0);
+  EXPECT_LT(told_s, took * 5.0);
   const nlohmann::json rows = nlohmann::json::parse(run.out)["rows"];
   ASSERT_EQ(rows.size(), 19u);
   for (std::size_t n = 0; n < 18; ++n) {

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <chrono>
+#include <functional>
 #include <memory>
+#include <utility>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -76,10 +78,18 @@ constexpr const char* kFooter =
     "  voxtouch accuracy deploy/scenes/plane.yaml --models adapted,field --voxel-sizes 0.004,0.002 --shell-densities "
     "1,2";
 
-/// What is being done, and how long the rest takes if it goes on as fast.
-std::string time_left(const std::string& what, double share, double gone_s) {
-  const double left_s = gone_s * (1.0 - share) / std::max(share, 1e-3);
-  return fmt::format("{:.0f} %, about {:.0f} s left: {}", 100.0 * share, left_s, what);
+/// Tells at once, then each second: what is being done, and how long the rest takes where the processor is shared as so far.
+std::function<void(const std::string&, double, double)> tell_time_left() {
+  const auto line = [](const std::string& what, double share, double left_s) {
+    return fmt::format("{:.0f} %, about {:.0f} s left: {}", 100.0 * share, left_s, what);
+  };
+  return [line, tell = log::tell_each_second("accuracy"), begun = std::chrono::steady_clock::now(), cpu_before = thread_cpu_s(), first = true](
+             const std::string& what, double share, double left_s) mutable {
+    if (std::exchange(first, false)) log::tell("accuracy: {}\n", line(what, share, left_s));
+    constexpr double kToldByS = 1.0;
+    const double gone_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count(), used_s = thread_cpu_s() - cpu_before;
+    tell(line(what, share, left_s * (used_s > kToldByS ? std::max(1.0, gone_s / used_s) : 1.0)));
+  };
 }
 
 AccuracyReport measure(const AccuracyVerb& o) {
@@ -101,9 +111,7 @@ AccuracyReport measure(const AccuracyVerb& o) {
   options.cpu_time_s = thread_cpu_s;
   options.read = mesh_import::mesh_process();
   mesh_import::rehearse_reading(scene);
-  options.progress = [tell = log::tell_each_second("accuracy"), begun = std::chrono::steady_clock::now()](const std::string& what, double share) {
-    tell(time_left(what, share, std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count()));
-  };
+  options.progress = tell_time_left();
   log::tell("{} settings on {} contacts each\n", settings.size(), o.contacts);
   report.rows = accuracy::measure_accuracy(scene, settings, options, serial_for());  // one thread: its CPU time is the frame's
   report.load_after = load_average();

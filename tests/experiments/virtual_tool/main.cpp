@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "loops.hpp"
+#include "thrown.hpp"
 #include "trials.hpp"
 
 using namespace voxtouch::virtual_tool;
@@ -29,6 +30,29 @@ void tell_slide(const SlideOptions& o) {
   std::fflush(stdout);
 }
 
+/// Which walls a thrown mass passes, with and without what the penalty ring remembers.
+void tell_thrown(std::uint64_t seed) {
+  using voxtouch::contact::ContactModelKind;
+  const std::pair<const char*, Holder> holders[] = {
+      {"original", {ContactModelKind::kOriginal}}, {"original, nothing held", {ContactModelKind::kOriginal, false}},
+      {"adapted", {ContactModelKind::kAdapted}},   {"adapted, nothing held", {ContactModelKind::kAdapted, false}},
+      {"clustered", {ContactModelKind::kClustered}}, {"clustered, nothing held", {ContactModelKind::kClustered, false}},
+      {"field", {ContactModelKind::kField}},       {"field, nothing held", {ContactModelKind::kField, false}},
+      {"virtual tool", {std::nullopt}}};
+  for (const auto& [name, holder] : holders)
+    for (const double thick : {0.0, 0.5, 1.0, 2.0, 5.0, 20.0}) {
+      if (thick == 0.0 && (!holder.model || *holder.model == ContactModelKind::kField)) continue;  // without an inside
+      ThrowFigures all;
+      for (const bool askew : {false, true}) {
+        const ThrowFigures f = thrown({.holder = holder, .thick_edges = thick, .askew = askew, .seed = seed});
+        all.runs += f.runs, all.passed += f.passed;
+        all.direction_95 = std::max(all.direction_95, f.direction_95);
+      }
+      fmt::print("thrown {:24} wall {:4} e | passed {} of {} | dir 95 % {:.1f} deg\n", name, thick, all.passed, all.runs, all.direction_95);
+      std::fflush(stdout);
+    }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -36,7 +60,7 @@ int main(int argc, char** argv) {
   std::string what = "all";
   std::uint64_t seed = 1;
   int places = 60;
-  app.add_option("what", what, "press, plates, slide, friction, walls, tumble, edge, stability, torque or all");
+  app.add_option("what", what, "press, plates, slide, friction, walls, thrown, tumble, edge, stability, torque or all");
   app.add_option("--seed", seed, "of the random places");
   app.add_option("--places", places, "of each press");
   app.add_option("--shell-voxel", shell_ratio, "edge of the voxels of the tool's shell over the scene's");
@@ -74,6 +98,7 @@ int main(int argc, char** argv) {
         }
     fmt::print("walls: passed {} of {}\n", passed, runs);
   }
+  if (all || what == "thrown") tell_thrown(seed);
   if (all || what == "tumble") {
     for (const double e : {0.002, 0.001})
       for (const bool box : {false, true})

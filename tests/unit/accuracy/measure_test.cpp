@@ -7,7 +7,9 @@
 #include "core/accuracy/accuracy.hpp"
 #include "core/accuracy/contact_errors.hpp"
 #include "core/accuracy/contact_places.hpp"
+#include "core/accuracy/measured_progress.hpp"
 #include "core/reference/reference_scene.hpp"
+#include "core/rendering/build.hpp"
 #include "core/scene/scene_file.hpp"
 
 namespace voxtouch::accuracy {
@@ -125,6 +127,64 @@ TEST(ContactPlaces, TouchAndAreTheSameForTheSameSeed) {
   }
 }
 
+/// A clock of its own: one kind of step takes ten times what was guessed, another a fifth.
+TEST(MeasuredProgress, TellsTheRestFromWhatStepsOfTheSameKindTook) {
+  double now = 0.0, told_left = 0.0, last = 0.0;
+  MeasuredProgress progress([&] { return now; }, [&](const std::string&, double share, double left_s) {
+    EXPECT_GE(share, last);
+    last = share, told_left = left_s;
+  });
+  constexpr int kSteps = 4;
+  double left = 0.0;
+  for (int n = 0; n < kSteps; ++n) progress.plan(Step::kTruth, 1.0), progress.plan(Step::kPhase, 5.0), left += 10.0 + 1.0;
+  const auto run = [&](Step kind, double guess, double takes) {
+    progress.begin(kind, "a step", guess);
+    for (int part = 1; part <= 10; ++part) now += 0.1 * takes, progress.at(0.1 * part);
+    left -= takes;
+  };
+  run(Step::kTruth, 1.0, 10.0), run(Step::kPhase, 5.0, 1.0);
+  EXPECT_NEAR(told_left, left, 0.05 * left) << "one of each kind is enough";
+  for (int n = 1; n < kSteps; ++n) {
+    run(Step::kTruth, 1.0, 10.0);
+    EXPECT_NEAR(told_left, left, 0.05 * left);
+    run(Step::kPhase, 5.0, 1.0);
+    EXPECT_NEAR(told_left, left, 0.05 * left + 1e-9);
+  }
+  EXPECT_EQ(last, 1.0);
+}
+
+TEST(MeasuredProgress, GoesByTheGuessesWithoutAClock) {
+  double last = 0.0, left = 0.0;
+  MeasuredProgress progress({}, [&](const std::string&, double share, double left_s) { last = share, left = left_s; });
+  progress.plan(Step::kPlaces, 1.0), progress.plan(Step::kTruth, 3.0);
+  progress.begin(Step::kPlaces, "places", 1.0);
+  EXPECT_NEAR(left, 4.0, 1e-12) << "told before anything is measured";
+  progress.at(0.5);
+  EXPECT_NEAR(last, 0.125, 1e-12);
+  progress.begin(Step::kTruth, "truth", 3.0);
+  EXPECT_NEAR(last, 0.25, 1e-12);
+  progress.at(1.0);
+  EXPECT_EQ(last, 1.0);
+}
+
+/// What the places of the grid are measured with: a field that ends below the contacts gives the same bits, from fewer nodes.
+TEST(Accuracy, AFieldThatEndsBelowTheContactsGivesTheirBits) {
+  const scene::Scene scene = shipped("cylinder");
+  constexpr double kDepthEdges = 1.5;
+  const auto build = [&](std::optional<double> depth) {
+    return rendering::build_scene(scene, serial_for(), {.model = contact::ContactModelKind::kField, .weights = contact::PointWeights::kArea, .field_depth_voxels = depth});
+  };
+  const auto whole = build(std::nullopt), shallow = build(kDepthEdges + 2.0);
+  EXPECT_LT(shallow->field()->stored_nodes(), whole->field()->stored_nodes());
+  for (const ContactPlace& place : contact_places(scene, 20, 3)) {
+    const Pose pose = place.at(kDepthEdges * scene.voxel_size_m);
+    const Wrench a = whole->renderer().probe(pose).wrench, b = shallow->renderer().probe(pose).wrench;
+    EXPECT_GT(a.force.norm(), 0.0);
+    EXPECT_EQ(a.force, b.force);
+    EXPECT_EQ(a.torque, b.torque);
+  }
+}
+
 TEST(Accuracy, ModelsComeInTheirOrderAndErrorsFallWithTheVoxel) {
   AccuracyOptions options;
   options.contacts = 40;
@@ -189,7 +249,8 @@ TEST(Accuracy, GivesTheSameFiguresAgainAndTimesWhereThereIsAClock) {
   const AccuracyRow a = measure_accuracy(shipped("tilted_plane"), settings, options, serial_for()).front();
   double time = 0.0, last = -1.0;
   options.cpu_time_s = [&] { return time += 1e-6; };
-  options.progress = [&](const std::string& what, double share) {
+  options.progress = [&](const std::string& what, double share, double left_s) {
+    EXPECT_GE(left_s, 0.0);
     EXPECT_FALSE(what.empty());
     EXPECT_GE(share, last);
     EXPECT_LE(share, 1.0);

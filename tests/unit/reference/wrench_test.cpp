@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <numbers>
 #include <random>
+#include <tuple>
 
 #include "core/reference/reference_scene.hpp"
 #include "core/reference/reference_wrench.hpp"
@@ -152,7 +153,7 @@ TEST(ReferenceWrench, IsWhatSamplingEverywhereGivesForFewerQuestions) {
   test::write_obj(test::peg(), scene.dynamic_mesh.path);
   std::mt19937_64 random(5);
   const auto uniform = [&](double low, double high) { return low + (high - low) * static_cast<double>(random() >> 11) * 0x1p-53; };
-  for (const auto& [name, part] : {std::pair("bracket", test::bracket()), std::pair("gear", test::gear())}) {
+  for (const auto& [name, part, share] : {std::tuple("bracket", test::bracket(), 0.18), std::tuple("gear", test::gear(), 0.205)}) {
     scene.static_meshes[0].path = folder / ("voxtouch_wrench_" + std::string(name) + ".obj");
     test::write_obj(part, scene.static_meshes[0].path);
     const ReferenceWrench fast(scene, 1e-3), slow(scene, 1e-3, WrenchWay::kSampledEverywhere);
@@ -175,7 +176,7 @@ TEST(ReferenceWrench, IsWhatSamplingEverywhereGivesForFewerQuestions) {
     }
     EXPECT_EQ(contacts, 4);
     std::printf("%s: %.2f %% off at most, %.0f distances a contact, %.0f where sampled everywhere\n", name, 100 * largest, asked / 4.0, asked_before / 4.0);
-    EXPECT_LT(asked, 0.4 * asked_before);
+    EXPECT_LT(asked, share * asked_before) << "what neighbours share is asked for once, and what the corners' distances cover is not asked for";
     std::filesystem::remove(scene.static_meshes[0].path);
   }
   std::filesystem::remove(scene.dynamic_mesh.path);

@@ -56,6 +56,9 @@ TEST(PartsRecipe, ChangesWithEachSettingThatIsBuiltIn) {
   other = {};
   other.choices.shell_voxel_m = 0.001;
   differs("voxels of the shell", other.of(objects));
+  other = {};
+  other.choices.field_depth_voxels = 3.0;
+  differs("depth of the field", other.of(objects));
   // With the same meshes and voxels as the cup: what effects ask for.
   differs("the cup", recipes.of(shipped("cup")));
   differs("distances round it", recipes.of(shipped("cup_proximity")));
