@@ -132,6 +132,24 @@ std::string budget_sentence(const scene::Scene& scene, const BuildCounts& n) {
       points, levels_text(n));
 }
 
+/// Of a contact without virtual tool: its model, the fastest motion, the stiffness that it can show.
+void say_forces_of_depth(const scene::Scene& scene, Plan& plan) {
+  plan.built.push_back(scene.contact.stiffness_n_per_m3 > 0.0
+                           ? fmt::format("Contact model '{}' with {:g} N/m^3, shell points weighed by their area.", scene.contact.model,
+                                         scene.contact.stiffness_n_per_m3)
+                           : fmt::format("Contact model '{}' with {:g} N/m per shell point.", scene.contact.model,
+                                         scene.contact.stiffness_n_per_m));
+  plan.built.push_back(fmt::format(
+      "Fast motion: no wall is crossed unseen up to {:.3g} mm a sample ({:.3g} m/s at 1 kHz); beyond half a voxel, {:.3g} m/s, a "
+      "frame costs up to {} times as much. What is faster is flagged.",
+      1e3 * plan.swept_m, 1e3 * plan.swept_m, 1e3 * contact::limits::kFastEdges * scene.voxel_size_m, contact::limits::kMaxSubPoses + 2));
+  plan.built.push_back(fmt::format(
+      "{} in W, at most: {:.6g} N/m and {:.6g} Nm/rad about the tool's origin by one point, {:.6g} N/m and {:.6g} Nm/rad {}.",
+      effects::needs_of(scene.effects).body ? "Stiffness of the grip on the body" : "Contact stiffness", plan.contact_n_per_m.one_point,
+      plan.contact_nm_per_rad.one_point, plan.contact_n_per_m.all_points, plan.contact_nm_per_rad.all_points,
+      scene.effects.empty() ? "by all points" : "by all that may push at once"));
+}
+
 void say_built(const scene::Scene& scene, const BuildCounts& n, Plan& plan) {
   const std::size_t meshes = scene.static_meshes.size();
   plan.built.push_back(fmt::format("Voxmap of {} ({}) at {:g} m: {}, {}, {}; every contact model asks it.",
@@ -166,22 +184,8 @@ void say_built(const scene::Scene& scene, const BuildCounts& n, Plan& plan) {
         "mm a sample are followed without lag.",
         1e3 * n.virtual_tool_lever_m, contact::limits::kMaxQueries, contact::limits::kMaxQueries, contact::limits::kMaxIterations,
         1e3 * plan.swept_m));
-  else plan.built.push_back(scene.contact.stiffness_n_per_m3 > 0.0
-                           ? fmt::format("Contact model '{}' with {:g} N/m^3, shell points weighed by their area.",
-                                         scene.contact.model, scene.contact.stiffness_n_per_m3)
-                           : fmt::format("Contact model '{}' with {:g} N/m per shell point.", scene.contact.model,
-                                         scene.contact.stiffness_n_per_m));
-  if (!(n.virtual_tool_lever_m > 0.0)) plan.built.push_back(fmt::format(
-      "Fast motion: no wall is crossed unseen up to {:.3g} mm a sample ({:.3g} m/s at 1 kHz); beyond half a voxel, {:.3g} m/s, a "
-      "frame costs up to {} times as much. What is faster is flagged.",
-      1e3 * plan.swept_m, 1e3 * plan.swept_m, 1e3 * contact::limits::kFastEdges * scene.voxel_size_m,
-      contact::limits::kMaxSubPoses + 2));
-  if (!(n.virtual_tool_lever_m > 0.0)) plan.built.push_back(fmt::format("{} in W, at most: {:.6g} N/m and {:.6g} Nm/rad about the tool's origin "
-                                   "by one point, {:.6g} N/m and {:.6g} Nm/rad {}.",
-                                   effects::needs_of(scene.effects).body ? "Stiffness of the grip on the body" : "Contact stiffness",
-                                   plan.contact_n_per_m.one_point, plan.contact_nm_per_rad.one_point,
-                                   plan.contact_n_per_m.all_points, plan.contact_nm_per_rad.all_points,
-                                   scene.effects.empty() ? "by all points" : "by all that may push at once"));
+  else
+    say_forces_of_depth(scene, plan);
   if (scene.budget_us && (n.budget_points > 0 || n.virtual_tool_lever_m > 0.0)) plan.built.push_back(budget_sentence(scene, n));
   plan.built.push_back(scene.design ? design_sentence(*scene.design) : coupling_sentence(scene.coupling));
   for (const effects::EffectSpec& effect : scene.effects) plan.built.push_back(effect_sentence(effect));

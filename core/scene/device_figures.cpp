@@ -33,8 +33,6 @@ constexpr auto kFigures = std::to_array<DeviceFigure>({
 
 }  // namespace
 
-std::span<const DeviceFigure> device_figures() noexcept { return kFigures; }
-
 const DeviceFigure& device_figure(std::string_view key) {
   const auto found = std::ranges::find(kFigures, key, &DeviceFigure::key);
   if (found == kFigures.end()) throw std::logic_error(fmt::format("no device has a figure '{}'", key));

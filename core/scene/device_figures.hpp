@@ -2,7 +2,6 @@
 /// The figures of a device file: what is usual for the two classes of devices, what stands for a figure that no data sheet has, and
 /// what each does to the design. One table for the reader, for its sentences and for the manual.
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
 
@@ -14,9 +13,6 @@ struct DeviceFigure {
   std::optional<double> pen_standard, arm_standard;  ///< what stands for one that is left out; empty: it must be there
   std::string_view effect;        ///< what it does to the design, a sentence
 };
-
-/// In the order of the file.
-std::span<const DeviceFigure> device_figures() noexcept;
 
 /// The row of `key`. Throws std::logic_error for a key that has none.
 const DeviceFigure& device_figure(std::string_view key);

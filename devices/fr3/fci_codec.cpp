@@ -311,16 +311,6 @@ std::string words_of(Errors errors) {
   return words;
 }
 
-std::string_view name_of(PacketFault fault) noexcept {
-  switch (fault) {
-    case PacketFault::kNone: return "none";
-    case PacketFault::kLength: return "length";
-    case PacketFault::kEnum: return "mode";
-    case PacketFault::kNotFinite: return "number";
-  }
-  return "unknown";
-}
-
 PacketFault decode(const Dialect& dialect, std::span<const std::byte> datagram, State& state) noexcept {
   if (datagram.size() != dialect.state_size) return PacketFault::kLength;
   const Numbers numbers{dialect.floats};

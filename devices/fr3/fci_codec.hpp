@@ -157,7 +157,6 @@ enum class PacketFault : std::uint8_t {
   kEnum,       ///< a mode that there is not
   kNotFinite,  ///< an angle, a rate or a torque is no number
 };
-std::string_view name_of(PacketFault fault) noexcept;
 
 /// kEnum and kNotFinite leave `state.message_id` valid, kLength nothing. Real-time safe.
 PacketFault decode(const Dialect& dialect, std::span<const std::byte> datagram, State& state) noexcept;

@@ -1,61 +1,14 @@
 #include "devices/fr3/fr3_driver.hpp"
 
 #include <algorithm>
-#include <cmath>
-
-#include "devices/limits.hpp"
 
 namespace voxtouch::fr3 {
 namespace {
-
-using namespace std::chrono_literals;
 
 constexpr double kBeyondLimitRad = 0.05;     // the arm's own stops are within this of its limits
 constexpr std::uint64_t kStrangeAhead = 5000;  // more counts at once than a session outlives are no count of milliseconds
 
 }  // namespace
-
-devices::DeviceResult<devices::DeviceSample> Fr3Driver::read(std::chrono::microseconds timeout) noexcept {
-  if (!fresh_) {
-    if (unanswered_) ++counts_.unread_answers, answer_without_push();
-    const std::uint64_t malformed = counts_.malformed;
-    const std::chrono::duration<double> patience(options_.virtual_time ? options_.virtual_timeout_s : 0.0);
-    const auto wait = std::max<Clock::duration>(std::chrono::duration_cast<Clock::duration>(patience), timeout);
-    switch (wait_and_take(Clock::now() + wait)) {
-      case Intake::kNothing: return std::unexpected(nothing_new(malformed));
-      case Intake::kUntrusted: return std::unexpected(devices::DeviceError::kProtocol);  // already answered
-      case Intake::kNew: accept();
-    }
-  }
-  fresh_ = false;
-  if (link_->closed()) {
-    answer_without_push();
-    return std::unexpected(devices::DeviceError::kDisconnected);
-  }
-  if (session_.error() == devices::DeviceError::kRecoverable) return sample_;
-  answer_without_push();
-  return std::unexpected(session_.error());
-}
-
-devices::DeviceResult<void> Fr3Driver::write(const Wrench& command) noexcept {
-  if (!unanswered_) return std::unexpected(devices::DeviceError::kTimeout);
-  if (const auto good = devices::check_command(command, description_); !good) {
-    ++counts_.refused;
-    answer_without_push();
-    return good;
-  }
-  if (!session_.force_allowed() || !sample_.pose_valid || link_->closed()) {
-    const bool pose = session_.force_allowed() && !link_->closed();
-    answer_without_push();
-    return std::unexpected(pose ? devices::DeviceError::kProtocol : session_.error());
-  }
-  const Quat rotation_BD = rotation_DB_.conjugate();
-  const Wrench wanted = within_joints({rotation_BD * command.force, rotation_BD * command.torque});
-  posture_share_ = options_.posture.ramp_s > 0.0 ? std::min(1.0, posture_share_ + 1e-3 / options_.posture.ramp_s) : 1.0;
-  const Joints posture = posture_share_ * arm::posture_torque(options_.posture, posture_.jacobian, state_.q, state_.dq);
-  if (!send(ramp_.next(posture_.jacobian, wanted, posture))) return std::unexpected(devices::DeviceError::kRecoverable);
-  return {};
-}
 
 /// An answer that has gone out stays: what follows it is a step nearer to zero, with the next state.
 void Fr3Driver::stop() noexcept {
@@ -64,32 +17,8 @@ void Fr3Driver::stop() noexcept {
 
 // --- what comes in
 
-Fr3Driver::Intake Fr3Driver::wait_and_take(Clock::time_point deadline) noexcept {
-  for (;;) {
-    if (const Intake intake = take(); intake != Intake::kNothing) return intake;
-    const auto left = deadline - Clock::now();
-    if (left <= 0ns || !socket_->wait(left)) return Intake::kNothing;
-  }
-}
-
-/// Empties the socket; what counts is the newest state in it.
-Fr3Driver::Intake Fr3Driver::take() noexcept {
-  Intake newest = Intake::kNothing;
-  while (const auto datagram = socket_->receive(buffer_)) {
-    const Intake intake = judge(*datagram);
-    if (intake == Intake::kNothing) continue;
-    if (newest != Intake::kNothing) ++counts_.superseded;
-    newest = intake;
-    robot_ = datagram->from;
-    if (intake == Intake::kNew) state_ = incoming_;
-  }
-  if (newest == Intake::kUntrusted && started_) answer_untrusted();
-  return newest;
-}
-
-Fr3Driver::Intake Fr3Driver::judge(const arm::UdpSocket::Datagram& datagram) noexcept {
+Fr3Driver::Intake Fr3Driver::judge(const arm::UdpSocket::Datagram& datagram, std::span<const std::byte> bytes) noexcept {
   if (datagram.from.address != link_->robot().address) return ++counts_.foreign, Intake::kNothing;
-  const std::span<const std::byte> bytes(buffer_.data(), std::min(datagram.size, buffer_.size()));
   const fci::PacketFault fault = fci::decode(*dialect_, bytes, incoming_);
   if (fault == fci::PacketFault::kLength) return ++counts_.malformed, Intake::kNothing;
   const std::uint64_t id = incoming_.message_id;
@@ -99,20 +28,14 @@ Fr3Driver::Intake Fr3Driver::judge(const arm::UdpSocket::Datagram& datagram) noe
   if (started_) counts_.lost += id - newest_id_ - 1, steps_ms_ += id - newest_id_;
   newest_id_ = id;
   const bool too_old = std::chrono::duration<double>(datagram.age).count() > options_.max_age_s;
-  if (too_old && started_ && !options_.virtual_time) return ++counts_.aged, Intake::kNothing;
+  if (too_old && started_ && !virtual_time_) return ++counts_.aged, Intake::kNothing;
   if (fault != fci::PacketFault::kNone) return ++counts_.untrusted, Intake::kUntrusted;
   return Intake::kNew;
 }
 
-devices::DeviceError Fr3Driver::nothing_new(std::uint64_t malformed_before) noexcept {
-  ++counts_.timeouts;
+void Fr3Driver::heard_nothing(bool) noexcept {
   hear_channel();
   noted_closed_.store(link_->closed(), std::memory_order_relaxed);
-  silent_.store(true, std::memory_order_relaxed);
-  const auto silence = Clock::now() - heard_.load(std::memory_order_relaxed);
-  if (link_->closed() || std::chrono::duration<double>(silence).count() > options_.silence_s)
-    return devices::DeviceError::kDisconnected;
-  return counts_.malformed != malformed_before ? devices::DeviceError::kProtocol : devices::DeviceError::kTimeout;
 }
 
 void Fr3Driver::accept() noexcept {
@@ -175,7 +98,7 @@ void Fr3Driver::ask_what_is_due() noexcept {
     link_->send(fci::bare_request(*dialect_, *request, id));
   }
   // Two channels keep no order between them: where runs have to be the same, the one is heard out before the other goes on.
-  while (options_.virtual_time) {
+  while (virtual_time_) {
     const auto received = link_->wait(options_.virtual_timeout_s);
     if (!received) return;
     hear(*received);
@@ -184,6 +107,14 @@ void Fr3Driver::ask_what_is_due() noexcept {
 }
 
 // --- what goes out
+
+bool Fr3Driver::push(const Wrench& command) noexcept {
+  const Quat rotation_BD = rotation_DB_.conjugate();
+  const Wrench wanted = within_joints({rotation_BD * command.force, rotation_BD * command.torque});
+  posture_share_ = options_.posture.ramp_s > 0.0 ? std::min(1.0, posture_share_ + 1e-3 / options_.posture.ramp_s) : 1.0;
+  const Joints posture = posture_share_ * arm::posture_torque(options_.posture, posture_.jacobian, state_.q, state_.dq);
+  return send(ramp_.next(posture_.jacobian, wanted, posture));
+}
 
 /// Smaller, direction kept, where a joint would have to give more than it may.
 Wrench Fr3Driver::within_joints(Wrench command) noexcept {
@@ -201,6 +132,7 @@ void Fr3Driver::answer_without_push() noexcept {
 
 /// A state without a pose: the next step towards zero, at the last posture that could be trusted.
 void Fr3Driver::answer_untrusted() noexcept {
+  if (!started_) return;
   state_.message_id = newest_id_;
   ramp_.told(incoming_.tau_d);
   answer_without_push();
@@ -209,10 +141,10 @@ void Fr3Driver::answer_untrusted() noexcept {
 
 bool Fr3Driver::send(const Joints& torque) noexcept {
   unanswered_ = false;
-  if (!session_.listens() && !options_.virtual_time) return true;  // the robot takes commands in a motion only
+  if (!session_.listens() && !virtual_time_) return true;  // the robot takes commands in a motion only
   std::array<std::byte, fci::kMostCommand> bytes;
   const std::size_t size = fci::encode(*dialect_, {state_.message_id, torque, ending_ && ramp_.at_rest()}, bytes);
-  if (socket_->send(std::span(bytes).first(size), robot_)) return ++counts_.answered, true;
+  if (socket_->send(std::span(bytes).first(size), controller_)) return ++counts_.answered, true;
   ++counts_.send_errors;
   return false;
 }

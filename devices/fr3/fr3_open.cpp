@@ -21,14 +21,16 @@ std::chrono::nanoseconds seconds(double s) { return std::chrono::nanoseconds(std
 Fr3Driver::Fr3Driver(const Fr3Options& options) : Fr3Driver(options, connect(options)) {}
 
 Fr3Driver::Fr3Driver(const Fr3Options& options, Connected connected)
-    : options_(options), link_(std::move(connected.link)), socket_(std::move(connected.socket)), dialect_(connected.dialect),
-      arm_(options.pose_FT), limits_(fr3_limits()), description_(describe_fr3()), session_(*dialect_, options.session),
-      ramp_(options.step_nm, options.max_add_torque_nm), rotation_DB_(options.pose_BD.orientation.conjugate()),
-      next_request_(1) {
+    : AnsweringDriver(std::move(connected.socket), options.silence_s, options.virtual_timeout_s), options_(options),
+      link_(std::move(connected.link)), dialect_(connected.dialect), arm_(options.pose_FT), limits_(fr3_limits()),
+      session_(*dialect_, options.session), ramp_(options.step_nm, options.max_add_torque_nm), next_request_(1) {
+  description_ = describe_fr3();
+  rotation_DB_ = options.pose_BD.orientation.conjugate();
+  virtual_time_ = options.virtual_time;
   heard_.store(Clock::now(), std::memory_order_relaxed);
   set_up();
   first_state();
-  if (options_.virtual_time) start_in_virtual_time();
+  if (virtual_time_) start_in_virtual_time();
 }
 
 /// The newest version first; a robot that refuses it says its own.
@@ -98,7 +100,7 @@ void Fr3Driver::first_state() {
   accept();
   if (sample_.pose_valid) compare_geometry();
   if (session_.error() != devices::DeviceError::kRecoverable) refuse(trouble());
-  if (!options_.virtual_time) answer_without_push();
+  if (!virtual_time_) answer_without_push();
 }
 
 /// The robot's own pose of its end effector, against that of this driver's geometry.

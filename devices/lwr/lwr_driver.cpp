@@ -1,16 +1,10 @@
 #include "devices/lwr/lwr_driver.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <cstring>
 #include <ctime>
-
-#include "devices/limits.hpp"
 
 namespace voxtouch::lwr {
 namespace {
-
-using namespace std::chrono_literals;
 
 constexpr std::uint64_t kGapPeriods = 5;  // after a longer gap a difference of positions says nothing about now
 constexpr double kBeyondLimitRad = 0.05;  // the arm's own stops are within this of its limits
@@ -27,43 +21,6 @@ std::span<const std::byte> bytes_of(const fri::CmdPacket& packet) noexcept {
 
 }  // namespace
 
-devices::DeviceResult<devices::DeviceSample> LwrDriver::read(std::chrono::microseconds timeout) noexcept {
-  if (!fresh_) {
-    if (unanswered_) ++counts_.unread_answers, answer_without_push();
-    const std::uint64_t malformed = counts_.malformed;
-    const std::chrono::duration<double> patience(virtual_time_ ? options_.virtual_timeout_s : 0.0);
-    const auto wait = std::max<Clock::duration>(std::chrono::duration_cast<Clock::duration>(patience), timeout);
-    switch (wait_and_take(Clock::now() + wait)) {
-      case Intake::kNothing: return std::unexpected(nothing_new(malformed));
-      case Intake::kUntrusted: return std::unexpected(devices::DeviceError::kProtocol);  // already answered
-      case Intake::kNew: accept();
-    }
-  }
-  fresh_ = false;
-  const devices::DeviceError error = session_.error();
-  if (error == devices::DeviceError::kRecoverable) return sample_;
-  answer_without_push();
-  return std::unexpected(error);
-}
-
-devices::DeviceResult<void> LwrDriver::write(const Wrench& command) noexcept {
-  if (!unanswered_) return std::unexpected(devices::DeviceError::kTimeout);
-  if (const auto good = devices::check_command(command, description_); !good) {
-    ++counts_.refused;
-    answer_without_push();
-    return good;
-  }
-  if (!session_.force_allowed() || !sample_.pose_valid) {
-    const devices::DeviceError error = session_.force_allowed() ? devices::DeviceError::kProtocol : session_.error();
-    answer_without_push();
-    return std::unexpected(error);
-  }
-  const fri::CmdPacket& packet = composer_->answer(msr_, session_, true, push_for(command));
-  pushing_ = true;
-  if (!send(packet)) return std::unexpected(devices::DeviceError::kRecoverable);
-  return {};
-}
-
 /// Outside virtual time an answer that has gone out already is taken back by a second one: the controller acts on the newest.
 void LwrDriver::stop() noexcept {
   if (unanswered_ || (pushing_ && !virtual_time_)) answer_without_push();
@@ -71,40 +28,23 @@ void LwrDriver::stop() noexcept {
 
 // --- what comes in
 
-LwrDriver::Intake LwrDriver::wait_and_take(Clock::time_point deadline) noexcept {
-  for (;;) {
-    if (const Intake intake = take(); intake != Intake::kNothing) return intake;
-    const auto left = deadline - Clock::now();
-    if (left <= 0ns || !socket_.wait(left)) return Intake::kNothing;
-  }
+void LwrDriver::keep(Intake intake) noexcept {
+  msr_.header = incoming_.header;
+  if (intake == Intake::kNew) msr_ = incoming_;
 }
 
-/// Empties the socket; what counts is the newest measurement in it.
-LwrDriver::Intake LwrDriver::take() noexcept {
-  Intake newest = Intake::kNothing;
-  while (const auto datagram = socket_.receive(buffer_)) {
-    const Intake intake = judge(*datagram);
-    if (intake == Intake::kNothing) continue;
-    if (newest != Intake::kNothing) ++counts_.superseded;
-    newest = intake;
-    controller_ = datagram->from;
-    msr_.header = incoming_.header;
-    if (intake == Intake::kNew) msr_ = incoming_;
-  }
-  if (newest == Intake::kUntrusted && composer_ && composer_->ready()) {
-    send(composer_->answer_untrusted(msr_.header, session_));
-    pushing_ = unanswered_ = false;
-    posture_share_ = 0.0;
-    Noted noted = noted_now();
-    noted.usable = false;
-    noted_.store(noted, std::memory_order_relaxed);
-  }
-  return newest;
+void LwrDriver::answer_untrusted() noexcept {
+  if (!composer_ || !composer_->ready()) return;
+  send(composer_->answer_untrusted(msr_.header, session_));
+  pushing_ = unanswered_ = false;
+  posture_share_ = 0.0;
+  Noted noted = noted_now();
+  noted.usable = false;
+  noted_.store(noted, std::memory_order_relaxed);
 }
 
-LwrDriver::Intake LwrDriver::judge(const UdpSocket::Datagram& datagram) noexcept {
-  const std::span<const std::byte> bytes(buffer_.data(), std::min(datagram.size, buffer_.size()));
-  capture_.note(bytes, datagram.from, socket_.local(), wall_ns());
+LwrDriver::Intake LwrDriver::judge(const UdpSocket::Datagram& datagram, std::span<const std::byte> bytes) noexcept {
+  capture_.note(bytes, datagram.from, socket_->local(), wall_ns());
   if (controller_.address != 0 && datagram.from.address != controller_.address)
     return ++counts_.foreign, Intake::kNothing;
   const fri::PacketFault fault = fri::decode(bytes, incoming_);
@@ -122,15 +62,10 @@ LwrDriver::Intake LwrDriver::judge(const UdpSocket::Datagram& datagram) noexcept
   return Intake::kNew;
 }
 
-devices::DeviceError LwrDriver::nothing_new(std::uint64_t malformed_before) noexcept {
-  ++counts_.timeouts;
-  silent_.store(true, std::memory_order_relaxed);
-  if (std::chrono::duration<double>(Clock::now() - heard_.load(std::memory_order_relaxed)).count() > options_.silence_s) {
-    sequence_.forget();
-    rates_.restart();
-    return devices::DeviceError::kDisconnected;
-  }
-  return counts_.malformed != malformed_before ? devices::DeviceError::kProtocol : devices::DeviceError::kTimeout;
+void LwrDriver::heard_nothing(bool lost) noexcept {
+  if (!lost) return;
+  sequence_.forget();
+  rates_.restart();
 }
 
 void LwrDriver::accept() noexcept {
@@ -172,6 +107,12 @@ fri::Trouble LwrDriver::check_arm() const noexcept {
 
 // --- what goes out
 
+bool LwrDriver::push(const Wrench& command) noexcept {
+  const fri::CmdPacket& packet = composer_->answer(msr_, session_, true, push_for(command));
+  pushing_ = true;
+  return send(packet);
+}
+
 LwrJoints LwrDriver::push_for(const Wrench& command) noexcept {
   const Quat rotation_BD = rotation_DB_.conjugate();
   LwrJoints torque = joint_torque(posture_.jacobian, {rotation_BD * command.force, rotation_BD * command.torque});
@@ -192,8 +133,8 @@ void LwrDriver::answer_without_push() noexcept {
 
 bool LwrDriver::send(const fri::CmdPacket& packet) noexcept {
   unanswered_ = false;
-  capture_.note(bytes_of(packet), socket_.local(), controller_, wall_ns());
-  if (socket_.send(bytes_of(packet), controller_)) return ++counts_.answered, true;
+  capture_.note(bytes_of(packet), socket_->local(), controller_, wall_ns());
+  if (socket_->send(bytes_of(packet), controller_)) return ++counts_.answered, true;
   ++counts_.send_errors;
   return false;
 }

@@ -14,15 +14,12 @@
 /// public field numbers), the iiwa's own kinematic and torque limits, a controller-side application, and hardware to see which
 /// command mode (torque or wrench overlay) holds its rate.
 #include <atomic>
-#include <chrono>
 #include <cstddef>
 #include <optional>
 #include <string>
-#include <string_view>
 
+#include "devices/arm/answering_driver.hpp"
 #include "devices/arm/joint_rates.hpp"
-#include "devices/arm/udp_socket.hpp"
-#include "devices/driver.hpp"
 #include "devices/lwr/fri_capture.hpp"
 #include "devices/lwr/fri_clock.hpp"
 #include "devices/lwr/fri_composer.hpp"
@@ -33,28 +30,9 @@
 
 namespace voxtouch::lwr {
 
-struct LwrCounts {
-  std::uint64_t answered = 0;
-  std::uint64_t superseded = 0;      ///< measurements that a newer one overtook before they were read; not answered
-  std::uint64_t unread_answers = 0;  ///< measurements that the caller left without a `write`; answered without push
-  std::uint64_t malformed = 0;       ///< datagrams of another length, id or size field
-  std::uint64_t foreign = 0;         ///< datagrams from another address
-  std::uint64_t untrusted = 0;  ///< measurements without a finite stamp or mirror position, or with an undefined state
-  std::uint64_t invalid_poses = 0;  ///< measurements without finite, possible joint positions
-  std::uint64_t aged = 0;           ///< measurements that lay in the kernel for too long
-  std::uint64_t timeouts = 0;
-  std::uint64_t refused = 0;  ///< commands that were not finite or over a limit
-  std::uint64_t scaled = 0;   ///< commands made smaller, direction kept, to stay within the joint torques
-  std::uint64_t send_errors = 0;
-};
-
 /// The numbers of an arm whose controller sends every `period_s`.
 DeviceDescription describe_lwr(double period_s);
 
-/// One thread owns it. Every measurement is answered: by `write`, or without push by the next `read` or by `stop` if `write` was
-/// left out, and at once by `read` where it returns an error about a measurement. So an error costs the force within the period
-/// that it is seen in.
-///
 /// read: kTimeout (nothing new in time; measurements that are too old are nothing new), kDisconnected (silence, or friClose),
 /// kProtocol (a measurement that cannot be trusted, or only malformed datagrams came), kFault (drive error, drives stay off, left
 /// command mode too often). While the controller is not in command mode samples come all the same, so that the answers keep coming
@@ -70,7 +48,7 @@ DeviceDescription describe_lwr(double period_s);
 /// Time: periods counted from the first measurement (virtual time: from the first sample in command mode). A controller that
 /// announces virtual time (fri::kVirtualTime) makes `simulated()` true: it waits for each answer, so `read` waits for it, up to
 /// `virtual_timeout_s` whatever its own timeout; the constructor then returns in command mode.
-class LwrDriver : public devices::Driver {
+class LwrDriver : public arm::AnsweringDriver {
  public:
   /// Waits for the first measurement. Throws DeviceOpenError: port, capture file, nothing or nothing readable within
   /// `connect_timeout_s`, a drive error; the sentence says what to check.
@@ -78,77 +56,60 @@ class LwrDriver : public devices::Driver {
   /// No push, then the handshake out of command mode (kept up until the controller followed, at most `stop_timeout_s`); closes.
   ~LwrDriver() override;
 
-  const DeviceDescription& description() const noexcept override { return description_; }
-  devices::DeviceResult<devices::DeviceSample> read(std::chrono::microseconds timeout) noexcept override;
-  devices::DeviceResult<void> write(const Wrench& command) noexcept override;
   void stop() noexcept override;
-  bool simulated() const noexcept override { return virtual_time_; }
   std::string trouble() const override;
   const arm::ArmDescription* arm_description() const noexcept override { return &lwr_description(); }
   std::span<const double> joints() const noexcept override { return {q_.data(), static_cast<std::size_t>(q_.size())}; }
 
-  /// For the thread that owns it: the handshake, the newest measurement, and what was counted so far. Real-time safe.
+  /// For the thread that owns it: the handshake, the newest measurement, and the packets' numbers. Real-time safe.
   const fri::FriSession& session() const noexcept { return session_; }
   const fri::MsrPacket& measurement() const noexcept { return msr_; }
-  const LwrCounts& counts() const noexcept { return counts_; }
   const fri::SequenceCounts& sequence() const noexcept { return sequence_.counts(); }
   std::uint64_t clock_disagreements() const noexcept { return clock_ ? clock_->disagreements() : 0; }
   /// What keeps the force off and what to do, or that nothing does; with the drives' bits as joint names. Allocates.
   std::string status_text() const;
-  UdpEndpoint local() const noexcept { return socket_.local(); }
+  UdpEndpoint local() const noexcept { return socket_->local(); }
   UdpEndpoint controller() const noexcept { return controller_; }
 
  private:
-  using Clock = std::chrono::steady_clock;
-  enum class Intake : std::uint8_t { kNothing, kNew, kUntrusted };
   void connect();
   void start_in_virtual_time();
-  void describe();
   void disengage() noexcept;
   std::string nothing_came() const;
 
-  Intake take() noexcept;
-  Intake judge(const UdpSocket::Datagram& datagram) noexcept;
-  Intake wait_and_take(Clock::time_point deadline) noexcept;
-  devices::DeviceError nothing_new(std::uint64_t malformed_before) noexcept;
-  void accept() noexcept;
+  Intake judge(const UdpSocket::Datagram& datagram, std::span<const std::byte> bytes) noexcept override;
+  void keep(Intake intake) noexcept override;
+  void answer_untrusted() noexcept override;
+  void accept() noexcept override;
+  void heard_nothing(bool lost) noexcept override;
+  bool force_allowed() const noexcept override { return session_.force_allowed(); }
+  devices::DeviceError error() const noexcept override { return session_.error(); }
+  bool push(const Wrench& command) noexcept override;
+  void answer_without_push() noexcept override;
   void measure(double elapsed_s) noexcept;
   fri::Trouble check_arm() const noexcept;
   LwrJoints push_for(const Wrench& command) noexcept;
-  void answer_without_push() noexcept;
   bool send(const fri::CmdPacket& packet) noexcept;
 
   LwrOptions options_;
-  UdpSocket socket_;
   fri::FriCapture capture_;
   LwrArm arm_;
   LwrLimits limits_;
-  DeviceDescription description_;
   fri::SequenceTracker sequence_;
   fri::FriSession session_;
   std::optional<fri::FriComposer> composer_;  // these two: once the period is known
   std::optional<fri::FriClock> clock_;
   arm::JointRates rates_;
 
-  std::array<std::byte, 2048> buffer_;
   fri::MsrPacket incoming_{}, msr_{};
-  UdpEndpoint controller_;
-  Quat rotation_DB_ = Quat::Identity();
   LwrArm::State posture_{};
   LwrJoints q_ = LwrJoints::Zero();
-  devices::DeviceSample sample_;
-  LwrCounts counts_;
   fri::PacketFault last_fault_ = fri::PacketFault::kNone;
   std::size_t last_bad_size_ = 0;
   UdpEndpoint last_bad_from_;
-  std::atomic<Clock::time_point> heard_;
   std::int64_t period_ns_ = 1'000'000;
-  std::uint64_t steps_ = 0;     // periods since the last measurement that was accepted
-  double posture_share_ = 0.0;  // of the posture torque, 0 to 1
-  bool virtual_time_ = false;
-  bool unanswered_ = false;  // msr_ waits for its answer
-  bool fresh_ = false;       // msr_ waits to be read
-  bool pushing_ = false;     // the last answer held a push
+  std::uint64_t steps_ = 0;  // periods since the last measurement that was accepted
+  bool pushing_ = false;    // the last answer held a push
 
   /// For trouble(), which other threads ask.
   struct Noted {
@@ -161,7 +122,6 @@ class LwrDriver : public devices::Driver {
     return {session_.trouble(), sample_.pose_valid, msr_.robot.power, msr_.robot.error, msr_.robot.warning};
   }
   std::atomic<Noted> noted_{Noted{}};
-  std::atomic<bool> silent_{false};  // the last read found nothing
 };
 
 }  // namespace voxtouch::lwr

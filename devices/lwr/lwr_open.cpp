@@ -39,14 +39,15 @@ std::chrono::nanoseconds seconds(double s) { return std::chrono::nanoseconds(std
 }  // namespace
 
 LwrDriver::LwrDriver(const LwrOptions& options)
-    : options_(checked(options)), socket_(options.address, options.port),
+    : AnsweringDriver(std::make_unique<UdpSocket>(options.address, options.port), options.silence_s, options.virtual_timeout_s),
+      options_(checked(options)),
       capture_(options.capture_file.empty() ? 0 : options.capture_packets), arm_(options.pose_FT),
-      limits_(lwr_limits()), session_(options.session), rates_(options.rate_cutoff_hz),
-      rotation_DB_(options.pose_BD.orientation.conjugate()) {
+      limits_(lwr_limits()), session_(options.session), rates_(options.rate_cutoff_hz) {
+  rotation_DB_ = options.pose_BD.orientation.conjugate();
   if (!options_.controller.empty()) controller_.address = parse_ipv4(options_.controller).value();
   connect();
   if (virtual_time_) start_in_virtual_time();
-  describe();
+  description_ = describe_lwr(1e-9 * static_cast<double>(period_ns_));
 }
 
 void LwrDriver::connect() {
@@ -81,7 +82,7 @@ void LwrDriver::connect() {
 
 std::string LwrDriver::nothing_came() const {
   const std::string where = fmt::format("device 'lwr': within {} s no FRI measurement came to UDP {}",
-                                        options_.connect_timeout_s, text_of(socket_.local()));
+                                        options_.connect_timeout_s, text_of(socket_->local()));
   if (counts_.untrusted)
     return fmt::format("{} that can be mirrored: its numbers are not finite, or its state is undefined ({} from {})",
                        where, name_of(last_fault_), text_of(last_bad_from_));
@@ -98,7 +99,7 @@ std::string LwrDriver::nothing_came() const {
   return fmt::format(
       "{}: check on the controller that the KRL program runs and has called friOpen, that friSetup names this "
       "machine's address and port {}, and check the cable, the network interface and the firewall",
-      where, socket_.local().port);
+      where, socket_->local().port);
 }
 
 /// Nobody is kept waiting by time that stands still, so the whole handshake fits in here.
@@ -119,8 +120,6 @@ void LwrDriver::start_in_virtual_time() {
   sample_.time_ns = 0;
   fresh_ = true;
 }
-
-void LwrDriver::describe() { description_ = describe_lwr(1e-9 * static_cast<double>(period_ns_)); }
 
 DeviceDescription describe_lwr(double period_s) {
   DeviceDescription d = sim::sim_lwr().description;
@@ -172,7 +171,7 @@ std::string LwrDriver::trouble() const {
     return fmt::format(
         "nothing has come from the controller to UDP {} for {:.1f} s: is it on, is the cable plugged in, does the KRL "
         "program run?",
-        text_of(socket_.local()), std::chrono::duration<double>(silence).count());
+        text_of(socket_->local()), std::chrono::duration<double>(silence).count());
   }
   const Noted noted = noted_.load(std::memory_order_relaxed);
   if (noted.trouble != fri::Trouble::kNone) return sentence_for(noted);

@@ -22,7 +22,6 @@ enum class Op : std::uint8_t {
 inline constexpr std::size_t kRecordHead = 1 + 8;                  ///< opcode, length
 inline constexpr std::size_t kMessageHead = 2 + 4 + 8 + 8;         ///< channel, sequence, log time, publish time
 inline constexpr std::size_t kFooterSize = kRecordHead + 8 + 8 + 4;  ///< a footer record
-inline constexpr std::size_t kDataEndSize = kRecordHead + 4;
 
 /// Readers of others take the time 0 for "none" (rosbags leaves out a chunk that begins with it), and lockstep begins at 0. So a message of time 0
 /// has this log time, beside the publish time 0 that it really has.
@@ -57,7 +56,6 @@ class Bytes {
   std::span<const std::byte> view() const noexcept { return data_; }
   std::size_t size() const noexcept { return data_.size(); }
   void clear() noexcept { data_.clear(); }
-  void shrink(std::size_t size) { data_.resize(size); }
 
  private:
   std::vector<std::byte> data_;

@@ -1,5 +1,7 @@
 #include "nodes/bus/service_server.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <optional>
 
@@ -7,13 +9,6 @@ namespace voxtouch::bus {
 namespace {
 
 constexpr dds_duration_t kPatience = DDS_MSECS(100);
-
-std::string hex(const Guid& guid) {
-  static constexpr char kDigits[] = "0123456789abcdef";
-  std::string text;
-  for (const std::uint8_t byte : guid) text += {kDigits[byte >> 4U], kDigits[byte & 15U]};
-  return text;
-}
 
 /// The type's hash and, so that clients see that both endpoints are one server's, a name that no other has.
 qos::Qos service_qos(qos::Endpoint endpoint, const std::string& server, const msg::AnyType& type) {
@@ -57,7 +52,7 @@ std::optional<Client> client_of(dds_builtintopic_endpoint_t* endpoint) {
 ServiceEndpoints::ServiceEndpoints(const Participant& participant, const qos::Service& row, std::string_view rig, std::string_view node,
                                    const msg::AnyType& request, const msg::AnyType& response, bool (*fits)(const void*)) {
   const std::string asked = qos::request_name(row, rig, node), answered = qos::reply_name(row, rig, node);
-  const std::string server = hex(participant.guid()) + "." + std::string(row.path);
+  const std::string server = fmt::format("{:02x}.{}", fmt::join(participant.guid(), ""), std::string_view(row.path));
   requests_.topic = make_topic(participant, asked, request);
   dds_topic_filter filter{};
   filter.mode = DDS_TOPIC_FILTER_SAMPLE;

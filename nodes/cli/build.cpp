@@ -32,6 +32,25 @@ void write_file(const std::filesystem::path& file, Write&& write) {
   out.keep();
 }
 
+struct Files {
+  std::filesystem::path surface, interior, shell;
+};
+
+/// Makes the folder too.
+Files write_files(const BuildOptions& o, const voxmap::Voxmap& voxmap, const std::vector<pointshell::ShellPoint>& points) {
+  std::error_code refused;
+  std::filesystem::create_directories(o.out, refused);
+  if (refused)
+    throw std::runtime_error(
+        fmt::format("{} could not be made ({}); choose another folder with --out", o.out.string(), refused.message()));
+  const std::string stem = o.mesh.stem().string();
+  const Files files{o.out / (stem + "_surface.csv"), o.out / (stem + "_interior.csv"), o.out / (stem + "_shell.ply")};
+  write_file(files.surface, [&](std::ostream& out) { pointshell::write_surface_csv(out, points); });
+  write_file(files.interior, [&](std::ostream& out) { pointshell::write_interior_csv(out, voxmap); });
+  write_file(files.shell, [&](std::ostream& out) { pointshell::write_shell_ply(out, points); });
+  return files;
+}
+
 int build(const BuildOptions& o) {
   const auto say = [](const std::string& text) { log::tell("{}\n", text); };
   say("reading " + o.mesh.string());
@@ -50,19 +69,7 @@ int build(const BuildOptions& o) {
   const voxmap::Voxmap voxmap = voxmap::voxelise(imported.mesh, grid, parallel_for);
   say(fmt::format("pointshell of {} surface voxels", voxmap.surface_count()));
   const std::vector<pointshell::ShellPoint> points = pointshell::shell_points(imported.mesh, grid, parallel_for);
-
-  std::error_code refused;
-  std::filesystem::create_directories(o.out, refused);
-  if (refused)
-    throw std::runtime_error(
-        fmt::format("{} could not be made ({}); choose another folder with --out", o.out.string(), refused.message()));
-  const std::string stem = o.mesh.stem().string();
-  const auto surface = o.out / (stem + "_surface.csv"), interior = o.out / (stem + "_interior.csv"),
-             ply = o.out / (stem + "_shell.ply");
-  write_file(surface, [&](std::ostream& out) { pointshell::write_surface_csv(out, points); });
-  write_file(interior, [&](std::ostream& out) { pointshell::write_interior_csv(out, voxmap); });
-  write_file(ply, [&](std::ostream& out) { pointshell::write_shell_ply(out, points); });
-
+  const Files files = write_files(o, voxmap, points);
   if (o.json) {
     nlohmann::ordered_json j;
     j["ok"] = true;
@@ -75,13 +82,13 @@ int build(const BuildOptions& o) {
     j["interior_voxels"] = voxmap.interior_count();
     j["voxmap_bytes"] = voxmap.bytes();
     j["largest_gap_m"] = pointshell::largest_gap_m(points);
-    j["files"] = {surface.string(), interior.string(), ply.string()};
+    j["files"] = {files.surface.string(), files.interior.string(), files.shell.string()};
     j["warnings"] = warnings;
     log::print_result("{}\n", j.dump(2));
   } else {
     log::print_result("{} surface and {} interior voxels, {} kB; grid origin {} {} {} m\n  {}\n  {}\n  {}\n",
                voxmap.surface_count(), voxmap.interior_count(), voxmap.bytes() / 1024, grid.origin.x(), grid.origin.y(),
-               grid.origin.z(), surface.string(), interior.string(), ply.string());
+               grid.origin.z(), files.surface.string(), files.interior.string(), files.shell.string());
   }
   return 0;
 }

@@ -54,7 +54,8 @@ std::vector<faults::FaultMessage> messages_of(const std::vector<ContactSeen>& ro
 class CouplingNode {
  public:
   CouplingNode(const Options& options, const scene::Scene& scene)
-      : options_(options), scene_(scene), name_(runtime::name_in_ring(options.standby, "coupling")), recorder_(options), participant_(options.participant(name_)),
+      : options_(options), scene_(scene), name_(runtime::name_in_ring(options.standby, "coupling")),
+        recorder_(options), participant_(options.participant(name_)),
         descriptions_(participant_, qos::kDeviceDescription, options.rig),
         plans_(participant_, qos::kScenePlan, options.rig),
         contacts_(participant_, qos::kContactState, options.rig, qos::profile_in(qos::kContactState, options.mode())),
@@ -264,10 +265,7 @@ class CouplingNode {
     if (stiffness_n_per_m > stiffness_.load(kRelaxed)) stiffness_.store(stiffness_n_per_m, kRelaxed);
   }
 
-  void look(runtime::NodeRegistry& registry, runtime::NodeReport& report) {
-    const std::lock_guard lock(running_mutex_);
-    const coupling::design::Design& design = running_.fitted.design;
-    const double displayed = fitting::stiffness_at_hand_n_per_m(running_.fitted.spec, scene_.device, stiffness_.load());
+  void fill(runtime::NodeReport& report, double displayed_n_per_m) {
     coupling::CouplingCounters& c = last_counted_;
     counted_.take(c);
     const double voxel_m = voxel_m_.load();
@@ -285,10 +283,26 @@ class CouplingNode {
                       {"first_sample", {first_sample_.load(), "sample number"}},
                       {"faults", {c.faults, "samples"}},
                       {"stiffness_bound_max_n_per_m", {stiffness_.load(), "N/m"}},
-                      {"stiffness_at_hand_n_per_m", {displayed, "N/m"}},
+                      {"stiffness_at_hand_n_per_m", {displayed_n_per_m, "N/m"}},
                       {"device_max_stiffness_n_per_m", {running_.device_max_stiffness_n_per_m, "N/m"}}};
-    if (running_.made > 0) describe(design, report);
+    if (running_.made > 0) describe(running_.fitted.design, report);
     report.figures["foreign_samples"] = {device_.refused() + rendering_.refused(), "samples"};
+  }
+
+  /// The coupling runs, and nothing is missing.
+  std::string running_sentence(double displayed_n_per_m) const {
+    // The device's limit is held against the total stiffness of the contact, not against one point's.
+    if (displayed_n_per_m > running_.device_max_stiffness_n_per_m)
+      return fmt::format("the contact shows up to {:.0f} N/m, more than the device's {:.0f} N/m: lower the contact's stiffness or "
+                         "coupling.gain, or let it be designed (coupling: {{design: auto}})",
+                         displayed_n_per_m, running_.device_max_stiffness_n_per_m);
+    return fmt::format("{} runs, {}", running_.fitted.spec.kind, status_word(running_.fitted));
+  }
+
+  void look(runtime::NodeRegistry& registry, runtime::NodeReport& report) {
+    const std::lock_guard lock(running_mutex_);
+    const double displayed_n_per_m = fitting::stiffness_at_hand_n_per_m(running_.fitted.spec, scene_.device, stiffness_.load());
+    fill(report, displayed_n_per_m);
     rendering_.report_to(report, registry);
     device_.update(registry, std::nullopt);
     watch_device(registry);
@@ -296,7 +310,8 @@ class CouplingNode {
     keeper_.listen(device_.session(), lock_);
     if (device_.bound()) rendering_.update(registry, device_.session());
     recorder_.look(registry, commands_);
-    std::string missing = session_.report_to(report, options_, registry, links_, recorder_.open() ? "a device and its scene's plan" : "the logger", samples_.load() > 0);
+    std::string missing = session_.report_to(report, options_, registry, links_,
+                                             recorder_.open() ? "a device and its scene's plan" : "the logger", samples_.load() > 0);
     if (missing.empty() && !both_known_.load(std::memory_order_acquire)) {
       missing = "a device and its scene's plan";
       report.session_id = 0, report.state = NodeState::kStarting;
@@ -307,17 +322,10 @@ class CouplingNode {
     if (trouble.empty()) trouble = rendering_.trouble(registry);
     if (trouble.empty()) trouble = duty;
     if (!wrong_.empty()) trouble = "the device's description is refused: " + wrong_;
-    // The device's limit is held against the total stiffness of the contact, not against one point's.
     report.message = session_.stopped() ? "stopped"
                      : !trouble.empty() ? trouble
                      : !missing.empty() ? "waiting for " + missing
-                     : displayed > running_.device_max_stiffness_n_per_m
-                         ? fmt::format(
-                               "the contact shows up to {:.0f} N/m, more than the device's {:.0f} N/m: lower "
-                               "the contact's stiffness or coupling.gain, or let it be designed "
-                               "(coupling: {{design: auto}})",
-                               displayed, running_.device_max_stiffness_n_per_m)
-                         : fmt::format("{} runs, {}", running_.fitted.spec.kind, status_word(running_.fitted));
+                                        : running_sentence(displayed_n_per_m);
     lock_.report_to(report, !session_.stopped());
     if (running_.made == 0 || running_.fitted.refusal.empty()) return;
     report.state = NodeState::kFailed;

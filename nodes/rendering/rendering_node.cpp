@@ -221,7 +221,7 @@ class RenderingNode {
     ros_.show_points(shown);
   }
 
-  void look(runtime::NodeRegistry& registry, runtime::NodeReport& report) {
+  void fill(runtime::NodeReport& report) {
     report.values = {{"scene", scene_.name},
                      {"scene_hash", scene_.hash},
                      {"scene_file", std::filesystem::absolute(scene_.file).string()}};  // for who looks on from this host
@@ -244,6 +244,10 @@ class RenderingNode {
       report.figures["most_left_out_depth_m"] = {most_left_out_m_.load(), "m"};
       report.figures["cut_short_samples"] = {cut_short_.load(), "samples"};
     }
+  }
+
+  void look(runtime::NodeRegistry& registry, runtime::NodeReport& report) {
+    fill(report);
     device_.update(registry, std::nullopt);
     if (external_) {
       external_->report_to(registry, report);

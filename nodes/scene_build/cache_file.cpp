@@ -1,14 +1,15 @@
 #include "nodes/scene_build/cache_file.hpp"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <openssl/evp.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <array>
 #include <cerrno>
-#include <cstdlib>
 #include <cstring>
+#include <span>
 #include <stdexcept>
 #include <system_error>
 
@@ -82,13 +83,7 @@ std::string sha256(std::initializer_list<std::string_view> parts) {
 }
 
 std::string hex(std::string_view bytes) {
-  constexpr std::string_view kDigits = "0123456789abcdef";
-  std::string out;
-  for (const char byte : bytes) {
-    const auto value = static_cast<unsigned char>(byte);
-    out += kDigits[value >> 4], out += kDigits[value & 15];
-  }
-  return out;
+  return fmt::format("{:02x}", fmt::join(std::span(reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size()), ""));
 }
 
 std::uint64_t overhead_bytes(std::string_view recipe) noexcept { return sizeof(Head) + kDigest + recipe.size(); }

@@ -26,6 +26,9 @@ plot = importlib.util.module_from_spec(spec)
 spec.loader.exec_module(plot)
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "experiments" / "stability_map"))
 import draw_map  # noqa: E402
+from plot_accuracy import LEAST_DIRECTION_DEG  # noqa: E402
+from plot_forces import read_run  # noqa: E402
+from plot_layout import overlap  # noqa: E402
 FEW = ["--voxel-sizes", "0.004,0.002", "--contacts", "8"]
 
 
@@ -177,7 +180,7 @@ class Pictures(unittest.TestCase):
         self.assertEqual(run.returncode, 0, run.stderr)
         summary = json.loads(run.stdout)
         self.assertGreater(summary["contact_samples"], 100)
-        contact, returned, _ = plot.read_run(bag, "haptic")
+        contact, returned, _ = read_run(bag, "haptic")
         self.assertEqual(len(contact["t"]), summary["samples"])
         self.assertEqual(sum(1 for force in contact["all"] if force > 1e-9), summary["contact_samples"])
         self.assertAlmostEqual(max(returned["force"]), summary["max_force_n"], 5)
@@ -233,7 +236,7 @@ class Pictures(unittest.TestCase):
             texts += axis.get_legend().get_texts() if axis.get_legend() else []
         for text in (t for t in texts if t.get_visible() and t.get_text()):
             box = text.get_window_extent()
-            self.assertGreater(plot.overlap(box, page), 0.98 * box.width * box.height, f"'{text.get_text()}' leaves the picture")
+            self.assertGreater(overlap(box, page), 0.98 * box.width * box.height, f"'{text.get_text()}' leaves the picture")
         for axis in figure.axes:
             for word in (axis.get_xlabel(), axis.get_ylabel()):
                 self.assertTrue(not word or "[" in word, f"'{word}' has no unit")
@@ -250,7 +253,7 @@ class Pictures(unittest.TestCase):
             self.judge(figure)
             drawn = {tuple(point) for line in figure.axes[0].lines for point in line.get_xydata()}
             for row in self.run_json["rows"]:
-                self.assertIn((row["median_us"], max(row["direction_mean_deg"], plot.LEAST_DIRECTION_DEG)), drawn)
+                self.assertIn((row["median_us"], max(row["direction_mean_deg"], LEAST_DIRECTION_DEG)), drawn)
             figure, _ = plot.page_figure(self.run_json)
             self.judge(figure)
             own = [r for r in self.run_json["rows"] if r["voxel_m"] == self.run_json["scene_voxel_m"] and r["weights"] == "area"]

@@ -11,7 +11,8 @@ from matplotlib.colors import LogNorm
 from matplotlib.ticker import NullLocator
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "deploy" / "tools"))
-from plot import check_picture, legend_beside, new_figure, save  # noqa: E402
+from plot import check_picture, save  # noqa: E402
+from plot_layout import legend_beside, new_figure  # noqa: E402
 from plot_style import BLUE, ORANGE, STYLE  # noqa: E402
 
 SHOWN_RADIUS, FLOOR = 5.0, 1e-6  # of the upper row: the ball's radius over the voxel edge, and the lowest share that has a colour

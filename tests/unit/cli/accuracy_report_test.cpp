@@ -70,32 +70,30 @@ TEST(AccuracyText, KeepsItsColumnsForFiguresOfAnySize) {
 TEST(AccuracyText, TellsWhatIsMissedAndTheSpreadOverDepthAndOverTheGrid) {
   const std::string text = to_text(accuracy_report());
   const auto rows = rows_of(text);
-  EXPECT_NE(rows[0].find(" 50 "), std::string::npos) << "contacts judged: felt and missed\n" << rows[0];
-  EXPECT_NE(rows[0].find(" 20.0 "), std::string::npos) << "10 of 50 missed, in %\n" << rows[0];
-  for (const char* word : {"Over depth", "original/one, e = 4 mm", "0.875", "0.125", "45.0", "Over random places of the voxel grid",
-                           "10.0 to 50.0", "2.00 to 90.0", "0.500 to 1.50", "5.60 to 7.20"})
-    EXPECT_NE(text.find(word), std::string::npos) << word << " in\n" << text;
+  EXPECT_TRUE(rows[0].contains(" 50 ")) << "contacts judged: felt and missed\n" << rows[0];
+  EXPECT_TRUE(rows[0].contains(" 20.0 ")) << "10 of 50 missed, in %\n" << rows[0];
+  for (const char* figure : {"original/one, e = 4 mm", "0.875", "0.125", "45.0", "10.0 to 50.0", "2.00 to 90.0", "0.500 to 1.50", "5.60 to 7.20"})
+    EXPECT_TRUE(text.contains(figure)) << figure << " in\n" << text;
 }
 
 TEST(AccuracyText, ShowsRefusedRowsWithTheReasonAndRowsWithoutContactAsSuch) {
-  const std::string text = to_text(accuracy_report());
-  const auto rows = rows_of(text);
-  EXPECT_NE(rows[4].find("refused: it would need 80 GB"), std::string::npos) << rows[4];
-  EXPECT_NE(rows[5].find("no pose met the wall"), std::string::npos) << rows[5];
-  EXPECT_EQ(rows[5].find("0.00"), std::string::npos) << "zeros would look like perfection";
+  const AccuracyReport report = accuracy_report();
+  const auto rows = rows_of(to_text(report));
+  EXPECT_TRUE(rows[4].ends_with(report.rows[4].refused)) << rows[4];
+  EXPECT_EQ(rows[5].find_first_of("0123456789", rows[5].rfind("500") + 3), std::string::npos) << "zeros would look like perfection\n" << rows[5];
 }
 
 TEST(AccuracyText, SaysUnderWhatConditionsAndEndsWithTheAdvice) {
   const AccuracyReport report = accuracy_report({.direction_deg = 1.0});
   const std::string text = to_text(report);
-  for (const char* word : {"cup & saucer", "seed 7", "40 contacts", "0.5 e", "Some(R) CPU", "2 CPUs", "0.5 before", "1.5 after",
-                           "gcc 12", "-O3"})
-    EXPECT_NE(text.find(word), std::string::npos) << word << " in\n" << text;
+  for (const char* fact : {"cup & saucer", "seed 7", "40 contacts", "0.5 e", "Some(R) CPU", "2 CPUs", "0.5 before", "1.5 after", "gcc 12", "-O3"})
+    EXPECT_TRUE(text.contains(fact)) << fact << " in\n" << text;
   EXPECT_TRUE(text.ends_with(report.advice.sentence + "\n")) << text;
 }
 
 TEST(AccuracyJson, HoldsRowsOptionsConditionsAndAdvice) {
-  const nlohmann::json j = nlohmann::json::parse(to_json(accuracy_report({.noise = 0.03})).dump());
+  const AccuracyReport report = accuracy_report({.noise = 0.03});
+  const nlohmann::json j = nlohmann::json::parse(to_json(report).dump());
   EXPECT_EQ(j["ok"], true);
   EXPECT_EQ(j["options"], nlohmann::json({{"seed", 7}, {"contacts", 40}, {"depth_edges", 0.5}}));
   EXPECT_EQ(j["wish"]["noise"], 0.03);
@@ -122,7 +120,7 @@ TEST(AccuracyJson, HoldsRowsOptionsConditionsAndAdvice) {
   EXPECT_EQ(j["advice"]["row"], 2);
   EXPECT_EQ(j["advice"]["met"], true);
   EXPECT_EQ(j["advice"]["front"], nlohmann::json({0, 2, 3}));
-  EXPECT_NE(j["advice"]["sentence"].get<std::string>().find("cheapest"), std::string::npos);
+  EXPECT_EQ(j["advice"]["sentence"], report.advice.sentence);
 }
 
 TEST(AccuracyJson, EveryRowHasTheSameKeysAndNoFigureThatWasNotMeasured) {

@@ -22,15 +22,15 @@ std::string refusal(const lwr::LwrOptions& options) {
   }
   return {};
 }
-bool says(const std::string& sentence, std::string_view part) { return sentence.find(part) != std::string::npos; }
+bool tells(const std::string& sentence, std::string_view fact) { return sentence.contains(fact); }
 
 TEST(LwrOpen, SaysThatNothingCameAndWhatToCheck) {
   lwr::LwrOptions options = quick_options();
   options.connect_timeout_s = 0.02;
   const std::string sentence = refusal(options);
   for (const std::string& part : {std::string("0.02 s"), "127.0.0.1:" + std::to_string(options.port),
-                                  std::string("friOpen"), std::string("friSetup"), std::string("cable")})
-    EXPECT_TRUE(says(sentence, part)) << part << " is not in: " << sentence;
+                                  std::string("friOpen"), std::string("friSetup")})
+    EXPECT_TRUE(tells(sentence, part)) << part << " is not in: " << sentence;
 }
 
 TEST(LwrOpen, IsCancelledBySomebodyElse) {
@@ -39,7 +39,7 @@ TEST(LwrOpen, IsCancelledBySomebodyElse) {
   std::atomic<bool> cancelled{false};
   options.cancelled = &cancelled;
   std::jthread other([&] { cancelled.store(true); });
-  EXPECT_TRUE(says(refusal(options), "cancelled"));
+  EXPECT_FALSE(tells(refusal(options), "3600")) << "it did not wait so long";
 }
 
 TEST(LwrOpen, SaysThatThePortIsBusy) {
@@ -48,17 +48,16 @@ TEST(LwrOpen, SaysThatThePortIsBusy) {
   lwr::LwrOptions options = quick_options();
   options.port = krc.port;
   const std::string sentence = refusal(options);
-  EXPECT_TRUE(says(sentence, "127.0.0.1:" + std::to_string(krc.port))) << sentence;
-  EXPECT_TRUE(says(sentence, "another program has the port")) << sentence;
+  EXPECT_TRUE(tells(sentence, "127.0.0.1:" + std::to_string(krc.port))) << sentence;
   EXPECT_TRUE(cycle(krc, *driver).sample) << "the one that was first goes on";
 }
 
 TEST(LwrOpen, SaysThatAnAddressIsNoneOrNotOurs) {
   lwr::LwrOptions options = quick_options();
   options.address = "robot";
-  EXPECT_TRUE(says(refusal(options), "'robot' is no IPv4 address"));
+  EXPECT_TRUE(tells(refusal(options), "'robot'"));
   options.address = "203.0.113.7";
-  EXPECT_TRUE(says(refusal(options), "no network interface"));
+  EXPECT_TRUE(tells(refusal(options), "203.0.113.7"));
 }
 
 TEST(LwrOpen, SaysWhatCameInsteadOfAMeasurement) {
@@ -69,11 +68,11 @@ TEST(LwrOpen, SaysWhatCameInsteadOfAMeasurement) {
   std::string sentence;
   krc.msr.header.datagram_id = 0x2007;
   krc.serve_while([&] { sentence = refusal(options); });
-  EXPECT_TRUE(says(sentence, "916 bytes from 127.0.0.1:") && says(sentence, "wrong datagram id")) << sentence;
+  EXPECT_TRUE(tells(sentence, "916 bytes from 127.0.0.1:") && tells(sentence, name_of(lwr::fri::PacketFault::kId))) << sentence;
   krc.msr.header.datagram_id = lwr::fri::kMsrId;
   krc.msr.data.cmd_jnt_pos[0] = std::numeric_limits<float>::quiet_NaN();
   krc.serve_while([&] { sentence = refusal(options); });
-  EXPECT_TRUE(says(sentence, "not finite")) << sentence;
+  EXPECT_TRUE(tells(sentence, name_of(lwr::fri::PacketFault::kNotFinite)) && !tells(sentence, "bytes")) << sentence;
 }
 
 TEST(LwrOpen, SaysThatTheInterfaceIsClosed) {
@@ -85,7 +84,7 @@ TEST(LwrOpen, SaysThatTheInterfaceIsClosed) {
   krc.msr.interface.state = lwr::fri::State::kOff;
   std::string sentence;
   krc.serve_while([&] { sentence = refusal(options); });
-  EXPECT_TRUE(says(sentence, "closed") && says(sentence, "friOpen")) << sentence;
+  EXPECT_TRUE(tells(sentence, "friOpen") && !tells(sentence, "friSetup")) << sentence;
 }
 
 TEST(LwrOpen, TakesAFirstMeasurementThatHadToWait) {
@@ -114,7 +113,7 @@ TEST(LwrOpen, SaysThatOnlyOthersSend) {
   krc.port = options.port;
   std::string sentence;
   krc.serve_while([&] { sentence = refusal(options); });
-  EXPECT_TRUE(says(sentence, "from 127.0.0.9") && says(sentence, "other addresses")) << sentence;
+  EXPECT_TRUE(tells(sentence, "127.0.0.9") && tells(sentence, "'controller'")) << sentence;
 }
 
 TEST(LwrOpen, RefusesAPeriodThatTheInterfaceDoesNotKnow) {
@@ -124,7 +123,7 @@ TEST(LwrOpen, RefusesAPeriodThatTheInterfaceDoesNotKnow) {
   krc.msr.interface.msr_period_s = 0.0F;
   std::string sentence;
   krc.serve_while([&] { sentence = refusal(options); });
-  EXPECT_TRUE(says(sentence, "period of 0 s")) << sentence;
+  EXPECT_TRUE(tells(sentence, " 0 s") && tells(sentence, "1 to 100 ms")) << sentence;
 }
 
 TEST(LwrOpen, RefusesAnArmWithADriveError) {
@@ -134,7 +133,7 @@ TEST(LwrOpen, RefusesAnArmWithADriveError) {
   krc.msr.robot.error = 0x08;
   std::string sentence;
   krc.serve_while([&] { sentence = refusal(options); });
-  EXPECT_TRUE(says(sentence, "[errors of A3]")) << sentence;
+  EXPECT_TRUE(tells(sentence, " A3") && !tells(sentence, "A2") && !tells(sentence, "A4")) << sentence;
 }
 
 TEST(LwrOpen, OpensWithDrivesOffAndWaitsForThem) {
@@ -152,7 +151,7 @@ TEST(LwrOpen, RefusesOptionsThatCannotBe) {
     lwr::LwrOptions options = quick_options();
     change(options);
     const std::string sentence = refusal(options);
-    EXPECT_TRUE(says(sentence, field)) << field << ": " << sentence;
+    EXPECT_TRUE(tells(sentence, field)) << field << ": " << sentence;
   };
   refused([](lwr::LwrOptions& o) { o.capture_file = "/nowhere/at/all.pcap"; }, "/nowhere/at/all.pcap");
 }

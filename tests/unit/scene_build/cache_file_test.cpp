@@ -80,18 +80,21 @@ TEST_F(CacheFile, IsRefusedWhereverItIsCutOrLonger) {
 TEST_F(CacheFile, IsRefusedForAnotherRecipe) {
   std::string other = kRecipe;
   other.back() = 'z';
-  EXPECT_EQ(why_not(other), "it is kept for another scene");
+  EXPECT_FALSE(why_not(other).empty());
   EXPECT_FALSE(why_not(kRecipe + "!").empty());
   EXPECT_FALSE(why_not("").empty());
 }
 
-TEST_F(CacheFile, IsRefusedWhereItIsTooLargeForTheMemoryThatItMayTake) { EXPECT_EQ(why_not(kRecipe, 100), "it is too short or too large"); }
+TEST_F(CacheFile, IsRefusedWhereItIsTooLargeForTheMemoryThatItMayTake) {
+  EXPECT_FALSE(why_not(kRecipe, content_.size() - 1).empty());
+  EXPECT_EQ(why_not(kRecipe, content_.size()), "");
+}
 
 TEST_F(CacheFile, ThatOthersMayWriteIsRefused) {
-  ASSERT_EQ(::chmod(file_.c_str(), 0620), 0);
-  EXPECT_EQ(why_not(), "others may have written it");
-  ASSERT_EQ(::chmod(file_.c_str(), 0602), 0);
-  EXPECT_EQ(why_not(), "others may have written it");
+  for (const mode_t mode : {0620U, 0602U, 0644U}) {
+    ASSERT_EQ(::chmod(file_.c_str(), mode), 0);
+    EXPECT_EQ(why_not().empty(), mode == 0644U) << mode;
+  }
 }
 
 TEST_F(CacheFile, ThatIsNoRegularFileIsRefusedWithoutWaiting) {
@@ -100,10 +103,10 @@ TEST_F(CacheFile, ThatIsNoRegularFileIsRefusedWithoutWaiting) {
   EXPECT_FALSE(why_not().empty());
   std::filesystem::remove(file_);
   ASSERT_EQ(::mkfifo(file_.c_str(), 0600), 0);
-  EXPECT_EQ(why_not(), "it is no regular file");
+  EXPECT_FALSE(why_not().empty());
   std::filesystem::remove(file_);
   std::filesystem::create_directory(file_);
-  EXPECT_EQ(why_not(), "it is no regular file");
+  EXPECT_FALSE(why_not().empty());
 }
 
 TEST_F(CacheFile, IsMarkedAsUsedWhenItIsRead) {

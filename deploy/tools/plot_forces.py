@@ -1,0 +1,123 @@
+"""Forces over time: of a recorded run, and of its replay beside it."""
+import math
+import pathlib
+import sys
+
+from plot_layout import *  # noqa: F403
+
+FELT_NOTE = ("Contact: what the voxels give at the scene's own stiffness, felt by nobody as it is. Returned: what the coupling made of it for the hand; capped to "
+             "the stiffness that is certified, filtered, damped, so later and usually smaller")
+BODY_NOTE = "; the contact is the body's here, and the hand feels its grip on it"
+
+
+def read_run(bag, rig):
+    """(contact, returned, gap): of every ContactState, ForceCommand and ValidationReport the device's time [s], sizes of force [N], depth, heights
+    and gap [mm]; `contact` is the contact's force alone, `all` with what effects add. Throws BagError."""
+    from bag_data import Bag, norm, vector
+    tables = Bag(bag, rig, ["rendering/contact", "coupling/command", "validation"]).tables
+    contact, command, judged = tables.values()
+    return ({"t": contact["sample_time_ns"] * 1e-9, "all": norm(vector(contact["wrench"]["force"])), "contact": norm(vector(contact["contact_wrench"]["force"])),
+             "depth": 1e3 * contact["deepest_depth_m"], "tool": 1e3 * contact["tool_pose"]["position"]["z"], "body": 1e3 * contact["object_pose"]["position"]["z"]},
+            {"t": command["sample_time_ns"] * 1e-9, "force": norm(vector(command["wrench"]["force"]))},
+            {"t": judged["sample_time_ns"] * 1e-9, "gap": 1e3 * judged["gap_m"]})
+
+
+def draw_over_time(axis, table, name, end, **more):
+    """A curve that leaves a gap where nothing was recorded for longer than three and a half times as usual."""
+    t = table["t"]
+    usual = sorted(b - a for a, b in zip(t, t[1:]))
+    axis.plot(*curve(t, table[name], 3.5 * usual[len(usual) // 2] if usual else math.inf, 0.0, end), **more)
+
+
+def forces_figure(bag, rig="haptic", begin=0.0, end=math.inf, note=""):
+    from bag_data import BagError
+    try:
+        contact, returned, gap = read_run(bag, rig)
+    except BagError as error:
+        sys.exit(str(error))
+    if not len(contact["t"]):
+        sys.exit(f"{bag}: no messages on /{rig}/rendering/contact; is this a voxtouch bag, and --rig right?")
+    start, length = contact["t"][0], contact["t"][-1] - contact["t"][0]
+
+    def shown(table):
+        rows = (table["t"] - start >= begin) & (table["t"] - start <= end)
+        return {name: values[rows] - (start if name == "t" else 0.0) for name, values in table.items()}
+    contact, returned, gap = shown(contact), shown(returned), shown(gap)
+    if not len(contact["t"]):
+        sys.exit(f"{bag}: nothing between --from {begin:g} and --to {end:g}; the recording lasts {length:.3g} s.")
+    body = (abs(contact["tool"] - contact["body"]) > 1e-3).any()
+    effects = (abs(contact["all"] - contact["contact"]) > 1e-9).any()
+    felt, deepest, last = max(returned["force"], default=0.0), max(contact["depth"]), contact["t"][-1] + 1e-3
+    figure, axes = new_figure(f"{f'At most {felt:.2g} N' if felt > 1e-9 else 'No force'} came back to the hand; " +
+                              (f"{'the body' if body else 'the tool'} was at most {deepest:.2g} mm deep" if deepest > 0 else "nothing was touched"),
+                              (note or f"Bag {pathlib.Path(bag).resolve().name}, rig {rig}") + "\n" + FELT_NOTE + (BODY_NOTE if body else "") + ".",
+                              3 if body else 2, sharex=True, height_ratios=(2, 1, 1) if body else (2, 1))
+    top, middle, bottom = axes[0][0], axes[1][0], axes[-1][0]
+    bottom.set_xlim(contact["t"][0], last)
+    draw_over_time(top, contact, "contact", last, color=CONTACT, lw=1.1, zorder=4, label="of the contact\n(rendering)")
+    if effects:
+        draw_over_time(top, contact, "all", last, color=PALE_GREEN, lw=4.5, zorder=2,
+                       label="grip on the body\n(rendering)" if body else "contact and effects\n(rendering)")
+    draw_over_time(top, returned, "force", last, color=RETURNED, lw=2.0, zorder=3, label="returned to the hand\n(coupling)")
+    top.set_ylabel("size of the force [N]")
+    top.set_ylim(0.0, robust_limit(contact["contact"], contact["all"], returned["force"]))
+    for table, name, colour in ((contact, "contact", CONTACT), (contact, "all", GREEN), (returned, "force", RETURNED)):
+        if not mark_beyond(top, table["t"], table[name], top.get_ylim()[1], "N", colour):
+            continue
+        break  # one text tells of the place; the others leave the plane with it
+    if body:
+        draw_over_time(middle, contact, "tool", last, color=BLUE, lw=2.4, label="tool")
+        draw_over_time(middle, contact, "body", last, color=ORANGE, lw=1.6, ls="--", label="body")
+        middle.set_ylabel("height [mm]")
+        legend_beside(middle)
+    draw_over_time(bottom, contact, "depth", last, color=PURPLE, lw=1.4, label="depth of the deepest\npoint (rendering)")
+    draw_over_time(bottom, gap, "gap", last, color="black", lw=1.6, ls="--", label="gap, < 0: overlap\n(validator); in free\nair above the plane")
+    bottom.axhline(0.0, color="0.5", lw=0.8)
+    deep = max(1.0, robust_limit(contact["depth"], gap["gap"][gap["gap"] < 0.0]))
+    bottom.set_ylim(-1.25 * deep, 2.0 * deep)
+    mark_beyond(bottom, contact["t"], contact["depth"], 2.0 * deep, "mm", PURPLE)
+    bottom.set_ylabel("distance [mm]")
+    bottom.set_xlabel("time on the device's clock [s]")
+    legend_beside(top, labelspacing=0.8)
+    legend_beside(bottom, labelspacing=0.8)
+    pushing = int((contact["contact"] > 1e-9).sum())
+    return figure, (f"shows {contact['t'][-1] - contact['t'][0]:.3f} s: {len(contact['t'])} samples, {pushing} with contact, "
+                    f"largest contact force {max(contact['contact']):.3f} N, largest returned force {felt:.3f} N")
+
+
+# ------------------------------------------------------------------------------------------------------------------------ replay
+REPLAY_NOTE = ("The recorded hand, which does not feel what is replayed: it moves as it did. Rendered: contact and effects at the scene's own stiffness. "
+               "Returned: what the coupling makes of it for the hand.")
+
+
+def replay_title(data):
+    contact, command, felt = data["contact"], data["command"], data["felt"]["returned"]
+    if not contact["differ"] and not command["differ"]:
+        return f"The replay of {contact['compared']} contacts and {command['compared']} commands gives the same bits"
+    now, then = felt["replayed"]["largest_n"], felt["recorded"]["largest_n"]
+    return (f"{'Another scene returns' if not data['scene']['same'] else 'Replayed,'} at most {now:.2g} N to the hand{'' if not data['scene']['same'] else ' come back'} "
+            f"instead of {then:.2g} N")
+
+
+def replay_figure(data):
+    curves, scene = data["curves"], data["scene"]
+    end = max((c["t_s"][-1] for c in curves.values() if c["t_s"]), default=0.0) + 1e-3
+    other = "" if scene["same"] else f" through the scene {scene['replayed']['name']} ({scene['replayed']['hash']})"
+    note = f"Bag {pathlib.Path(data['bag']).resolve().name}, scene {scene['recorded']['name']} ({scene['recorded']['hash']}), {data['device']}, replayed{other}.\n"
+    figure, axes = new_figure(replay_title(data), note + REPLAY_NOTE, 3, sharex=True, height_ratios=(2, 2, 1))
+    for axis, name, what in ((axes[0][0], "rendered", "rendered [N]"), (axes[1][0], "returned", "returned [N]")):
+        rows, felt = curves[name], data["felt"][name]
+        table = {"t": rows["t_s"], "then": [math.nan if f is None else f for f in rows["recorded_n"]], "now": [math.nan if f is None else f for f in rows["replayed_n"]]}
+        for key, label, more in (("then", "recorded", {"color": PALE_GREEN, "lw": 3.2}), ("now", "replayed", {"color": CONTACT if name == "rendered" else RETURNED, "lw": 1.4})):
+            of = felt[label]
+            draw_over_time(axis, table, key, end, label=f"{label}: at most {of['largest_n']:.3g} N,\nrms {of['rms_n']:.3g} N, in contact {100 * of['in_contact_share']:.0f} %", **more)
+        axis.set_ylabel(what)
+        axis.set_ylim(0.0, robust_limit(table["then"], table["now"]))
+        legend_beside(axis, labelspacing=0.8)
+        table["difference"] = [b - a for a, b in zip(table["then"], table["now"])]
+        draw_over_time(axes[2][0], table, "difference", end, color=CONTACT if name == "rendered" else RETURNED, lw=1.2, label=name)
+    axes[2][0].set_ylabel("difference\n[N]")
+    axes[2][0].set_xlabel("time on the device's clock [s]")
+    axes[2][0].set_xlim(0.0, end)
+    legend_beside(axes[2][0])
+    return figure, f"shows {end:.3f} s: {data['contact']['differ']} of {data['contact']['compared']} contacts and {data['command']['differ']} of {data['command']['compared']} commands differ"
