@@ -249,6 +249,36 @@ TEST(Secant, ShowsNoMoreThanTheCapInAnyDirectionOfSpaceAndTurn) {
   EXPECT_GT(largest_gain, 1.3) << "or nothing is tried";
 }
 
+/// Pressed on one wall the wrench has twice the share s; a second wall, met from the side, is as stiff as the cap all the same.
+TEST(Secant, ShowsNoMoreThanTheCapToASecondWallMetFromTheSide) {
+  std::vector<std::array<Vec3, 2>> points;
+  std::vector<double> begin;
+  for (int n = 0; n < 60; ++n) {
+    const bool side = n >= 30;
+    points.push_back({Vec3::Zero(), side ? Vec3(-1, 0, 0) : Vec3(0, 0, 1)});
+    begin.push_back(side ? -1e-3 : -4e-3 * n / 30);
+  }
+  StiffnessCap cap(direct());
+  cap.step({}, {}, kT);
+  Vec3 at = Vec3::Zero();
+  CapShares shares;
+  const auto go = [&](const Vec3& way) {
+    at += way;
+    const CouplingInput in = points_at(points, begin, 30.0, at, {0, 0, 0});
+    shares = cap.step(in, {true, way, {0, 0, 0}}, kT);
+    return Vec3(shares.wrench * in.contact.force);
+  };
+  for (int n = 0; n < 400; ++n) go(Vec3(0, 0, -1e-5));
+  EXPECT_GT(shares.wrench, 1.6 * shares.stiffness) << "or nothing is tried";
+  Vec3 before = Vec3::Zero();
+  for (int n = 0; n < 300; ++n) {
+    const Vec3 now = go(Vec3(1e-5, 0, 0));
+    ASSERT_LE(before.x() - now.x(), 1.03 * kCap * 1e-5) << n;
+    before = now;
+  }
+  EXPECT_LT(before.x(), -0.9 * kCap * 1e-3);
+}
+
 /// Pressed to 5 mm; then `event` happens and the hand rests for a second. The largest step of the force, and the force at the end.
 struct Rested {
   double largest_step_n, last_n;
