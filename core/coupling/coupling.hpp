@@ -23,6 +23,9 @@ struct CouplingInput {
   Pose tool = {};                        ///< T in W at this sample
   /// What effects and moving objects may have given the tool so far [J]: the passivity observer allows their growth.
   double supplied_energy_j = 0.0;
+  /// Depth of this contact's deepest point [m], as far as its model tells it; 0 or below: not told.
+  double contact_depth_m = 0.0;
+  bool depth_goes_on = false;  ///< that depth is held: how much deeper the tool goes from there the model does not tell
 };
 
 /// Seconds over which the input is faded in after a start in contact, a reset to a force or a gap.

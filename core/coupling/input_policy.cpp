@@ -1,5 +1,6 @@
 #include "core/coupling/input_policy.hpp"
 
+#include <cmath>
 #include <utility>
 
 namespace voxtouch::coupling {
@@ -12,7 +13,7 @@ bool usable(const Vec3& v) noexcept { return v.allFinite() && v.cwiseAbs().maxCo
 bool usable(const CouplingInput& in) noexcept {
   return usable(in.contact.force) && usable(in.contact.torque) && in.contact_stiffness_n_per_m >= 0.0 &&
          in.contact_stiffness_n_per_m <= kLargestInput && in.contact_stiffness.allFinite() &&
-         in.contact_stiffness.cwiseAbs().maxCoeff() <= kLargestInput;
+         in.contact_stiffness.cwiseAbs().maxCoeff() <= kLargestInput && std::abs(in.contact_depth_m) <= kLargestInput;
 }
 
 void InputPolicy::restart(bool gives_force) noexcept {

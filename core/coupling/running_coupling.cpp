@@ -71,6 +71,7 @@ void RunningCoupling::start_law_at(const Wrench& start) noexcept {
   clamp_wrench(given_, limits_.max_force_n, limits_.max_torque_nm);
   policy_.restart(!given_.zero());
   contact_ = {};
+  cap_.forget_contact();
   std::visit([this](auto& law) { law.start_at(given_); }, law_);
 }
 
@@ -134,11 +135,13 @@ double RunningCoupling::newly_supplied(const CouplingInput& input, double dt_s) 
 /// The contact, capped and cut, through the law.
 Wrench RunningCoupling::run_law(const CouplingInput& input, const PolicedSample& sample, CouplingOutput& out) noexcept {
   if (sample.good) {
-    out.scale = cap_.step(input, sample.dt_s);
+    if (sample.gap) cap_.forget_contact();
+    const CapShares shares = cap_.step(input, way_, sample.dt_s);
+    out.scale = shares.wrench;
     contact_ = input;
-    contact_.contact.force *= out.scale, contact_.contact.torque *= out.scale;
-    contact_.contact_stiffness_n_per_m *= out.scale;
-    contact_.contact_stiffness *= out.scale;
+    contact_.contact.force *= shares.wrench, contact_.contact.torque *= shares.wrench;
+    contact_.contact_stiffness_n_per_m *= shares.stiffness;
+    contact_.contact_stiffness *= shares.stiffness;
     out.capped = out.scale < 1.0 && pushes(input);
     shown_ = out.scale * gain();
   } else if (sample.lost) {

@@ -28,7 +28,7 @@ struct CouplingOutput {
   bool clamped = false;     ///< input or command was over the device's range and was cut
   bool capped = false;      ///< the contact was stiffer than the cap: its wrench was scaled
   bool passivity = false;   ///< the passivity controller adds damping
-  double scale = 1.0;       ///< s of the stiffness cap
+  double scale = 1.0;       ///< share of the contact's wrench that the stiffness cap leaves
   double energy_j = 0.0;    ///< translation: what the hand has put in, net, since this contact began; see passivity.hpp
   double energy_rotation_j = 0.0;
   double damping_ns_per_m = 0.0;  ///< what the passivity controller adds now; 0: it rests

@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace voxtouch::coupling {
 namespace {
@@ -13,6 +14,12 @@ double per(double cap) noexcept { return std::min(1.0 / cap, 1e100); }
 double ramp_s(const CouplingSpec& spec) noexcept {
   return ramp_behind_filter_s(spec.kind == name_of(CouplingKind::kShapingFilter) ? cutoff_rad_per_s(spec) : 0.0);
 }
+
+/// A wrench below this is none: a share of it could not be told.
+constexpr double kNoWrench = 1e-200;
+
+/// The length of the part of `way` across `normal`, which has length one.
+double across(const Vec3& way, const Vec3& normal) noexcept { return (way - normal.dot(way) * normal).norm(); }
 
 /// Fixed size: Eigen keeps it on the stack, and its iteration is bounded.
 template <class Matrix>
@@ -45,6 +52,18 @@ double cap_scale(const Mat6& stiffness, double bound, double per_cap_t, double p
   return excess > 1.0 ? 1.0 / excess : 1.0;
 }
 
+double share_across(const Mat6& stiffness, const Vec6& along, double s) noexcept {
+  // With A = [a b'; b C] along and across: (kCapAcross - s a) (kCapAcross - share |C|) >= ((s + share) |b| / 2)^2. |C| by its Frobenius norm.
+  const Vec6 row = stiffness * along;
+  const double a = along.dot(row), b2 = std::max(0.0, row.squaredNorm() - a * a);
+  const double c = std::sqrt(std::max(0.0, stiffness.squaredNorm() - 2.0 * row.squaredNorm() + a * a));
+  const double left = std::max(0.0, kCapAcross - s * a), quarter = 0.25 * b2;
+  const double room = kCapAcross * left - quarter * s * s, half = 2.0 * quarter * s + left * c;
+  if (!(room > 0.0)) return s;
+  const double below = half + std::sqrt(half * half + 4.0 * quarter * room);
+  return below > 0.0 ? std::max(s, 2.0 * room / below) : std::numeric_limits<double>::infinity();
+}
+
 StiffnessCap::StiffnessCap(const CouplingSpec& spec) noexcept
     : rise_s_(ramp_s(spec)), per_cap_t_(per(spec.stiffness_cap_n_per_m)),
       per_cap_r_(per(spec.stiffness_cap_nm_per_rad)) {}
@@ -53,19 +72,77 @@ void StiffnessCap::redesign(const CouplingSpec& spec) noexcept {
   rise_s_ = ramp_s(spec);
   per_cap_t_ = per(spec.stiffness_cap_n_per_m);
   per_cap_r_ = per(spec.stiffness_cap_nm_per_rad);
-  redesigned_ = true;
+  redesigned_ = units_changed_ = true;
 }
 
-double StiffnessCap::step(const CouplingInput& input, double dt_s) noexcept {
+CapShares StiffnessCap::step(const CouplingInput& input, const ToolStep& way, double dt_s) noexcept {
+  const double s = step_scale(input, dt_s);
+  return {share_of_wrench(input, way, dt_s), s};
+}
+
+double StiffnessCap::step_scale(const CouplingInput& input, double dt_s) noexcept {
   double allowed = cap_scale(input.contact_stiffness, input.contact_stiffness_n_per_m, per_cap_t_, per_cap_r_);
   if (redesigned_) {
     over_ = Ramp(allowed > 0.0 ? std::clamp(scale_ / allowed, 0.0, 1e12) : 1.0);
     over_.head_for(1.0, std::max(rise_s_, kDefaultRampS));
     redesigned_ = false;
   }
-  allowed = std::min(allowed * over_.advance(dt_s), 1.0);
-  scale_ = std::min(allowed, scale_ + allowed * dt_s / rise_s_);
+  const double before = over_.now(), now = over_.advance(dt_s);
+  if (now < before) given_ *= now / before, by_depth_ *= now / before;  // caps that are lowered take back what they gave
+  allowed_ = std::min(allowed * now, 1.0);
+  scale_ = std::min(allowed_, scale_ + allowed_ * dt_s / rise_s_);
   return scale_;
+}
+
+/// The same shares in the new units. What has changed meanwhile counts as no growth.
+void StiffnessCap::change_units(double w) noexcept {
+  const double factor = size_ > kNoWrench ? w / size_ : 0.0;
+  given_ *= factor, by_depth_ *= factor, size_ = w;
+  units_changed_ = false;
+}
+
+double StiffnessCap::share_of_wrench(const CouplingInput& input, const ToolStep& way, double dt_s) noexcept {
+  const double t = std::sqrt(per_cap_t_), r = std::sqrt(per_cap_r_);
+  const Vec6 n = (Vec6() << t, t, t, r, r, r).finished();
+  Vec6 u = n.cwiseProduct((Vec6() << input.contact.force, input.contact.torque).finished());
+  const double w = u.stableNorm(), force = input.contact.force.stableNorm(), depth = input.contact_depth_m;
+  if (units_changed_) change_units(w);
+  const double more = w - size_, least = scale_ * w;
+  const bool went_on = known_;
+  known_ = true, size_ = w;
+  by_depth_ *= std::max(0.0, 1.0 - dt_s / kDefaultRampS);
+  if (!(scale_ < 1.0) || !(w > kNoWrench) || !(force > kNoWrench)) {
+    given_ = least, depth_m_ = depth;
+    if (depth > 0.0) by_depth_ = std::max(by_depth_, least);
+    return scale_;
+  }
+  u /= w;
+  const Vec6 per_way = input.contact_stiffness * n.cwiseProduct(u);  // of w, for a metre and a radian
+  const Vec3 normal = input.contact.force / force;
+
+  // On the way out what the cap allows counts, not what has risen to it so far, so that no more comes back than went in.
+  const double rate = more < 0.0 ? allowed_ : scale_;
+  double grown = rate * more;
+  if (way.known && depth > 0.0) {
+    const double in = -rate * (per_way.head<3>().dot(way.shift) + per_way.tail<3>().dot(way.turn));
+    const double slide = rate * kSlope * per_way.head<3>().norm() * across(way.shift, normal);
+    const double steep = std::copysign(std::max(0.0, std::abs(in) - slide), in);
+    const double deeper = rate * per_way.head<3>().dot(normal) * (depth - depth_m_);
+    if (input.depth_goes_on)
+      grown = more > 0.0 ? std::clamp(steep, grown, more) : std::clamp(steep, more, grown);
+    else
+      grown = deeper > 0.0 ? std::max(grown, std::min(steep, deeper)) : std::min(grown, std::max(steep, deeper));
+  }
+  given_ = went_on ? given_ + grown : least;
+  if (depth > 0.0) {
+    by_depth_ = std::max(by_depth_, scale_ * per_way.head<3>().dot(normal) * depth);
+    if (input.depth_goes_on) by_depth_ = std::max(by_depth_, given_);
+  }
+  const Mat6 in_caps = n.asDiagonal() * input.contact_stiffness * n.asDiagonal();
+  const double across_most = w * share_across(in_caps / std::max(1.0, over_.now()), u, scale_);
+  depth_m_ = depth;
+  given_ = std::clamp(given_, least, std::max(least, std::min({w, by_depth_, across_most})));
+  return given_ > least ? given_ / w : scale_;
 }
 
 }  // namespace voxtouch::coupling

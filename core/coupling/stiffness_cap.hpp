@@ -2,6 +2,7 @@
 /// Keeps the stiffness that the coupling is given below a cap, however many points push.
 #include "core/coupling/coupling.hpp"
 #include "core/coupling/ramp.hpp"
+#include "core/coupling/tool_motion.hpp"
 
 namespace voxtouch::coupling {
 
@@ -18,15 +19,34 @@ double largest_eigenvalue(const Mat6& matrix) noexcept;
 /// not, s = min(1, cap_t / bound). Finite inputs; always within [0, 1]. Real-time safe.
 double cap_scale(const Mat6& stiffness, double bound, double per_cap_t, double per_cap_r) noexcept;
 
+/// What the cap leaves of a contact.
+struct CapShares {
+  double wrench = 1.0;     ///< of force and torque alike, from `stiffness` to 1
+  double stiffness = 1.0;  ///< of the stiffness matrix: s
+};
+
 /// The cap in time. Real-time safe.
 ///
 /// s falls at once, so that an impact never shows more than the cap. It rises to its value over `ramp_behind_filter_s`: the
 /// displayed share of the stiffness, s over what the cap allows, grows no faster than from 0 to 1 in that time.
 ///
-/// What that does to the force: while the contact grows, dF/dx <= cap. A point that comes in comes with depth zero, so the raw
-/// force F has no step, but s has: N alike points become N + 1 and the scaled force falls by its (N + 1)th part. With each of
-/// them at its own depth, N points give cap times their mean depth. On the way out s lags, so the force is lower than on the
-/// way in: a cycle costs the hand energy and gives it none.
+/// What is capped is how the wrench grows, and not the wrench. With s W the hand would get the cap times the points' mean depth, half of
+/// the cap's promise under a ball, since a point that comes in with depth zero takes its share of what the others give. Lengths are taken in
+/// units of the caps: w = |N W|, u = N W / w, A = N K N; s A <= 1. The share g / w is given, and g begins at zero with the contact and goes on
+/// by s times what w has changed, or by s u'Au of what the depth told has changed, as far as the tool's own way says so too, if that is more.
+/// So dg <= the cap times the way, and g comes to the cap times the depth, but for what the contact itself lacks until it is as stiff as the cap.
+/// Bounds of g:
+///
+///     s w <= g <= w                    never less than the wrench scaled by s, never more than the wrench itself
+///     g <= s u'Au (depth told)         what that depth stands for; let go of over kDefaultRampS where the depth told falls without the wrench
+///     g / w <= share_across            across u the direction turns with the whole share: that too stays below the cap, see below
+///
+/// Where the model holds its depth (`depth_goes_on`) the wrench tells of the way in only by new points. There g follows s u'A(way) of the
+/// tool, in as far as w grows and out as far as w falls. Of a way only what is steeper than kSlope against the contact counts: sliding, along which
+/// the normals of such models lean to and fro, neither winds the force up nor lets it down. No depth told: s W.
+///
+/// On the way out g falls as it rose, or by more where s lags: a cycle gives the hand no energy. A jump, a gap or a start is no way: the
+/// contact met there has s W, and grows from that.
 class StiffnessCap {
  public:
   /// The caps of `spec`, as `validate` accepts it; infinity: none.
@@ -36,15 +56,36 @@ class StiffnessCap {
   /// no cap at all. Slower than the rise above, because there nothing has to be let go soon, and a stiffness that rises by dk
   /// faster than the tool follows gives the hand up to dk p^2 / 2.
   void redesign(const CouplingSpec& spec) noexcept;
-  /// s for this sample; `input` as `usable` accepts it.
-  double step(const CouplingInput& input, double dt_s) noexcept;
+  /// The shares for this sample; `input` as `usable` accepts it, `way` to its pose from the one before.
+  CapShares step(const CouplingInput& input, const ToolStep& way, double dt_s) noexcept;
   /// Nothing pushes: the next contact is scaled at once as it comes.
-  void reset() noexcept { scale_ = 1.0, over_ = Ramp(1.0); }
+  void reset() noexcept { scale_ = 1.0, over_ = Ramp(1.0), forget_contact(); }
+  /// What was given before is not gone on from: the next contact has s of its wrench, whatever its depth.
+  void forget_contact() noexcept { known_ = false, given_ = size_ = by_depth_ = 0.0; }
+
+  /// tan of the least angle between a way and the contact's plane that counts as going in or out where depth is held: 20 degrees.
+  static constexpr double kSlope = 0.364;
 
  private:
+  double step_scale(const CouplingInput& input, double dt_s) noexcept;
+  void change_units(double w) noexcept;
+  double share_of_wrench(const CouplingInput& input, const ToolStep& way, double dt_s) noexcept;
+
   double rise_s_, per_cap_t_, per_cap_r_, scale_ = 1.0;
-  bool redesigned_ = false;
+  double allowed_ = 1.0;  ///< s without its rise
+  bool redesigned_ = false, units_changed_ = false;
+  bool known_ = false;  ///< the last sample is one to go on from
   Ramp over_{1.0};  ///< what is shown, in units of what the new caps allow, on its way to one
+  double given_ = 0.0, size_ = 0.0;  ///< g and w of the last sample
+  double by_depth_ = 0.0;            ///< the bound by depth, as it was then
+  double depth_m_ = 0.0;             ///< as told then
 };
+
+/// The largest share of the wrench that may be given across `along`, the wrench's direction, where s of `stiffness` (both in units of the
+/// caps; `along` of length one) is shown along it: of the shown matrix s uu'A + share (I - uu')A the symmetric part stays below
+/// kCapAcross. From s to infinity. Real-time safe.
+double share_across(const Mat6& stiffness, const Vec6& along, double s) noexcept;
+/// 2 % over the cap, of a margin of 2: at 1 nothing could be given beside a direction that has all of the cap already.
+inline constexpr double kCapAcross = 1.02;
 
 }  // namespace voxtouch::coupling

@@ -57,8 +57,9 @@ std::string felt_of_penalty(const fitting::FittedCoupling& fitted, const scene::
   const bool lacks_depth = deepest.force_n < 0.9 * of_spring;
   if (lacks_depth) {
     text += fmt::format(" What limits it: the {:.4g} N/m that hold here would give {:.2g} N, but {}.", certified, of_spring,
-                        scene.contact.model == "field" ? "the cap on stiffness scales the whole force"
-                                                       : fmt::format("the model '{}' tells depth in one layer of voxels only", scene.contact.model));
+                        scene.contact.model == "field" || scene.contact.model == "adapted"
+                            ? std::string("the contact itself is as stiff as that only some way in, and a stiffer one sooner")
+                            : fmt::format("the cap on stiffness scales the whole force of the model '{}'", scene.contact.model));
     changes.push_back(fmt::format("contact: {{model: field, rendering: virtual_tool}} with closed meshes, up to {:.2g} N.", of_spring));
   } else if (!fitted.design.reasons.empty()) {
     text += " What limits it: " + fitted.design.reasons.front();

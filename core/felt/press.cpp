@@ -5,13 +5,14 @@
 #include <optional>
 
 #include "core/coupling/running_coupling.hpp"
+#include "core/fitting/coupling_input.hpp"
 #include "core/fitting/design_problem.hpp"
 
 namespace voxtouch::felt {
 namespace {
 
 constexpr int kDepths = 10, kMostFrames = 4000;
-constexpr double kDepthStepM = 0.001, kBehindApproachS = 4.0, kSettlesInS = 0.7;
+constexpr double kDepthStepM = 0.001, kPressStepM = 5e-5, kBehindApproachS = 4.0, kSettlesInS = 0.7;
 
 /// Where the hand touches first, and the way on against the push there.
 struct Touch {
@@ -61,17 +62,21 @@ class Hand {
 std::vector<Pressed> press(rendering::BuiltScene& built, const scene::Scene& scene, const fitting::FittedCoupling& fitted,
                            const coupling::design::DeviceModel& device, const Motion& motion) {
   rendering::SceneRenderer& renderer = built.scene_renderer();
+  const contact::ContactModelKind model = built.renderer().model();
   const double step_m = 0.5 * scene.voxel_size_m;
   renderer.aim_for_spring(fitting::spring_n_per_m(fitted, scene, device, {built.plan().contact_n_per_m, built.plan().contact_nm_per_rad}));
   std::vector<Pressed> out;
   const std::optional<Touch> touch = fitted.refusal.empty() && !built.effect_ground().body ? Hand(renderer, motion, step_m).first_touch() : std::nullopt;
   if (!touch) return out;
   const double period_s = device.timing.period_s, depth_step_m = kDepthStepM * scene.device.position_scale;
-  const int frames = static_cast<int>(std::clamp(std::ceil(depth_step_m / step_m), 1.0, 100.0));
+  const int frames = static_cast<int>(std::clamp(std::ceil(depth_step_m / std::min(step_m, kPressStepM)), 1.0, 100.0));
   coupling::RunningCoupling running(fitted.spec, fitting::limits_W(scene.device, device), period_s, 0.0);
   renderer.reset();
   rendering::ToolState tool{.pose = touch->pose, .twist = {}};
   double time_s = touch->time_s;
+  coupling::CouplingInput free;
+  free.tool = tool.pose;
+  running.step(free, period_s);  // the contact begins from here
   if (scene.virtual_tool())  // it has to begin outside, and its spring fades in
     for (int n = 0; n < 20; ++n) renderer.render(tool, time_s += rendering::SceneRenderer::kLongestStepS);
   for (int depth = 1; depth <= kDepths; ++depth) {
@@ -79,8 +84,9 @@ std::vector<Pressed> press(rendering::BuiltScene& built, const scene::Scene& sce
     for (int n = 0; n < frames; ++n) {
       tool.pose.position += depth_step_m / frames * touch->onward;
       frame = renderer.render(tool, time_s += period_s);
+      running.step(fitting::coupling_input(frame, model, tool.pose), period_s);
     }
-    const coupling::CouplingInput input{frame.wrench, frame.stiffness_bound_n_per_m, frame.stiffness, tool.pose};
+    const coupling::CouplingInput input = fitting::coupling_input(frame, model, tool.pose);
     Wrench returned;
     for (double t = 0.0; t < kSettlesInS; t += period_s) returned = running.step(input, period_s).wrench;
     out.push_back({kDepthStepM * depth, scene.device.force_scale * returned.force.norm()});

@@ -51,11 +51,16 @@ TEST(Clutch, PressedInContactTheToolStaysNothingIsFeltAndTheContactFadesIn) {
     ASSERT_EQ(contacts[i].tool_pose.position.z, contacts[kPress].tool_pose.position.z) << i;
     ASSERT_GT(contacts[i].surface_hits, 0U) << "what is shown stays true: the tool stands in the plane";
   }
-  // It fades in over 0.2 s. (Later the hand gives way, and the damping that answers each step of the encoder is a step of its own.)
+  // It fades in over 0.2 s. Where the hand gives way by a step of its encoder, the damping answers that, by 0.05 N at most, for some samples.
   const double before = force(commands[kPress - 1]);
   EXPECT_TRUE(commands[kRelease].status & msg::force_command::kStatusRamping);
-  for (std::size_t i = kRelease; i < kRelease + 50; ++i)
-    ASSERT_LT(std::abs(force(commands[i]) - force(commands[i - 1])), 0.02 * before) << i;
+  std::size_t still = 20, looked_at = 0;
+  for (std::size_t i = kRelease; i < kRelease + 50; ++i) {
+    still = contacts[i].tool_pose.position.z == contacts[i - 1].tool_pose.position.z ? still + 1 : 0;
+    looked_at += still >= 20;
+    ASSERT_LT(std::abs(force(commands[i]) - force(commands[i - 1])), still >= 20 ? 0.02 * before : 0.05) << i;
+  }
+  EXPECT_GT(looked_at, 25U) << "or nothing is shown";
   EXPECT_GT(force(commands.back()), 0.02) << "felt again";
 }
 

@@ -6,6 +6,7 @@
 
 #include "core/effects/body.hpp"
 #include "core/coupling/running_coupling.hpp"
+#include "core/fitting/coupling_input.hpp"
 
 namespace voxtouch::cli {
 namespace {
@@ -138,7 +139,7 @@ class Measurement {
     rendering::SceneFrame all;
     samples_.frame.push_back(watch_.ns([&] { all = built_.scene_renderer().render(tool, time_s += kDefaultS); }));
     if (coupling_) {
-      const coupling::CouplingInput input{all.wrench, all.stiffness_bound_n_per_m, all.stiffness, tool.pose};
+      const coupling::CouplingInput input = fitting::coupling_input(all, built_.renderer().model(), tool.pose);
       samples_.coupling.push_back(watch_.ns([&] { coupling_->step(input, kDefaultS); }));
     }
   }

@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/fitting/coupling_input.hpp"
 #include "core/fitting/design_problem.hpp"
 #include "core/fitting/fit_coupling.hpp"
 #include "core/scene/scene_file.hpp"
@@ -47,9 +48,7 @@ Wrench RigFront::answer(const devices::DeviceSample& sample) noexcept {
   last_ns_ = sample.time_ns;
   const rendering::ToolState& tool = mapping_.update(sample.pose, sample.twist, sample.buttons);
   frame_ = live_.render(tool, static_cast<double>(sample.time_ns - *begin_ns_) * 1e-9);
-  coupling::CouplingInput in{frame_.wrench, frame_.stiffness_bound_n_per_m, frame_.stiffness, tool.pose};
-  in.supplied_energy_j = frame_.supplied_energy_j;
-  out_ = coupling_.step(in, dt_s);
+  out_ = coupling_.step(fitting::coupling_input(frame_, live_.dominant().renderer().model(), tool.pose), dt_s);
   return rendering::wrench_to_device(device_, out_.wrench, tool.pose.orientation);
 }
 

@@ -261,6 +261,8 @@ TEST(RunningCoupling, IsFiniteAndWithinTheLimitsForAnyInput) {
         for (double& x : in.tool.position) maybe(x);
         for (double& x : in.tool.orientation.coeffs()) maybe(x);
         maybe(in.contact_stiffness_n_per_m);
+        maybe(in.contact_depth_m);
+        in.depth_goes_on = random() % 2 == 0;
         if (random() % 3 == 0)
           in = push(3 * Vec3::Random(), Vec3::Random(), 500), in.tool.position = 1e-3 * Vec3::Random();
         const CouplingOutput out = running.step(in, random() % 3 ? kT : any());

@@ -216,18 +216,18 @@ TEST(StiffnessCap, FallsAtOnceAndRisesOverItsRamp) {
     spec.kind = "shaping_filter", spec.cutoff_hz = hz;
     const double ramp = std::max(5 / cutoff_rad_per_s(spec), 0.02);
     StiffnessCap cap(spec);
-    EXPECT_EQ(cap.step(soft, kT), 1.0);
-    EXPECT_DOUBLE_EQ(cap.step(stiff, kT), 0.1) << "in the very sample of the impact";
+    EXPECT_EQ(cap.step(soft, {}, kT).stiffness, 1.0);
+    EXPECT_DOUBLE_EQ(cap.step(stiff, {}, kT).stiffness, 0.1) << "in the very sample of the impact";
     double before = 0.1, now = 0.1;
     int n = 0;
-    while ((now = cap.step(soft, kT)) < 1.0) {
+    while ((now = cap.step(soft, {}, kT).stiffness) < 1.0) {
       ASSERT_LE(now - before, kT / ramp * (1 + 1e-9));
       before = now, ++n;
     }
     EXPECT_NEAR(n * kT, 0.9 * ramp, 2 * kT);
     // What is displayed rises as slowly where both contacts are over the cap: from half of the cap to the cap.
-    cap.step({{{1, 0, 0}, {0, 0, 0}}, 20'000}, kT);
-    for (n = 0; cap.step(stiff, kT) < 0.1; ++n) {
+    cap.step({{{1, 0, 0}, {0, 0, 0}}, 20'000}, {}, kT);
+    for (n = 0; cap.step(stiff, {}, kT).stiffness < 0.1; ++n) {
     }
     EXPECT_NEAR(n * kT, 0.5 * ramp, 2 * kT);
   }

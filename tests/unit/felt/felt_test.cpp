@@ -1,5 +1,8 @@
 // What is told at the start against what contact and coupling give.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+
+#include <cstdio>
 
 #include "core/felt/felt.hpp"
 #include "core/fitting/design_problem.hpp"
@@ -18,9 +21,9 @@ coupling::design::DeviceModel stylus() {
 
 struct Scene {
   explicit Scene(const std::string& model, scene::RenderingKind rendering = scene::RenderingKind::kPenalty,
-                 const coupling::design::DeviceModel& device = stylus())
+                 const coupling::design::DeviceModel& device = stylus(), double times_stiffness = 1.0)
       : scene(scene::load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml")) {
-    scene.contact.model = model, scene.contact.rendering = rendering;
+    scene.contact.model = model, scene.contact.rendering = rendering, scene.contact.stiffness_n_per_m *= times_stiffness;
     const ParallelFor one_after_another = [](std::size_t count, const std::function<void(std::size_t)>& body) {
       for (std::size_t i = 0; i < count; ++i) body(i);
     };
@@ -72,7 +75,30 @@ TEST(Press, OfEachModelIsWhatTheCouplingReturnsAtRest) {
     }
     EXPECT_EQ(pressed, press(*s.built, s.scene, s.fitted, stylus(), s.scene.motions.begin()->second)) << "the same again";
     expect_parts(felt_sentence(s.fitted, s.scene, stylus(), *s.built),
-                 {"What will be felt: ", "N with the hand 10 mm deep", "% of the 8.5 N that stylus gives", "What limits it:", "virtual_tool"});
+                 {"What will be felt: ", "N with the hand 10 mm deep", "% of the 8.5 N that stylus gives", "What limits it:", model == std::string("field") ? "all points together" : "virtual_tool"});
+  }
+}
+
+/// Of each model: what comes back of the certified stiffness times the depth from the first touch. It never falls while the hand goes in, and is
+/// all of it where the model tells the coupling its depth and pushes enough: a ball is as stiff as is certified only some way in.
+TEST(Press, RisesWithEveryDepthAndIsAllThatIsCertifiedWhereDepthCounts) {
+  for (const auto& [model, times] : {std::pair{"original", 1.0}, {"clustered", 1.0}, {"adapted", 1.0}, {"adapted", 10.0}, {"field", 1.0}, {"field", 20.0}, {"virtual_tool", 1.0}}) {
+    const bool spring = model == std::string("virtual_tool");
+    Scene s(spring ? "field" : model, spring ? scene::RenderingKind::kVirtualTool : scene::RenderingKind::kPenalty, stylus(), times);
+    ASSERT_EQ(s.fitted.refusal, "") << model;
+    const double certified = s.fitted.design.translation.shown_stiffness;
+    double before = 0.0;
+    std::string row;
+    for (const Pressed& p : press(*s.built, s.scene, s.fitted, stylus(), s.scene.motions.begin()->second)) {
+      const double share = p.force_n / (certified * p.depth_m);
+      row += fmt::format(" {:.3f}", share);
+      if (times > 1.0 && p.depth_m < 0.0075) {  // the plane is 20 mm thick: in its middle no depth grows any more
+        EXPECT_GE(share, 0.95) << model << " " << p.depth_m << " m deep";
+      }
+      EXPECT_GE(p.force_n, before * (1 - 1e-3)) << model << " falls " << p.depth_m << " m deep";
+      before = p.force_n;
+    }
+    std::printf("%s, stiffness of the scene times %g, %.4g N/m certified: share at 1 to 10 mm%s\n", model, times, certified, row.c_str());
   }
 }
 
@@ -91,7 +117,7 @@ TEST(Press, OfWhatIsNotTouchedOrMustNotBeFeltSaysNothing) {
 TEST(Felt, NamesTheDeepestAndTheLargestForceAndAsManyChangesAsAreNeeded) {
   const Scene s("adapted");
   const std::string little = felt_of_penalty(s.fitted, s.scene, stylus(), {{0.005, 0.5}, {0.010, 0.3}});
-  expect_parts(little, {"0.3 N with the hand 10 mm deep, 4 % of", "at most 0.5 N, 5 mm deep", "one layer of voxels", "More:", "Or:"});
+  expect_parts(little, {"0.3 N with the hand 10 mm deep, 4 % of", "at most 0.5 N, 5 mm deep", "only some way in", "More:", "Or:"});
   const double certified_n = 0.010 * s.fitted.design.translation.shown_stiffness;
   const std::string much = felt_of_penalty(s.fitted, s.scene, stylus(), {{0.005, 0.5 * certified_n}, {0.010, certified_n}});
   EXPECT_EQ(much.find("Or:"), std::string::npos) << much;
