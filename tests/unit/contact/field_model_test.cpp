@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "core/contact/field_samples.hpp"
 #include "field_scenes.hpp"
 #include "fixtures.hpp"
 
@@ -55,6 +56,32 @@ TEST(FieldModel, PushesEachPointAlongItsNormalWithItsAreaAndItsDepth) {
     EXPECT_FALSE(r.fallback);
   }
   EXPECT_GT(interior, 20);
+}
+
+TEST(FieldModel, LooksUpManyPointsWithTheBitsOfOne) {
+  Scene s;
+  std::mt19937_64 random(33);
+  const voxmap::Grid& grid = s.ground.field.grid();
+  int deep = 0, unknown = 0;
+  contact::HitBlock block;
+  contact::FieldSamples samples;
+  for (int n = 0; n < 2000; ++n) {
+    block.groups = 1 + random() % contact::HitBlock::kGroups, block.count = block.filled();
+    // From far outside of the table to the middle of the block.
+    const Vec3 local = Pose{Vec3(0.01, 0.02, 0.03), turned_by(0.4)}.position - grid.origin;
+    for (std::size_t k = 0; k < block.filled(); ++k)
+      for (auto& row : block.arm) row[k] = uniform(random, -0.05, 0.05) * uniform(random, 0, 1);
+    contact::sample_block(s.ground.field, local, block, samples);
+    for (std::size_t k = 0; k < block.filled(); ++k) {
+      const voxmap::FieldSample one = s.ground.field.at((local + Vec3(block.arm[0][k], block.arm[1][k], block.arm[2][k])) / grid.edge);
+      ASSERT_EQ(samples.distance_m[k], one.distance_m);
+      for (int axis = 0; axis < 3; ++axis) ASSERT_EQ(samples.gradient[axis][k], one.gradient[axis]);
+      ASSERT_EQ(samples.least[k] <= -s.ground.field.arrays().depth_voxels, one.saturated);
+      deep += one.saturated, unknown += !one.known;
+    }
+  }
+  EXPECT_GT(deep, 100);
+  EXPECT_GT(unknown, 1000);
 }
 
 TEST(FieldModel, StiffnessBoundsHowTheForceChangesWithThePose) {
