@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "core/contact/constraint_rows.hpp"
 #include "core/contact/field_samples.hpp"
 #include "field_scenes.hpp"
 #include "fixtures.hpp"
@@ -82,6 +83,40 @@ TEST(FieldModel, LooksUpManyPointsWithTheBitsOfOne) {
   }
   EXPECT_GT(deep, 100);
   EXPECT_GT(unknown, 1000);
+}
+
+TEST(ConstraintRows, OfManyHitsAreThoseOfEach) {
+  Scene s;
+  std::mt19937_64 random(34);
+  const contact::ContactQuery& query = s.renderer.query();
+  contact::HitList hits;
+  hits.reserve(query.shell().size());
+  std::vector<contact::ConstraintRow> many;
+  std::size_t rows = 0;
+  for (int n = 0; n < 300; ++n) {
+    query.find(s.random_pose(random), hits);
+    const contact::RowFrame frame{hits.pose_WT.position - s.ground.field.grid().origin, 0.01, 3};
+    for (const bool in_surface : {true, false}) {
+      const contact::Hits& list = in_surface ? hits.surface : hits.interior;
+      many.clear();
+      contact::add_rows(list, in_surface, s.ground.field, frame, many);
+      std::size_t next = 0;
+      contact::ConstraintRow one;
+      for (const contact::Hit& hit : list) {
+        if (!contact::make_row(hit, in_surface, s.ground.field, frame, one)) continue;
+        ASSERT_LT(next, many.size());
+        const contact::ConstraintRow& row = many[next++];
+        ASSERT_EQ(row.point, one.point);
+        ASSERT_EQ(row.object, one.object);
+        ASSERT_EQ(row.gap_m, one.gap_m);
+        ASSERT_EQ(row.arm, one.arm);
+        ASSERT_EQ(row.jacobian, one.jacobian);
+      }
+      ASSERT_EQ(next, many.size());
+      rows += next;
+    }
+  }
+  EXPECT_GT(rows, 5000U);
 }
 
 TEST(FieldModel, StiffnessBoundsHowTheForceChangesWithThePose) {
