@@ -91,8 +91,8 @@ bool plane_of_sheet(const Hit& hit, const voxmap::DistanceField& field, const Ve
   return field.at(u - normal).distance_m >= plane.gap_m;
 }
 
-bool is_bent(const Hit& hit, const voxmap::FieldSample& at, double steepness) noexcept {
-  return steepness < limits::kSheetGradient || at.gradient.dot(hit.normal) < -limits::kSheetAgainst * steepness;
+bool is_bent(const Hit& hit, const Vec3& gradient, double steepness) noexcept {
+  return steepness < limits::kSheetGradient || gradient.dot(hit.normal) < -limits::kSheetAgainst * steepness;
 }
 
 constexpr std::size_t kSides = 8, kChoices = kSides + 1;
@@ -115,14 +115,15 @@ std::array<Vec3, kSides> sides_of(const Vec3& normal) noexcept {
 
 namespace {
 
-/// `at`: what the field says at the hit.
-bool row_at(const Hit& hit, bool in_surface, const voxmap::DistanceField& field, const voxmap::FieldSample& at, const RowFrame& frame,
-            ConstraintRow& row) noexcept {
-  const double edge = field.grid().edge, steepness = at.gradient.norm();
-  Plane plane;
-  if (!(in_surface && is_bent(hit, at, steepness) && plane_of_sheet(hit, field, (frame.local + hit.arm) / edge, plane))) {
-    if (!(steepness >= limits::kMinGradient)) return false;
-    plane = {at.gradient / steepness, at.distance_m / steepness};
+/// `plane`: what the field says at the hit, whose gradient there is so long.
+bool row_at(const Hit& hit, bool in_surface, const voxmap::DistanceField& field, const Vec3& gradient, double steepness, Plane plane,
+            const RowFrame& frame, ConstraintRow& row) noexcept {
+  const double edge = field.grid().edge;
+  Plane sheet;
+  if (in_surface && is_bent(hit, gradient, steepness) && plane_of_sheet(hit, field, (frame.local + hit.arm) / edge, sheet)) {
+    plane = sheet;
+  } else if (!(steepness >= limits::kMinGradient)) {
+    return false;
   }
   if (!(plane.gap_m <= limits::kRowGapEdges * edge)) return false;
   row.jacobian.head<3>() = plane.normal;
@@ -137,25 +138,32 @@ bool row_at(const Hit& hit, bool in_surface, const voxmap::DistanceField& field,
 }  // namespace
 
 bool make_row(const Hit& hit, bool in_surface, const voxmap::DistanceField& field, const RowFrame& frame, ConstraintRow& row) noexcept {
-  return row_at(hit, in_surface, field, field.at((frame.local + hit.arm) / field.grid().edge), frame, row);
+  const voxmap::FieldSample at = field.at((frame.local + hit.arm) / field.grid().edge);
+  const double steepness = at.gradient.norm();
+  return row_at(hit, in_surface, field, at.gradient, steepness, {at.gradient / steepness, at.distance_m / steepness}, frame, row);
 }
 
 void add_rows(const Hits& hits, bool in_surface, const voxmap::DistanceField& field, const RowFrame& frame, std::vector<ConstraintRow>& rows) noexcept {
   const PushKernel& kernel = push_kernel(instructions());
   HitBlock block;
   FieldSamples samples;
+  FieldPlanes planes;
   Hit hit;
-  voxmap::FieldSample at;
+  Vec3 gradient;
+  Plane plane;
   ConstraintRow row;
   for (std::size_t begin = 0; begin < hits.size(); begin += HitBlock::kHits) {
     fill_block(kernel, hits, begin, block);
     sample_block(field, frame.local, block, samples);
+    find_planes(block, samples, planes);
     for (std::size_t n = 0; n < block.count; ++n) {
       hit.point = hits.point(begin + n);
-      for (int axis = 0; axis < 3; ++axis)
-        hit.arm[axis] = block.arm[axis][n], hit.normal[axis] = block.normal[axis][n], at.gradient[axis] = samples.gradient[axis][n];
-      at.distance_m = samples.distance_m[n];
-      if (row_at(hit, in_surface, field, at, frame, row)) rows.push_back(row);
+      for (int axis = 0; axis < 3; ++axis) {
+        hit.arm[axis] = block.arm[axis][n], hit.normal[axis] = block.normal[axis][n];
+        gradient[axis] = samples.gradient[axis][n], plane.normal[axis] = planes.normal[axis][n];
+      }
+      plane.gap_m = planes.gap_m[n];
+      if (row_at(hit, in_surface, field, gradient, planes.steepness[n], plane, frame, row)) rows.push_back(row);
     }
   }
 }

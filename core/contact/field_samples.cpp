@@ -68,8 +68,18 @@ VOXTOUCH_CLONES void interpolate(const Places& __restrict places, const double (
   }
 }
 
-/// Three products, added as Eigen adds them in a dot product.
-VOXTOUCH_INLINE double dot(double x, double y, double z) noexcept { return x + (y + z); }
+/// Three products, added as Eigen adds them in a dot product: the first two are a packet.
+VOXTOUCH_INLINE double dot(double x, double y, double z) noexcept { return (x + y) + z; }
+
+VOXTOUCH_CLONES void divide(const FieldSamples& __restrict samples, std::size_t filled, FieldPlanes& __restrict planes) noexcept {
+  for (std::size_t n = 0; n < filled; ++n) {
+    const double gx = samples.gradient[0][n], gy = samples.gradient[1][n], gz = samples.gradient[2][n];
+    const double steepness = std::sqrt(dot(gx * gx, gy * gy, gz * gz));
+    planes.steepness[n] = steepness;
+    planes.normal[0][n] = gx / steepness, planes.normal[1][n] = gy / steepness, planes.normal[2][n] = gz / steepness;
+    planes.gap_m[n] = samples.distance_m[n] / steepness;
+  }
+}
 
 /// `ends`: 1 where going deeper would meet no more push, else 0.
 VOXTOUCH_CLONES void weigh(const HitBlock& __restrict block, const FieldSamples& __restrict samples, double depth_voxels, Pushes& __restrict normal,
@@ -103,6 +113,8 @@ void sample_block(const voxmap::DistanceField& field, const Vec3& local, const H
   find_nodes(places, arrays, block.filled(), nodes);
   interpolate(places, nodes, block.filled(), edge, samples);
 }
+
+void find_planes(const HitBlock& block, const FieldSamples& samples, FieldPlanes& planes) noexcept { divide(samples, block.filled(), planes); }
 
 bool push_by_field(const HitBlock& block, const FieldSamples& samples, double depth_voxels, Pushes& along_normal, Pushes& along_gradient,
                    PushLanes& lanes) noexcept {

@@ -14,6 +14,13 @@ struct FieldSamples {
 /// `local`: the tool's origin from the grid's [m]. Real-time safe.
 void sample_block(const voxmap::DistanceField& field, const Vec3& local, const HitBlock& block, FieldSamples& samples) noexcept;
 
+/// The plane that each sample tells: unit normal g / |g| and gap distance / |g|, of no meaning where |g| is 0.
+struct FieldPlanes {
+  alignas(64) double steepness[HitBlock::kHits], normal[3][HitBlock::kHits], gap_m[HitBlock::kHits];
+};
+/// Real-time safe.
+void find_planes(const HitBlock& block, const FieldSamples& samples, FieldPlanes& planes) noexcept;
+
 /// How a block's hits push by the model `field`: along their normals, with half of the stiffness along them and half along the gradients, which push not.
 /// `groups` are those with a hit that pushes. Notes the deepest. \returns whether going deeper would meet no more push at any that pushes: beyond what the
 /// field holds; near the middle of a body, where the gradient fades; or beyond it, where the push points away from the nearest way out.

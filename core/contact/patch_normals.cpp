@@ -59,7 +59,7 @@ std::size_t PatchNormals::nearest_bin(const Vec3& normal) noexcept {
   // All at once, added as in a dot product.
   std::array<double, kBins> cosine;
   for (std::size_t k = 0; k < kBins; ++k)
-    cosine[k] = kColumns[0][k] * normal.x() + (kColumns[1][k] * normal.y() + kColumns[2][k] * normal.z());
+    cosine[k] = (kColumns[0][k] * normal.x() + kColumns[1][k] * normal.y()) + kColumns[2][k] * normal.z();
   std::size_t best = 0;
   for (std::size_t k = 1; k < kBins; ++k) best = cosine[k] > cosine[best] ? k : best;
   return best;

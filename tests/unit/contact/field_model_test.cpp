@@ -66,18 +66,31 @@ TEST(FieldModel, LooksUpManyPointsWithTheBitsOfOne) {
   int deep = 0, unknown = 0;
   contact::HitBlock block;
   contact::FieldSamples samples;
+  contact::Pushes along_normal, along_gradient;
+  contact::PushLanes lanes;
   for (int n = 0; n < 2000; ++n) {
     block.groups = 1 + random() % contact::HitBlock::kGroups, block.count = block.filled();
     // From far outside of the table to the middle of the block.
     const Vec3 local = Pose{Vec3(0.01, 0.02, 0.03), turned_by(0.4)}.position - grid.origin;
     for (std::size_t k = 0; k < block.filled(); ++k)
       for (auto& row : block.arm) row[k] = uniform(random, -0.05, 0.05) * uniform(random, 0, 1);
+    for (std::size_t k = 0; k < block.filled(); ++k) {
+      const Vec3 normal = random_rotation(random) * Vec3::UnitX();
+      for (int axis = 0; axis < 3; ++axis) block.normal[axis][k] = normal[axis];
+      block.weight[k] = uniform(random, 0.0, 1e-6);
+    }
     contact::sample_block(s.ground.field, local, block, samples);
+    contact::push_by_field(block, samples, s.ground.field.arrays().depth_voxels, along_normal, along_gradient, lanes);
     for (std::size_t k = 0; k < block.filled(); ++k) {
       const voxmap::FieldSample one = s.ground.field.at((local + Vec3(block.arm[0][k], block.arm[1][k], block.arm[2][k])) / grid.edge);
       ASSERT_EQ(samples.distance_m[k], one.distance_m);
       for (int axis = 0; axis < 3; ++axis) ASSERT_EQ(samples.gradient[axis][k], one.gradient[axis]);
       ASSERT_EQ(samples.least[k] <= -s.ground.field.arrays().depth_voxels, one.saturated);
+      const double steepness = one.gradient.norm(), push = block.weight[k] * -one.distance_m;
+      const Vec3 gradient = steepness > 0.0 ? Vec3(one.gradient * (1.0 / steepness)) : one.gradient;
+      for (int axis = 0; axis < 3; ++axis) ASSERT_EQ(along_gradient.j[axis][k], gradient[axis]);
+      ASSERT_EQ(along_normal.push[k], push > 0.0 ? push : 0.0);
+      ASSERT_EQ(along_normal.weight[k], push > 0.0 ? 0.5 * block.weight[k] * steepness : 0.0);
       deep += one.saturated, unknown += !one.known;
     }
   }
