@@ -5,8 +5,10 @@
 #include <array>
 #include <limits>
 
+#include "core/contact/field_samples.hpp"
 #include "core/contact/limits.hpp"
 #include "core/contact/patch_normals.hpp"
+#include "core/contact/push_sums.hpp"
 
 namespace voxtouch::contact {
 namespace {
@@ -44,11 +46,12 @@ Corners corners_near(const voxmap::DistanceField& field, const Vec3& u, const Ve
 /// \returns how many they are; `normal` is turned to the plane's.
 std::size_t fit_face(const Corners& corners, double tolerance, Vec3& normal, double& c) noexcept {
   double most = -std::numeric_limits<double>::infinity();
-  for (std::size_t k = 0; k < corners.count; ++k)
-    most = std::max(most, normal.dot(corners.from_point[k]) - corners.distance[k]);
-  const auto on_this_side = [&](std::size_t k) noexcept {
-    return normal.dot(corners.from_point[k]) - corners.distance[k] >= most - tolerance;
-  };
+  std::array<double, 16> reach;
+  for (std::size_t k = 0; k < corners.count; ++k) {
+    reach[k] = normal.dot(corners.from_point[k]) - corners.distance[k];
+    most = std::max(most, reach[k]);
+  }
+  const auto on_this_side = [&](std::size_t k) noexcept { return reach[k] >= most - tolerance; };
   Vec3 middle = Vec3::Zero();
   double mean = 0.0;
   std::size_t used = 0;
@@ -88,8 +91,8 @@ bool plane_of_sheet(const Hit& hit, const voxmap::DistanceField& field, const Ve
   return field.at(u - normal).distance_m >= plane.gap_m;
 }
 
-bool is_bent(const Hit& hit, const voxmap::FieldSample& at, double steepness) noexcept {
-  return steepness < limits::kSheetGradient || at.gradient.dot(hit.normal) < -limits::kSheetAgainst * steepness;
+bool is_bent(const Hit& hit, const Vec3& gradient, double steepness) noexcept {
+  return steepness < limits::kSheetGradient || gradient.dot(hit.normal) < -limits::kSheetAgainst * steepness;
 }
 
 constexpr std::size_t kSides = 8, kChoices = kSides + 1;
@@ -110,15 +113,17 @@ std::array<Vec3, kSides> sides_of(const Vec3& normal) noexcept {
 
 }  // namespace
 
-bool make_row(const Hit& hit, bool in_surface, const voxmap::DistanceField& field, const RowFrame& frame, ConstraintRow& row) noexcept {
+namespace {
+
+/// `plane`: what the field says at the hit, whose gradient there is so long.
+bool row_at(const Hit& hit, bool in_surface, const voxmap::DistanceField& field, const Vec3& gradient, double steepness, Plane plane,
+            const RowFrame& frame, ConstraintRow& row) noexcept {
   const double edge = field.grid().edge;
-  const Vec3 u = (frame.local + hit.arm) / edge;
-  const voxmap::FieldSample at = field.at(u);
-  const double steepness = at.gradient.norm();
-  Plane plane;
-  if (!(in_surface && is_bent(hit, at, steepness) && plane_of_sheet(hit, field, u, plane))) {
-    if (!(steepness >= limits::kMinGradient)) return false;
-    plane = {at.gradient / steepness, at.distance_m / steepness};
+  Plane sheet;
+  if (in_surface && is_bent(hit, gradient, steepness) && plane_of_sheet(hit, field, (frame.local + hit.arm) / edge, sheet)) {
+    plane = sheet;
+  } else if (!(steepness >= limits::kMinGradient)) {
+    return false;
   }
   if (!(plane.gap_m <= limits::kRowGapEdges * edge)) return false;
   row.jacobian.head<3>() = plane.normal;
@@ -128,6 +133,39 @@ bool make_row(const Hit& hit, bool in_surface, const voxmap::DistanceField& fiel
   row.point = hit.point;
   row.object = frame.object;
   return true;
+}
+
+}  // namespace
+
+bool make_row(const Hit& hit, bool in_surface, const voxmap::DistanceField& field, const RowFrame& frame, ConstraintRow& row) noexcept {
+  const voxmap::FieldSample at = field.at((frame.local + hit.arm) / field.grid().edge);
+  const double steepness = at.gradient.norm();
+  return row_at(hit, in_surface, field, at.gradient, steepness, {at.gradient / steepness, at.distance_m / steepness}, frame, row);
+}
+
+void add_rows(const Hits& hits, bool in_surface, const voxmap::DistanceField& field, const RowFrame& frame, std::vector<ConstraintRow>& rows) noexcept {
+  const PushKernel& kernel = push_kernel(instructions());
+  HitBlock block;
+  FieldSamples samples;
+  FieldPlanes planes;
+  Hit hit;
+  Vec3 gradient;
+  Plane plane;
+  ConstraintRow row;
+  for (std::size_t begin = 0; begin < hits.size(); begin += HitBlock::kHits) {
+    fill_block(kernel, hits, begin, block);
+    sample_block(field, frame.local, block, samples);
+    find_planes(block, samples, planes);
+    for (std::size_t n = 0; n < block.count; ++n) {
+      hit.point = hits.point(begin + n);
+      for (int axis = 0; axis < 3; ++axis) {
+        hit.arm[axis] = block.arm[axis][n], hit.normal[axis] = block.normal[axis][n];
+        gradient[axis] = samples.gradient[axis][n], plane.normal[axis] = planes.normal[axis][n];
+      }
+      plane.gap_m = planes.gap_m[n];
+      if (row_at(hit, in_surface, field, gradient, planes.steepness[n], plane, frame, row)) rows.push_back(row);
+    }
+  }
 }
 
 void keep_nearest(std::vector<ConstraintRow>& rows, double tilt) noexcept {

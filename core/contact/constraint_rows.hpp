@@ -33,6 +33,8 @@ struct RowFrame {
 /// gap are those of the wall's face on the tool's side, which the point's own normal names, fitted to the corners' distances.
 /// Where tool and wall are both thinner than a voxel, the normals of the tool's far side name the wrong face. Real-time safe.
 bool make_row(const Hit& hit, bool in_surface, const voxmap::DistanceField& field, const RowFrame& frame, ConstraintRow& row) noexcept;
+/// Those of all hits, in their order and with the same bits, added to `rows`, which must have room for them. Real-time safe.
+void add_rows(const Hits& hits, bool in_surface, const voxmap::DistanceField& field, const RowFrame& frame, std::vector<ConstraintRow>& rows) noexcept;
 
 /// Leaves at most kMaxRows of them. Of the rows in each of 42 directions (PatchNormals' bins) the one of least gap stays, and those that a tilt
 /// of `tilt` [rad] towards one of eight sides would bring deepest: the corners of a flat contact, however many points

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "core/contact/limits.hpp"
+#include "core/contact/packed_normals.hpp"
 #include "core/contact/query_kernel.hpp"
 
 namespace voxtouch::contact {
@@ -46,11 +47,14 @@ ContactQuery::ContactQuery(const voxmap::Voxmap& voxmap, pointshell::Pointshell 
   if (weights == PointWeights::kArea) check_areas(shell_);
   tree_ = SphereTree(shell_);
   x_ = rounded(shell_.x), y_ = rounded(shell_.y), z_ = rounded(shell_.z);
+  packed_normals_ = packed_normals::all_packed(shell_.nx, shell_.ny, shell_.nz);
   for (std::size_t p = 0; p < shell_.size(); ++p) reach_m_ = std::max(reach_m_, shell_.point(p).norm());
   source_.edge = voxmap.grid().edge;
   source_.place[0] = shell_.x.data(), source_.place[1] = shell_.y.data(), source_.place[2] = shell_.z.data();
   source_.normal[0] = shell_.nx.data(), source_.normal[1] = shell_.ny.data(), source_.normal[2] = shell_.nz.data();
   if (weights == PointWeights::kArea) source_.area = shell_.area_m2.data();
+  source_.rough.place[0] = x_.data(), source_.rough.place[1] = y_.data(), source_.rough.place[2] = z_.data();
+  if (!packed_normals_.empty()) source_.rough.normal = packed_normals_.data();
   if (!levels.empty()) levels_ = LevelQuery(shell_, std::move(levels), weights == PointWeights::kArea ? shell_.area_m2 : std::vector<double>());
 }
 
@@ -78,6 +82,11 @@ void ContactQuery::find(const Pose& pose_WT, HitList& hits, const PointLimit& li
   }
   QueryFrame frame;
   if (!make_query_frame(voxmap_, source, reach_m_, frame)) return;
+  for (int row = 0; row < 3; ++row) {
+    std::copy_n(frame.a[row], 3, source.rough.a[row]);
+    source.rough.shift[row] = frame.shift[row];
+  }
+  source.rough.certain = frame.certain;
   FoundHits surface{hits.surface.room(shell_.size())}, interior{hits.interior.room(shell_.size())};
   const QueryData data{&voxmap_, shell_.size(), &tree_, x_.data(), y_.data(), z_.data()};
   if (levels_.empty() || !hits.work.ready()) {

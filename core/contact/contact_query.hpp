@@ -37,7 +37,7 @@ class ContactQuery {
   const pointshell::Pointshell& shell() const noexcept { return shell_; }
   const voxmap::Voxmap& voxmap() const noexcept { return voxmap_; }
   /// What a query over that many points takes beside the shell itself.
-  static std::size_t lookup_bytes(std::size_t points) noexcept { return SphereTree::bytes(points) + 3 * sizeof(float) * points; }
+  static std::size_t lookup_bytes(std::size_t points) noexcept { return SphereTree::bytes(points) + 4 * sizeof(float) * points; }
   const SphereTree& tree() const noexcept { return tree_; }
   /// Largest distance of a shell point from the tool's origin [m].
   double reach_m() const noexcept { return reach_m_; }
@@ -46,6 +46,7 @@ class ContactQuery {
   const voxmap::Voxmap& voxmap_;
   pointshell::Pointshell shell_;
   std::vector<float> x_, y_, z_;  ///< the points once more, for what is decided in single precision
+  std::vector<std::uint32_t> packed_normals_;  ///< likewise their normals; none: they are not of unit length
   SphereTree tree_;
   LevelQuery levels_;
   HitSource source_;  ///< the shell's part of it

@@ -213,11 +213,11 @@ void ContactStage::held_points(const HitList& hits, Frame& frame, StageResult& r
 
 /// How the held points of a block push, which are those from `first` on of inside_.
 void ContactStage::push_held(const HitBlock& block, std::size_t first, Pushes& pushes, PushLanes& lanes) const noexcept {
+  pushes.add_all(block);
   for (std::size_t n = 0; n < block.filled(); ++n) {
     const RetainedHit& held = inside_[first + (n < block.count ? n : 0)];
     const bool shared = held.push == Push::kShared;
     for (int axis = 0; axis < 3; ++axis) pushes.j[axis][n] = shared ? shared_now_[axis] : block.normal[axis][n];
-    pushes.depth[n] = held.depth_m;
     pushes.push[n] = block.weight[n] * held.depth_m;
     pushes.weight[n] = block.weight[n];
     const std::size_t lane = n % kLanes;

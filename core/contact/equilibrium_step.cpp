@@ -1,27 +1,51 @@
 #include "core/contact/equilibrium_step.hpp"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <array>
-#include <bitset>
 
 #include "core/contact/limits.hpp"
+#include "core/types/clones.hpp"
 
 namespace voxtouch::contact {
 namespace {
 
 constexpr double kRho = limits::kRowStiffness;
-using Active = std::bitset<limits::kMaxRows>;
+using OfRows = std::array<double, limits::kMaxRows>;
+
+/// 1 for each row that pushes, else 0.
+struct Active {
+  alignas(64) OfRows pushes;
+  std::size_t count = 0;
+  bool any() const noexcept { return std::find(pushes.begin(), pushes.begin() + count, 1.0) != pushes.begin() + count; }
+  bool operator==(const Active& other) const noexcept { return std::equal(pushes.begin(), pushes.begin() + count, other.pushes.begin()); }
+};
 
 /// Gaps of all rows at one place, and how they change along the direction of search.
 struct Gaps {
-  std::array<double, limits::kMaxRows> gap, slope;
+  alignas(64) OfRows gap, slope;
   std::size_t count = 0;
-  Active active(double s) const noexcept {
-    Active set;
-    for (std::size_t n = 0; n < count; ++n) set[n] = gap[n] + s * slope[n] < 0.0;
-    return set;
-  }
 };
+
+VOXTOUCH_CLONES void find_active(const Gaps& __restrict gaps, double s, Active& __restrict active) noexcept {
+  active.count = gaps.count;
+  for (std::size_t n = 0; n < gaps.count; ++n) active.pushes[n] = gaps.gap[n] + s * gaps.slope[n] < 0.0 ? 1.0 : 0.0;
+}
+
+/// The rows' jacobians as structure of arrays.
+struct Jacobians {
+  alignas(64) std::array<OfRows, 6> column;
+  std::size_t count = 0;
+};
+
+/// All rows times one step, added as in a dot product of six numbers.
+VOXTOUCH_CLONES void multiply(const Jacobians& __restrict rows, const std::array<double, 6>& __restrict v, OfRows& __restrict out) noexcept {
+  const auto& j = rows.column;
+  for (std::size_t n = 0; n < rows.count; ++n)
+    out[n] = (j[0][n] * v[0] + (j[2][n] * v[2] + j[4][n] * v[4])) + (j[1][n] * v[1] + (j[3][n] * v[3] + j[5][n] * v[5]));
+}
+
+std::array<double, 6> numbers_of(const Vec6& v) noexcept { return {v[0], v[1], v[2], v[3], v[4], v[5]}; }
 
 /// The root of the energy's slope along the direction: `linear` + s `square` are the spring's part. The slope rises with s and is straight
 /// between the places where rows begin or cease to push: Newton's method, kept between the bounds.
@@ -51,34 +75,41 @@ EquilibriumStep equilibrium_step(std::span<const ConstraintRow> rows, const Vec6
   if (allowed != nullptr) step.delta = allowed->from;
   Gaps gaps;
   gaps.count = std::min(rows.size(), limits::kMaxRows);
+  Jacobians jacobians;
+  jacobians.count = gaps.count;
+  for (std::size_t n = 0; n < gaps.count; ++n)
+    for (std::size_t k = 0; k < 6; ++k) jacobians.column[k][n] = rows[n].jacobian[static_cast<Eigen::Index>(k)];
   const auto move_to = [&](const Vec6& delta) noexcept {
     step.delta = delta;
-    for (std::size_t n = 0; n < gaps.count; ++n) gaps.gap[n] = rows[n].gap_m + rows[n].jacobian.dot(delta);
+    multiply(jacobians, numbers_of(delta), gaps.gap);
+    for (std::size_t n = 0; n < gaps.count; ++n) gaps.gap[n] = rows[n].gap_m + gaps.gap[n];
   };
   const auto assemble = [&](const Active& set) noexcept {
     step.hessian.setIdentity();
     for (std::size_t n = 0; n < gaps.count; ++n)
-      if (set[n]) step.hessian.noalias() += (kRho * rows[n].jacobian) * rows[n].jacobian.transpose();
+      if (set.pushes[n] > 0.0) step.hessian.noalias() += (kRho * rows[n].jacobian) * rows[n].jacobian.transpose();
   };
   gaps.slope.fill(0.0);
   move_to(step.delta);
-  Active active = gaps.active(0.0);
+  Active active, at_end;
+  find_active(gaps, 0.0, active);
   for (; step.iterations < limits::kMaxIterations && !step.converged; ++step.iterations) {
     assemble(active);
     Vec6 down = spring - step.delta;
     for (std::size_t n = 0; n < gaps.count; ++n)
-      if (active[n]) down -= (kRho * gaps.gap[n]) * rows[n].jacobian;
+      if (active.pushes[n] > 0.0) down -= (kRho * gaps.gap[n]) * rows[n].jacobian;
     Mat6 system = step.hessian;
     if (allowed != nullptr) {
       down = allowed->free * down;
       system = allowed->free * (step.hessian - Mat6::Identity()) * allowed->free + Mat6::Identity();
     }
     const Vec6 way = system.llt().solve(down);
-    for (std::size_t n = 0; n < gaps.count; ++n) gaps.slope[n] = rows[n].jacobian.dot(way);
-    step.converged = gaps.active(1.0) == active;
+    multiply(jacobians, numbers_of(way), gaps.slope);
+    find_active(gaps, 1.0, at_end);
+    step.converged = at_end == active;
     const double share = step.converged ? 1.0 : line_minimum(gaps, way.dot(step.delta - spring), way.squaredNorm());
     move_to(step.delta + share * way);
-    active = gaps.active(0.0);
+    find_active(gaps, 0.0, active);
   }
   step.pushed = active.any();
   if (!step.pushed && step.converged && allowed == nullptr) step.delta = spring;

@@ -49,6 +49,15 @@ struct Unwritten : std::allocator<T> {
 /// from the left, the last from the right. Kernels keep to it, so that every model sees the same bits.
 inline double row_sum(std::size_t row, double x, double y, double z) noexcept { return row < 2 ? x + y + z : x + (y + z); }
 
+/// The pose and the points in single precision, as the query decides with them (query_kernel.hpp): enough to tell which hits surely do not push.
+struct RoughSource {
+  float a[3][3] = {};                     ///< as QueryFrame's
+  float shift[3] = {};                    ///< likewise
+  float certain = -1.0F;                  ///< likewise; below zero: nothing is certain
+  const float* place[3] = {};             ///< of the shell's points, frame T [m]
+  const std::uint32_t* normal = nullptr;  ///< packed_normals.hpp; null: they cannot be packed
+};
+
 /// Where the tool is, and what it is made of: with it a point's number is all that a hit is. The shell must outlive it.
 struct HitSource {
   double r[3][3] = {};           ///< rotation of T in W
@@ -57,6 +66,7 @@ struct HitSource {
   const double* place[3] = {};   ///< of the shell's points, frame T [m]
   const double* normal[3] = {};  ///< likewise
   const double* area = nullptr;  ///< likewise; null: a point weighs 1
+  RoughSource rough;
 
   /// The point as a hit, in doubles and always in this order, so that it is the same bits whenever it is asked for.
   Hit hit(std::uint32_t point) const noexcept;

@@ -26,6 +26,13 @@ std::array<Vec3, PatchNormals::kBins> bin_directions() {
 }
 
 const std::array<Vec3, PatchNormals::kBins> kDirections = bin_directions();
+/// The same as structure of arrays.
+const std::array<std::array<double, PatchNormals::kBins>, 3> kColumns = [] {
+  std::array<std::array<double, PatchNormals::kBins>, 3> out;
+  for (std::size_t k = 0; k < PatchNormals::kBins; ++k)
+    for (std::size_t axis = 0; axis < 3; ++axis) out[axis][k] = kDirections[k][static_cast<Eigen::Index>(axis)];
+  return out;
+}();
 constexpr double kCosWide = 0.6427876096865394, kCosNarrow = 0.984807753012208;  // 50 and 10 degrees
 
 double membership(const Vec3& direction, const Vec3& normal) noexcept {
@@ -49,9 +56,12 @@ Vec3 PatchNormals::mean_near(const Vec3& normal) const noexcept {
 }
 
 std::size_t PatchNormals::nearest_bin(const Vec3& normal) noexcept {
+  // All at once, added as in a dot product.
+  std::array<double, kBins> cosine;
+  for (std::size_t k = 0; k < kBins; ++k)
+    cosine[k] = (kColumns[0][k] * normal.x() + kColumns[1][k] * normal.y()) + kColumns[2][k] * normal.z();
   std::size_t best = 0;
-  for (std::size_t k = 1; k < kBins; ++k)
-    if (kDirections[k].dot(normal) > kDirections[best].dot(normal)) best = k;
+  for (std::size_t k = 1; k < kBins; ++k) best = cosine[k] > cosine[best] ? k : best;
   return best;
 }
 

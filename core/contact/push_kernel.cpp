@@ -18,15 +18,20 @@ namespace {
 constexpr std::size_t kWidth = 2;
 using Doubles = double __attribute__((vector_size(16)));
 #define VOXTOUCH_LOOK_UP(c, p) c[p[0]], c[p[1]]
+#define VOXTOUCH_LOOK_UP_SINGLE(c, p) c[p[0]], c[p[1]], c[p[2]], c[p[3]]
 VOXTOUCH_INLINE Doubles quotient(Doubles a, Doubles b, Doubles) noexcept { return a / b; }
 VOXTOUCH_INLINE Doubles root(Doubles a) noexcept { return Doubles{std::sqrt(a[0]), std::sqrt(a[1])}; }
+using Fours = std::int32_t __attribute__((vector_size(16)));
+VOXTOUCH_INLINE bool all_set(Fours mask) noexcept { return (mask[0] & mask[1] & mask[2] & mask[3]) != 0; }
 #include "core/contact/push_kernel.inc"
 #undef VOXTOUCH_LOOK_UP
+#undef VOXTOUCH_LOOK_UP_SINGLE
 
 }  // namespace
 }  // namespace any_processor
 
 #if VOXTOUCH_WIDE_KERNELS
+#define VOXTOUCH_LOOK_UP_SINGLE(c, p) c[p[0]], c[p[1]], c[p[2]], c[p[3]], c[p[4]], c[p[5]], c[p[6]], c[p[7]]
 // a / b for 1 / b rounded to the nearest, which a division costs and many share: what is missing to a product of it and b is exact with
 // fused operations, so that the second correction rounds as a division does (Markstein 1990). No other result of this file is fused.
 #pragma GCC push_options
@@ -34,6 +39,8 @@ VOXTOUCH_INLINE Doubles root(Doubles a) noexcept { return Doubles{std::sqrt(a[0]
 namespace avx2 {
 namespace {
 
+using Eights = std::int32_t __attribute__((vector_size(32)));
+VOXTOUCH_INLINE bool all_set(Eights mask) noexcept { return _mm256_movemask_ps(reinterpret_cast<__m256>(mask)) == 255; }
 constexpr std::size_t kWidth = 4;
 #define VOXTOUCH_LOOK_UP(c, p) c[p[0]], c[p[1]], c[p[2]], c[p[3]]
 VOXTOUCH_INLINE __m256d quotient(__m256d a, __m256d b, __m256d inverse) noexcept {
@@ -53,6 +60,8 @@ VOXTOUCH_INLINE __m256d root(__m256d a) noexcept { return _mm256_sqrt_pd(a); }
 namespace avx512 {
 namespace {
 
+using Eights = std::int32_t __attribute__((vector_size(32)));
+VOXTOUCH_INLINE bool all_set(Eights mask) noexcept { return _mm256_movemask_ps(reinterpret_cast<__m256>(mask)) == 255; }
 constexpr std::size_t kWidth = 8;
 #define VOXTOUCH_LOOK_UP(c, p) c[p[0]], c[p[1]], c[p[2]], c[p[3]], c[p[4]], c[p[5]], c[p[6]], c[p[7]]
 VOXTOUCH_INLINE __m512d quotient(__m512d a, __m512d b, __m512d inverse) noexcept {
@@ -66,6 +75,7 @@ VOXTOUCH_INLINE __m512d root(__m512d a) noexcept { return _mm512_sqrt_pd(a); }
 }  // namespace
 }  // namespace avx512
 #pragma GCC pop_options
+#undef VOXTOUCH_LOOK_UP_SINGLE
 #endif
 
 const PushKernel& push_kernel(Instructions instructions) noexcept {

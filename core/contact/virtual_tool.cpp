@@ -98,10 +98,8 @@ void VirtualTool::look_up(const Pose& tool, std::span<const ToolGround> grounds,
     ground.query->find(less(tool, ground.displacement), hits_);
     if (hits_.pose_status != PoseStatus::kUsable) out.pose_status = hits_.pose_status;
     const RowFrame frame{hits_.pose_WT.position - ground.field->grid().origin, options_.lever_m, static_cast<std::uint32_t>(n)};
-    ConstraintRow row;
-    for (const bool in_surface : {true, false})
-      for (const Hit& hit : in_surface ? hits_.surface : hits_.interior)
-        if (make_row(hit, in_surface, *ground.field, frame, row)) rows_.push_back(row);
+    add_rows(hits_.surface, true, *ground.field, frame, rows_);
+    add_rows(hits_.interior, false, *ground.field, frame, rows_);
     out.surface_hits += static_cast<std::uint32_t>(hits_.surface.size());
     out.interior_hits += static_cast<std::uint32_t>(hits_.interior.size());
     out.points_tested += hits_.tested;

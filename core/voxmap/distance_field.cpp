@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/voxmap/interpolation.hpp"
+
 namespace voxtouch::voxmap {
 
 FieldSample DistanceField::at(const Vec3& u) const noexcept {
@@ -26,17 +28,12 @@ FieldSample DistanceField::at(const Vec3& u) const noexcept {
   const float* const node =
       &bricks_[static_cast<std::size_t>(entry)]
               [static_cast<std::size_t>((voxel[0] & 7) + kNodeEdge * ((voxel[1] & 7) + kNodeEdge * (voxel[2] & 7)))];
-  const double d000 = node[0], d100 = node[1], d010 = node[kY], d110 = node[kY + 1];
-  const double d001 = node[kZ], d101 = node[kZ + 1], d011 = node[kZ + kY], d111 = node[kZ + kY + 1];
-  const auto mix = [](double a, double b, double s) noexcept { return a + s * (b - a); };
-  const double x00 = mix(d000, d100, t.x()), x10 = mix(d010, d110, t.x());
-  const double x01 = mix(d001, d101, t.x()), x11 = mix(d011, d111, t.x());
-  const double xy0 = mix(x00, x10, t.y()), xy1 = mix(x01, x11, t.y());
-  sample.distance_m = grid_.edge * mix(xy0, xy1, t.z());
-  sample.gradient = {mix(mix(d100 - d000, d110 - d010, t.y()), mix(d101 - d001, d111 - d011, t.y()), t.z()),
-                     mix(x10 - x00, x11 - x01, t.z()), xy1 - xy0};
+  const double d[8] = {node[0], node[1], node[kY], node[kY + 1], node[kZ], node[kZ + 1], node[kZ + kY], node[kZ + kY + 1]};
+  const Interpolated at = interpolated(d, t.x(), t.y(), t.z());
+  sample.distance_m = grid_.edge * at.value;
+  sample.gradient = {at.along_x, at.along_y, at.along_z};
   const double band = band_voxels_, deep = -depth_voxels_;
-  const double least = std::min({d000, d100, d010, d110, d001, d101, d011, d111});
+  const double least = *std::min_element(std::begin(d), std::end(d));
   sample.known = least < band;
   sample.saturated = least <= deep;
   return sample;

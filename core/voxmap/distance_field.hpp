@@ -61,6 +61,17 @@ class DistanceField {
   /// inside; the band where nothing is stored. Real-time safe.
   double node(const VoxelIndex& voxel) const noexcept;
 
+  /// What `at` looks up, for loops over many points: the brick of a cell of the table, or kFree or kDeep where it has none.
+  struct Arrays {
+    const std::int32_t* table;
+    const Brick* bricks;
+    std::array<std::int32_t, 3> base;
+    std::array<std::int64_t, 3> cells;
+    double depth_voxels, band_voxels;
+  };
+  Arrays arrays() const noexcept { return {table_.data(), bricks_.data(), {base_.i, base_.j, base_.k}, cells_, depth_voxels_, band_voxels_}; }
+  static constexpr std::int32_t kFree = -1, kDeep = -2;
+
   const Grid& grid() const noexcept { return grid_; }
   /// Memory of all that is stored.
   std::size_t bytes() const noexcept;
@@ -83,7 +94,6 @@ class DistanceField {
   friend class DistanceFieldBuilder;
   template <class Archive, class Field>
   static void fields(Archive& archive, Field& field);
-  static constexpr std::int32_t kFree = -1, kDeep = -2;
 
   Grid grid_;
   VoxelIndex base_;                      ///< first voxel of the table, a multiple of 8

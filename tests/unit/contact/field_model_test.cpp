@@ -7,6 +7,8 @@
 #include <chrono>
 #include <cmath>
 
+#include "core/contact/constraint_rows.hpp"
+#include "core/contact/field_samples.hpp"
 #include "field_scenes.hpp"
 #include "fixtures.hpp"
 
@@ -55,6 +57,79 @@ TEST(FieldModel, PushesEachPointAlongItsNormalWithItsAreaAndItsDepth) {
     EXPECT_FALSE(r.fallback);
   }
   EXPECT_GT(interior, 20);
+}
+
+TEST(FieldModel, LooksUpManyPointsWithTheBitsOfOne) {
+  Scene s;
+  std::mt19937_64 random(33);
+  const voxmap::Grid& grid = s.ground.field.grid();
+  int deep = 0, unknown = 0;
+  contact::HitBlock block;
+  contact::FieldSamples samples;
+  contact::Pushes along_normal, along_gradient;
+  contact::PushLanes lanes;
+  for (int n = 0; n < 2000; ++n) {
+    block.groups = 1 + random() % contact::HitBlock::kGroups, block.count = block.filled();
+    // From far outside of the table to the middle of the block.
+    const Vec3 local = Pose{Vec3(0.01, 0.02, 0.03), turned_by(0.4)}.position - grid.origin;
+    for (std::size_t k = 0; k < block.filled(); ++k)
+      for (auto& row : block.arm) row[k] = uniform(random, -0.05, 0.05) * uniform(random, 0, 1);
+    for (std::size_t k = 0; k < block.filled(); ++k) {
+      const Vec3 normal = random_rotation(random) * Vec3::UnitX();
+      for (int axis = 0; axis < 3; ++axis) block.normal[axis][k] = normal[axis];
+      block.weight[k] = uniform(random, 0.0, 1e-6);
+    }
+    contact::sample_block(s.ground.field, local, block, samples);
+    contact::push_by_field(block, samples, s.ground.field.arrays().depth_voxels, along_normal, along_gradient, lanes);
+    for (std::size_t k = 0; k < block.filled(); ++k) {
+      const voxmap::FieldSample one = s.ground.field.at((local + Vec3(block.arm[0][k], block.arm[1][k], block.arm[2][k])) / grid.edge);
+      ASSERT_EQ(samples.distance_m[k], one.distance_m);
+      for (int axis = 0; axis < 3; ++axis) ASSERT_EQ(samples.gradient[axis][k], one.gradient[axis]);
+      ASSERT_EQ(samples.least[k] <= -s.ground.field.arrays().depth_voxels, one.saturated);
+      const double steepness = one.gradient.norm(), push = block.weight[k] * -one.distance_m;
+      const Vec3 gradient = steepness > 0.0 ? Vec3(one.gradient * (1.0 / steepness)) : one.gradient;
+      for (int axis = 0; axis < 3; ++axis) ASSERT_EQ(along_gradient.j[axis][k], gradient[axis]);
+      ASSERT_EQ(along_normal.push[k], push > 0.0 ? push : 0.0);
+      ASSERT_EQ(along_normal.weight[k], push > 0.0 ? 0.5 * block.weight[k] * steepness : 0.0);
+      deep += one.saturated, unknown += !one.known;
+    }
+  }
+  EXPECT_GT(deep, 100);
+  EXPECT_GT(unknown, 1000);
+}
+
+TEST(ConstraintRows, OfManyHitsAreThoseOfEach) {
+  Scene s;
+  std::mt19937_64 random(34);
+  const contact::ContactQuery& query = s.renderer.query();
+  contact::HitList hits;
+  hits.reserve(query.shell().size());
+  std::vector<contact::ConstraintRow> many;
+  std::size_t rows = 0;
+  for (int n = 0; n < 300; ++n) {
+    query.find(s.random_pose(random), hits);
+    const contact::RowFrame frame{hits.pose_WT.position - s.ground.field.grid().origin, 0.01, 3};
+    for (const bool in_surface : {true, false}) {
+      const contact::Hits& list = in_surface ? hits.surface : hits.interior;
+      many.clear();
+      contact::add_rows(list, in_surface, s.ground.field, frame, many);
+      std::size_t next = 0;
+      contact::ConstraintRow one;
+      for (const contact::Hit& hit : list) {
+        if (!contact::make_row(hit, in_surface, s.ground.field, frame, one)) continue;
+        ASSERT_LT(next, many.size());
+        const contact::ConstraintRow& row = many[next++];
+        ASSERT_EQ(row.point, one.point);
+        ASSERT_EQ(row.object, one.object);
+        ASSERT_EQ(row.gap_m, one.gap_m);
+        ASSERT_EQ(row.arm, one.arm);
+        ASSERT_EQ(row.jacobian, one.jacobian);
+      }
+      ASSERT_EQ(next, many.size());
+      rows += next;
+    }
+  }
+  EXPECT_GT(rows, 5000U);
 }
 
 TEST(FieldModel, StiffnessBoundsHowTheForceChangesWithThePose) {

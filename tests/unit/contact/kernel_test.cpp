@@ -173,6 +173,59 @@ TEST_F(KernelTest, SumUpWhatAPlainLoopOverTheHitsDoes) {
   }
 }
 
+/// The same hits, whose points are certain nowhere in single precision: doubles look at all of them.
+contact::Hits all_in_doubles(const contact::Hits& hits) {
+  contact::Hits out = hits;
+  contact::HitSource source = hits.source();
+  source.rough.certain = -1.0F;
+  out.keep(hits.size(), source);
+  return out;
+}
+
+TEST_F(KernelTest, LeaveOutNoHitThatPushes) {
+  const std::uint64_t seed = testing::seed(20261125);
+  SCOPED_TRACE(testing::seed_trace(seed));
+  std::mt19937_64 random(seed);
+  int pushed = 0, left_out = 0;
+  for (const Vec3& origin : {Vec3(-0.7, 0.31, 0.123), Vec3(1e6, -1e6, 1e6)}) {
+    const voxmap::Voxmap voxmap = block({origin, kEdge}, {0, 0, 0}, {60, 60, 30});
+    for (const double lone : {0.0, 1.5}) {  // of no unit length: such normals are not packed
+      pointshell::Pointshell shell = sphere_shell(19.3 * kEdge, 0.4 * kEdge);
+      for (double& area : shell.area_m2) area = uniform(random, 0.0, 1e-6);
+      if (lone > 0.0) shell.nx.front() = lone;
+      const contact::ContactQuery query(voxmap, shell, contact::PointWeights::kArea);
+      contact::HitList hits;
+      hits.reserve(shell.size());
+      for (int n = 0; n < 100; ++n) {
+        query.find({origin + kEdge * Vec3(30.2, 29.7, uniform(random, 40.0, 51.0)), random_rotation(random)}, hits);
+        const contact::Hits all = all_in_doubles(hits.surface);
+        const Vec3 m = random_rotation(random) * Vec3::UnitX();
+        for (const contact::Instructions kind : kinds())
+          for (const double share : {0.0, 0.4, 1.0}) {
+            contact::use_instructions(kind);
+            contact::StageResult some, every;
+            contact::StiffnessSum of_some, of_every;
+            const auto sum = [&](const contact::Hits& list, contact::StageResult& result, contact::StiffnessSum& stiffness) {
+              if (share == 1.0)
+                contact::push_along_mean(list, m, 3.0, hits.pose_WT.position, result.contact);
+              else
+                contact::push_along_directions(list, {m, share}, 3.0, hits.pose_WT.position, result.contact, stiffness);
+            };
+            sum(hits.surface, some, of_some), sum(all, every, of_every);
+            ASSERT_TRUE(same(some, every)) << n << ", share " << share << ", kind " << static_cast<int>(kind);
+            ASSERT_EQ(of_some.entries(), of_every.entries());
+          }
+        for (const contact::Hit& hit : all) {
+          const bool pushes = hit.normal.dot(hit.to_centre) > 0.0;
+          pushed += pushes, left_out += !pushes;
+        }
+      }
+    }
+  }
+  EXPECT_GT(pushed, 10'000);
+  EXPECT_GT(left_out, 10'000);
+}
+
 TEST_F(KernelTest, TellTheFirstOfThePointsThatAreEquallyDeep) {
   const voxmap::Voxmap voxmap = block({Vec3::Zero(), 0.125}, {0, 0, 0}, {15, 15, 7});
   std::vector<std::pair<Vec3, Vec3>> points;
