@@ -45,12 +45,13 @@ int different(const Soup& soup, std::mt19937_64& random, int bricks) {
     voxmap::BrickLimits limit;
     for (double& most : limit) most = random() % 2 == 0 ? -12.0 : 2.0;
     voxmap::DistanceField::Brick brick;
-    voxmap::signed_distances(tree, first, limit, brick);
+    voxmap::signed_distances(tree, first, limit, n % 3 == 0 ? static_cast<std::uint32_t>(random() % soup.all.size()) : DistanceTree::kNoPlace, brick);
     bool same = true;
-    for (int at = 0; at < static_cast<int>(brick.size()); ++at) {
-      const auto node = static_cast<std::size_t>(at);
-      const double distance = tree.nearest(first + Vec3(at % 9, at / 9 % 9, at / 81), std::abs(limit[node]));
-      same = same && std::bit_cast<std::uint32_t>(static_cast<float>(limit[node] < 0.0 ? -distance : distance)) == std::bit_cast<std::uint32_t>(brick[node]);
+    for (int at = 0; at < 512; ++at) {
+      const int x = at % 8, y = at / 8 % 8, z = at / 64;
+      const double most = limit[voxmap::own_node(x, y, z)], distance = tree.nearest(first + Vec3(x, y, z), std::abs(most));
+      same = same && std::bit_cast<std::uint32_t>(static_cast<float>(most < 0.0 ? -distance : distance)) ==
+                         std::bit_cast<std::uint32_t>(brick[voxmap::node_of_brick(x, y, z)]);
     }
     wrong += !same;
   }
@@ -68,10 +69,14 @@ TEST(BrickDistances, AreTheLimitsWhereNothingIsNear) {
   const voxmap::GridMesh in_grid(empty, {Vec3::Zero(), 1.0});
   const DistanceTree tree(in_grid, {});
   voxmap::BrickLimits limit;
-  limit.fill(-12.0), limit[5] = 2.0;
+  limit.fill(-12.0), limit[voxmap::own_node(5, 0, 0)] = 2.0;
   voxmap::DistanceField::Brick brick;
-  voxmap::signed_distances(tree, Vec3::Zero(), limit, brick);
-  for (std::size_t n = 0; n < brick.size(); ++n) EXPECT_EQ(brick[n], n == 5 ? 2.0F : -12.0F);
+  brick.fill(7.0F);
+  voxmap::signed_distances(tree, Vec3::Zero(), limit, DistanceTree::kNoPlace, brick);
+  for (int n = 0; n < 729; ++n) {
+    const bool own = n % 9 < 8 && n / 9 % 9 < 8 && n / 81 < 8;
+    EXPECT_EQ(brick[static_cast<std::size_t>(n)], !own ? 7.0F : n == 5 ? 2.0F : -12.0F);
+  }
 }
 
 TEST(BrickDistances, SquaresOfManyPointsAreThoseThatOneIsComparedBy) {
