@@ -16,14 +16,14 @@ constexpr int kEdge = DistanceField::kBrickEdge;
 /// From a brick's centre to its corners, and a little for rounding.
 constexpr double kBrickRadius = 4.0 * 1.7320509;
 
-/// The kinds of a brick's voxels and of the layer round it.
+/// The kinds of a brick's voxels and of the layer before them: all that is round its own nodes.
 class Kinds {
  public:
   Kinds(const Voxmap& voxmap, const VoxelIndex& first) {
     std::size_t n = 0;
-    for (int z = -1; z <= kEdge; ++z)
-      for (int y = -1; y <= kEdge; ++y)
-        for (int x = -1; x <= kEdge; ++x) kinds_[n++] = voxmap.at({first.i + x, first.j + y, first.k + z});
+    for (int z = -1; z < kEdge; ++z)
+      for (int y = -1; y < kEdge; ++y)
+        for (int x = -1; x < kEdge; ++x) kinds_[n++] = voxmap.at({first.i + x, first.j + y, first.k + z});
   }
   /// What the eight voxels round a node say: free = outside, interior = inside, surface = undecided.
   VoxelKind side(int x, int y, int z) const noexcept {
@@ -36,7 +36,7 @@ class Kinds {
   }
 
  private:
-  static constexpr int kSide = kEdge + 2;
+  static constexpr int kSide = kEdge + 1;
   std::array<VoxelKind, kSide * kSide * kSide> kinds_;
 };
 
