@@ -18,26 +18,27 @@ std::uint32_t near_spheres(const Lookup& lookup, const SphereTree::Level& level,
   const float* const x = level.x.data() + first;
   const float* const y = level.y.data() + first;
   const float* const z = level.z.data() + first;
-  constexpr float kHalf = 0.5F * voxmap::free_distance::kCellEdge;
+  const int shift_of_cell = lookup.map.free_shift;
+  const float half = 0.5F * static_cast<float>(1 << shift_of_cell), step = voxmap::free_distance::step_of(shift_of_cell);
   float way[kNodes] = {}, outside[kNodes] = {};
   std::int32_t cell[3][kNodes];
   for (std::size_t row = 0; row < 3; ++row) {
     const float a0 = f.a[row][0], a1 = f.a[row][1], a2 = f.a[row][2], shift = f.corner_shift[row], size = f.size[row];
     for (std::size_t n = 0; n < kNodes; ++n) {
       const float u = a0 * x[n] + a1 * y[n] + a2 * z[n] + shift, w = within(u, 0.0F, size);
-      const std::int32_t c = static_cast<std::int32_t>(w) >> 2;
-      const float off = u - (static_cast<float>(c << 2) + kHalf);
+      const std::int32_t c = static_cast<std::int32_t>(w) >> shift_of_cell;
+      const float off = u - (static_cast<float>(c << shift_of_cell) + half);
       outside[n] += (u - w) * (u - w);
       way[n] += off * off;
       cell[row][n] = c;
     }
   }
-  const auto ny = static_cast<std::uint32_t>(2 * lookup.cells[1]), nz = static_cast<std::uint32_t>(2 * lookup.cells[2]);
+  const auto ny = static_cast<std::uint32_t>(lookup.map.free_cells[1]), nz = static_cast<std::uint32_t>(lookup.map.free_cells[2]);
   std::uint32_t near = 0;
   for (std::size_t n = 0; n < kNodes; ++n) {
     const std::uint32_t at = (static_cast<std::uint32_t>(cell[0][n]) * ny + static_cast<std::uint32_t>(cell[1][n])) * nz +
                              static_cast<std::uint32_t>(cell[2][n]);
-    const float free = voxmap::free_distance::voxels(lookup.map.free[at]);
+    const float free = step * voxmap::free_distance::steps(lookup.map.free[at]);
     const float needed = level.radius[first + n] * f.per_metre + f.margin;
     const float spare = free - needed;
     const float reach = spare > 0.0F ? spare : 0.0F;

@@ -40,7 +40,7 @@ static_assert(std::endian::native == std::endian::little);
 /// All are real-time safe.
 struct LeafKernel {
   /// Which of the sixteen spheres from `first` on may touch something, as bits. No distance falls faster than the way from where it was
-  /// measured, the middle of a 4-voxel cell; outside the table there is nothing nearer than the table.
+  /// measured, the middle of a cell of free distances; outside the table there is nothing nearer than the table.
   std::uint32_t (*near_spheres)(const Lookup& lookup, const SphereTree::Level& level, std::size_t first) noexcept;
   /// Puts the points of the leaves into voxels. \returns the bits of `surface`, `interior` and `unsure` of all leaves together.
   std::array<std::uint8_t, 3> (*classify)(const Lookup& lookup, Leaves& leaves) noexcept;

@@ -38,8 +38,8 @@ inline __m256 sum_of_squares(__m256 a, __m256 b, __m256 c) noexcept {
   return _mm256_add_ps(_mm256_add_ps(square(a), square(b)), square(c));
 }
 
-/// voxmap::free_distance::voxels: the largest of its three lines.
-inline __m256 voxels_of(__m256i byte) noexcept {
+/// voxmap::free_distance::steps: the largest of its three lines.
+inline __m256 steps_of(__m256i byte) noexcept {
   const __m256 b = _mm256_cvtepi32_ps(byte);
   const __m256 fine = _mm256_mul_ps(_mm256_set1_ps(0.25F), b);
   const __m256 middle = _mm256_sub_ps(_mm256_mul_ps(_mm256_set1_ps(0.5F), b), _mm256_set1_ps(24.0F));
@@ -55,19 +55,22 @@ inline std::uint32_t near_eight(const Lookup& lookup, const SphereTree::Level& l
                uz = Row(f.a[2], f.corner_shift[2]).at(x, y, z);
   const __m256 wx = Within(0.0F, f.size[0]).of(ux), wy = Within(0.0F, f.size[1]).of(uy), wz = Within(0.0F, f.size[2]).of(uz);
   const __m256 outside = sum_of_squares(_mm256_sub_ps(ux, wx), _mm256_sub_ps(uy, wy), _mm256_sub_ps(uz, wz));
-  const __m256i cx = _mm256_srai_epi32(_mm256_cvttps_epi32(wx), 2), cy = _mm256_srai_epi32(_mm256_cvttps_epi32(wy), 2),
-                cz = _mm256_srai_epi32(_mm256_cvttps_epi32(wz), 2);
-  const __m256 half = _mm256_set1_ps(0.5F * voxmap::free_distance::kCellEdge);
+  const int shift_of_cell = lookup.map.free_shift;
+  const __m128i by = _mm_cvtsi32_si128(shift_of_cell);
+  const __m256i cx = _mm256_sra_epi32(_mm256_cvttps_epi32(wx), by), cy = _mm256_sra_epi32(_mm256_cvttps_epi32(wy), by),
+                cz = _mm256_sra_epi32(_mm256_cvttps_epi32(wz), by);
+  const __m256 half = _mm256_set1_ps(0.5F * static_cast<float>(1 << shift_of_cell));
   const auto from_middle = [&](__m256 u, __m256i c) {
-    return _mm256_sub_ps(u, _mm256_add_ps(_mm256_cvtepi32_ps(_mm256_slli_epi32(c, 2)), half));
+    return _mm256_sub_ps(u, _mm256_add_ps(_mm256_cvtepi32_ps(_mm256_sll_epi32(c, by)), half));
   };
   const __m256 way = sum_of_squares(from_middle(ux, cx), from_middle(uy, cy), from_middle(uz, cz));
-  const __m256i ny = _mm256_set1_epi32(2 * lookup.cells[1]), nz = _mm256_set1_epi32(2 * lookup.cells[2]);
+  const __m256i ny = _mm256_set1_epi32(lookup.map.free_cells[1]), nz = _mm256_set1_epi32(lookup.map.free_cells[2]);
   const __m256i cell = _mm256_add_epi32(_mm256_mullo_epi32(_mm256_add_epi32(_mm256_mullo_epi32(cx, ny), cy), nz), cz);
-  // Four bytes at a time: the table has a multiple of eight.
+  // Four bytes at a time: they are a multiple of four.
   const __m256i word = _mm256_i32gather_epi32(reinterpret_cast<const int*>(lookup.map.free), _mm256_srli_epi32(cell, 2), 4);
   const __m256i shift = _mm256_slli_epi32(_mm256_and_si256(cell, _mm256_set1_epi32(3)), 3);
-  const __m256 free = voxels_of(_mm256_and_si256(_mm256_srlv_epi32(word, shift), _mm256_set1_epi32(255)));
+  const __m256 free = _mm256_mul_ps(_mm256_set1_ps(voxmap::free_distance::step_of(shift_of_cell)),
+                                    steps_of(_mm256_and_si256(_mm256_srlv_epi32(word, shift), _mm256_set1_epi32(255))));
   const __m256 needed = _mm256_add_ps(_mm256_mul_ps(_mm256_loadu_ps(level.radius.data() + first), _mm256_set1_ps(f.per_metre)),
                                       _mm256_set1_ps(f.margin));
   const __m256 reach = _mm256_max_ps(_mm256_sub_ps(free, needed), _mm256_setzero_ps());

@@ -38,8 +38,8 @@ inline __m512 sum_of_squares(__m512 a, __m512 b, __m512 c) noexcept {
   return _mm512_add_ps(_mm512_add_ps(square(a), square(b)), square(c));
 }
 
-/// voxmap::free_distance::voxels: the largest of its three lines.
-inline __m512 voxels_of(__m512i byte) noexcept {
+/// voxmap::free_distance::steps: the largest of its three lines.
+inline __m512 steps_of(__m512i byte) noexcept {
   const __m512 b = _mm512_cvtepi32_ps(byte);
   const __m512 fine = _mm512_mul_ps(_mm512_set1_ps(0.25F), b);
   const __m512 middle = _mm512_sub_ps(_mm512_mul_ps(_mm512_set1_ps(0.5F), b), _mm512_set1_ps(24.0F));
@@ -55,19 +55,22 @@ std::uint32_t near_spheres(const Lookup& lookup, const SphereTree::Level& level,
                uz = Row(f.a[2], f.corner_shift[2]).at(x, y, z);
   const __m512 wx = Within(0.0F, f.size[0]).of(ux), wy = Within(0.0F, f.size[1]).of(uy), wz = Within(0.0F, f.size[2]).of(uz);
   const __m512 outside = sum_of_squares(_mm512_sub_ps(ux, wx), _mm512_sub_ps(uy, wy), _mm512_sub_ps(uz, wz));
-  const __m512i cx = _mm512_srai_epi32(_mm512_cvttps_epi32(wx), 2), cy = _mm512_srai_epi32(_mm512_cvttps_epi32(wy), 2),
-                cz = _mm512_srai_epi32(_mm512_cvttps_epi32(wz), 2);
-  const __m512 half = _mm512_set1_ps(0.5F * voxmap::free_distance::kCellEdge);
+  const int shift_of_cell = lookup.map.free_shift;
+  const __m128i by = _mm_cvtsi32_si128(shift_of_cell);
+  const __m512i cx = _mm512_sra_epi32(_mm512_cvttps_epi32(wx), by), cy = _mm512_sra_epi32(_mm512_cvttps_epi32(wy), by),
+                cz = _mm512_sra_epi32(_mm512_cvttps_epi32(wz), by);
+  const __m512 half = _mm512_set1_ps(0.5F * static_cast<float>(1 << shift_of_cell));
   const auto from_middle = [&](__m512 u, __m512i c) {
-    return _mm512_sub_ps(u, _mm512_add_ps(_mm512_cvtepi32_ps(_mm512_slli_epi32(c, 2)), half));
+    return _mm512_sub_ps(u, _mm512_add_ps(_mm512_cvtepi32_ps(_mm512_sll_epi32(c, by)), half));
   };
   const __m512 way = sum_of_squares(from_middle(ux, cx), from_middle(uy, cy), from_middle(uz, cz));
-  const __m512i ny = _mm512_set1_epi32(2 * lookup.cells[1]), nz = _mm512_set1_epi32(2 * lookup.cells[2]);
+  const __m512i ny = _mm512_set1_epi32(lookup.map.free_cells[1]), nz = _mm512_set1_epi32(lookup.map.free_cells[2]);
   const __m512i cell = _mm512_add_epi32(_mm512_mullo_epi32(_mm512_add_epi32(_mm512_mullo_epi32(cx, ny), cy), nz), cz);
-  // Four bytes at a time: the table has a multiple of eight.
+  // Four bytes at a time: they are a multiple of four.
   const __m512i word = _mm512_i32gather_epi32(_mm512_srli_epi32(cell, 2), lookup.map.free, 4);
   const __m512i shift = _mm512_slli_epi32(_mm512_and_si512(cell, _mm512_set1_epi32(3)), 3);
-  const __m512 free = voxels_of(_mm512_and_si512(_mm512_srlv_epi32(word, shift), _mm512_set1_epi32(255)));
+  const __m512 free = _mm512_mul_ps(_mm512_set1_ps(voxmap::free_distance::step_of(shift_of_cell)),
+                                    steps_of(_mm512_and_si512(_mm512_srlv_epi32(word, shift), _mm512_set1_epi32(255))));
   const __m512 needed = _mm512_add_ps(_mm512_mul_ps(_mm512_loadu_ps(level.radius.data() + first), _mm512_set1_ps(f.per_metre)),
                                       _mm512_set1_ps(f.margin));
   const __m512 reach = _mm512_max_ps(_mm512_sub_ps(free, needed), _mm512_setzero_ps());

@@ -6,23 +6,24 @@
 #include "core/voxmap/brick_distances.hpp"
 #include "core/voxmap/closed_mesh.hpp"
 #include "core/voxmap/distance_field.hpp"
+#include "core/voxmap/brick_range.hpp"
 #include "core/voxmap/winding.hpp"
 
 namespace voxtouch::voxmap {
 namespace {
 
-constexpr int kEdge = DistanceField::kBrickEdge, kNodes = DistanceField::kNodeEdge;
+constexpr int kEdge = DistanceField::kBrickEdge;
 /// From a brick's centre to its corners, and a little for rounding.
 constexpr double kBrickRadius = 4.0 * 1.7320509;
 
-/// The kinds of a brick's voxels and of the layer round it.
+/// The kinds of a brick's voxels and of the layer before them: all that is round its own nodes.
 class Kinds {
  public:
   Kinds(const Voxmap& voxmap, const VoxelIndex& first) {
     std::size_t n = 0;
-    for (int z = -1; z <= kEdge; ++z)
-      for (int y = -1; y <= kEdge; ++y)
-        for (int x = -1; x <= kEdge; ++x) kinds_[n++] = voxmap.at({first.i + x, first.j + y, first.k + z});
+    for (int z = -1; z < kEdge; ++z)
+      for (int y = -1; y < kEdge; ++y)
+        for (int x = -1; x < kEdge; ++x) kinds_[n++] = voxmap.at({first.i + x, first.j + y, first.k + z});
   }
   /// What the eight voxels round a node say: free = outside, interior = inside, surface = undecided.
   VoxelKind side(int x, int y, int z) const noexcept {
@@ -35,49 +36,9 @@ class Kinds {
   }
 
  private:
-  static constexpr int kSide = kEdge + 2;
+  static constexpr int kSide = kEdge + 1;
   std::array<VoxelKind, kSide * kSide * kSide> kinds_;
 };
-
-/// Eight values at the corners of a box, and what the interpolation between them does.
-using Corners = std::array<double, 8>;  // corner (x, y, z) at x + 2 y + 4 z
-
-double interpolated(const Corners& d, const Vec3& t) noexcept {
-  double sum = 0.0;
-  for (std::size_t n = 0; n < 8; ++n)
-    sum += d[n] * (n & 1 ? t.x() : 1.0 - t.x()) * (n & 2 ? t.y() : 1.0 - t.y()) * (n & 4 ? t.z() : 1.0 - t.z());
-  return sum;
-}
-
-/// Largest square of the gradient in a box of side `side`. Each component is linear along each axis, so its square is convex
-/// along each, and the sum is largest at one of the eight corners.
-double steepest_square(const Corners& d, double side) noexcept {
-  double steepest = 0.0;
-  for (std::size_t n = 0; n < 8; ++n) {
-    const Vec3 differences(d[n | 1] - d[n & ~std::size_t{1}], d[n | 2] - d[n & ~std::size_t{2}],
-                           d[n | 4] - d[n & ~std::size_t{4}]);
-    steepest = std::max(steepest, differences.squaredNorm());
-  }
-  return steepest / (side * side);
-}
-
-/// The same where the interpolation is below 0, to an eighth of the voxel, or `best` if that is more: outside a convex edge
-/// distances fan out, which is steep and pushes nothing.
-double steepest_square_inside(const Corners& d, double side, int splits, double best) noexcept {
-  const auto [least, most] = std::minmax_element(d.begin(), d.end());
-  if (*least >= 0.0) return best;
-  const double whole = steepest_square(d, side);
-  if (whole <= best) return best;
-  if (splits == 0 || *most < 0.0) return whole;
-  for (int part = 0; part < 8; ++part) {
-    const Vec3 low = Vec3(part & 1, part >> 1 & 1, part >> 2) / 2.0;
-    Corners octant{};
-    for (int n = 0; n < 8; ++n)
-      octant[static_cast<std::size_t>(n)] = interpolated(d, low + Vec3(n & 1, n >> 1 & 1, n >> 2) / 2.0);
-    best = steepest_square_inside(octant, side / 2.0, splits - 1, best);
-  }
-  return best;
-}
 
 }  // namespace
 
@@ -96,18 +57,27 @@ class DistanceFieldBuilder {
     const std::size_t cells = static_cast<std::size_t>(field_.cells_[0] * field_.cells_[1] * field_.cells_[2]);
     field_.table_.assign(cells, DistanceField::kFree);
     if (shells_.closed_parts == 0) return std::move(field_);
-    std::vector<std::int32_t> side(cells, DistanceField::kFree);  // of cells without a brick; kWanted: has one
     const auto layer = static_cast<std::size_t>(field_.cells_[0] * field_.cells_[1]);
-    parallel_for(cells / layer, [&](std::size_t z) {
-      for (std::size_t cell = z * layer; cell < (z + 1) * layer; ++cell) side[cell] = coarse(cell);
+    std::vector<std::vector<Wanted>> of_layer(cells / layer);
+    parallel_for(of_layer.size(), [&](std::size_t z) {
+      std::uint32_t place = DistanceTree::kNoPlace;
+      for (std::size_t cell = z * layer; cell < (z + 1) * layer; ++cell) {
+        field_.table_[cell] = coarse(cell, place);
+        if (field_.table_[cell] == kWanted) of_layer[z].push_back({cell, place});
+      }
     });
-    const std::vector<std::size_t> wanted = list_wanted(side, memory_limit_bytes);
+    const std::vector<Wanted> wanted = list_wanted(of_layer, memory_limit_bytes);
     fill(wanted, parallel_for);
     return std::move(field_);
   }
 
  private:
   static constexpr std::int32_t kWanted = 0;
+  /// A cell that gets a brick, and the place of a triangle near it.
+  struct Wanted {
+    std::size_t cell;
+    std::uint32_t place;
+  };
 
   /// The voxmap's table ends within a brick of the surface.
   void widen(int bricks) noexcept {
@@ -123,28 +93,24 @@ class DistanceFieldBuilder {
             static_cast<std::int32_t>(field_.base_.k + kEdge * (c / (nx * ny)))};
   }
 
-  /// Whether all of a cell is beyond what the field holds, and on which side.
-  std::int32_t coarse(std::size_t cell) const {
+  /// Whether all of a cell is beyond what the field holds, and on which side. `place`: as DistanceTree::nearest has it.
+  std::int32_t coarse(std::size_t cell, std::uint32_t& place) const {
     const VoxelIndex v = first_voxel(cell);
     const Vec3 centre(v.i + 4.0, v.j + 4.0, v.k + 4.0);
     const double outer = field_.band_voxels_ + kBrickRadius, inner = field_.depth_voxels_ + kBrickRadius;
     if (voxmap_.free_distance_voxels(centre) > outer) return DistanceField::kFree;
     // No surface that near, so the centre's own voxel tells the side of the whole cell.
     const VoxelKind kind = voxmap_.at({v.i + 4, v.j + 4, v.k + 4});
-    if (kind == VoxelKind::kFree && tree_.nearest(centre, outer) >= outer) return DistanceField::kFree;
-    if (kind == VoxelKind::kInterior && tree_.nearest(centre, inner) >= inner) return DistanceField::kDeep;
+    if (kind == VoxelKind::kFree && tree_.nearest(centre, outer, place) >= outer) return DistanceField::kFree;
+    if (kind == VoxelKind::kInterior && tree_.nearest(centre, inner, place) >= inner) return DistanceField::kDeep;
     return kWanted;
   }
 
-  std::vector<std::size_t> list_wanted(const std::vector<std::int32_t>& side, std::uint64_t memory_limit_bytes) {
-    std::vector<std::size_t> wanted;
-    for (std::size_t cell = 0; cell < side.size(); ++cell) {
-      if (side[cell] == kWanted)
-        wanted.push_back(cell);
-      else
-        field_.table_[cell] = side[cell];
-      field_.has_inside_ = field_.has_inside_ || side[cell] == DistanceField::kDeep;
-    }
+  std::vector<Wanted> list_wanted(const std::vector<std::vector<Wanted>>& of_layer, std::uint64_t memory_limit_bytes) {
+    std::vector<Wanted> wanted;
+    for (const std::vector<Wanted>& layer : of_layer) wanted.insert(wanted.end(), layer.begin(), layer.end());
+    field_.has_inside_ = std::ranges::find(field_.table_, DistanceField::kDeep) != field_.table_.end();
+    for (std::size_t n = 0; n < wanted.size(); ++n) field_.table_[wanted[n].cell] = static_cast<std::int32_t>(n);
     const std::uint64_t bytes = wanted.size() * sizeof(DistanceField::Brick);
     if (bytes > memory_limit_bytes)
       throw VoxelBudgetError("distance field: it would take up to " + std::to_string(bytes >> 20) +
@@ -153,25 +119,25 @@ class DistanceFieldBuilder {
     return wanted;
   }
 
-  void fill(const std::vector<std::size_t>& wanted, const ParallelFor& parallel_for) {
+  void fill(const std::vector<Wanted>& wanted, const ParallelFor& parallel_for) {
     field_.bricks_.resize(wanted.size());
-    std::vector<double> steepest(wanted.size(), 0.0);
+    std::vector<BrickRange> range(wanted.size());
+    parallel_for(wanted.size(), [&](std::size_t n) { fill_own(first_voxel(wanted[n].cell), wanted[n].place, field_.bricks_[n]); });
     parallel_for(wanted.size(), [&](std::size_t n) {
-      fill_brick(first_voxel(wanted[n]), field_.bricks_[n]);
-      steepest[n] = steepest_in(field_.bricks_[n]);
+      fill_shared(wanted[n].cell, field_.bricks_[n]);
+      range[n] = range_of(field_.bricks_[n]);
     });
     std::size_t kept = 0;
     double largest = 1.0;
     for (std::size_t n = 0; n < wanted.size(); ++n) {
-      const auto [least, most] = std::minmax_element(field_.bricks_[n].begin(), field_.bricks_[n].end());
-      field_.has_inside_ = field_.has_inside_ || *least < 0.0F;
-      largest = std::max(largest, steepest[n]);
-      if (*least >= field_.band_voxels_) continue;
-      if (*most <= -field_.depth_voxels_) {
-        field_.table_[wanted[n]] = DistanceField::kDeep;
+      std::int32_t& entry = field_.table_[wanted[n].cell];
+      field_.has_inside_ = field_.has_inside_ || range[n].least < 0.0F;
+      largest = std::max(largest, range[n].steepest_square);
+      if (range[n].least >= field_.band_voxels_ || range[n].most <= -field_.depth_voxels_) {
+        entry = range[n].least >= field_.band_voxels_ ? DistanceField::kFree : DistanceField::kDeep;
         continue;
       }
-      field_.table_[wanted[n]] = static_cast<std::int32_t>(kept);
+      entry = static_cast<std::int32_t>(kept);
       if (kept != n) field_.bricks_[kept] = field_.bricks_[n];
       ++kept;
     }
@@ -180,19 +146,42 @@ class DistanceFieldBuilder {
     field_.steepest_gradient_ = std::sqrt(largest);
   }
 
-  void fill_brick(const VoxelIndex& first, DistanceField::Brick& brick) const {
+  void fill_own(const VoxelIndex& first, std::uint32_t place, DistanceField::Brick& brick) const {
     const Kinds kinds(voxmap_, first);
     std::vector<std::uint32_t> above;
     BrickLimits limit;  // of each node; below 0 inside
-    for (int z = 0; z < kNodes; ++z)
-      for (int y = 0; y < kNodes; ++y)
-        for (int x = 0; x < kNodes; ++x) {
+    for (int z = 0; z < kEdge; ++z)
+      for (int y = 0; y < kEdge; ++y)
+        for (int x = 0; x < kEdge; ++x) {
           const VoxelKind side = kinds.side(x, y, z);
           const bool inside = side == VoxelKind::kSurface ? inside_exactly(Vec3(first.i + x, first.j + y, first.k + z), above)
                                                           : side == VoxelKind::kInterior;
-          limit[node_of_brick(x, y, z)] = inside ? -field_.depth_voxels_ : field_.band_voxels_;
+          limit[own_node(x, y, z)] = inside ? -field_.depth_voxels_ : field_.band_voxels_;
         }
-    signed_distances(tree_, Vec3(first.i, first.j, first.k), limit, brick);
+    signed_distances(tree_, Vec3(first.i, first.j, first.k), limit, place, brick);
+  }
+
+  /// The nodes that are the next bricks' own. Where there is no brick all of its cell is cut off, up to its faces.
+  void fill_shared(std::size_t cell, DistanceField::Brick& brick) {
+    for (std::size_t next = 1; next < 8; ++next) {
+      const std::array<int, 3> on = {static_cast<int>(next & 1), static_cast<int>(next >> 1 & 1), static_cast<int>(next >> 2)};
+      const std::int32_t entry = entry_beside(cell, on);
+      const DistanceField::Brick* const from = entry >= 0 ? &field_.bricks_[static_cast<std::size_t>(entry)] : nullptr;
+      const auto cut_off = static_cast<float>(entry == DistanceField::kDeep ? -field_.depth_voxels_ : field_.band_voxels_);
+      // Along an axis on which the other is next: its first node for the last here. Along the others: all its own.
+      for (int z = 0; z < (on[2] ? 1 : kEdge); ++z)
+        for (int y = 0; y < (on[1] ? 1 : kEdge); ++y)
+          for (int x = 0; x < (on[0] ? 1 : kEdge); ++x)
+            brick[node_of_brick(x + kEdge * on[0], y + kEdge * on[1], z + kEdge * on[2])] = from ? (*from)[node_of_brick(x, y, z)] : cut_off;
+    }
+  }
+
+  /// Of the cell so many further on; beyond the table all is free.
+  std::int32_t entry_beside(std::size_t cell, const std::array<int, 3>& on) const noexcept {
+    const auto c = static_cast<std::int64_t>(cell);
+    const auto [nx, ny, nz] = field_.cells_;
+    const std::int64_t x = c % nx + on[0], y = c / nx % ny + on[1], z = c / (nx * ny) + on[2];
+    return x < nx && y < ny && z < nz ? field_.table_[static_cast<std::size_t>(x + nx * (y + ny * z))] : DistanceField::kFree;
   }
 
   /// A node among surface voxels only. One on a triangle may come out either way; its distance is 0.
@@ -200,19 +189,6 @@ class DistanceFieldBuilder {
     above.clear();
     tree_.each_on_ray(node, Vec3::UnitZ(), [&](std::uint32_t triangle) { above.push_back(triangle); });
     return inside_shells(mesh_, shells_, above, node);
-  }
-
-  static double steepest_in(const DistanceField::Brick& brick) noexcept {
-    double steepest = 1.0;
-    for (int z = 0; z < kEdge; ++z)
-      for (int y = 0; y < kEdge; ++y)
-        for (int x = 0; x < kEdge; ++x) {
-          const float* const d = &brick[node_of_brick(x, y, z)];
-          Corners voxel{};
-          for (int n = 0; n < 8; ++n) voxel[static_cast<std::size_t>(n)] = d[node_of_brick(n & 1, n >> 1 & 1, n >> 2)];
-          steepest = steepest_square_inside(voxel, 1.0, 3, steepest);
-        }
-    return steepest;
   }
 
   const Voxmap& voxmap_;

@@ -17,24 +17,33 @@ constexpr double kRoundingRelative = 1e-6, kRoundingAbsolute = 1e-9;
 VOXTOUCH_INLINE double dot(double ax, double ay, double az, double bx, double by, double bz) noexcept { return (ax * bx + ay * by) + az * bz; }
 
 /// The rows of a facet, each of three vectors of three numbers, against many points. `least`: a point is beyond an edge where it is farther out.
+/// Most triangles have all points within most of their edges, which then need no look.
 VOXTOUCH_CLONES void squares_to(const double* corner, const double* edge, const double* outward, const double* inverse_square, const double* normal,
                                 double least, const double* px, const double* py, const double* pz, double* out) noexcept {
-  for (std::size_t n = 0; n < DistanceTree::Points::kCount; ++n) {
-    double best = HUGE_VAL, beyond = 0.0;
-    for (int k = 0; k < 9; k += 3) {
+  constexpr std::size_t kCount = DistanceTree::Points::kCount;
+  double out_by[kCount], best[kCount];
+  for (std::size_t n = 0; n < kCount; ++n) best[n] = HUGE_VAL;
+  for (int k = 0; k < 9; k += 3) {
+    std::int64_t beyond = 0;
+    for (std::size_t n = 0; n < kCount; ++n) {
+      out_by[n] = dot(px[n] - corner[k], py[n] - corner[k + 1], pz[n] - corner[k + 2], outward[k], outward[k + 1], outward[k + 2]);
+      beyond |= out_by[n] > least ? 1 : 0;
+    }
+    if (beyond == 0) continue;
+    for (std::size_t n = 0; n < kCount; ++n) {
       const double x = px[n] - corner[k], y = py[n] - corner[k + 1], z = pz[n] - corner[k + 2];
-      const double out_by = dot(x, y, z, outward[k], outward[k + 1], outward[k + 2]);
       double t = dot(x, y, z, edge[k], edge[k + 1], edge[k + 2]) * inverse_square[k / 3];
       t = t < 0.0 ? 0.0 : t;
       t = 1.0 < t ? 1.0 : t;
       const double rx = x - t * edge[k], ry = y - t * edge[k + 1], rz = z - t * edge[k + 2];
       const double square = dot(rx, ry, rz, rx, ry, rz);
-      const double counts = out_by > least ? square : HUGE_VAL;
-      best = counts < best ? counts : best;
-      beyond = out_by > least ? 1.0 : beyond;
+      const double counts = out_by[n] > least ? square : HUGE_VAL;
+      best[n] = counts < best[n] ? counts : best[n];
     }
+  }
+  for (std::size_t n = 0; n < kCount; ++n) {
     const double height = dot(normal[0], normal[1], normal[2], px[n] - corner[0], py[n] - corner[1], pz[n] - corner[2]);
-    out[n] = beyond > 0.0 ? best : height * height;
+    out[n] = best[n] < HUGE_VAL ? best[n] : height * height;
   }
 }
 
@@ -101,19 +110,35 @@ void DistanceTree::enclose(std::size_t index) noexcept {
     }
 }
 
-double DistanceTree::square_distance(const Facet& f, const Vec3& p) noexcept {
-  double best = HUGE_VAL;
-  bool beyond = f.normal.isZero(0.0);
+template <class F>
+bool DistanceTree::each_edge_before(const Facet& f, const Vec3& p, F&& call) noexcept {
+  const bool no_area = f.normal.isZero(0.0);
+  bool beyond = no_area;
   for (std::size_t k = 0; k < 3; ++k) {
     const Vec3 from = p - f.corner[k];
-    if (!f.normal.isZero(0.0) && !(from.dot(f.outward[k]) > 0.0)) continue;
+    if (!no_area && !(from.dot(f.outward[k]) > 0.0)) continue;
     beyond = true;
     const double t = std::clamp(from.dot(f.edge[k]) * f.inverse_square[k], 0.0, 1.0);
-    best = std::min(best, (from - t * f.edge[k]).squaredNorm());
+    call(Vec3(from - t * f.edge[k]));
   }
-  if (beyond) return best;
+  return beyond;
+}
+
+double DistanceTree::square_distance(const Facet& f, const Vec3& p) noexcept {
+  double best = HUGE_VAL;
+  if (each_edge_before(f, p, [&](const Vec3& way) { best = std::min(best, way.squaredNorm()); })) return best;
   const double height = f.normal.dot(p - f.corner[0]);
   return height * height;
+}
+
+Vec3 DistanceTree::way(std::uint32_t place, const Vec3& p) const noexcept {
+  const Facet& f = facets_[place];
+  Vec3 least = Vec3::Zero();
+  double best = HUGE_VAL;
+  const auto keep = [&](const Vec3& way) {
+    if (const double square = way.squaredNorm(); square < best) best = square, least = way;
+  };
+  return each_edge_before(f, p, keep) ? least : Vec3(f.normal.dot(p - f.corner[0]) * f.normal);
 }
 
 double DistanceTree::square_distance(const Node& node, const Vec3& p) noexcept {

@@ -30,6 +30,8 @@ class DistanceTree {
     void set(std::size_t n, const Vec3& p) noexcept { x[n] = p.x(), y[n] = p.y(), z[n] = p.z(); }
   };
   using Squares = std::array<double, Points::kCount>;
+  /// The way to `p` from the nearest point of the triangle at this place, good to rounding.
+  Vec3 way(std::uint32_t place, const Vec3& p) const noexcept;
   /// Squared distance of each point to the triangle at this place: what `nearest` compares, to the bit.
   void squares(std::uint32_t place, const Points& points, Squares& out) const noexcept;
   /// Places of all triangles within `reach` of `centre`, and of some beyond, in the tree's order; at most `most`. False where there are more.
@@ -55,6 +57,9 @@ class DistanceTree {
   static constexpr std::size_t kDeepest = 64;  ///< halving 2^32 facets takes fewer levels
 
   static Facet make_facet(const GridMesh& mesh, std::uint32_t triangle);
+  /// Calls f(way from the edge) for each edge that `p` lies beyond. False where there is none: the plane's foot is nearest.
+  template <class F>
+  static bool each_edge_before(const Facet& facet, const Vec3& p, F&& f) noexcept;
   static double square_distance(const Facet& facet, const Vec3& p) noexcept;
   static double square_distance(const Node& node, const Vec3& p) noexcept;
   static bool on_ray(const Node& node, const Vec3& origin, const Vec3& direction) noexcept;

@@ -6,14 +6,14 @@
 
 #include "core/types/clones.hpp"
 
-// Lengths here are in cells of 2 voxels, in which the centre of a 4-voxel cell n is the lattice point 2 n + 1 and the gap from
+// Lengths here are in halves of cells, in which the centre of a cell n is the lattice point 2 n + 1 and the gap from
 // there to the cell i is a whole number: i - (2 n + 1) above it, 2 n - i below. The squared distance is separable: the best along
 // z first, then over rows along y, then over planes along x.
 namespace voxtouch::voxmap::free_distance {
 namespace {
 
 using Squared = std::int16_t;
-constexpr int kReach = 32;                  ///< [2 voxels] exact up to here
+constexpr int kReach = 32;                  ///< [halves of cells] exact up to here
 constexpr Squared kFar = 3 * kReach * kReach;
 
 constexpr int gap_to(std::int64_t centre, std::int64_t cell) {
@@ -28,7 +28,7 @@ VOXTOUCH_CLONES void keep_nearer(Squared* best, const Squared* from, Squared mor
   }
 }
 
-/// The best of 26 neighbours and itself in two sweeps: exact for the chessboard distance, in 4-voxel cells, saturated at 255.
+/// The best of 26 neighbours and itself in two sweeps: exact for the chessboard distance, in cells, saturated at 255.
 class Chessboard {
  public:
   explicit Chessboard(const std::array<std::int64_t, 3>& n)
@@ -79,15 +79,15 @@ std::array<std::uint8_t, kReach * kReach> fine_bytes() {
   return out;
 }
 
-/// Beyond the fine reach. `cells`: chessboard distance; its boxes are (cells - 1) * 4 voxels apart, and the centre is 2 more away.
+/// Beyond the fine reach. `cells`: chessboard distance; its boxes are (cells - 1) * 4 steps apart, and the centre is 2 more away.
 std::uint8_t coarse_byte(std::uint8_t cells) noexcept {
   return byte_of(std::max(2.0 * kReach, (cells - 1.0) * kCellEdge + 2.0));
 }
 
 }  // namespace
 
-Occupancy::Occupancy(const std::array<std::int64_t, 3>& bricks)
-    : n_{4 * bricks[0], 4 * bricks[1], 4 * bricks[2]},
+Occupancy::Occupancy(const std::array<std::int64_t, 3>& bricks, int shift)
+    : halvings_(shift - kLeastShift), n_{2 * cells_along(bricks[0], shift), 2 * cells_along(bricks[1], shift), 2 * cells_along(bricks[2], shift)},
       words_((n_[2] + 63) >> 6),
       bits_(static_cast<std::size_t>(n_[0] * n_[1] * words_)) {}
 
@@ -198,6 +198,7 @@ std::vector<std::uint8_t> Occupancy::bytes() const {
       for (std::size_t z = 0; z < nz; ++z)
         row[z] = near && best[z] < kReach * kReach ? kFine[static_cast<std::size_t>(best[z])] : coarse_byte(row[z]);
     }
+  board.bytes().resize((board.bytes().size() + 3) / 4 * 4);  // as bytes_of has it
   return std::move(board.bytes());
 }
 

@@ -26,7 +26,7 @@ struct VoxelEstimate {
   double voxels = 0.0;                    ///< voxels in the box
   double surface_voxels = 0.0;            ///< expected
   double table_cells = 0.0;               ///< entries of the voxmap's table, one a brick of 8x8x8
-  /// of the finished voxmap: exact for table and distances, expected for the bricks
+  /// of the finished voxmap: exact for the table, expected for distances and bricks
   double bytes = 0.0;
   double build_bytes = 0.0;               ///< peak while it is built
 };

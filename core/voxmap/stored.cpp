@@ -42,7 +42,7 @@ bool all_within(const std::vector<std::int32_t>& table, std::int32_t least, std:
 template <class Archive, class Map>
 void Voxmap::fields(Archive& archive, Map& map) {
   placement(archive, map.grid_, map.base_, map.cells_);
-  archive(map.table_), archive(map.bricks_), archive(map.near_);
+  archive(map.table_), archive(map.bricks_), archive(map.near_shift_), archive(map.near_);
   archive(map.surface_count_), archive(map.interior_count_);
 }
 
@@ -52,7 +52,9 @@ Voxmap Voxmap::take(ByteReader& in) {
   Voxmap map;
   fields(in, map);
   require_table(map.grid_, map.base_, map.cells_, map.table_.size());
-  ByteReader::require(map.near_.size() == 8 * map.table_.size(), "free distances for another table");
+  ByteReader::require(map.near_shift_ >= free_distance::kLeastShift && map.near_shift_ <= free_distance::kMostShift &&
+                          map.near_.size() == free_distance::bytes_of(map.cells_, map.near_shift_),
+                      "free distances for another table");
   ByteReader::require(map.bricks_.size() >= 2 && all_within(map.table_, 0, map.bricks_.size()), "a table that names bricks which are not there");
   std::size_t surface = 0, interior = 0;
   std::vector<std::array<std::uint32_t, 2>> counts(map.bricks_.size(), {0, 0});

@@ -84,23 +84,33 @@ void Voxmap::set_cell(const VoxelIndex& v, const BrickMask& surface, const Brick
 }
 
 void Voxmap::finish() {
-  surface_count_ = interior_count_ = 0;
   bricks_.shrink_to_fit();
-  free_distance::Occupancy occupancy(cells_);
+  count_voxels();
+  near_shift_ = free_distance::shift_for(cells_, surface_count_);
+  free_distance::Occupancy occupancy(cells_, near_shift_);
   for (std::int64_t x = 0; x < cells_[0]; ++x)
     for (std::int64_t y = 0; y < cells_[1]; ++y)
-      for (std::int64_t z = 0; z < cells_[2]; ++z) count_brick(x, y, z, occupancy);
+      for (std::int64_t z = 0; z < cells_[2]; ++z) mark_brick(x, y, z, occupancy);
   near_ = occupancy.bytes();
 }
 
-void Voxmap::count_brick(std::int64_t x, std::int64_t y, std::int64_t z, free_distance::Occupancy& occupancy) {
+void Voxmap::count_voxels() noexcept {
+  surface_count_ = interior_count_ = 0;
+  for (const std::int32_t entry : table_) {
+    if (entry == kFreeBrick) continue;
+    for (const std::uint64_t word : bricks_[static_cast<std::size_t>(entry)]) {
+      surface_count_ += static_cast<std::size_t>(std::popcount(word & kLowBits));
+      interior_count_ += static_cast<std::size_t>(std::popcount(word & ~kLowBits));
+    }
+  }
+}
+
+void Voxmap::mark_brick(std::int64_t x, std::int64_t y, std::int64_t z, free_distance::Occupancy& occupancy) const {
   const std::int32_t entry = table_[table_index(x, y, z)];
   if (entry == kFreeBrick) return;
   const Brick& brick = bricks_[static_cast<std::size_t>(entry)];
   std::array<std::array<unsigned, 4>, 4> columns{};  // of 2x2x2-cells along z
   for (std::size_t word = 0; word < brick.size(); ++word) {
-    surface_count_ += static_cast<std::size_t>(std::popcount(brick[word] & kLowBits));
-    interior_count_ += static_cast<std::size_t>(std::popcount(brick[word] & ~kLowBits));
     // A word is half a slice: 8 voxels along x, 4 along y; 16 bits a row of x, 4 bits a pair of voxels.
     const std::uint64_t rows[2] = {brick[word] | brick[word] >> 16, brick[word] >> 32 | brick[word] >> 48};
     for (std::size_t y2 = 0; y2 < 2; ++y2)
@@ -120,14 +130,14 @@ double Voxmap::free_distance_voxels(const Vec3& u) const noexcept {
   for (int axis = 0; axis < 3; ++axis) {
     const double size = static_cast<double>(cells_[static_cast<std::size_t>(axis)] * kBrickEdge);
     outside = std::max({outside, -local[axis], local[axis] - size});
-    const auto nearest = static_cast<std::int64_t>(std::clamp(local[axis], 0.0, size - 1.0)) / free_distance::kCellEdge;
-    const double way = local[axis] - (free_distance::kCellEdge * static_cast<double>(nearest) + 0.5 * free_distance::kCellEdge);
+    const auto nearest = static_cast<std::int64_t>(std::clamp(local[axis], 0.0, size - 1.0)) >> near_shift_;
+    const double edge = static_cast<double>(1 << near_shift_), way = local[axis] - edge * (static_cast<double>(nearest) + 0.5);
     squared += way * way;
     cell[static_cast<std::size_t>(axis)] = nearest;
   }
   // No distance falls faster than the way from the cell's centre. A point outside the table is no nearer to anything in the
   // table than its projection onto the table is.
-  const double from_centre = free_distance::voxels(near_[near_index(cell[0], cell[1], cell[2])]);
+  const double from_centre = free_distance::step_of(near_shift_) * free_distance::steps(near_[near_index(cell[0], cell[1], cell[2])]);
   return std::max(outside, from_centre - std::sqrt(squared));
 }
 

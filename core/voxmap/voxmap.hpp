@@ -4,7 +4,7 @@
 /// Layout: bricks of 8x8x8 voxels, 2 bits a voxel, 128 bytes a brick; an int32 top table names the brick of
 /// each 8-voxel cell, with shared bricks for "all free" and "all interior". One border cell of free bricks
 /// surrounds the object. The table's strides are exact: rounded up to powers of two they would save a
-/// multiplication and cost up to four times the table. Beside it, one byte for each 4x4x4-voxel cell says how
+/// multiplication and cost up to four times the table. Beside it, one byte for each cell of 4x4x4 voxels or more says how
 /// far the nearest surface or interior is at least (free_distance.hpp): what the culling tree asks.
 #include <array>
 #include <cstddef>
@@ -89,9 +89,13 @@ class Voxmap {
     const std::int32_t* table;       ///< brick of the 8-voxel cell x + cells[0] (y + cells[1] z)
     const Brick* bricks;
     std::size_t brick_count;
-    const std::uint8_t* free;        ///< free_distance of the 4-voxel cell (x 2 cells[1] + y) 2 cells[2] + z; null before `finish`
+    const std::uint8_t* free;        ///< free_distance of the cell (x free_cells[1] + y) free_cells[2] + z; null before `finish`
+    int free_shift;                  ///< log2 of such a cell's edge [voxels]
+    std::array<std::int32_t, 3> free_cells;
   };
-  Arrays arrays() const noexcept { return {table_.data(), bricks_.data(), bricks_.size(), near_.empty() ? nullptr : near_.data()}; }
+  Arrays arrays() const noexcept {
+    return {table_.data(), bricks_.data(), bricks_.size(), near_.empty() ? nullptr : near_.data(), near_shift_, {near_along(0), near_along(1), near_along(2)}};
+  }
 
   /// All of a finished map, and such a map again, bit for bit; in stored.cpp. `take` throws StoredBytesError for bytes that are no map
   /// which every lookup stands.
@@ -109,11 +113,13 @@ class Voxmap {
   std::size_t table_index(std::int64_t x, std::int64_t y, std::int64_t z) const noexcept {
     return static_cast<std::size_t>(x + cells_[0] * (y + cells_[1] * z));
   }
+  std::int32_t near_along(std::size_t axis) const noexcept { return static_cast<std::int32_t>(free_distance::cells_along(cells_[axis], near_shift_)); }
   std::size_t near_index(std::int64_t x, std::int64_t y, std::int64_t z) const noexcept {
-    return static_cast<std::size_t>((x * 2 * cells_[1] + y) * 2 * cells_[2] + z);
+    return static_cast<std::size_t>((x * near_along(1) + y) * near_along(2) + z);
   }
   Brick& own_brick(std::size_t index);
-  void count_brick(std::int64_t x, std::int64_t y, std::int64_t z, free_distance::Occupancy& occupancy);
+  void count_voxels() noexcept;
+  void mark_brick(std::int64_t x, std::int64_t y, std::int64_t z, free_distance::Occupancy& occupancy) const;
 
   Grid grid_;
   VoxelIndex base_;                       ///< first voxel of the table, a multiple of 8
@@ -121,6 +127,7 @@ class Voxmap {
   std::vector<std::int32_t> table_;
   std::vector<Brick> bricks_;
   std::vector<std::uint8_t> near_;        ///< free_distance bytes
+  int near_shift_ = free_distance::kLeastShift;
   std::size_t surface_count_ = 0, interior_count_ = 0;
 };
 

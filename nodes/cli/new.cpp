@@ -99,8 +99,8 @@ first_scene::ModelChoice measured_model(const scene::Scene& scene, const first_s
   options.spread_contacts = options.phases = 0;
   options.cpu_time_s = thread_cpu_s;
   options.read = mesh_import::mesh_process();
-  options.progress = [tell = log::tell_each_second("new")](const std::string& what, double share) {
-    tell(fmt::format("measuring contact models, {:.0f} %: {}", 100.0 * share, what));
+  options.progress = [tell = log::tell_each_second("new")](const std::string& what, double share, double left_s) {
+    tell(fmt::format("measuring contact models, {:.0f} %, about {:.0f} s left: {}", 100.0 * share, left_s, what));
   };
   return first_scene::measured_model(accuracy::measure_accuracy(scene, first_scene::models_to_measure(scene.voxel_size_m), options, serial_for()), usual);
 }

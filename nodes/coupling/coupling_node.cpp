@@ -20,6 +20,7 @@
 #include "nodes/runtime/clock.hpp"
 #include "nodes/runtime/device_message.hpp"
 #include "nodes/runtime/duty.hpp"
+#include "nodes/runtime/held_start.hpp"
 #include "nodes/runtime/housekeeping.hpp"
 #include "nodes/runtime/pair_reader.hpp"
 #include "nodes/runtime/participation.hpp"
@@ -414,6 +415,7 @@ class CouplingNode {
 
 int run(const Options& options, const std::atomic<bool>& stop) {
   const scene::Scene scene = scene::load_scene(options.scene);
+  if (!runtime::may_begin(stop)) return 0;
   CouplingNode node(options, scene);
   return node.run(stop);
 }

@@ -23,6 +23,7 @@
 #include "nodes/log/tell.hpp"
 #include "nodes/runtime/clock.hpp"
 #include "nodes/runtime/device_message.hpp"
+#include "nodes/runtime/held_start.hpp"
 #include "nodes/runtime/housekeeping.hpp"
 #include "nodes/runtime/participation.hpp"
 #include "nodes/runtime/recorder_gate.hpp"
@@ -78,27 +79,33 @@ std::string sentence(End end, const devices::Driver& driver) {
   return "unknown";
 }
 
-/// Refuses to be the second device of a rig: two would fight over the same namespace. Returns how many sessions the other nodes
-/// have seen.
-std::uint64_t require_free_rig(const bus::Participant& participant, const Options& options) {
+/// Refuses to be the second device of a rig: two would fight over the same namespace. Looks as long as it is held, and 400 ms at least.
+/// Returns how many sessions the other nodes have seen; nothing where it is to leave without having begun.
+std::optional<std::uint64_t> require_free_rig(const bus::Participant& participant, const Options& options, const std::atomic<bool>& stop) {
   runtime::NodeRegistry registry(participant, options.rig);
-  const auto runs = [](const runtime::NodeReport& r) {
-    return r.node == "device" && r.state != NodeState::kStopped && r.state != NodeState::kFailed;
-  };
-  if (const auto other = runtime::look_for(registry, runs, std::chrono::milliseconds(400)))
-    throw std::runtime_error(
-        fmt::format("a device already runs in rig '{}' on domain {} (process {} on {}). Stop it, or choose another "
-                    "--rig or --domain",
-                    options.rig, options.domain, other->pid, other->host));
-  return runtime::sessions_seen(registry);
+  const std::int64_t until = runtime::monotonic_ns() + 400'000'000;
+  for (;; std::this_thread::sleep_for(std::chrono::milliseconds(10))) {
+    const runtime::Word word = runtime::word_of_starter();
+    if (stop.load() || word == runtime::Word::kLeave) return std::nullopt;
+    const bool looked = runtime::monotonic_ns() >= until;
+    registry.update();  // after the clock: what is seen is not older
+    if (word == runtime::Word::kNone) continue;  // whoever holds it looks too, and says it better
+    for (const runtime::NodeReport& other : registry.reports())
+      if (other.node == "device" && !other.final())
+        throw std::runtime_error(
+            fmt::format("a device already runs in rig '{}' on domain {} (process {} on {}). Stop it, or choose another "
+                        "--rig or --domain",
+                        options.rig, options.domain, other.pid, other.host));
+    if (looked) return runtime::sessions_seen(registry);
+  }
 }
 
 /// All of the node: endpoints, driver, loop; the housekeeping thread looks in from beside.
 class DeviceNode {
  public:
-  DeviceNode(const Options& options, const scene::Scene& scene, const std::atomic<bool>& stop)
-      : options_(options), scene_(scene), participant_(options.participant("device")),
-        session_(make_session_id(options, scene, require_free_rig(participant_, options))),
+  /// `sessions`: how many the other nodes of the rig have seen.
+  DeviceNode(const Options& options, const scene::Scene& scene, bus::Participant participant, std::uint64_t sessions, const std::atomic<bool>& stop)
+      : options_(options), scene_(scene), participant_(std::move(participant)), session_(make_session_id(options, scene, sessions)),
         driver_(open_driver(scene, stop)) {
     if (const arm::ArmDescription* const arm = driver_->arm_description()) {
       joints_.emplace(participant_, options.rig, *arm, options.mode());
@@ -451,7 +458,10 @@ Motion choose_motion(const scene::Scene& scene, const std::string& name) {
 
 int run(const Options& options, const std::atomic<bool>& stop) {
   const scene::Scene scene = scene::load_scene(options.scene);
-  DeviceNode node(options, scene, stop);
+  bus::Participant participant(options.participant("device"));
+  const std::optional<std::uint64_t> sessions = require_free_rig(participant, options, stop);
+  if (!sessions) return 0;
+  DeviceNode node(options, scene, std::move(participant), *sessions, stop);
   return node.run(stop);
 }
 

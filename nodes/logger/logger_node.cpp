@@ -10,6 +10,7 @@
 #include "nodes/log/tell.hpp"
 #include "nodes/logger/recorded_topics.hpp"
 #include "nodes/runtime/clock.hpp"
+#include "nodes/runtime/held_start.hpp"
 #include "nodes/runtime/housekeeping.hpp"
 #include "nodes/runtime/role_binding.hpp"
 #include "nodes/runtime/standby.hpp"
@@ -145,6 +146,7 @@ class LoggerNode {
 }  // namespace
 
 int run(const Options& options, const std::atomic<bool>& stop) {
+  if (!runtime::may_begin(stop)) return 0;
   LoggerNode node(options);
   return node.run(stop);
 }

@@ -20,6 +20,7 @@
 #include "nodes/runtime/convert.hpp"
 #include "nodes/runtime/device_message.hpp"
 #include "nodes/runtime/duty.hpp"
+#include "nodes/runtime/held_start.hpp"
 #include "nodes/runtime/housekeeping.hpp"
 #include "nodes/runtime/participation.hpp"
 #include "nodes/runtime/recorder_gate.hpp"
@@ -335,6 +336,7 @@ int run(const Options& options, const std::atomic<bool>& stop) {
   const scene::Scene scene = scene::load_scene(options.scene);
   std::unique_ptr<rendering::BuiltScene> built = build(scene, options.cache);
   for (const std::string& warning : options.announce ? built->plan().warnings : std::vector<std::string>()) log::tell("warning: {}\n", warning);
+  if (!runtime::may_begin(stop)) return 0;
   RenderingNode node(options, scene, std::move(built));
   return node.run(stop);
 }

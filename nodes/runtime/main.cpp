@@ -8,6 +8,7 @@
 
 #include "core/types/version.hpp"
 #include "nodes/log/tell.hpp"
+#include "nodes/runtime/held_start.hpp"
 #include "nodes/runtime/ros_arguments.hpp"
 #include "nodes/runtime/signals.hpp"
 
@@ -42,6 +43,8 @@ int node_main(int argc, char** argv, const Program& program, NodeOptions& option
   app.set_version_flag("--version", std::string(version()));
   int parent = 0;
   app.add_option("--with-parent", parent, "Stop when this parent process dies (voxtouch up sets this)");
+  bool held = false;
+  app.add_flag("--held", held, "Get ready, and join the rig when a byte comes on standard input; leave at its end (voxtouch up sets this)");
   configure(app);
   log::guard_standard_streams();
   try {
@@ -51,6 +54,7 @@ int node_main(int argc, char** argv, const Program& program, NodeOptions& option
   }
   catch_signals();
   if (parent) die_with_parent(parent);
+  if (held) be_held();
   options.announce = parent == 0;
   try {
     options.require_keys(program.name);  // before anything starts

@@ -19,6 +19,7 @@
 #include "nodes/mesh_import/mesh_process.hpp"
 #include "nodes/runtime/clock.hpp"
 #include "nodes/runtime/convert.hpp"
+#include "nodes/runtime/held_start.hpp"
 #include "nodes/runtime/housekeeping.hpp"
 #include "nodes/runtime/pair_reader.hpp"
 #include "nodes/runtime/participation.hpp"
@@ -304,6 +305,7 @@ class ValidatorNode {
 int run(const Options& options, const std::atomic<bool>& stop) {
   const scene::Scene scene = scene::load_scene(options.scene);
   mesh_import::rehearse_reading(scene);
+  if (!runtime::may_begin(stop)) return 0;
   ValidatorNode node(options, scene);
   return node.run(stop);
 }

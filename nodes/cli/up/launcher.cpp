@@ -17,6 +17,7 @@
 
 #include "core/types/program_folder.hpp"
 #include "nodes/log/tell.hpp"
+#include "nodes/runtime/held_start.hpp"
 #include "nodes/runtime/realtime.hpp"
 
 extern char** environ;
@@ -29,11 +30,12 @@ constexpr std::chrono::milliseconds kStopTimeout{8'000};
 class ChildProcess final : public RunningNode {
  public:
   ChildProcess(std::string name, const std::filesystem::path& program, const std::vector<std::string>& arguments,
-               std::chrono::milliseconds patience = kStopTimeout)
-      : name_(std::move(name)), patience_(patience) {
+               runtime::Starter starter, std::chrono::milliseconds patience = kStopTimeout)
+      : name_(std::move(name)), patience_(patience), starter_(std::move(starter)) {
     std::vector<std::string> texts = {program.string()};
     texts.insert(texts.end(), arguments.begin(), arguments.end());
     texts.insert(texts.end(), {"--with-parent", fmt::to_string(getpid())});
+    if (starter_.input() >= 0) texts.push_back("--held");
     std::vector<char*> argv;
     for (std::string& text : texts) argv.push_back(text.data());
     argv.push_back(nullptr);
@@ -49,10 +51,14 @@ class ChildProcess final : public RunningNode {
     posix_spawn_file_actions_t actions;
     posix_spawn_file_actions_init(&actions);
     posix_spawn_file_actions_adddup2(&actions, STDERR_FILENO, STDOUT_FILENO);
-    posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", 0, 0);
+    if (starter_.input() >= 0)
+      posix_spawn_file_actions_adddup2(&actions, starter_.input(), STDIN_FILENO);
+    else
+      posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", 0, 0);
     const int error = posix_spawn(&pid_, program.c_str(), &actions, &attributes, argv.data(), environ);
     posix_spawn_file_actions_destroy(&actions);
     posix_spawnattr_destroy(&attributes);
+    starter_.close_input();
     if (error != 0)
       throw std::runtime_error(fmt::format("{} could not be started ({}); it should stand beside voxtouch",
                                            program.string(), std::strerror(error)));
@@ -65,6 +71,7 @@ class ChildProcess final : public RunningNode {
   void request_stop() override {
     if (!status_) ::kill(pid_, SIGTERM);
   }
+  void let_begin() override { starter_.let_begin(); }
   std::optional<int> ended() override {
     int raw = 0;
     if (!status_ && waitpid(pid_, &raw, WNOHANG) == pid_)
@@ -77,6 +84,7 @@ class ChildProcess final : public RunningNode {
   void kill() override { ::kill(pid_, SIGKILL); }
   std::string name_;
   std::chrono::milliseconds patience_;
+  runtime::Starter starter_;
   pid_t pid_ = 0;
   std::optional<int> status_;
 };
@@ -184,7 +192,7 @@ std::unique_ptr<RunningNode> start_page(const runtime::NodeOptions& o, const sce
   if (!o.security.empty()) arguments.insert(arguments.end(), {"--security", o.security.string()});
   if (o.ros == bus::RosGraph::kHumble) arguments.insert(arguments.end(), {"--ros", "humble"});
   scene_build::append_arguments(cache, arguments);
-  return std::make_unique<ChildProcess>("view", program_folder() / "voxtouch", arguments, kPatience);
+  return std::make_unique<ChildProcess>("view", program_folder() / "voxtouch", arguments, runtime::Starter(), kPatience);
 }
 
 std::vector<std::unique_ptr<RunningNode>> launch(LauncherOptions& o) {
@@ -194,10 +202,10 @@ std::vector<std::unique_ptr<RunningNode>> launch(LauncherOptions& o) {
     if (o.one_process)
       nodes.push_back(std::make_unique<ThreadOfThisProcess>(name, options, std::move(run)));
     else
-      nodes.push_back(std::make_unique<ChildProcess>(name, program_folder() / ("voxtouch_" + name), arguments()));
+      nodes.push_back(std::make_unique<ChildProcess>(name, program_folder() / ("voxtouch_" + name), arguments(), runtime::Starter::make()));
   };
   const auto start_standby = [&](const std::string& role, const std::vector<std::string>& arguments) {
-    nodes.push_back(std::make_unique<ChildProcess>(runtime::standby_of(role), program_folder() / ("voxtouch_" + role), arguments));
+    nodes.push_back(std::make_unique<ChildProcess>(runtime::standby_of(role), program_folder() / ("voxtouch_" + role), arguments, runtime::Starter::make()));
   };
   using Stop = const std::atomic<bool>&;
   o.logger.realtime.mode = o.validator.realtime.mode = runtime::Realtime::kOff;  // taps

@@ -23,6 +23,8 @@ class RunningNode {
   virtual const std::string& name() const noexcept = 0;
   /// Asks it to end in order (SIGTERM, or its flag); does not wait, and does nothing to one that has ended.
   virtual void request_stop() = 0;
+  /// One that was started held joins the rig now.
+  virtual void let_begin() {}
   /// Exit status once it has ended (128 + signal number if one ended it); does not wait.
   virtual std::optional<int> ended() = 0;
   /// Waits; ends it by force if it has not gone by then. Returns the exit status.
@@ -48,7 +50,7 @@ struct LauncherOptions {
 };
 
 /// Starts logger, validator, coupling, rendering, their standbys, device. Order does not matter to them; this is the order of the returned list.
-/// `options` must outlive the members. Throws std::runtime_error if a program cannot be started.
+/// Processes are held (nodes/runtime/held_start.hpp) until `let_begin`; threads join the rig at once. `options` must outlive the members. Throws std::runtime_error if a program cannot be started.
 std::vector<std::unique_ptr<RunningNode>> launch(LauncherOptions& options);
 
 /// The page of `up --view`: `voxtouch view` as a process of its own, whose end the ring does not notice. Shows the ring of `options` and

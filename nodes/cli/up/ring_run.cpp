@@ -12,6 +12,7 @@
 #include "nodes/cli/up/up_checks.hpp"
 #include "nodes/faults/fault_bag.hpp"
 #include "nodes/log/tell.hpp"
+#include "nodes/runtime/clock.hpp"
 #include "nodes/runtime/signals.hpp"
 
 namespace voxtouch::cli {
@@ -38,9 +39,12 @@ RingRun::~RingRun() {
 }
 
 RunSummary RingRun::go() {
-  require_free_rig();
   launcher_options_ = launcher_options();
-  if (!runtime::stop_requested().load()) children_ = launch(launcher_options_);
+  const bool held = !launcher_options_.one_process;  // processes get ready while this one looks
+  if (held && !runtime::stop_requested().load()) children_ = launch(launcher_options_);
+  require_free_rig();
+  if (!held && !runtime::stop_requested().load()) children_ = launch(launcher_options_);
+  for (const auto& child : children_) child->let_begin();
   watch();
   stop_all();
   judge(summary_);
@@ -58,13 +62,19 @@ void RingRun::require_free_rig() {
     if (other.state == runtime::NodeState::kStopped || other.state == runtime::NodeState::kFailed) return false;
     return other.node != "up" || other.state == runtime::NodeState::kRunning || other.participant < participant_.guid();
   };
-  announce(runtime::NodeState::kStarting);
-  if (const auto other = runtime::look_for(registry_, in_the_way, std::chrono::milliseconds(500)))
+  // Of half a second since it was announced; at least as long as it takes to look twice, for what came meanwhile lies here.
+  const std::int64_t left_ms = 500 - (runtime::monotonic_ns() - announced_ns_) / 1'000'000;
+  if (const auto other = runtime::look_for(registry_, in_the_way, std::chrono::milliseconds(std::max<std::int64_t>(left_ms, 50))))
     throw std::runtime_error(
         fmt::format("rig '{}' is in use on domain {}: its {} node runs as process {} on {}. Stop that ring, or "
                     "choose another --rig or --domain",
                     options_.node.rig, options_.node.domain, other->node, other->pid, other->host));
   announce(runtime::NodeState::kRunning);
+}
+
+void RingRun::announce_start() {
+  announce(runtime::NodeState::kStarting);
+  announced_ns_ = runtime::monotonic_ns();
 }
 
 void RingRun::announce(runtime::NodeState state) {

@@ -31,13 +31,15 @@ class RingRun {
   RingRun(const RingRun&) = delete;
   RingRun& operator=(const RingRun&) = delete;
 
+  /// Says that this ring is about to start. What is done between this and `go`, such as checks, is not waited for once more.
+  void announce_start();
   /// Returns once every node has ended. Throws std::runtime_error, a sentence, where the rig is in use or a node cannot be started.
   RunSummary go();
 
  private:
   // Starting and stopping.
-  /// Says that it is here before it looks, so that of two that are started at once each sees the other: the one with the smaller GUID
-  /// goes on, the other says so before it has started anything. One that runs already stays.
+  /// It has said that it is here before it looks, so that of two that are started at once each sees the other: the one with the smaller GUID
+  /// goes on, the other says so before any node of its has joined the rig. One that runs already stays.
   void require_free_rig();
   void announce(runtime::NodeState state);
   LauncherOptions launcher_options() const;
@@ -90,6 +92,7 @@ class RingRun {
   std::string external_writer_;           ///< whom the effect follows, as it was said
   std::set<std::string> locked_;          ///< locks of the coupling that were told of
   std::set<std::string> hanging_;         ///< members that give no sign of life now
+  std::int64_t announced_ns_ = 0;         ///< when it said that it is here
   std::set<std::string> noted_;  ///< members whose end is among the problems
   RunSummary summary_;
 };

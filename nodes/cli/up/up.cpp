@@ -44,6 +44,8 @@ RunSummary run_up(const UpOptions& options) {
   const scene::Scene scene = scene::load_scene(options.node.scene);
   std::unique_ptr<RunningNode> page;  // first: what takes long to build can be looked at meanwhile
   if (options.view) page = start_page(options.node, options.ring.rendering.cache);
+  RingRun run(options, scene);
+  run.announce_start();
   const device_node::Options& device = options.ring.device;
   std::vector<std::string> warnings = scene.warnings;
   const std::vector<std::string> notes = check_before_start(
@@ -53,7 +55,7 @@ RunSummary run_up(const UpOptions& options) {
   std::ranges::copy(warnings_of_machine(options.node.scheduling()), std::back_inserter(warnings));
   for (const std::string& line : few_warnings(warnings, options.node.scene.string())) log::tell("{}\n", line);
   for (const std::string& note : notes) log::tell("note: {}\n", note);
-  return RingRun(options, scene).go();
+  return run.go();
 }
 
 int up(const UpOptions& options) {

@@ -1,12 +1,14 @@
 // A brick's distances, many nodes at once, are what each node would get from the tree alone, to the bit.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <numeric>
 #include <random>
 
 #include "core/voxmap/brick_distances.hpp"
+#include "core/voxmap/brick_range.hpp"
 #include "tests/support/seed.hpp"
 
 namespace voxtouch::test::brick_distances {
@@ -45,12 +47,13 @@ int different(const Soup& soup, std::mt19937_64& random, int bricks) {
     voxmap::BrickLimits limit;
     for (double& most : limit) most = random() % 2 == 0 ? -12.0 : 2.0;
     voxmap::DistanceField::Brick brick;
-    voxmap::signed_distances(tree, first, limit, brick);
+    voxmap::signed_distances(tree, first, limit, n % 3 == 0 ? static_cast<std::uint32_t>(random() % soup.all.size()) : DistanceTree::kNoPlace, brick);
     bool same = true;
-    for (int at = 0; at < static_cast<int>(brick.size()); ++at) {
-      const auto node = static_cast<std::size_t>(at);
-      const double distance = tree.nearest(first + Vec3(at % 9, at / 9 % 9, at / 81), std::abs(limit[node]));
-      same = same && std::bit_cast<std::uint32_t>(static_cast<float>(limit[node] < 0.0 ? -distance : distance)) == std::bit_cast<std::uint32_t>(brick[node]);
+    for (int at = 0; at < 512; ++at) {
+      const int x = at % 8, y = at / 8 % 8, z = at / 64;
+      const double most = limit[voxmap::own_node(x, y, z)], distance = tree.nearest(first + Vec3(x, y, z), std::abs(most));
+      same = same && std::bit_cast<std::uint32_t>(static_cast<float>(most < 0.0 ? -distance : distance)) ==
+                         std::bit_cast<std::uint32_t>(brick[voxmap::node_of_brick(x, y, z)]);
     }
     wrong += !same;
   }
@@ -68,10 +71,49 @@ TEST(BrickDistances, AreTheLimitsWhereNothingIsNear) {
   const voxmap::GridMesh in_grid(empty, {Vec3::Zero(), 1.0});
   const DistanceTree tree(in_grid, {});
   voxmap::BrickLimits limit;
-  limit.fill(-12.0), limit[5] = 2.0;
+  limit.fill(-12.0), limit[voxmap::own_node(5, 0, 0)] = 2.0;
   voxmap::DistanceField::Brick brick;
-  voxmap::signed_distances(tree, Vec3::Zero(), limit, brick);
-  for (std::size_t n = 0; n < brick.size(); ++n) EXPECT_EQ(brick[n], n == 5 ? 2.0F : -12.0F);
+  brick.fill(7.0F);
+  voxmap::signed_distances(tree, Vec3::Zero(), limit, DistanceTree::kNoPlace, brick);
+  for (int n = 0; n < 729; ++n) {
+    const bool own = n % 9 < 8 && n / 9 % 9 < 8 && n / 81 < 8;
+    EXPECT_EQ(brick[static_cast<std::size_t>(n)], !own ? 7.0F : n == 5 ? 2.0F : -12.0F);
+  }
+}
+
+/// Inside, no gradient of the interpolation is longer than said, and some is nearly as long, but for the eighth of a voxel to which it is known.
+TEST(BrickDistances, TheRangeOfABrickHoldsItsNodesAndTheGradientsInside) {
+  std::mt19937_64 random(voxtouch::testing::seed(3));
+  std::uniform_real_distribution<double> place(0.0, 1.0);
+  for (int trial = 0; trial < 20; ++trial) {
+    // Two planes that meet in an edge, from inside or outside, at any angle.
+    const Vec3 a = Vec3(place(random) - 0.5, place(random) - 0.5, place(random) - 0.5).normalized(), b = Vec3(place(random) - 0.5, place(random) - 0.5, place(random) - 0.5).normalized();
+    voxmap::DistanceField::Brick brick;
+    for (int n = 0; n < 729; ++n) {
+      const Vec3 at = Vec3(n % 9, n / 9 % 9, n / 81) - Vec3::Constant(4.0);
+      const double one = a.dot(at) - 0.3, other = b.dot(at) - 0.4;
+      brick[static_cast<std::size_t>(n)] = static_cast<float>(trial % 2 == 0 ? std::min(one, other) : std::max(one, other));
+    }
+    const voxmap::BrickRange range = voxmap::range_of(brick);
+    EXPECT_EQ(range.least, *std::min_element(brick.begin(), brick.end()));
+    EXPECT_EQ(range.most, *std::max_element(brick.begin(), brick.end()));
+    double steepest = 1.0;
+    for (int n = 0; n < 200'000; ++n) {
+      const int x = static_cast<int>(random() % 8), y = static_cast<int>(random() % 8), z = static_cast<int>(random() % 8);
+      const Vec3 t(place(random), place(random), place(random));
+      double value = 0.0;
+      Vec3 gradient = Vec3::Zero();
+      for (int c = 0; c < 8; ++c) {
+        const double d = brick[voxmap::node_of_brick(x + (c & 1), y + (c >> 1 & 1), z + (c >> 2))];
+        const Vec3 w((c & 1) ? t.x() : 1.0 - t.x(), (c >> 1 & 1) ? t.y() : 1.0 - t.y(), (c >> 2) ? t.z() : 1.0 - t.z());
+        value += d * w.x() * w.y() * w.z();
+        gradient += d * Vec3(((c & 1) ? 1 : -1) * w.y() * w.z(), ((c >> 1 & 1) ? 1 : -1) * w.x() * w.z(), ((c >> 2) ? 1 : -1) * w.x() * w.y());
+      }
+      if (value < 0.0) steepest = std::max(steepest, gradient.squaredNorm());
+    }
+    EXPECT_LE(steepest, range.steepest_square * (1.0 + 1e-5));
+    EXPECT_GE(steepest, 0.75 * range.steepest_square);
+  }
 }
 
 TEST(BrickDistances, SquaresOfManyPointsAreThoseThatOneIsComparedBy) {

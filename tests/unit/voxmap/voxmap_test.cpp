@@ -118,6 +118,34 @@ TEST(Voxmap, FreeDistanceIsALowerBoundEverywhere) {
   }
 }
 
+/// Of a table much larger than its surface: cells are longer, so that bytes stay few, and bounds are as much coarser.
+TEST(Voxmap, FreeDistanceTakesLongerCellsInALargeTable) {
+  std::mt19937 random(7);
+  Voxmap map({}, {0, 0, 0}, {1100, 1100, 1100});
+  std::vector<VoxelIndex> occupied;
+  for (int n = 0; n < 40; ++n) {
+    occupied.push_back(random_voxel(random, 0, 1100));
+    map.set(occupied.back(), n % 2 ? VoxelKind::kSurface : VoxelKind::kInterior);
+  }
+  map.finish();
+  ASSERT_GT(map.arrays().free_shift, free_distance::kLeastShift);
+  const double step = free_distance::step_of(map.arrays().free_shift);
+  const std::size_t table = 4 * static_cast<std::size_t>(map.cells()[0] * map.cells()[1] * map.cells()[2]);
+  EXPECT_LE(map.bytes(), table + 42 * sizeof(Voxmap::Brick) + free_distance::kFewBytes);
+  std::uniform_real_distribution<double> pick(-200.0, 1300.0);
+  for (int n = 0; n < 20000; ++n) {
+    const Vec3 u(pick(random), pick(random), pick(random));
+    double nearest = 1e9;
+    for (const VoxelIndex& v : occupied) nearest = std::min(nearest, distance_to(v, u));
+    const double bound = map.free_distance_voxels(u);
+    ASSERT_LE(bound, nearest) << u.transpose();
+    // Within the exact reach: the way to a cell's centre and back, what lies beside a voxel in its half of a cell, the byte's own steps.
+    if (nearest < 50.0 * step && (u.array() > 0.0).all() && (u.array() < 1100.0).all()) {
+      ASSERT_GE(bound, nearest - step * (4.0 * std::sqrt(3.0) + 2.0 * std::sqrt(3.0) + 0.5)) << u.transpose();
+    }
+  }
+}
+
 TEST(Voxmap, FreeDistanceFallsShortOfTheTruthByLittle) {
   Voxmap map({}, {0, 0, 0}, {60, 60, 60});
   map.set({32, 0, 0}, VoxelKind::kSurface);

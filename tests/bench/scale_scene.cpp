@@ -1,0 +1,48 @@
+#include "tests/bench/scale_scene.hpp"
+
+#include "core/contact/contact_query.hpp"
+#include "core/contact/query_kernel.hpp"
+
+namespace voxtouch::bench {
+namespace {
+
+/// How many groups of spheres a look-up at this pose looks at.
+double looked_at(const contact::ContactQuery& query, const Pose& pose) {
+  contact::HitSource source;
+  source.edge = query.voxmap().grid().edge;
+  const Mat3 rotation = pose.orientation.toRotationMatrix();
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) source.r[row][column] = rotation(row, column);
+    source.t[row] = pose.position[row] - query.voxmap().grid().origin[row];
+  }
+  contact::QueryFrame frame;
+  if (!contact::make_query_frame(query.voxmap(), source, query.reach_m(), frame)) return 0.0;
+  const contact::QueryData data{&query.voxmap(), query.shell().size(), &query.tree(), nullptr, nullptr, nullptr};  // no point is looked at
+  std::vector<std::uint32_t> leaves(query.shell().size() / contact::SphereTree::kLeafPoints + 1);
+  const contact::NearLeaves near = contact::near_leaves(data, frame, query.tree(), 0, SIZE_MAX, leaves.data());
+  return static_cast<double>((near.work - contact::SphereTree::kLeafPoints * near.count) / contact::kPointsPerLook);
+}
+
+}  // namespace
+
+voxmap::Grid grid_of(int resolution) {
+  const double edge = kEdge * 256.0 / resolution;
+  return {edge * Vec3(0.06, 0.08, 0.1), edge};
+}
+
+FrameCounts frame_counts(const voxmap::Voxmap& map, Place place, std::size_t points) {
+  const contact::ContactQuery query(map, tool(place, points));
+  contact::HitList hits;
+  hits.reserve(points);
+  FrameCounts sum;
+  const std::vector<Pose> poses = path(place);
+  for (const Pose& pose : poses) {
+    query.find(pose, hits);
+    sum.tested += hits.tested, sum.not_free += static_cast<double>(hits.surface.size() + hits.interior.size());
+    sum.looked_at += looked_at(query, pose);
+  }
+  const auto frames = static_cast<double>(poses.size());
+  return {sum.tested / frames, sum.not_free / frames, sum.looked_at / frames};
+}
+
+}  // namespace voxtouch::bench
