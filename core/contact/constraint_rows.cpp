@@ -139,8 +139,8 @@ bool row_at(const Hit& hit, bool in_surface, const voxmap::DistanceField& field,
 
 bool make_row(const Hit& hit, bool in_surface, const voxmap::DistanceField& field, const RowFrame& frame, ConstraintRow& row) noexcept {
   const voxmap::FieldSample at = field.at((frame.local + hit.arm) / field.grid().edge);
-  const double steepness = at.gradient.norm();
-  return row_at(hit, in_surface, field, at.gradient, steepness, {at.gradient / steepness, at.distance_m / steepness}, frame, row);
+  const double steepness = at.gradient.norm(), divisor = steepness > 0.0 ? steepness : 1.0;
+  return row_at(hit, in_surface, field, at.gradient, steepness, {at.gradient / divisor, at.distance_m / divisor}, frame, row);
 }
 
 void add_rows(const Hits& hits, bool in_surface, const voxmap::DistanceField& field, const RowFrame& frame, std::vector<ConstraintRow>& rows) noexcept {

@@ -75,9 +75,10 @@ VOXTOUCH_CLONES void divide(const FieldSamples& __restrict samples, std::size_t 
   for (std::size_t n = 0; n < filled; ++n) {
     const double gx = samples.gradient[0][n], gy = samples.gradient[1][n], gz = samples.gradient[2][n];
     const double steepness = std::sqrt(dot(gx * gx, gy * gy, gz * gz));
+    const double divisor = steepness > 0.0 ? steepness : 1.0;  // no plane there, and no division by zero
     planes.steepness[n] = steepness;
-    planes.normal[0][n] = gx / steepness, planes.normal[1][n] = gy / steepness, planes.normal[2][n] = gz / steepness;
-    planes.gap_m[n] = samples.distance_m[n] / steepness;
+    planes.normal[0][n] = gx / divisor, planes.normal[1][n] = gy / divisor, planes.normal[2][n] = gz / divisor;
+    planes.gap_m[n] = samples.distance_m[n] / divisor;
   }
 }
 
@@ -91,7 +92,8 @@ VOXTOUCH_CLONES void weigh(const HitBlock& __restrict block, const FieldSamples&
     const double nx = block.normal[0][n], ny = block.normal[1][n], nz = block.normal[2][n];
     const double weight = block.weight[n], push = weight * -samples.distance_m[n];
     const double squared = dot(gx * gx, gy * gy, gz * gz), steepness = std::sqrt(squared);
-    const double over = steepness > 0.0 ? 1.0 / steepness : 1.0;
+    const double divisor = steepness > 0.0 ? steepness : 1.0;  // before the division: vectors divide in all lanes
+    const double over = 1.0 / divisor;
     normal.j[0][n] = nx, normal.j[1][n] = ny, normal.j[2][n] = nz;
     gradient.j[0][n] = gx * over, gradient.j[1][n] = gy * over, gradient.j[2][n] = gz * over;
     normal.push[n] = push > 0.0 ? push : 0.0;
