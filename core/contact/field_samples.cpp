@@ -71,11 +71,14 @@ VOXTOUCH_CLONES void interpolate(const Places& __restrict places, const double (
 /// Three products, added as Eigen adds them in a dot product: the first two are a packet.
 VOXTOUCH_INLINE double dot(double x, double y, double z) noexcept { return (x + y) + z; }
 
+/// `length` >= 0 to divide by. A sum, since of a choice between it and a constant GCC 12 makes a choice between quotients, and divides by zero.
+VOXTOUCH_INLINE double one_where_zero(double length) noexcept { return length + (length > 0.0 ? 0.0 : 1.0); }
+
 VOXTOUCH_CLONES void divide(const FieldSamples& __restrict samples, std::size_t filled, FieldPlanes& __restrict planes) noexcept {
   for (std::size_t n = 0; n < filled; ++n) {
     const double gx = samples.gradient[0][n], gy = samples.gradient[1][n], gz = samples.gradient[2][n];
     const double steepness = std::sqrt(dot(gx * gx, gy * gy, gz * gz));
-    const double divisor = steepness > 0.0 ? steepness : 1.0;  // no plane there, and no division by zero
+    const double divisor = one_where_zero(steepness);  // no plane there
     planes.steepness[n] = steepness;
     planes.normal[0][n] = gx / divisor, planes.normal[1][n] = gy / divisor, planes.normal[2][n] = gz / divisor;
     planes.gap_m[n] = samples.distance_m[n] / divisor;
@@ -92,8 +95,7 @@ VOXTOUCH_CLONES void weigh(const HitBlock& __restrict block, const FieldSamples&
     const double nx = block.normal[0][n], ny = block.normal[1][n], nz = block.normal[2][n];
     const double weight = block.weight[n], push = weight * -samples.distance_m[n];
     const double squared = dot(gx * gx, gy * gy, gz * gz), steepness = std::sqrt(squared);
-    const double divisor = steepness > 0.0 ? steepness : 1.0;  // before the division: vectors divide in all lanes
-    const double over = 1.0 / divisor;
+    const double over = 1.0 / one_where_zero(steepness);
     normal.j[0][n] = nx, normal.j[1][n] = ny, normal.j[2][n] = nz;
     gradient.j[0][n] = gx * over, gradient.j[1][n] = gy * over, gradient.j[2][n] = gz * over;
     normal.push[n] = push > 0.0 ? push : 0.0;
