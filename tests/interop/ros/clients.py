@@ -57,9 +57,9 @@ def table(rows):
 
 def own_gaps(summary):
     """A sample that the ring itself has not answered has no ContactState and no ForceCommand that a client could lose."""
-    samples, answered = summary["samples"], summary["answered"]
-    return (f"Over all of this time the ring itself left {samples - answered} of {samples} samples without an answer ({100 * (samples - answered) / samples:.2f} %): their "
-            "ContactState and ForceCommand were never written, and count as lost above.\n")
+    share = 1.0 - summary["limits"]["answered_share"]["value"]
+    return (f"From its first answer on the ring itself left {100 * share:.2f} % of its samples without one: their ContactState and ForceCommand were never written, and "
+            "count as lost above.\n")
 
 
 def main():
