@@ -21,6 +21,7 @@ import json
 import math
 import os
 import pathlib
+import subprocess
 import sys
 import warnings
 
@@ -106,8 +107,20 @@ def write_report(bag, page, beside=None, rig="", progress=lambda share: None):
 
 
 # ----------------------------------------------------------------------------------------------------------------------- command
+class Version(argparse.Action):
+    """As the program says that this tool stands beside."""
+
+    def __call__(self, parser, *unused):
+        program = pathlib.Path(sys.argv[0]).parent / "voxtouch"
+        try:
+            parser.exit(0, subprocess.run([program, "--version"], capture_output=True, text=True, check=True).stdout)
+        except (OSError, subprocess.CalledProcessError):
+            parser.exit(1, f"{program} is not there to say its version\n")
+
+
 def main(arguments=None):
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--version", action=Version, nargs=0, help="says the version and ends")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
 
     def command(name, data, what):

@@ -25,6 +25,7 @@ BIN, DEPLOY = (pathlib.Path(argument).resolve() for argument in sys.argv[1:3])
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(DEPLOY / "tools"))
 import plot  # noqa: E402
+from plot_layout import new_figure  # noqa: E402
 import run_data  # noqa: E402
 import run_page  # noqa: E402
 import run_pictures  # noqa: E402
@@ -330,7 +331,7 @@ class Reports(unittest.TestCase):
         half = [0.0] * 3000 + [5.0 * math.sin(math.pi * i / 100) for i in range(100)]
         self.assertGreater(plot.robust_limit(half), 5.0, "a short hit is no spike")
         with plot.matplotlib.rc_context(plot.STYLE):
-            figure, axes = plot.new_figure("a", "b")
+            figure, axes = new_figure("a", "b")
             axes[0][0].set_xlim(0, 4)
             self.assertEqual(plot.mark_beyond(axes[0][0], [1e-3 * i for i in range(4000)], spiked, limit, "N", plot.RED), 1)
             self.assertIn("up to 50 N at 2.00 s", axes[0][0].texts[-1].get_text())

@@ -21,7 +21,8 @@ import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 sys.path.insert(0, str(ROOT / "deploy/tools"))
-import plot  # its colours, and its reader of bags
+import plot  # its colours
+from plot_forces import read_run
 
 if plot.NO_MATPLOTLIB:
     sys.exit(plot.NO_MATPLOTLIB)
@@ -222,7 +223,7 @@ def ring(page, build, out, quick):
                 rows.append([device, motion, coupling, "refused: " + "; ".join(problems)])
                 axis.text(0.5, 0.5, "refused", transform=axis.transAxes, ha="center")
                 continue
-            raw, returned, _ = plot.read_run(bag, "haptic")
+            raw, returned, _ = read_run(bag, "haptic")
             axis.plot(raw["t"], raw["all"], lw=0.5, color=ORANGE, label="contact force, raw")
             axis.plot(returned["t"], returned["force"], lw=1.6, color=BLUE, label="returned to the hand")
             axis.set_ylabel("force [N]")
