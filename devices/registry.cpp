@@ -10,6 +10,7 @@
 #include "devices/fr3/counterpart.hpp"
 #include "devices/lwr/counterpart.hpp"
 #include "devices/phantom/counterpart.hpp"
+#include "devices/recorded/recorded_device.hpp"
 #include "devices/settings.hpp"
 #include "devices/sim/described.hpp"
 #include "devices/sim/simulated_device.hpp"
@@ -39,7 +40,7 @@ struct Entry {
   std::string_view name;
   std::unique_ptr<Driver> (*open)(const DeviceOptions&);
   DeviceDescription (*describe)(const DeviceOptions&);
-  sim::OperatorConfig (*hand)(const DeviceOptions&);  ///< null: a person holds it
+  sim::OperatorConfig (*hand)(const DeviceOptions&);  ///< null: no simulated hand holds it
 };
 
 const std::array kEntries{
@@ -61,11 +62,14 @@ const Entry kDescribed{kDescribedPrefix, [](const DeviceOptions& o) { return ope
                        [](const DeviceOptions& o) { return describe_simulated("sim:FILE", sim::simulated(described(o)), o); },
                        [](const DeviceOptions& o) { return sim::simulated(described(o)).hand; }};
 
+const Entry kRecorded{kRecordedPrefix, recorded::open_recorded, recorded::describe_recorded, nullptr};
+
 const Entry& find(std::string_view name) {
   if (name.starts_with(kDescribedPrefix)) return kDescribed;
+  if (name.starts_with(kRecordedPrefix)) return kRecorded;
   const auto found = std::find_if(kEntries.begin(), kEntries.end(), [&](const Entry& e) { return e.name == name; });
   if (found == kEntries.end())
-    throw DeviceOpenError(fmt::format("device '{}' is unknown; known are {}, and sim:FILE for a device that a file describes", name, fmt::join(device_names(), ", ")));
+    throw DeviceOpenError(fmt::format("device '{}' is unknown; known are {}, sim:FILE for a device that a file describes, and replay:BAG for a recorded hand", name, fmt::join(device_names(), ", ")));
   return *found;
 }
 
@@ -93,7 +97,7 @@ std::unique_ptr<Driver> open_device(std::string_view name, const DeviceOptions& 
     require_possible(name, driver->description());
     return driver;
   } catch (const DeviceOpenError& error) {
-    if (entry.hand != nullptr) throw;
+    if (entry.hand != nullptr || is_recording(name)) throw;
     throw DeviceOpenError(fmt::format("{} (without the hardware: '--device wire-{}')", error.what(), name));
   } catch (const std::runtime_error& error) {
     throw DeviceOpenError(fmt::format("device '{}' cannot be opened: {}", name, error.what()));
@@ -102,15 +106,18 @@ std::unique_ptr<Driver> open_device(std::string_view name, const DeviceOptions& 
 
 DeviceDescription describe_device(std::string_view name, const DeviceOptions& options) {
   DeviceDescription description = find(name).describe(options);
-  description.simulated = name.starts_with("sim-") || name.starts_with(kDescribedPrefix);
+  description.simulated = name.starts_with("sim-") || name.starts_with(kDescribedPrefix) || is_recording(name);
   require_possible(name, description);
   return description;
 }
+
+bool is_recording(std::string_view name) noexcept { return name.starts_with(kRecordedPrefix); }
 
 bool has_simulated_hand(std::string_view name) { return find(name).hand != nullptr; }
 
 sim::OperatorConfig usual_hand(std::string_view name, const DeviceOptions& options) {
   const Entry& entry = find(name);
+  if (is_recording(name)) throw DeviceOpenError("a recorded hand goes where it was recorded: no other hand can be simulated on it");
   if (entry.hand == nullptr)
     throw DeviceOpenError(fmt::format("device '{}' is held by a person: no hand can be simulated on it", name));
   return entry.hand(options);

@@ -26,10 +26,15 @@ DeviceDescription describe_device(std::string_view name, const DeviceOptions& op
 /// A name that stands for a device in a file.
 inline constexpr std::string_view kDescribedPrefix = "sim:";
 
-/// A simulated hand holds it, and follows options.motion; else it is a person's.
+/// Before the folder or file of a recording, whose device samples are played: a device without a hand that feels.
+inline constexpr std::string_view kRecordedPrefix = "replay:";
+/// Whether the name is one of those.
+bool is_recording(std::string_view name) noexcept;
+
+/// A simulated hand holds it, and follows options.motion; else it is a person's, or a recorded one.
 bool has_simulated_hand(std::string_view name);
 
-/// How a simulated hand usually holds the device: a start for options.hand. Throws for an unknown name, and for hardware.
+/// How a simulated hand usually holds the device: a start for options.hand. Throws for an unknown name, for hardware and for a recording.
 sim::OperatorConfig usual_hand(std::string_view name, const DeviceOptions& options = {});
 
 }  // namespace voxtouch::devices

@@ -70,9 +70,13 @@ _voxtouch() {
   case $before in
     --device)
       # A colon parts words for bash: what stands in front of it is kept out of the reply.
-      choices="sim-phantom sim-lwr wire-phantom wire-lwr wire-fr3 phantom lwr fr3 $(_voxtouch_names "$share/devices" | sed 's/^/sim:/')"
+      choices="sim-phantom sim-lwr wire-phantom wire-lwr wire-fr3 phantom lwr fr3 replay: $(_voxtouch_names "$share/devices" | sed 's/^/sim:/')"
       ;;
-    :) COMPREPLY=($(compgen -W "$(_voxtouch_names "$share/devices")" -- "$current"; compgen -f -- "$current")); return ;;
+    :)
+      [[ ${COMP_WORDS[COMP_CWORD - 2]} == replay ]] || COMPREPLY=($(compgen -W "$(_voxtouch_names "$share/devices")" -- "$current"))
+      COMPREPLY+=($(compgen -f -- "$current"))
+      return
+      ;;
     --motion) choices=$(_voxtouch_motions "$(_voxtouch_scene_file "$program" "$scene")") ;;
     --scene) choices=$(_voxtouch_names "$share/scenes") ;;
     --interface) choices="host lo $(ls /sys/class/net 2>/dev/null)" ;;

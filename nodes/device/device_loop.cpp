@@ -154,6 +154,7 @@ bool DeviceLoop::publish(const devices::DeviceSample& sample, const std::atomic<
   state.flags = (driver_.simulated() ? msg::device_state::kFlagSimulated : 0U) |
                 (settings_.lockstep ? msg::device_state::kFlagLockstep : 0U) |
                 (progress_.lock.engaged() ? msg::device_state::kFlagLocked : 0U) |
+                (driver_.recorded_samples() > 0 ? msg::device_state::kFlagRecorded : 0U) |
                 (guard_.fraction() > 0 ? msg::device_state::kFlagForceOn : 0U) |
                 (trusted ? 0U : msg::device_state::kFlagPoseHeld);
   seen_.state = state, seen_.answered = false;

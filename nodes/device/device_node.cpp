@@ -20,6 +20,7 @@
 #include "nodes/device/device_loop.hpp"
 #include "nodes/device/joint_outputs.hpp"
 #include "nodes/device/last_second.hpp"
+#include "nodes/device/recording.hpp"
 #include "nodes/log/tell.hpp"
 #include "nodes/runtime/clock.hpp"
 #include "nodes/runtime/device_message.hpp"
@@ -151,12 +152,13 @@ class DeviceNode {
     device.seed = options_.seed;
     device.motion = motion;
     device.described = description_of(options_.device);
-    device.hand = choose_hand(options_.device, options_.hand, device);
     device.lockstep = options_.lockstep;
     device.settings = devices::parse_settings(options_.settings);
+    device.recorded = recorded_hand(options_.device, device.settings);
+    device.hand = choose_hand(options_.device, options_.hand, device);
     device.cancelled = &stop;
     try {
-      if (options_.lockstep && !devices::has_simulated_hand(options_.device))
+      if (options_.lockstep && !devices::has_simulated_hand(options_.device) && !device.recorded)
         throw devices::DeviceOpenError(options_.device + " lives in real time: --lockstep needs a simulated device");
       std::unique_ptr<devices::Driver> driver = devices::open_device(options_.device, device);
       if (options_.lockstep && !driver->simulated())
@@ -196,6 +198,7 @@ class DeviceNode {
     s.epoch_ns = options_.lockstep ? 0 : runtime::realtime_ns();
     s.max_samples = static_cast<std::uint64_t>(
         std::ceil(options_.duration_s * driver_->description().rate_hz - 1e-6));  // 0 only for 0
+    if (const std::uint64_t recorded = driver_->recorded_samples(); recorded > 0) s.max_samples = s.max_samples ? std::min(s.max_samples, recorded) : recorded;
     return s;
   }
 
@@ -330,6 +333,7 @@ class DeviceNode {
     report.values = {{"scene", scene_.name},
                      {"scene_hash", scene_.hash},
                      {"device", driver_->description().model},
+                     {"recorded", driver_->recorded_samples() ? options_.device.substr(devices::kRecordedPrefix.size()) : ""},
                      {"trouble", trouble_}};
     const bool timed = !options_.lockstep;  // a run in lockstep must not differ from the next by what a clock says
     const std::int64_t started = progress_.started_ns.load(), ended = progress_.ended_ns.load();
@@ -414,7 +418,7 @@ std::string check_duration(const std::string& text) {
 }  // namespace
 
 void add_device_options(CLI::App& app, Options& options) {
-  app.add_option("--device", options.device, fmt::format("{}; sim:FILE, or sim: and one of {}: as a file describes it", fmt::join(devices::device_names(), ", "),
+  app.add_option("--device", options.device, fmt::format("{}; sim:FILE, or sim: and one of {}: as a file describes it; replay:BAG: the hand of a recording,\nwhich no force moves", fmt::join(devices::device_names(), ", "),
                                                  fmt::join(shipped_devices(), ", ")))->capture_default_str();
   app.add_option("--device-option", options.settings,
                  "KEY=VALUE of this device (deploy/devices/*.md list them); may be given more than once")

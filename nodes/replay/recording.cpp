@@ -10,8 +10,8 @@
 #include <fmt/ranges.h>
 
 #include "nodes/bag/bag_reader.hpp"
+#include "nodes/bus/message_bytes.hpp"
 #include "nodes/rendering/kept_change.hpp"
-#include "nodes/replay/message_bytes.hpp"
 #include "nodes/runtime/device_message.hpp"
 #include "qos/topics.hpp"
 
@@ -118,7 +118,7 @@ class Collector {
   template <class T>
   void stream(const bag::BagMessage& m, std::optional<T> RecordedSample::*where) {
     T message;
-    if (!read_stream(m.bytes, message)) strange(msg::Type<T>::ros_name);
+    if (!bus::read_stream(m.bytes, message)) strange(msg::Type<T>::ros_name);
     RecordedSample& sample = session(message.session_id).samples[message.sequence_number];
     if (sample.*where) {
       ++doubled_;
@@ -131,7 +131,7 @@ class Collector {
 
   template <class T, class F>
   void text(const bag::BagMessage& m, F&& f) {
-    if (!read_message<T>(m.bytes, f)) strange(msg::Type<T>::ros_name);
+    if (!bus::read_message<T>(m.bytes, f)) strange(msg::Type<T>::ros_name);
   }
 
   void device(const msg::DeviceDescription& m, std::span<const std::byte> bytes) {

@@ -42,6 +42,8 @@ CASES = (
     (("voxtouch", "up", "cup", "--device", "sim"), {"sim-phantom", "sim-lwr", "sim:touch", "sim:fr3"}, {"phantom"}),
     (("voxtouch", "up", "cup", "--device", "sim", ":", "omega"), {"omega_3", "omega_6", "omega_7"}, {"touch"}),
     (("voxtouch", "up", "cup", "--device", "sim", ":"), {"omega_3", "touch"}, set()),
+    (("voxtouch", "up", "cup", "--device", "repl"), {"replay:"}, {"sim-phantom"}),
+    (("voxtouch", "up", "cup", "--device", "replay", ":", "/et"), {"/etc"}, {"touch"}),
     (("voxtouch", "up", "cup", "--realtime", ""), {"ignore", "enforce"}, set()),
     (("voxtouch", "up", "cup", "--hand", "pen"), {"pen", "pen-firm"}, {"arm"}),
     (("voxtouch", "change", "--model", ""), {"original", "adapted", "clustered", "field"}, set()),

@@ -135,6 +135,51 @@ class Replay(unittest.TestCase):
                          "  command   2000 samples compared, all equal to the bit\n"
                          "  All is equal to the bit.\n")
 
+    def test_a_recorded_hand_meets_in_a_live_ring_what_it_met_and_the_run_is_not_called_good(self):
+        played = self.folder / "played"
+        ran = voxtouch("up", DEPLOY / "scenes/cup.yaml", "--device", f"replay:{self.cup}", "--lockstep", "--one-process", "--no-report", "--record", played, "--json")
+        told = json.loads(ran.stdout)
+        self.assertEqual((ran.returncode, told["ok"]), (1, False), ran.stderr)
+        self.assertEqual([problem for problem in told["problems"] if "recording" not in problem], [], "nothing else is wrong")
+        self.assertIn(f"the hand was a recording ({self.cup})", told["problems"][0])
+        self.assertIn("the hand is a recording of 2.0 s", ran.stderr)
+        for topic in (CONTACT, COMMAND):  # behind the session, which is another
+            before, after = ([data[NUMBER:] for _, data in messages(bag, topic)] for bag in (self.cup, played))
+            self.assertEqual(len(before), 2000)
+            self.assertEqual(before, after, topic)
+        flags = [{struct.unpack_from("<I", data, len(data) - 4)[0] for _, data in messages(bag, STATE)} for bag in (self.cup, played)]
+        self.assertTrue(all(not flag & 32 for flag in flags[0]) and all(flag & 32 for flag in flags[1]), flags)
+        self.assertEqual(replay(played)[0], 0, "and its recording is one that can be replayed")
+
+    def test_a_recorded_hand_is_played_slower_and_over_what_a_bag_has_lost(self):
+        bag, played = self.copy(), self.folder / "slow"
+        row, _ = message_of(bag, STATE, 700)
+        self.assertEqual(edit(bag, "DELETE FROM messages WHERE id = ?", row), 1)
+        ran = voxtouch("up", DEPLOY / "scenes/cup.yaml", "--device", f"replay:{bag}", "--device-option", "speed=0.5", "--lockstep", "--one-process", "--no-report", "--record",
+                       played, "--json")
+        self.assertIn("1 gaps, the longest 2 ms", ran.stderr)
+        states = messages(played, STATE)
+        self.assertEqual(len(states), 3999)
+        half = [struct.unpack_from("<3d", data, POSE) for _, data in states]
+        whole = [struct.unpack_from("<3d", data, POSE) for _, data in messages(self.cup, STATE)]
+        self.assertEqual(half[0:1400:2], whole[0:700])
+        self.assertEqual(half[1402::2], whole[701:])
+        self.assertNotEqual(half[1400], whole[700], "it is reckoned")
+        self.assertTrue(all(abs(a - b) < 1e-4 for a, b in zip(half[1400], whole[700])), "and close: within some steps of the encoder")
+
+    def test_what_holds_no_hand_is_not_played(self):
+        empty = self.copy()
+        edit(empty, "DELETE FROM messages WHERE topic_id IN (SELECT id FROM topics WHERE name = '/haptic/device/description')")
+        unit = self.copy("unit")
+        row, data = message_of(unit, STATE, 5)
+        edit(unit, "UPDATE messages SET data = ? WHERE id = ?", data[:POSE] + struct.pack("<d", float("nan")) + data[POSE + 8:], row)
+        for bag, words, says in ((empty, (), "does not say what device gave its samples"), (unit, (), "pose of the device that this version does not read"),
+                                 (self.folder / "none", (), "none"), (self.cup, ("--device-option", "rig=other"), "holds no rig 'other', but haptic"),
+                                 (self.cup, ("--device-option", "speed=20"), "speed is '20'"), (self.cup, ("--hand", "pen"), "recorded hand goes where it was recorded")):
+            ran = voxtouch("up", DEPLOY / "scenes/cup.yaml", "--device", f"replay:{bag}", "--lockstep", "--one-process", "--no-report", "--no-record", *words)
+            self.assertEqual(ran.returncode, 1, says)
+            self.assertIn(says, ran.stderr + ran.stdout)
+
     def test_moving_objects_and_a_virtual_tool_give_the_same_bits(self):
         for scene, motion in (("objects", "slide"), ("cup_virtual_tool", "slide"), ("block", "fall")):
             with self.subTest(scene):

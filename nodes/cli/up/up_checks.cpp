@@ -18,6 +18,7 @@
 #include "nodes/cli/up/summary.hpp"
 #include "nodes/device/described_device.hpp"
 #include "nodes/device/device_node.hpp"
+#include "nodes/device/recording.hpp"
 #include "nodes/faults/force_lock.hpp"
 #include "nodes/runtime/signals.hpp"
 #include "nodes/scene_build/build_here.hpp"
@@ -95,6 +96,7 @@ std::vector<std::string> check_before_start(const scene::Scene& scene, const Pla
   options.settings = plans.settings;
   const std::optional<scene::DeviceFile> file = device_node::described_device(plans.device);
   if (file) options.described = file->description;
+  options.recorded = device_node::recorded_hand(plans.device, plans.settings);
   DeviceDescription description = devices::describe_device(plans.device, options);
   description.network_delay_s = 1e-3 * plans.network_delay_ms;
   const Motion motion = device_node::choose_motion(scene, plans.motion);
@@ -117,10 +119,11 @@ std::vector<std::string> check_before_start(const scene::Scene& scene, const Pla
     notes.push_back(plans.lockstep ? fmt::format("in lockstep the effect '{}' gives nothing: a value from outside comes at the wall's time, and no two runs would be the same",
                                                  external->name)
                                    : effects::no_certificate_sentence(external->name));
+  if (options.recorded) notes.push_back(device_node::about(*options.recorded, plans.device));
   const bool simulated_hand = devices::has_simulated_hand(plans.device);
   if (!simulated_hand && !plans.motion.empty())
     notes.push_back(
-        fmt::format("--motion {} moves a simulated hand; {} is moved by a person", plans.motion, plans.device));
+        fmt::format("--motion {} moves a simulated hand; {} is moved by {}", plans.motion, plans.device, options.recorded ? "a recorded one" : "a person"));
   if (simulated_hand && plans.motion.empty())
     notes.push_back("no --motion is given: the simulated hand rests where the scene's first motion starts");
   return notes;
@@ -158,6 +161,8 @@ void judge(RunSummary& s) {
         "all points in contact together showed {:.0f} N/m at the hand, more than the {:.0f} N/m that {} can show "
         "stably: lower the contact's stiffness, the coupling's gain or a scale of the device",
         felt, most, s.device));
+  if (const std::string bag = word(s.reports, "device", "recorded"); !bag.empty())
+    s.problems.push_back(fmt::format("the hand was a recording ({}) that no force moved: the loop was open, and the run says nothing of it", bag));
   if (s.problems.empty() && number(s.reports, "device", "samples") == 0)
     s.problems.push_back("the device gave no sample");
   const double zero_force = number(s.reports, "device", "zero_force_samples"),

@@ -197,7 +197,7 @@ TEST(Registry, InjectsTheFaultsOfACounterpartWhenTheyAreDue) {
 TEST(Registry, ListsTheKnownNamesForAnUnknownOne) {
   EXPECT_EQ(refusal("omni"),
             "device 'omni' is unknown; known are sim-phantom, sim-lwr, wire-phantom, wire-lwr, wire-fr3, phantom, lwr, fr3, "
-            "and sim:FILE for a device that a file describes");
+            "sim:FILE for a device that a file describes, and replay:BAG for a recorded hand");
   EXPECT_EQ(device_names().size(), 8U);
 }
 

@@ -30,6 +30,7 @@ class FaultyDevice final : public devices::Driver {
   int skipped_ticks = 0;
   std::uint64_t busy_at = 0;     ///< before this read the thread is kept from its work for three ticks
   std::function<void(std::uint64_t)> at_read;  ///< called at each
+  std::uint64_t recorded = 0;  ///< samples of the recording that it plays
   std::map<std::uint64_t, int> stops_ms;  ///< at these reads the whole process is stopped for so long: its own clock too
 
   FaultyDevice() {
@@ -70,6 +71,7 @@ class FaultyDevice final : public devices::Driver {
   }
   void stop() noexcept override { force = 0.0, ++stops; }
   bool simulated() const noexcept override { return !paces; }
+  std::uint64_t recorded_samples() const noexcept override { return recorded; }
   std::uint64_t reads() const { return reads_; }
 
   void set_rate(double rate_hz) { description_.rate_hz = rate_hz; }
@@ -320,6 +322,16 @@ TEST_F(DeviceLoopRun, MarksAPoseThatIsNotToBeTrustedAndSendsTheLastGoodOne) {
     flagged += untrusted;
   }
   EXPECT_GT(flagged, 50);
+}
+
+TEST_F(DeviceLoopRun, MarksEachSampleOfARecordingAndNoneOfAHand) {
+  for (const std::uint64_t recorded : {0U, 300U}) {
+    device.recorded = recorded;
+    seen.clear();
+    EXPECT_EQ(run(300), End::kFinished);
+    ASSERT_GT(seen.size(), 100U);
+    for (const msg::DeviceState& state : seen) EXPECT_EQ((state.flags & msg::device_state::kFlagRecorded) != 0, recorded > 0) << "sample " << state.sequence_number;
+  }
 }
 
 TEST_F(DeviceLoopRun, AnswersARealDeviceAtItsOwnPaceAndAtOnce) {

@@ -9,7 +9,7 @@
 
 #include "voxtouch_msgs/messages.hpp"
 
-namespace voxtouch::replay {
+namespace voxtouch::bus {
 
 constexpr std::size_t kCdrHeader = 4;
 
@@ -43,4 +43,4 @@ bool read_message(std::span<const std::byte> bytes, F&& f) {
   return true;
 }
 
-}  // namespace voxtouch::replay
+}  // namespace voxtouch::bus
