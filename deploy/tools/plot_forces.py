@@ -93,7 +93,9 @@ REPLAY_NOTE = ("The recorded hand, which does not feel what is replayed: it move
 def replay_title(data):
     contact, command, felt = data["contact"], data["command"], data["felt"]["returned"]
     if not contact["differ"] and not command["differ"]:
-        return f"The replay of {contact['compared']} contacts and {command['compared']} commands gives the same bits"
+        return f"{'Both builds give' if data.get('other_build') else 'The replay gives'} the same bits for {contact['compared']} contacts and {command['compared']} commands"
+    if data.get("other_build"):
+        return f"This build returns at most {felt['replayed']['largest_n']:.2g} N to the hand, the other one {felt['recorded']['largest_n']:.2g} N"
     now, then = felt["replayed"]["largest_n"], felt["recorded"]["largest_n"]
     return (f"{'Another scene returns' if not data['scene']['same'] else 'Replayed,'} at most {now:.2g} N to the hand{'' if not data['scene']['same'] else ' come back'} "
             f"instead of {then:.2g} N")
@@ -104,13 +106,14 @@ def replay_figure(data):
     end = max((c["t_s"][-1] for c in curves.values() if c["t_s"]), default=0.0) + 1e-3
     other = "" if scene["same"] else f" through the scene {scene['replayed']['name']} ({scene['replayed']['hash']})"
     note = f"Bag {pathlib.Path(data['bag']).resolve().name}, scene {scene['recorded']['name']} ({scene['recorded']['hash']}), {data['device']}, replayed{other}.\n"
+    names = {"recorded": "other build", "replayed": "this build"} if data.get("other_build") else {"recorded": "recorded", "replayed": "replayed"}
     figure, axes = new_figure(replay_title(data), note + REPLAY_NOTE, 3, sharex=True, height_ratios=(2, 2, 1))
     for axis, name, what in ((axes[0][0], "rendered", "rendered [N]"), (axes[1][0], "returned", "returned [N]")):
         rows, felt = curves[name], data["felt"][name]
         table = {"t": rows["t_s"], "then": [math.nan if f is None else f for f in rows["recorded_n"]], "now": [math.nan if f is None else f for f in rows["replayed_n"]]}
         for key, label, more in (("then", "recorded", {"color": PALE_GREEN, "lw": 3.2}), ("now", "replayed", {"color": CONTACT if name == "rendered" else RETURNED, "lw": 1.4})):
             of = felt[label]
-            draw_over_time(axis, table, key, end, label=f"{label}: at most {of['largest_n']:.3g} N,\nrms {of['rms_n']:.3g} N, in contact {100 * of['in_contact_share']:.0f} %", **more)
+            draw_over_time(axis, table, key, end, label=f"{names[label]}: at most {of['largest_n']:.3g} N,\nrms {of['rms_n']:.3g} N, in contact {100 * of['in_contact_share']:.0f} %", **more)
         axis.set_ylabel(what)
         axis.set_ylim(0.0, robust_limit(table["then"], table["now"]))
         legend_beside(axis, labelspacing=0.8)

@@ -150,6 +150,7 @@ class Run {
 
   void compare(const msg::ContactState& recorded, msg::ContactState replayed) {
     if (!recording_.lockstep) replayed.time_spent_ns = recorded.time_spent_ns;  // measured, and nothing hangs on it
+    if (options_.answers) out_.answers.contacts.try_emplace({recorded.session_id, recorded.sequence_number}, replayed);
     out_.contact.take(recorded, replayed);
     const double before = force_n(recorded.wrench), now = force_n(replayed.wrench);
     feel(out_.rendered.recorded, before, recorded.surface_hits + recorded.interior_hits > 0);
@@ -158,6 +159,7 @@ class Run {
   }
 
   void compare(const msg::ForceCommand& recorded, const msg::ForceCommand& replayed) {
+    if (options_.answers) out_.answers.commands[{recorded.session_id, recorded.sequence_number}].push_back(replayed);
     out_.command.take(recorded, replayed);
     const double before = force_n(recorded.wrench), now = force_n(replayed.wrench);
     feel(out_.returned.recorded, before, before > 0.0);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "nodes/replay/message_difference.hpp"
+#include "nodes/replay/replayed_bag.hpp"
 #include "nodes/scene_build/cache_options.hpp"
 
 namespace voxtouch::replay {
@@ -14,6 +15,7 @@ struct ReplayOptions {
   std::filesystem::path bag, scene;  ///< `scene` instead of the recorded one; empty: the file that the bag names
   std::string rig;                   ///< empty: the one that the bag holds
   bool curves = false;               ///< keep them
+  bool answers = false;              ///< keep them
   scene_build::CacheOptions cache = {};
 };
 
@@ -51,6 +53,8 @@ struct Replayed {
   Comparison<msg::ContactState> contact;
   Comparison<msg::ForceCommand> command;
   FeltTwice rendered, returned;        ///< by the rendering; by the coupling, to the hand
+  Answers answers;
+  std::string other_build;             ///< whose answers stand in the place of the recorded ones; empty: nobody's
   ForceCurves rendered_curves, returned_curves;
   std::vector<std::string> notes;      ///< what was found out, or is as it should not be
   std::vector<std::string> missing;    ///< what the bag does not say, and from which sample on bits may differ for it

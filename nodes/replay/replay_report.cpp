@@ -69,6 +69,7 @@ ordered_json to_json(const ForceCurves& c) {
 std::string to_text(const Replayed& r) {
   std::string text = fmt::format("{}: {}, {}, {}, {} samples in {:.3f} s of the device's time\n", std::filesystem::path(r.bag).lexically_normal().filename().string(),
                                  scene_text(r), r.device, r.lockstep ? "lockstep" : "real time", r.samples, r.duration_s);
+  if (!r.other_build.empty()) text += fmt::format("  recorded stands for what {} makes of the recorded hand, replayed and now for what this build makes\n", r.other_build);
   if (r.left_out > 0) text += fmt::format("  {} samples were not answered when they were recorded, and are left out here too\n", r.left_out);
   if (r.changes > 0) text += fmt::format("  {} changes made again\n", r.changes);
   if (r.lost_states + r.lost_contacts > 0) text += fmt::format("  the recorder lost {} device samples and {} contacts whose answers it has\n", r.lost_states, r.lost_contacts);
@@ -87,6 +88,7 @@ std::string to_text(const Replayed& r) {
 ordered_json to_json(const Replayed& r) {
   return {{"ok", r.equal() && r.contact.compared + r.command.compared > 0},
           {"bag", r.bag},
+          {"other_build", r.other_build},
           {"rig", r.rig},
           {"device", r.device},
           {"lockstep", r.lockstep},

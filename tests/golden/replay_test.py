@@ -167,6 +167,55 @@ class Replay(unittest.TestCase):
         self.assertNotEqual(half[1400], whole[700], "it is reckoned")
         self.assertTrue(all(abs(a - b) < 1e-4 for a, b in zip(half[1400], whole[700])), "and close: within some steps of the encoder")
 
+    def other_build(self, *lines):
+        """A build's folder whose program is this build's, and what it wrote is changed by `lines` of Python."""
+        program = self.folder / "other/bin/voxtouch"
+        program.parent.mkdir(parents=True)
+        program.write_text(f"#!/usr/bin/python3\nimport sqlite3, struct, subprocess, sys\n"
+                           f"status = subprocess.run([{str(BIN / 'voxtouch')!r}, *sys.argv[1:]]).returncode\n"
+                           f"made = sys.argv[sys.argv.index('--write') + 1]\n" + "\n".join(lines) + "\nsys.exit(status)\n")
+        program.chmod(0o755)
+        return program.parents[1]
+
+    def test_what_a_build_makes_of_a_recording_is_written_as_a_bag(self):
+        made, changed = self.folder / "made", self.folder / "changed"
+        self.assertEqual(replay(self.cup, "--write", made)[0], 0)
+        self.equal(made, 2000)
+        for topic in (STATE, CONTACT, COMMAND, MADE):
+            self.assertEqual([data for _, data in messages(made, topic)], [data for _, data in messages(self.cup, topic)], topic)
+        scene = scene_of(self.folder, "cup", ("stiffness_n_per_m: 30}", "stiffness_n_per_m: 15}"))
+        self.assertEqual(replay(self.cup, "--scene", scene, "--write", changed)[0], 1, "the recording is of the stiffer scene")
+        status, said, err = replay(changed, "--scene", scene)
+        self.assertEqual((status, said["contact"]["differ"], said["command"]["differ"]), (0, 0, 0), err)
+        self.assertIn("exists", self.refused(self.cup, "--write", made))
+
+    def test_two_builds_are_held_against_each_other_on_a_recorded_hand(self):
+        status, said, _ = replay(self.cup, "--against", BIN.parent)
+        self.assertEqual((status, said["ok"], said["other_build"], said["bag"]), (0, True, str(BIN.parent), str(self.cup)))
+        bag = self.copy()  # what was recorded does not count
+        row, data = message_of(bag, COMMAND, 900)
+        edit(bag, "UPDATE messages SET data = ? WHERE id = ?", data[:NUMBER + 24] + struct.pack("<d", 1.5) + data[NUMBER + 32:], row)
+        other = self.other_build("import glob", "with sqlite3.connect(glob.glob(made + '/*.db3')[0]) as bag:",
+                                 f"    rows = bag.execute(\"SELECT messages.id, data FROM messages JOIN topics ON topics.id = topic_id WHERE name = '{COMMAND}'\").fetchall()",
+                                 f"    row, data = next(r for r in rows if struct.unpack_from('<Q', r[1], {NUMBER})[0] == 700)",
+                                 f"    x = struct.unpack_from('<d', data, {NUMBER + 24})[0]",
+                                 f"    bag.execute('UPDATE messages SET data = ? WHERE id = ?', (data[:{NUMBER + 24}] + struct.pack('<d', x + 0.25) + data[{NUMBER + 32}:], row))")
+        picture = self.folder / "builds.svg"
+        status, said, err = replay(bag, "--against", other, "--plot", picture)
+        self.assertEqual((status, said["contact"]["differ"], said["command"]["differ"]), (1, 0, 1), err)
+        self.assertEqual([said["command"]["first"]["sample"], [field["field"] for field in said["command"]["first"]["fields"]]], [700, ["wrench.force.x"]])
+        self.assertAlmostEqual(said["command"]["largest_force"]["n"], 0.25)
+        self.assertIn("other build", picture.read_text())
+        self.assertIn("recorded stands for what", voxtouch("replay", bag, "--against", other).stdout)
+
+    def test_a_build_that_cannot_replay_is_told(self):
+        self.assertIn("has no program 'voxtouch'", self.refused(self.cup, "--against", self.folder))
+        other = self.other_build("import shutil", "shutil.rmtree(made)")
+        self.assertIn("made nothing of the recording", self.refused(self.cup, "--against", other))
+        shutil.rmtree(other)
+        other = self.other_build("import os, signal", "os.kill(os.getpid(), signal.SIGKILL)")
+        self.assertIn("was ended by signal 9", self.refused(self.cup, "--against", other))
+
     def test_what_holds_no_hand_is_not_played(self):
         empty = self.copy()
         edit(empty, "DELETE FROM messages WHERE topic_id IN (SELECT id FROM topics WHERE name = '/haptic/device/description')")
