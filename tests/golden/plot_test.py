@@ -200,6 +200,10 @@ class Pictures(unittest.TestCase):
         self.refused(tool("forces", bag, self.at / "refused.png", "--from", "50"), "nothing between --from 50")
         self.refused(tool("forces", bag, self.at / "refused.png", "--rig", "other"), "/other/rendering/contact")
 
+    def test_the_tool_says_the_version_of_the_build_that_it_belongs_to(self):
+        told, of_build = (subprocess.run([BIN / program, "--version"], capture_output=True, text=True, timeout=60, check=True).stdout for program in ("voxtouch_plot", "voxtouch"))
+        self.assertEqual(told, of_build)
+
     def test_what_cannot_be_drawn_is_refused_in_a_sentence(self):
         (self.at / "words.json").write_text("not json")
         (self.at / "told.json").write_text('{"ok": false, "problems": ["the scene is not there"]}')
