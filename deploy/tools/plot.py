@@ -113,7 +113,8 @@ class Version(argparse.Action):
     def __call__(self, parser, *unused):
         program = pathlib.Path(sys.argv[0]).parent / "voxtouch"
         try:
-            parser.exit(0, subprocess.run([program, "--version"], capture_output=True, text=True, check=True).stdout)
+            subprocess.run([program, "--version"], stderr=subprocess.DEVNULL, check=True)
+            parser.exit()
         except (OSError, subprocess.CalledProcessError):
             parser.exit(1, f"{program} is not there to say its version\n")
 
