@@ -71,7 +71,7 @@ constexpr auto kDynamicMesh = joined(kMesh, std::to_array<Key>({
 
 constexpr auto kContact = std::to_array<Key>({
   {"model", kWord, kOptional, "adapted", "Contact model, from the fastest to the most accurate: see `voxtouch accuracy`.",
-   "original adapted clustered field"},
+   "original adapted field"},
   {"rendering", kWord, kOptional, "",
    "A virtual tool that stays outside what it touches, with `field` (then the standard model): the coupling's certified stiffness is felt, and none is given here. Left out: penalty, forces that grow with the depth.",
    "virtual_tool penalty"},

@@ -36,7 +36,6 @@ void tell_thrown(std::uint64_t seed) {
   const std::pair<const char*, Holder> holders[] = {
       {"original", {ContactModelKind::kOriginal}}, {"original, nothing held", {ContactModelKind::kOriginal, false}},
       {"adapted", {ContactModelKind::kAdapted}},   {"adapted, nothing held", {ContactModelKind::kAdapted, false}},
-      {"clustered", {ContactModelKind::kClustered}}, {"clustered, nothing held", {ContactModelKind::kClustered, false}},
       {"field", {ContactModelKind::kField}},       {"field, nothing held", {ContactModelKind::kField, false}},
       {"virtual tool", {std::nullopt}}};
   for (const auto& [name, holder] : holders)
