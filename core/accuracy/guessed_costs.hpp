@@ -17,8 +17,7 @@ struct GuessedCosts {
     return 0.02 + 5e-6 * triangles + (field ? field_s(setting.voxel_m) : 0.0);
   }
   double judge_s(const AccuracySetting& setting, std::size_t count) const {
-    const bool slow = setting.virtual_tool || setting.model == contact::ContactModelKind::kClustered;
-    return static_cast<double>(count) * (slow ? 4e-3 : 5e-4);
+    return static_cast<double>(count) * (setting.virtual_tool ? 4e-3 : 5e-4);
   }
   double phase_s(double voxel_m) const { return 0.05 + 1e-5 * triangles + 0.3 * field_s(voxel_m); }
 

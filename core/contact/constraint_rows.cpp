@@ -5,9 +5,9 @@
 #include <array>
 #include <limits>
 
+#include "core/contact/direction_bins.hpp"
 #include "core/contact/field_samples.hpp"
 #include "core/contact/limits.hpp"
-#include "core/contact/patch_normals.hpp"
 #include "core/contact/push_sums.hpp"
 
 namespace voxtouch::contact {
@@ -170,12 +170,12 @@ void add_rows(const Hits& hits, bool in_surface, const voxmap::DistanceField& fi
 
 void keep_nearest(std::vector<ConstraintRow>& rows, double tilt) noexcept {
   if (rows.size() <= limits::kMaxRows) return;
-  std::array<Chosen, PatchNormals::kBins> bins;
-  std::array<std::array<Vec3, kSides>, PatchNormals::kBins> sides;
-  std::array<bool, PatchNormals::kBins> used{};
+  std::array<Chosen, kDirectionBins> bins;
+  std::array<std::array<Vec3, kSides>, kDirectionBins> sides;
+  std::array<bool, kDirectionBins> used{};
   for (std::uint32_t n = 0; n < rows.size(); ++n) {
     const ConstraintRow& row = rows[n];
-    const std::size_t k = PatchNormals::nearest_bin(row.normal());
+    const std::size_t k = nearest_direction_bin(row.normal());
     if (!used[k]) {
       used[k] = true;
       sides[k] = sides_of(row.normal());
@@ -193,7 +193,7 @@ void keep_nearest(std::vector<ConstraintRow>& rows, double tilt) noexcept {
   std::array<std::uint32_t, limits::kMaxRows> kept;
   std::size_t count = 0;
   for (std::size_t choice = 0; choice < kChoices; ++choice)
-    for (std::size_t k = 0; k < PatchNormals::kBins && count < kept.size(); ++k)
+    for (std::size_t k = 0; k < kDirectionBins && count < kept.size(); ++k)
       if (used[k] && std::find(kept.begin(), kept.begin() + count, bins[k].row[choice]) == kept.begin() + count)
         kept[count++] = bins[k].row[choice];
   std::sort(kept.begin(), kept.begin() + count);

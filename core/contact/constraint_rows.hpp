@@ -36,7 +36,7 @@ bool make_row(const Hit& hit, bool in_surface, const voxmap::DistanceField& fiel
 /// Those of all hits, in their order and with the same bits, added to `rows`, which must have room for them. Real-time safe.
 void add_rows(const Hits& hits, bool in_surface, const voxmap::DistanceField& field, const RowFrame& frame, std::vector<ConstraintRow>& rows) noexcept;
 
-/// Leaves at most kMaxRows of them. Of the rows in each of 42 directions (PatchNormals' bins) the one of least gap stays, and those that a tilt
+/// Leaves at most kMaxRows of them. Of the rows in each of 42 directions (direction_bins.hpp) the one of least gap stays, and those that a tilt
 /// of `tilt` [rad] towards one of eight sides would bring deepest: the corners of a flat contact, however many points
 /// it has. Linear in the rows; their order stays. Real-time safe.
 void keep_nearest(std::vector<ConstraintRow>& rows, double tilt) noexcept;

@@ -5,18 +5,21 @@
 #include <stdexcept>
 #include <string>
 
-#include "core/contact/clustered_model.hpp"
 #include "core/contact/field_model.hpp"
 #include "core/contact/limits.hpp"
 #include "core/contact/push_sums.hpp"
 #include "core/contact/stiffness_sum.hpp"
-#include "core/types/enum_name.hpp"
 #include "core/types/smoothstep.hpp"
 
 namespace voxtouch::contact {
 namespace {
 
-constexpr std::array<std::string_view, 4> kNames = {"original", "adapted", "clustered", "field"};
+struct NamedModel {
+  ContactModelKind kind;
+  std::string_view name;
+};
+constexpr NamedModel kModels[] = {
+    {ContactModelKind::kOriginal, "original"}, {ContactModelKind::kAdapted, "adapted"}, {ContactModelKind::kField, "field"}};
 
 /// What both laws report in the same way: counts, mean normal, coherence. True if the points agree well enough on it.
 bool summarise(const HitList& hits, ContactResult& result) noexcept {
@@ -33,13 +36,13 @@ void push_along_own_normals(const HitList& hits, double stiffness, ContactResult
   if (sum.any()) sum.add_to(stiffness, result.stiffness);
 }
 
-std::unique_ptr<ContactModel> make_field_model(const ContactParameters& parameters, const ContactGround& ground) {
+std::unique_ptr<ContactModel> make_field_model(const ContactParameters& parameters, const voxmap::DistanceField* distances) {
   if (parameters.weights != PointWeights::kArea)
     throw std::invalid_argument("contact: the model 'field' weighs points by their area; give its stiffness per area "
                                 "(stiffness_n_per_m3)");
-  if (ground.field == nullptr)
+  if (distances == nullptr)
     throw std::invalid_argument("contact: the model 'field' looks up a distance field, and there is none; build it first");
-  return std::make_unique<FieldModel>(*ground.field, parameters.stiffness);
+  return std::make_unique<FieldModel>(*distances, parameters.stiffness);
 }
 
 class OriginalModel final : public ContactModel {
@@ -87,17 +90,20 @@ double mean_share(ContactModelKind kind, double coherence) noexcept {
                                              : smoothstep(limits::kBlendFrom, limits::kBlendTo, coherence);
 }
 
-std::string_view name_of(ContactModelKind kind) noexcept { return name_in(kNames, static_cast<std::size_t>(kind) - 1); }
+std::string_view name_of(ContactModelKind kind) noexcept {
+  for (const NamedModel& model : kModels)
+    if (model.kind == kind) return model.name;
+  return "unknown";
+}
 
 bool parse_contact_model(std::string_view word, ContactModelKind& kind) noexcept {
-  std::size_t place = 0;
-  const bool known = find_name(kNames, word, place);
-  if (known) kind = static_cast<ContactModelKind>(place + 1);  // scenes count them from 1
-  return known;
+  for (const NamedModel& model : kModels)
+    if (model.name == word) return kind = model.kind, true;
+  return false;
 }
 
 std::unique_ptr<ContactModel> make_contact_model(ContactModelKind kind, const ContactParameters& parameters,
-                                                 const ContactGround& ground) {
+                                                 const voxmap::DistanceField* distances) {
   const double stiffness = parameters.stiffness;
   if (!(stiffness > 0.0) || !std::isfinite(stiffness))
     throw std::invalid_argument("contact: the stiffness is " + std::to_string(stiffness) +
@@ -105,8 +111,7 @@ std::unique_ptr<ContactModel> make_contact_model(ContactModelKind kind, const Co
   switch (kind) {
     case ContactModelKind::kOriginal: return std::make_unique<OriginalModel>(stiffness);
     case ContactModelKind::kAdapted: return std::make_unique<AdaptedModel>(stiffness);
-    case ContactModelKind::kField: return make_field_model(parameters, ground);
-    case ContactModelKind::kClustered: return make_clustered_model(parameters, ground);
+    case ContactModelKind::kField: return make_field_model(parameters, distances);
   }
   throw std::invalid_argument("contact: there is no such model");
 }

@@ -8,11 +8,11 @@
 #include "core/contact/hit_list.hpp"
 #include "core/types/geometry.hpp"
 #include "core/voxmap/distance_field.hpp"
-#include "core/voxmap/voxmap.hpp"
 
 namespace voxtouch::contact {
 
-enum class ContactModelKind : std::uint8_t { kOriginal = 1, kAdapted = 2, kClustered = 3, kField = 4 };
+/// Numbers as in ContactState; 3 was a model that is gone.
+enum class ContactModelKind : std::uint8_t { kOriginal = 1, kAdapted = 2, kField = 4 };
 
 /// "original", "adapted", ... ; and back (false where the word is unknown).
 std::string_view name_of(ContactModelKind kind) noexcept;
@@ -41,7 +41,7 @@ struct ContactResult {
   /// fall where points go through.
   Mat6 stiffness = Mat6::Zero();
   bool fallback = false;                ///< normals face each other (coherence <= 0.3): `original` was used for this frame
-  /// `clustered`: some point has gone so deep that its push grows no more. `field`: some point that pushes is deeper than the distances held; or so near the middle of a body that its depth
+  /// `field`: some point that pushes is deeper than the distances held; or so near the middle of a body that its depth
   /// hardly grows any more (|gradient| < 1/2); or pushed away from the nearest way out (normal . gradient < -1/2): gone
   /// through the middle of a thin wall, or on the back of a tool that is wholly inside. From here on going deeper need not
   /// meet more force.
@@ -80,16 +80,9 @@ struct ContactParameters {
   PointWeights weights = PointWeights::kOne;
 };
 
-/// The static side as the models beyond the paper's look it up. Both must outlive the model.
-struct ContactGround {
-  const voxmap::Voxmap* voxmap = nullptr;         ///< for `clustered`
-  const voxmap::DistanceField* field = nullptr;   ///< for `field`
-  std::size_t points = 0;                 ///< of the shell: the most hits that a frame can have, for `clustered`
-};
-
-/// The model for `kind`. Throws std::invalid_argument for a stiffness that is not finite and positive, for a model that
-/// weighs by area given other weights, and where the part of `ground` that the model looks up is missing.
+/// The model for `kind`; `distances`, which `field` looks up, must outlive it. Throws std::invalid_argument for a stiffness that is not
+/// finite and positive, and for `field` with other weights than areas or without distances.
 std::unique_ptr<ContactModel> make_contact_model(ContactModelKind kind, const ContactParameters& parameters,
-                                                 const ContactGround& ground = {});
+                                                 const voxmap::DistanceField* distances = nullptr);
 
 }  // namespace voxtouch::contact

@@ -7,7 +7,7 @@ namespace voxtouch::contact {
 ContactRenderer::ContactRenderer(const voxmap::Voxmap& voxmap, pointshell::Pointshell shell, ContactModelKind model,
                                  const ContactParameters& parameters, const voxmap::DistanceField* field, FrameBudget budget)
     : query_(voxmap, std::move(shell), parameters.weights, std::move(budget.levels)),
-      model_(make_contact_model(model, parameters, {&voxmap, field, query_.shell().size()})),
+      model_(make_contact_model(model, parameters, field)),
       stage_({query_.shell().size(), query_.reach_m(), voxmap.grid().edge, parameters.stiffness, model,
               query_.levels().empty() ? nullptr : query_.levels().levels().stands_in.data()}),
       budget_points_(query_.levels().empty() ? 0 : budget.points), touched_(budget_points_ > 0 ? query_.shell().size() : 0),

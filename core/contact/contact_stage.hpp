@@ -57,7 +57,7 @@ constexpr bool remembers(ContactModelKind model) noexcept {
 ///
 /// Where nothing is retained, and directions are not blended, this costs a copy of the points' numbers and nothing else a point.
 ///
-/// `clustered` and `field` pass through with the fast flag only: they have neither a fallback to blend nor a layer to go through.
+/// `field` passes through with the fast flag only: it has neither a fallback to blend nor a layer to go through.
 ///
 /// All memory is taken at construction; `apply` and `reset` are real-time safe. Not safe to share between threads.
 class ContactStage {

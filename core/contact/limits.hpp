@@ -57,14 +57,6 @@ inline constexpr double kMaxGridCoordinate = 2147483000.0;
 inline constexpr double kMinQuaternionNorm = 1e-3;
 inline constexpr double kMaxQuaternionNorm = 1e3;
 
-/// `clustered`: a point joins the mean of its patch from this far above the layer's middle on, with a weight that grows with its depth.
-inline constexpr double kPatchReachEdges = 0.5;
-/// `clustered`: below this share of surface voxels round a point its depth goes over into `kDeepEdges`.
-inline constexpr double kSurfaceWeight = 0.125;
-inline constexpr double kDeepEdges = 1.25;
-/// `clustered`: over this distance from a free voxel a push fades in.
-inline constexpr double kBorderEdges = 0.15;
-
 /// The virtual tool (virtual_tool.hpp). Stiffness of one row over the spring's: so hard that the result is the constraint's, so soft
 /// that rows which oppose each other need no common point.
 inline constexpr double kRowStiffness = 1000.0;

@@ -32,9 +32,9 @@
 /// down, by alpha_max v^2 each second of (b - alpha_max) v^2: a cycle becomes smaller and stays, and E is as low as the cycle
 /// makes it. Above, the controller itself chatters, at tens of W.
 ///
-/// Sliding. A contact made of voxels gives energy on closed ways of its own: measured over four contact models, voxel sizes, depths
+/// Sliding. A contact made of voxels gives energy on closed ways of its own: measured over the contact models, voxel sizes, depths
 /// and tilts (deploy/pictures/stability_map.png), at most s F L on a way L under the mean force F, s = kSlidingShare e / R for a
-/// ball of radius R under `original` and `adapted`, less under the others. The steps are within W like any force, but they go on
+/// ball of radius R under `original` and `adapted`, less under `field`. The steps are within W like any force, but they go on
 /// as long as the tool slides, and within a voxel the contact gives and takes back up to F e: only observed, E >= -5 W - F e -
 /// s F L; with the controller E >= -5 W - F e where alpha_max v > s F, above the speed s F / alpha_max (3 mm/s at 1 N, 5 Ns/m and
 /// R = 10 e). Slower, the debt grows with the way by what is left of s F, and goes when the contact ends.

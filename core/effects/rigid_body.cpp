@@ -1,25 +1,72 @@
 #include "core/effects/rigid_body.hpp"
 
 #include <Eigen/Cholesky>
-#include <algorithm>
 #include <cmath>
+
+#include "core/types/clamp.hpp"
+#include "core/types/rotation_vector.hpp"
 
 namespace voxtouch::effects {
 namespace {
 
-/// Rotation vector that turns `from` into `to`, the short way, W axes.
-Vec3 turn_between(const Quat& from, const Quat& to) noexcept {
-  Quat q = to * from.conjugate();
-  if (q.w() < 0.0) q.coeffs() = -q.coeffs();
-  const double s = q.vec().norm();
-  return s < 1e-12 ? Vec3(2.0 * q.vec()) : Vec3((2.0 * std::atan2(s, q.w()) / s) * q.vec());
-}
-
 Vec6 stacked(const Vec3& a, const Vec3& b) noexcept { return (Vec6() << a, b).finished(); }
 
-void cut(Vec3& v, double most) noexcept {
-  if (const double n = v.norm(); n > most) v *= most / n;
+/// At the body's origin, W axes.
+struct MassMatrix {
+  Mat6 all;
+  Mat3 inertia;  ///< its block of rotation
+};
+
+/// `turn`: of B's axes into W's; `arm`: from the origin to the centre of mass, in W.
+MassMatrix mass_matrix(const BodyShape& shape, double mass_kg, const Mat3& turn, const Vec3& arm) noexcept {
+  const Mat3 across = cross_matrix(arm), central = mass_kg * (turn * shape.inertia_m2 * turn.transpose());
+  MassMatrix mass;
+  mass.inertia = central - mass_kg * across * across;
+  mass.all.topLeftCorner<3, 3>() = mass_kg * Mat3::Identity();
+  mass.all.topRightCorner<3, 3>() = -mass_kg * across;
+  mass.all.bottomLeftCorner<3, 3>() = mass_kg * across;
+  mass.all.bottomRightCorner<3, 3>() = mass.inertia;
+  return mass;
 }
+
+/// Spring and damper to where the body hangs on the tool; W axes.
+struct Grip {
+  double c, c_turn;  ///< stiffness [N/m, Nm/rad]
+  double r, r_turn;  ///< damping [Ns/m, Nms/rad]
+  Pose goal_WB;
+  Vec3 goal_velocity_W;
+  Vec3 stretch, twisted;  ///< from the body to the goal [m, rad]
+
+  Grip(const BodyShape& shape, const BodyParameters& p, double strength, const Pose& pose_WB, const Pose& pose_TB, const Pose& pose_WT,
+       const Twist& tool_twist) noexcept
+      : c(strength * p.grip_n_per_m), c_turn(strength * p.grip_nm_per_rad), goal_WB(pose_WT * pose_TB),
+        goal_velocity_W(tool_twist.linear + tool_twist.angular.cross(goal_WB.position - pose_WT.position)),
+        stretch(goal_WB.position - pose_WB.position), twisted(rotation_vector(pose_WB.orientation, goal_WB.orientation)) {
+    const double ratio = 2.0 * p.grip_damping_ratio, least_inertia = p.mass_kg * shape.inertia_m2.diagonal().minCoeff();
+    r = strength * ratio * std::sqrt(p.grip_n_per_m * p.mass_kg);
+    r_turn = strength * ratio * std::sqrt(p.grip_nm_per_rad * least_inertia);
+  }
+
+  /// What acts on the tool once the body has moved by a step of `dt_s` at `twist`, and the energy of the springs [J]. It is what acted on the body over
+  /// this step: a body that is a step ahead of its tool would push it on.
+  BodyGrip on_tool(const Pose& pose_WT, const Twist& tool_twist, const Twist& twist, double dt_s, double& energy_j) const noexcept {
+    const Vec3 stretch_after = stretch + dt_s * (goal_velocity_W - twist.linear);
+    const Vec3 twisted_after = twisted + dt_s * (tool_twist.angular - twist.angular);
+    const Vec3 on_body = c * stretch_after + r * (goal_velocity_W - twist.linear);
+    const Vec3 turn_body = c_turn * twisted_after + r_turn * (tool_twist.angular - twist.angular);
+    const Vec3 lever = goal_WB.position - pose_WT.position;
+    const Mat3 lever_across = cross_matrix(lever);
+    BodyGrip grip;
+    grip.wrench = {-on_body, -turn_body - lever.cross(on_body)};
+    grip.stiffness.topLeftCorner<3, 3>() = c * Mat3::Identity();
+    grip.stiffness.topRightCorner<3, 3>() = -c * lever_across;
+    grip.stiffness.bottomLeftCorner<3, 3>() = c * lever_across;
+    grip.stiffness.bottomRightCorner<3, 3>() = c_turn * Mat3::Identity() - c * lever_across * lever_across;
+    grip.stiffness_bound_n_per_m = c;
+    energy_j = 0.5 * (c * stretch_after.squaredNorm() + c_turn * twisted_after.squaredNorm());
+    return grip;
+  }
+};
 
 }  // namespace
 
@@ -46,23 +93,9 @@ BodyGrip RigidBody::step(const BodyLoad& load, const Pose& pose_WT, const Twist&
                          const BodyParameters& p, double dt_s) noexcept {
   follow_hold(pose_WT, hold, grab_m, dt_s);
   const Mat3 turn = pose_WB_.orientation.toRotationMatrix();
-  const Vec3 arm = turn * shape_.centre;  // from the origin to the centre of mass
-  const Mat3 across = cross_matrix(arm), central = p.mass_kg * (turn * shape_.inertia_m2 * turn.transpose());
-  Mat6 mass;
-  mass.topLeftCorner<3, 3>() = p.mass_kg * Mat3::Identity();
-  mass.topRightCorner<3, 3>() = -p.mass_kg * across;
-  mass.bottomLeftCorner<3, 3>() = p.mass_kg * across;
-  mass.bottomRightCorner<3, 3>() = central - p.mass_kg * across * across;
-
-  // The grip: spring and damper to where the body hangs on the tool.
-  const double strength = strength_.now(), ratio = 2.0 * p.grip_damping_ratio;
-  const double c = strength * p.grip_n_per_m, c_turn = strength * p.grip_nm_per_rad;
-  const double least_inertia = p.mass_kg * shape_.inertia_m2.diagonal().minCoeff();
-  const double r = strength * ratio * std::sqrt(p.grip_n_per_m * p.mass_kg);
-  const double r_turn = strength * ratio * std::sqrt(p.grip_nm_per_rad * least_inertia);
-  const Pose goal_WB = pose_WT * pose_TB_;
-  const Vec3 goal_velocity_W = tool_twist.linear + tool_twist.angular.cross(goal_WB.position - pose_WT.position);
-  const Vec3 stretch = goal_WB.position - pose_WB_.position, twisted = turn_between(pose_WB_.orientation, goal_WB.orientation);
+  const Vec3 arm = turn * shape_.centre;
+  const MassMatrix mass = mass_matrix(shape_, p.mass_kg, turn, arm);
+  const Grip grip(shape_, p, strength_.now(), pose_WB_, pose_TB_, pose_WT, tool_twist);
 
   // Contact damping towards what is touched; the grip's towards the tool.
   const double tau =
@@ -70,48 +103,38 @@ BodyGrip RigidBody::step(const BodyLoad& load, const Pose& pose_WT, const Twist&
           ? 2.0 * kContactDampingRatio * std::sqrt(p.mass_kg / load.stiffness_bound_n_per_m)
           : 0.0;
   Mat6 damping = tau * load.stiffness, stiffness = load.stiffness;
-  damping.diagonal() += stacked(Vec3::Constant(r), Vec3::Constant(r_turn));
-  stiffness.diagonal() += stacked(Vec3::Constant(c), Vec3::Constant(c_turn));
+  damping.diagonal() += stacked(Vec3::Constant(grip.r), Vec3::Constant(grip.r_turn));
+  stiffness.diagonal() += stacked(Vec3::Constant(grip.c), Vec3::Constant(grip.c_turn));
   const Vec3 weight = p.mass_kg * p.gravity_m_per_s2, spin = twist_.angular;
-  Vec6 push = stacked(load.wrench.force + weight + c * stretch + r * goal_velocity_W,
-                      load.wrench.torque + arm.cross(weight) + c_turn * twisted + r_turn * tool_twist.angular);
+  Vec6 push = stacked(load.wrench.force + weight + grip.c * grip.stretch + grip.r * grip.goal_velocity_W,
+                      load.wrench.torque + arm.cross(weight) + grip.c_turn * grip.twisted + grip.r_turn * tool_twist.angular);
   push += tau * load.stiffness_times_velocity;
-  push -= stacked(p.mass_kg * spin.cross(spin.cross(arm)), spin.cross((central - p.mass_kg * across * across) * spin));
-  const Vec6 old_velocity = stacked(twist_.linear, twist_.angular);
+  push -= stacked(p.mass_kg * spin.cross(spin.cross(arm)), spin.cross(mass.inertia * spin));
   // What moves with the tool or with an object is no stretch: springs see the way relative to it.
   Vec6 spring_ahead = load.stiffness_times_velocity;
-  spring_ahead += stacked(c * goal_velocity_W, c_turn * tool_twist.angular);
-  const Mat6 left = mass + dt_s * damping + (dt_s * dt_s) * stiffness;
-  const Vec6 velocity = left.ldlt().solve(mass * old_velocity + dt_s * push + (dt_s * dt_s) * spring_ahead);
+  spring_ahead += stacked(grip.c * grip.goal_velocity_W, grip.c_turn * tool_twist.angular);
+  const Mat6 left = mass.all + dt_s * damping + (dt_s * dt_s) * stiffness;
+  const Vec6 velocity =
+      left.ldlt().solve(mass.all * stacked(twist_.linear, twist_.angular) + dt_s * push + (dt_s * dt_s) * spring_ahead);
   if (!velocity.allFinite()) {  // nothing that can be stood on: it stops where it is
     twist_ = {};
     return {};
   }
   twist_ = {velocity.head<3>(), velocity.tail<3>()};
-  cut(twist_.linear, kMaxSpeed), cut(twist_.angular, kMaxSpin);
+  clamp_length(twist_.linear, kMaxSpeed), clamp_length(twist_.angular, kMaxSpin);
+  move(dt_s);
+  double spring_j = 0.0;
+  const BodyGrip on_tool = grip.on_tool(pose_WT, tool_twist, twist_, dt_s, spring_j);
+  const Vec6 now = stacked(twist_.linear, twist_.angular);
+  energy_j_ = 0.5 * now.dot(mass.all * now) - weight.dot(pose_WB_ * shape_.centre) + spring_j;
+  return on_tool;
+}
+
+void RigidBody::move(double dt_s) noexcept {
   pose_WB_.position += dt_s * twist_.linear;
   const Vec3 step = dt_s * twist_.angular;
   if (const double angle = step.norm(); angle > 0.0)
     pose_WB_.orientation = (Quat(Eigen::AngleAxisd(angle, step / angle)) * pose_WB_.orientation).normalized();
-
-  BodyGrip grip;
-  // What acts on the tool is what acted on the body over this step: a body that is a step ahead of its tool would push it on.
-  const Vec3 stretch_after = stretch + dt_s * (goal_velocity_W - twist_.linear);
-  const Vec3 twisted_after = twisted + dt_s * (tool_twist.angular - twist_.angular);
-  const Vec3 on_body = c * stretch_after + r * (goal_velocity_W - twist_.linear);
-  const Vec3 turn_body = c_turn * twisted_after + r_turn * (tool_twist.angular - twist_.angular);
-  const Vec3 lever = goal_WB.position - pose_WT.position;
-  grip.wrench = {-on_body, -turn_body - lever.cross(on_body)};
-  const Mat3 lever_across = cross_matrix(lever);
-  grip.stiffness.topLeftCorner<3, 3>() = c * Mat3::Identity();
-  grip.stiffness.topRightCorner<3, 3>() = -c * lever_across;
-  grip.stiffness.bottomLeftCorner<3, 3>() = c * lever_across;
-  grip.stiffness.bottomRightCorner<3, 3>() = c_turn * Mat3::Identity() - c * lever_across * lever_across;
-  grip.stiffness_bound_n_per_m = c;
-  const Vec6 now = stacked(twist_.linear, twist_.angular);
-  energy_j_ = 0.5 * now.dot(mass * now) - weight.dot(pose_WB_ * shape_.centre) +
-              0.5 * (c * stretch_after.squaredNorm() + c_turn * twisted_after.squaredNorm());
-  return grip;
 }
 
 }  // namespace voxtouch::effects

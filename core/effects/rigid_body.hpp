@@ -76,6 +76,7 @@ class RigidBody {
 
  private:
   void follow_hold(const Pose& pose_WT, bool hold, double grab_m, double dt_s) noexcept;
+  void move(double dt_s) noexcept;
 
   BodyShape shape_;
   Pose pose_WB_, pose_TB_;  ///< B: the body; pose_TB_ while it is held

@@ -7,7 +7,7 @@
 namespace voxtouch::fitting {
 
 /// Whether the coupling is told the contact's depth, and may give it the certified stiffness times that. Where each point pushes along its own
-/// normal (`original`, `clustered`) a tool that is deep in comes to be as stiff across as along, and the cap holds for that too: what had been
+/// normal (`original`) a tool that is deep in comes to be as stiff across as along, and the cap holds for that too: what had been
 /// given before would have to be taken from it while it goes in.
 constexpr bool depth_counts(contact::ContactModelKind model) noexcept {
   return model == contact::ContactModelKind::kAdapted || model == contact::ContactModelKind::kField;

@@ -98,17 +98,20 @@ std::vector<Side> sorted_sides(const TriangleMesh& mesh, const std::vector<std::
   return sides;
 }
 
-Orientation orientation_of(const std::vector<Side>& sides, const std::vector<std::uint32_t>& which,
-    std::size_t triangles) {
-  struct Neighbour {
-    std::uint32_t triangle;
-    bool flipped;  ///< both triangles walk the edge the same way, so one of them is the wrong way round
-  };
-  constexpr Neighbour kNone{~std::uint32_t{0}, false};
-  std::vector<std::array<Neighbour, 3>> neighbours(triangles, {kNone, kNone, kNone});
+namespace {
+
+struct Neighbour {
+  std::uint32_t triangle;
+  bool flipped;  ///< both triangles walk the edge the same way, so one of them is the wrong way round
+};
+constexpr Neighbour kNoNeighbour{~std::uint32_t{0}, false};
+
+/// Over the edges that two triangles share and no third.
+std::vector<std::array<Neighbour, 3>> neighbours_of(const std::vector<Side>& sides, std::size_t triangles) {
+  std::vector<std::array<Neighbour, 3>> neighbours(triangles, {kNoNeighbour, kNoNeighbour, kNoNeighbour});
   const auto add = [&](std::uint32_t t, Neighbour n) {
     for (Neighbour& free : neighbours[t]) {
-      if (free.triangle == kNone.triangle) return void(free = n);
+      if (free.triangle == kNoNeighbour.triangle) return void(free = n);
     }
   };
   for_edges(sides, [&](std::size_t first, std::size_t last) {
@@ -117,7 +120,13 @@ Orientation orientation_of(const std::vector<Side>& sides, const std::vector<std
     add(a.triangle, {b.triangle, a.forward == b.forward});
     add(b.triangle, {a.triangle, a.forward == b.forward});
   });
+  return neighbours;
+}
 
+}  // namespace
+
+Orientation orientation_of(const std::vector<Side>& sides, const std::vector<std::uint32_t>& which, std::size_t triangles) {
+  const std::vector<std::array<Neighbour, 3>> neighbours = neighbours_of(sides, triangles);
   Orientation result;
   constexpr std::uint32_t kNoPart = ~std::uint32_t{0};
   std::vector<std::uint32_t> part(triangles, kNoPart), walk;
@@ -132,7 +141,7 @@ Orientation orientation_of(const std::vector<Side>& sides, const std::vector<std
       const std::uint32_t t = walk[head];
       against += flipped[t];
       for (const Neighbour& n : neighbours[t]) {
-        if (n.triangle == kNone.triangle) continue;
+        if (n.triangle == kNoNeighbour.triangle) continue;
         const auto expected = static_cast<std::uint8_t>(flipped[t] ^ static_cast<std::uint8_t>(n.flipped));
         if (part[n.triangle] == kNoPart) {
           part[n.triangle] = number;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/types/motion.hpp"
+#include "core/types/rotation_vector.hpp"
 
 namespace voxtouch::rendering {
 namespace {
@@ -19,11 +20,6 @@ contact::VirtualToolOptions options_of(const ObjectContacts& objects, double lev
   for (std::size_t n = 1; n < objects.size(); ++n)
     options.edge_m = std::min(options.edge_m, objects.object(n).voxmap.grid().edge);
   return options;
-}
-
-Vec3 rotation_vector(const Quat& turn) noexcept {
-  const Eigen::AngleAxisd angle(turn.w() < 0.0 ? Quat(-turn.coeffs()) : turn);
-  return angle.angle() * angle.axis();
 }
 
 }  // namespace
@@ -100,7 +96,7 @@ contact::ContactResult ConstrainedTool::render(const Pose& hand, double time_s, 
   twist_ = {};
   if (follows) {
     twist_.linear = (frame_.tool.position - before.position) / dt_s;
-    twist_.angular = rotation_vector(frame_.tool.orientation * before.orientation.conjugate()) / dt_s;
+    twist_.angular = rotation_vector(before.orientation, frame_.tool.orientation) / dt_s;
   }
   stiffened_j_ = felt > felt_n_per_m_ ? 0.5 * (felt - felt_n_per_m_) * depth_of_spring2() : 0.0;
   felt_n_per_m_ = felt;

@@ -95,8 +95,8 @@ struct Plan {
 /// processor of the 2020s, one thread that shares its core, voxmap within the caches.
 inline constexpr double kNsPerPoint = 6.0, kNsPerFrame = 150.0;
 /// A point in contact, with the sums for the stiffness and what the stage remembers of it [ns]: `original` and `adapted`;
-/// `clustered`, which looks for its patch; `field`, eight nodes.
-inline constexpr double kNsPerPlainPoint = 12.0, kNsPerClusteredPoint = 250.0, kNsPerFieldPoint = 35.0;
+/// `field`, eight nodes.
+inline constexpr double kNsPerPlainPoint = 12.0, kNsPerFieldPoint = 35.0;
 /// With a time budget: what the levels of the shell add to a point that is tested [ns], choosing and weighing.
 inline constexpr double kNsPerLevelPoint = 2.0;
 /// An iteration of a virtual tool's step, with the most rows that one has [ns].

@@ -12,7 +12,7 @@ namespace {
 
 constexpr const char* kRendering = "rendering";
 /// What the stage behind the contact model may remember of a point: that it was in the surface layer, and thrice the depth it is retained
-/// with; now, and where a fast motion met a wall. `clustered` and `field` remember nothing.
+/// with; now, and where a fast motion met a wall. `field` remembers nothing.
 std::uint64_t stage_bytes_per_point(std::string_view contact_model) {
   return contact_model == "original" || contact_model == "adapted" ? 104 : 0;
 }
@@ -41,9 +41,7 @@ PlanPart coupling_part(const scene::Scene& scene) {
 }  // namespace
 
 double ns_per_contact_point(std::string_view contact_model) noexcept {
-  return contact_model == "field"       ? kNsPerFieldPoint
-         : contact_model == "clustered" ? kNsPerClusteredPoint
-                                        : kNsPerPlainPoint;
+  return contact_model == "field" ? kNsPerFieldPoint : kNsPerPlainPoint;
 }
 
 double expected_ns(const effects::EffectSpec& effect, std::uint64_t tool_points) noexcept {

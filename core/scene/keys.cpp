@@ -1,6 +1,5 @@
-#include "core/scene/keys.hpp"
-
-#include <algorithm>
+// Scene files, but for motions (motion_keys.cpp).
+#include "core/scene/key_rows.hpp"
 
 namespace voxtouch::scene {
 
@@ -16,16 +15,6 @@ std::vector<std::string_view> words_of(std::string_view list) {
 
 namespace keys {
 namespace {
-
-using enum KeyKind;
-using enum KeyRule;
-
-template <std::size_t N, std::size_t M>
-constexpr std::array<Key, N + M> joined(const std::array<Key, N>& first, const std::array<Key, M>& second) {
-  std::array<Key, N + M> out;
-  std::copy(second.begin(), second.end(), std::copy(first.begin(), first.end(), out.begin()));
-  return out;
-}
 
 // clang-format off: one row a key: name, kind, rule, standard, meaning; then words, group and limits where there are some.
 constexpr auto kPose = std::to_array<Key>({
@@ -71,7 +60,7 @@ constexpr auto kDynamicMesh = joined(kMesh, std::to_array<Key>({
 
 constexpr auto kContact = std::to_array<Key>({
   {"model", kWord, kOptional, "adapted", "Contact model, from the fastest to the most accurate: see `voxtouch accuracy`.",
-   "original adapted clustered field"},
+   "original adapted field"},
   {"rendering", kWord, kOptional, "",
    "A virtual tool that stays outside what it touches, with `field` (then the standard model): the coupling's certified stiffness is felt, and none is given here. Left out: penalty, forces that grow with the depth.",
    "virtual_tool penalty"},
@@ -127,54 +116,6 @@ constexpr auto kDevice = std::to_array<Key>({
   {"tool", kMap, kOptional, "", "The tool in the frame of the device's tip.", "", &pose},
   {"clutch_button", kButton, kOptional, "", "While this button is pressed the tool stays and the device moves free."}});
 
-constexpr auto kCircle = std::to_array<Key>({
-  {"centre", kVector, kRequired, "", "[m]"},
-  {"axis", kVector, kOptional, "[0, 0, 1]"}});
-constexpr auto kPress = std::to_array<Key>({
-  {"button", kButton, kRequired, "", "Counted from 0."},
-  {"from_s", kNotNegative, kRequired, "", "[s]"},
-  {"to_s", kPositive, kRequired, "", "[s]"}});
-constexpr auto kTurn = std::to_array<Key>({
-  {"axis", kVector, kRequired, "", "In the scene, right-handed."},
-  {"angle_rad", kNumber, kRequired, "", "[rad]", "", nullptr, -3.1, 3.1},
-  {"from_s", kNotNegative, kOptional, "0", "[s]"},
-  {"to_s", kPositive, kRequired, "", "[s]"}});
-constexpr auto kWay = std::to_array<Key>({
-  {"path", kVectors, kRequired, "", "Way points [m], walked in straight pieces.", "", nullptr, 1},
-  {"speed_m_per_s", kPositive, kOptional, "0.05", "Largest speed of a straight piece [m/s]."},
-  {"hold_s", kNotNegative, kOptional, "0", "Rest at each way point [s]."},
-  {"repeat_from", kCount, kNotTogether, "", "Back and forth between this point, counted from 0, and the last, for ever."},
-  {"circle", kMap, kNotTogether, "", "", "", &circle}});
-constexpr auto kMotion = joined(kWay, std::to_array<Key>({
-  {"orientation", kQuaternion, kOptional, "[1, 0, 0, 0]"},
-  {"turn", kMap, kOptional, "", "", "", &turn},
-  {"press", kMaps, kOptional, "", "Buttons that the hand holds down meanwhile.", "", &press}}));
-
-// Above the largest a number is in the wrong unit (milliseconds, millimetres, per cent), not the property of a haptic device.
-constexpr auto kDeviceFile = std::to_array<Key>({
-  {"device", kText, kRequired, "", "Its name."},
-  {"rate_hz", kNumber, kRequired, "", "Samples a second [Hz].", "", nullptr, 1, 1e5},
-  {"max_force_n", kPositive, kRequired, "", "[N]"},
-  {"max_torque_nm", kNotNegative, kRequired, "", "0: gives none [Nm]."},
-  {"max_stiffness_n_per_m", kPositive, kRequired, "", "What it can show, not what its structure has [N/m]."},
-  {"mass_kg", kRange, kRequired, "", "Apparent at the tool, least and most over workspace and axes [kg]."},
-  {"workspace_m", kSize, kOptional, "", "Edges of the box that the tool reaches [m]."},
-  {"damping_ns_per_m", kNotNegative, kOptional, "", "The least [Ns/m]."},
-  {"coulomb_friction_n", kNotNegative, kOptional, "", "[N]"},
-  {"position_resolution_m", kNumber, kRequired, "", "[m]", "", nullptr, 0, 0.01},
-  {"delay_s", kNumber, kOptional, "", "From the sample to the force, beside the hold of a period [s].", "", nullptr, 0, 1},
-  {"force_bandwidth_hz", kPositive, kOptional, "", "Left out: no lag [Hz]."},
-  {"rotation", kMap, kOptional, "", "", "", &device_rotation},
-  {"jitter", kNumber, kOptional, "", "The longest period is (1 + jitter) / rate_hz.", "", nullptr, 0, 10},
-  {"lost_in_a_row", kCount, kOptional, "", "Samples that may be lost one after the other.", "", nullptr, 0, 1000},
-  {"grip", kWord, kRequired, "", "How it is held.", "pen arm"}});
-constexpr auto kDeviceRotation = std::to_array<Key>({
-  {"inertia_kg_m2", kRange, kOptional, "", "[kg m^2]"},
-  {"damping_nms_per_rad", kNotNegative, kOptional, "", "[Nms/rad]"},
-  {"coulomb_friction_nm", kNotNegative, kOptional, "", "[Nm]"},
-  {"orientation_resolution_rad", kNumber, kOptional, "", "[rad]", "", nullptr, 0, 0.1},
-  {"max_stiffness_nm_per_rad", kPositive, kOptional, "", "[Nm/rad]"}});
-
 constexpr auto kScene = std::to_array<Key>({
   {"scene", kName, kRequired, "", "The scene's name."},
   {"voxel_size", kPositive, kRequired, "", "Edge of a voxel [m]."},
@@ -202,9 +143,6 @@ constinit const KeyGroup tool{"", "What a virtual tool must know of the tool.", 
 constinit const KeyGroup effect{"effect", "One effect.", kEffect};
 constinit const KeyGroup coupling{"", "Between contact and device.", kCoupling};
 constinit const KeyGroup device{"", "How the device moves the tool.", kDevice};
-constinit const KeyGroup device_file{"", "A device, as the coupling designer needs it.", kDeviceFile};
-constinit const KeyGroup device_rotation{"", "Only and always where max_torque_nm is above 0.", kDeviceRotation};
-constinit const KeyGroup motion{"motion", "What a simulated hand does with the tool's origin, in the scene.", kMotion};
 constinit const KeyGroup pose{"pose", "", kPose};
 constinit const KeyGroup part{"part", "A closed form that stands for the mesh, or a convex part of it, in the validator.", kPart};
 constinit const KeyGroup sphere{"", "", kSphere};
@@ -213,10 +151,6 @@ constinit const KeyGroup cylinder{"", "", kCylinder};
 constinit const KeyGroup region{"region", "The effect works in here only.", kRegion};
 constinit const KeyGroup region_sphere{"", "", kRegionSphere};
 constinit const KeyGroup hand{"", "Ranges of a hand.", kHand};
-constinit const KeyGroup press{"", "", kPress};
-constinit const KeyGroup turn{"", "The hand turns from its orientation, about the device's tip, from rest to rest.", kTurn};
-constinit const KeyGroup circle{"", "Round and round after the way points, beginning at the last.", kCircle};
-constinit const KeyGroup way{"way", "How an object moves: its displacement over the time since the session's begin.", kWay};
 
 }  // namespace keys
 }  // namespace voxtouch::scene

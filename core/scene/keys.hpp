@@ -68,9 +68,9 @@ std::vector<std::string_view> words_of(std::string_view list);
 
 namespace keys {
 
-/// What rules between keys name, beside the rows: contact models that weigh points by their area, kinds of a coupling that is
+/// What rules between keys name, beside the rows: the contact model that weighs points by their area, kinds of a coupling that is
 /// set by hand, and what an effect that works everywhere, all or nothing, does not have.
-inline constexpr std::string_view kModelsByArea = "clustered field", kKindsByHand = "shaping_filter spring_damper direct",
+inline constexpr std::string_view kModelByArea = "field", kKindsByHand = "shaping_filter spring_damper direct",
                                   kNotEverywhere = "region gain on";
 
 extern const KeyGroup scene, static_mesh, dynamic_mesh, object, contact, tool, effect, coupling, device, motion;

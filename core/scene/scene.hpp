@@ -40,7 +40,7 @@ enum class RenderingKind {
 };
 
 struct ContactSpec {
-  std::string model = "adapted";    ///< original | adapted | clustered | field
+  std::string model = "adapted";    ///< original | adapted | field
   double stiffness_n_per_m = 0.0;   ///< per shell point: original and adapted, as in the paper. 0 where the other is given
   double stiffness_n_per_m3 = 0.0;  ///< per area of the tool's surface: any model; 0 where the other is given
   RenderingKind rendering = RenderingKind::kPenalty;  ///< kVirtualTool: with `field` alone, and both stiffnesses are 0

@@ -139,11 +139,13 @@ ContactSpec read_virtual_tool(const SceneSource& source, const MapReader& map) {
 }  // namespace
 
 ContactSpec read_contact(const SceneSource& source, const MapReader& map) {
+  if (const YamlNode* model = map.find("model"); model && model->text == "clustered")
+    source.fail(model->place, "The contact model 'clustered' is gone. Write 'model: field' with the same stiffness_n_per_m3; where a static mesh "
+                              "is not closed, 'model: adapted' with it.");
   if (map.has("rendering") && map.choice("rendering") == 0) return read_virtual_tool(source, map);
   ContactSpec contact;
   map.read("model", contact.model);
-  const std::vector<std::string_view> models = words_of(keys::kModelsByArea);
-  const bool by_area_only = std::find(models.begin(), models.end(), contact.model) != models.end();
+  const bool by_area_only = contact.model == keys::kModelByArea;
   const bool by_area = map.has("stiffness_n_per_m3");
   if (by_area_only)
     map.refuse("stiffness_n_per_m", fmt::format("is per shell point; '{}' weighs points by their area and takes "

@@ -194,7 +194,7 @@ std::string scene_schema() {
                  {"description", "A scene of voxtouch. Lengths are m, forces N, quaternions w x y z."}};
   schema.update(map_of(keys::scene));
   Json& contact = schema["properties"]["contact"];
-  contact["if"] = {{"properties", {{"model", {{"enum", words_of(keys::kModelsByArea)}}}}}, {"required", {"model"}}};
+  contact["if"] = {{"properties", {{"model", {{"enum", words_of(keys::kModelByArea)}}}}}, {"required", {"model"}}};
   contact["then"] = none_of({"stiffness_n_per_m"});
   Json virtual_tool = has("rendering");
   virtual_tool["properties"]["rendering"]["enum"] = {"virtual_tool"};

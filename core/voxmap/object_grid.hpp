@@ -4,7 +4,7 @@
 /// Faces of designed parts lie at whole millimetres, hence exactly on the borders of a grid whose borders are multiples of e. A face
 /// on a border has a layer of voxels on both sides or on one, as rounding decides: contact models then begin half a voxel early or
 /// late, and a wall of one voxel has no inside. A face in the middle of its voxel is farthest from that, and the tangent plane of its
-/// voxel, which `original`, `adapted` and `clustered` know of it, is the face itself.
+/// voxel, which `original` and `adapted` know of it, is the face itself.
 #include "core/voxmap/grid_mesh.hpp"
 
 namespace voxtouch::voxmap {

@@ -59,7 +59,7 @@ py::dict probe(const std::string& file, const Doubles& array, const std::string&
   const std::vector<Pose> poses = poses_of(array);
   std::optional<contact::ContactModelKind> model;
   if (!model_name.empty() && !contact::parse_contact_model(model_name, model.emplace()))
-    throw std::invalid_argument(fmt::format("'{}' is no contact model; there are original, adapted, clustered and field", model_name));
+    throw std::invalid_argument(fmt::format("'{}' is no contact model; there are original, adapted and field", model_name));
   const auto count = static_cast<py::ssize_t>(poses.size());
   auto surface = array_of<std::uint32_t>({count}), interior = array_of<std::uint32_t>({count});
   auto coherence = array_of<double>({count}), force = array_of<double>({count, 3}), torque = array_of<double>({count, 3});

@@ -18,7 +18,7 @@ GREY, BLUE, ORANGE, GREEN, PALE_GREEN, PURPLE, RED = "#6b6b6b", "#0072b2", "#c44
 RETURNED, CONTACT = ORANGE, BLUE  # force returned to the hand, and force of the contact: as on the page of voxtouch view
 X, Y, Z = BLUE, "#a85400", GREEN
 INK, QUIET, LINE = "#17202a", "#51606e", "#e3e3e3"
-MODELS = {"original": (GREY, "s"), "adapted": (BLUE, "o"), "clustered": (ORANGE, "^"), "field": (GREEN, "D")}
+MODELS = {"original": (GREY, "s"), "adapted": (BLUE, "o"), "field": (GREEN, "D")}
 STYLE = {"font.size": 16, "axes.titlesize": 14, "axes.labelsize": 15, "legend.fontsize": 14, "xtick.labelsize": 14, "ytick.labelsize": 14,
          "figure.titlesize": 20, "axes.spines.top": False, "axes.spines.right": False, "axes.grid": True, "axes.axisbelow": True,
          "grid.color": "#e3e3e3", "legend.frameon": False, "figure.facecolor": "white", "savefig.facecolor": "white",

@@ -289,14 +289,14 @@ class McapFile final : public BagFile {
     out.end(at);
   }
 
-  /// The summary, the offsets of its groups, the footer: `out` stands at the end of the data already.
-  void put_summary(Bytes& out, std::uint64_t metadata_at, std::size_t metadata_size) const {
-    const std::size_t begin = out.size();
-    const std::uint64_t start = end_of_data_ + begin;
-    struct Group {
-      Op op;
-      std::uint64_t at, size;
-    };
+  /// Records of one kind within the summary.
+  struct Group {
+    Op op;
+    std::uint64_t at, size;
+  };
+
+  /// The summary's groups of records.
+  std::vector<Group> put_groups(Bytes& out, std::uint64_t metadata_at, std::size_t metadata_size) const {
     std::vector<Group> groups;
     const auto group = [&](Op op, const auto& put) {
       const std::size_t from = out.size();
@@ -322,6 +322,14 @@ class McapFile final : public BagFile {
       out.text("rosbag2");
       out.end(at);
     });
+    return groups;
+  }
+
+  /// The summary, the offsets of its groups, the footer: `out` stands at the end of the data already.
+  void put_summary(Bytes& out, std::uint64_t metadata_at, std::size_t metadata_size) const {
+    const std::size_t begin = out.size();
+    const std::uint64_t start = end_of_data_ + begin;
+    const std::vector<Group> groups = put_groups(out, metadata_at, metadata_size);
     const std::uint64_t offsets = end_of_data_ + out.size();
     for (const Group& one : groups) {
       const auto at = out.begin(Op::kSummaryOffset);

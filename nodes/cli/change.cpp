@@ -63,7 +63,7 @@ void add_change(CLI::App& app, Action& action) {
   verb->add_option("--voxel-size", o->voxel_size_m, "With --reload: voxel edge [m] instead of the file's")
       ->check(runtime::require_positive);
   verb->add_option("--model", o->model, "With --reload: contact model instead of the file's")
-      ->check(CLI::IsMember({"original", "adapted", "clustered", "field"}));
+      ->check(CLI::IsMember({"original", "adapted", "field"}));
   verb->add_option(
           "--from-sample", o->from_sample,
           "Sequence number of the first device sample that the change holds for; a run in lockstep then gives the same "

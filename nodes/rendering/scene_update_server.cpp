@@ -271,7 +271,7 @@ void SceneUpdateServer::receive_reload(const msg::EffectChange& m, Request reque
   contact::ContactModelKind kind{};
   if (!view(m.model).empty() && !contact::parse_contact_model(view(m.model), kind))
     return refuse(request,
-                  fmt::format("there is no contact model '{}'; there are original, adapted, clustered and field",
+                  fmt::format("there is no contact model '{}'; there are original, adapted and field",
                               effects::quotable(view(m.model))));
   if (!outstanding_.empty() && outstanding_.back().change.from_sample > 0)
     return refuse(request, fmt::format("a change waits for sample {}; ask again after it",

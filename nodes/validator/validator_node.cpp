@@ -175,11 +175,7 @@ class ValidatorNode {
     if (next_ && contact.sequence_number >= next_->from_sample) follow_change();
     heartbeat_.beat();
     if (blind_ || !reference::is_checked(contact.sequence_number, options_.every)) return;
-    // While one scene fades into another, what is felt is neither's; behind a wall crossed too fast it is of where that was entered.
-    // A virtual tool that is told of a refused sample is that of another one.
-    const std::uint32_t unlike = msg::contact_state::kFlagFading | msg::contact_state::kFlagCrossed |
-                                 (scene_.virtual_tool() ? msg::contact_state::kFlagRefusedSample : 0U);
-    if (contact.flags & unlike) {
+    if (contact.flags & unlike()) {
       if (first_checked_.load(std::memory_order_relaxed) != kNone) excused_.fetch_add(1, std::memory_order_relaxed);
       return;
     }
@@ -188,6 +184,21 @@ class ValidatorNode {
     reference_.move_to(static_cast<double>(contact.scene_time_ns) * 1e-9);
     reference::GapResult gap;
     const reference::Judgement judgement = scene_.virtual_tool() ? judge_tool(contact, gap) : judge_contact(contact, gap);
+    write_report(contact, gap, judgement);
+    if (first_checked_.load(std::memory_order_relaxed) == kNone)
+      first_checked_.store(contact.sequence_number, std::memory_order_relaxed);
+    if (judgement.verdict == reference::Verdict::kDisagree) note(contact.sequence_number, judgement);
+    publish_counts();
+  }
+
+  /// Flags of a contact that cannot be judged. While one scene fades into another, what is felt is neither's; behind a wall crossed too fast it is
+  /// of where that was entered. A virtual tool that is told of a refused sample is that of another one.
+  std::uint32_t unlike() const {
+    return msg::contact_state::kFlagFading | msg::contact_state::kFlagCrossed |
+           (scene_.virtual_tool() ? msg::contact_state::kFlagRefusedSample : 0U);
+  }
+
+  void write_report(const msg::ContactState& contact, const reference::GapResult& gap, const reference::Judgement& judgement) {
     const reference::JudgeCounts& counts = judge_->counts();
     msg::ValidationReport m{};
     m.session_id = contact.session_id;
@@ -211,10 +222,6 @@ class ValidatorNode {
       heartbeat_.beat();
       return !options_.lockstep || over_();
     });
-    if (first_checked_.load(std::memory_order_relaxed) == kNone)
-      first_checked_.store(contact.sequence_number, std::memory_order_relaxed);
-    if (judgement.verdict == reference::Verdict::kDisagree) note(contact.sequence_number, judgement);
-    publish_counts();
   }
 
   reference::Judgement judge_contact(const msg::ContactState& contact, reference::GapResult& gap) {

@@ -75,11 +75,11 @@ def query_part(m):
                 return "–" if ns is None else f"{time_word(ns)}, {ns / size:.3g}" + (f" ({ns / read:.2g})" if read else "")
 
             rows.append([f"{size:,}", place, f"{find['tested%']:.2f} %", f"{find['hits%']:.1f} %"] +
-                        [cell(w) for w in ("find", "render original", "render adapted", "render clustered", "of mesh adapted", "of mesh field")])
+                        [cell(w) for w in ("find", "render original", "render adapted", "of mesh adapted", "of mesh field")])
     lines = ["## Contact query", "", machine(m.context) + ".", "",
              f"CPU time of a frame, and ns a point; in brackets over reading 12 bytes a point ({', '.join(f'{n:,}: {time_word(m.ns(READ, str(), n))}' for n in m.sizes())}). "
              "The last two columns are on a cup made of a mesh, whose surface has other voxels.", ""]
-    lines += table(["points", "place", "tested", "hits", "find", "original", "adapted", "clustered", "mesh: adapted", "mesh: field"], rows)
+    lines += table(["points", "place", "tested", "hits", "find", "original", "adapted", "mesh: adapted", "mesh: field"], rows)
     slides = [(size, m.ns("virtual tool", "slide", size), m.ns("find", "slide", size), m.rows[("virtual tool", "slide", size)]["queries"])
               for size in m.sizes() if ("virtual tool", "slide", size) in m.rows]
     if slides:

@@ -20,7 +20,7 @@ def main():
     if len(sys.argv) != 3:
         sys.exit(__doc__)
     rows = [{"place": place, "what": what, "points": POINTS, "instructions": instructions(sys.argv[1], place, what)}
-            for place in ("near", "light", "heavy") for what in ("find", "original", "adapted", "clustered", "field")]
+            for place in ("near", "light", "heavy") for what in ("find", "original", "adapted", "field")]
     with open(sys.argv[2], "w", encoding="utf-8") as out:
         json.dump(rows, out, indent=1)
 

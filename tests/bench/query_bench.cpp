@@ -117,7 +117,7 @@ void add_all() {
     for (const Place place : {Place::kFar, Place::kNear, Place::kLight, Place::kHeavy}) {
       const std::string row = "/" + name_of(place) + size;
       benchmark::RegisterBenchmark(("find" + row).c_str(), [=](benchmark::State& state) { find(state, ground(), place, path(place), points); });
-      for (const auto model : {ContactModelKind::kOriginal, ContactModelKind::kAdapted, ContactModelKind::kClustered})
+      for (const auto model : {ContactModelKind::kOriginal, ContactModelKind::kAdapted})
         benchmark::RegisterBenchmark(("render " + std::string(contact::name_of(model)) + row).c_str(),
                                      [=](benchmark::State& state) { render(state, ground(), place, points, model, nullptr); });
       if (place == Place::kFar) continue;

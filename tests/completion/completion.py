@@ -46,7 +46,7 @@ CASES = (
     (("voxtouch", "up", "cup", "--device", "replay", ":", "/et"), {"/etc"}, {"touch"}),
     (("voxtouch", "up", "cup", "--realtime", ""), {"ignore", "enforce"}, set()),
     (("voxtouch", "up", "cup", "--hand", "pen"), {"pen", "pen-firm"}, {"arm"}),
-    (("voxtouch", "change", "--model", ""), {"original", "adapted", "clustered", "field"}, set()),
+    (("voxtouch", "change", "--model", ""), {"original", "adapted", "field"}, set()),
     (("voxtouch", "change", "viscosity", "o"), {"on", "off"}, {"gain"}),
     (("voxtouch_device", "--du"), {"--duration"}, {"--device"}),
     (("voxtouch_device", "--scene", "cup", "--motion", ""), {"slide"}, set()),

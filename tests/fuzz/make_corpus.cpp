@@ -104,7 +104,7 @@ void scenes(const fs::path& deploy) {
           "speed_m_per_s: 0.05}\n");
   put("scene", "designed",
       head +
-          "contact: {model: clustered, stiffness_n_per_m3: 1e6}\n"
+          "contact: {model: field, stiffness_n_per_m3: 1e6}\n"
           "coupling: {design: auto, kind: auto, cutoff_hz: 5, gain_margin: 2, released: true, hand: {mass_kg: [0.02, "
           "0.2], "
           "damping_ns_per_m: [0.5, 8], stiffness_n_per_m: [20, 800]}}\n");

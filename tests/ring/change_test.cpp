@@ -221,7 +221,7 @@ TEST(Change, OfAnEffectInContactIsNoStepOfTheForceAndGivesTheSameBitsTwice) {
 
 TEST(Change, ToASceneThatWasBuiltAnewInContactIsNoStepOfTheForceAndGivesTheSameBitsTwice) {
   const TemporaryFolder folder;
-  const std::vector<Change> changes = {{kActionReload, 0.0, 1800, 0.0015, "", "", "clustered"}};
+  const std::vector<Change> changes = {{kActionReload, 0.0, 1800, 0.0015, "", "", "adapted"}};
   lockstep(folder, "plain", "slide", {}, {}, true);
   lockstep(folder, "first", "slide", changes, {}, true);
   lockstep(folder, "second", "slide", changes, {"--one-process"}, true);
@@ -229,7 +229,7 @@ TEST(Change, ToASceneThatWasBuiltAnewInContactIsNoStepOfTheForceAndGivesTheSameB
   ASSERT_EQ(changed.size(), 5000U);
   for (std::size_t i = 0; i < 1800; ++i) ASSERT_EQ(plain[i].wrench.force.z, changed[i].wrench.force.z) << i;
   EXPECT_EQ(changed[1799].model, msg::contact_state::kModelField);
-  EXPECT_EQ(changed[2000].model, msg::contact_state::kModelClustered);
+  EXPECT_EQ(changed[2000].model, msg::contact_state::kModelAdapted);
   for (std::size_t i = 0; i < changed.size(); ++i)
     ASSERT_EQ((changed[i].flags & msg::contact_state::kFlagFading) != 0, i >= 1800 && i < 2000) << i;
   const double way = std::abs(changed[2000].wrench.force.z - changed[1799].wrench.force.z);

@@ -103,7 +103,6 @@ Fault tampered(const std::string& name, std::function<void(reference::ReportedCo
 /// to see at all.
 const std::map<std::string, std::string> kBlindAxes = {
     {"cup", "z"},            // the motions touch the walls, which are the same all along z
-    {"cup_clustered", "z"},  // likewise
     {"cup_field", "z"},      // likewise
     {"cup_guide_line", "z"},   // likewise
     {"cup_guide_plane", "z"},  // likewise

@@ -14,7 +14,7 @@ def arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("part", help="mesh (OBJ, STL, PLY, glTF/GLB, COLLADA), or a scene file that is there already (.yaml)")
     parser.add_argument("--unit", help="unit of the mesh's numbers: m, mm, ...; default: whichever makes it fit a desk")
-    parser.add_argument("--models", default="adapted,clustered,field", help="contact models (default: adapted,clustered,field)")
+    parser.add_argument("--models", default="adapted,field", help="contact models (default: adapted,field)")
     parser.add_argument("--contacts", type=int, default=200, help="contact poses, the same for each model (default: 200)")
     parser.add_argument("--voxel-sizes", help="voxel edges [m], separated by commas; default: the scene's own times 2, 1 and 1/2")
     parser.add_argument("--voxtouch", default="voxtouch", help="the program, where it is not on PATH")

@@ -45,7 +45,7 @@ def probe(scene, poses, model=None, points=False):
 
     scene   file, or the name of a shipped scene
     poses   n rows of qw, qx, qy, qz, x, y, z: the tool in the world [-, m]; quaternions of any norm in [1e-3, 1e3]
-    model   original, adapted, clustered or field; None: the scene's
+    model   original, adapted or field; None: the scene's
     points  True adds the ids of the shell points in surface voxels
 
     A dict: force_n and torque_nm (n x 3, world axes, torque about the tool's origin), surface_hits and interior_hits (n), coherence (n, 0 to 1: how

@@ -163,10 +163,10 @@ void add_accuracy(CLI::App& app, Action& action) {
   CLI::App* verb = app.add_subcommand("accuracy", kAccuracyDescription);
   verb->footer(kFooter);
   verb->add_option("SCENE", o->scene, "Scene file (YAML), or the name of one that comes with voxtouch")->required()->transform(runtime::scene_argument());
-  add_list(*verb, "--models", o->choice.models, "original,adapted,clustered,field,virtual_tool; default: all")
-      ->check(CLI::IsMember({"original", "adapted", "clustered", "field", "virtual_tool"}));
+  add_list(*verb, "--models", o->choice.models, "original,adapted,field,virtual_tool; default: all")
+      ->check(CLI::IsMember({"original", "adapted", "field", "virtual_tool"}));
   add_list(*verb, "--weights", o->choice.weights,
-           "one,area: what a shell point counts; default: both. clustered and field know area only")
+           "one,area: what a shell point counts; default: both. field knows area only")
       ->check(CLI::IsMember({"one", "area"}));
   add_list(*verb, "--voxel-sizes", o->choice.voxel_sizes_m,
            "Voxel edges e of the static map [m]; default: the scene's own times 2, 1 and 1/2")

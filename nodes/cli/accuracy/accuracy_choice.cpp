@@ -24,8 +24,7 @@ std::vector<contact::ContactModelKind> models_of(const AccuracyChoice& choice) {
     add_once(out, kind);
   }
   if (choice.models.empty())
-    out = {contact::ContactModelKind::kOriginal, contact::ContactModelKind::kAdapted, contact::ContactModelKind::kClustered,
-           contact::ContactModelKind::kField};
+    out = {contact::ContactModelKind::kOriginal, contact::ContactModelKind::kAdapted, contact::ContactModelKind::kField};
   return out;
 }
 
@@ -42,9 +41,7 @@ std::vector<double> each_once(const std::vector<double>& values, const std::vect
   return out;
 }
 
-bool knows_area_only(contact::ContactModelKind model) {
-  return model == contact::ContactModelKind::kClustered || model == contact::ContactModelKind::kField;
-}
+bool knows_area_only(contact::ContactModelKind model) { return model == contact::ContactModelKind::kField; }
 
 }  // namespace
 

@@ -19,9 +19,9 @@ struct AccuracyChoice {
 /// Most settings of one run: more is a slip of the pen, and would take hours.
 inline constexpr std::size_t kMaxSettings = 500;
 
-/// Grouped by model and weights, in the order asked for; what is asked for twice comes once. `clustered` and `field` weigh
-/// by area only: where both weights are meant they come once, where `one` alone is asked for they are left out if no model
-/// was named, and refused if they were. `virtual_tool` among the models, or none named: rows of a virtual tool at the end; where voxel sizes
+/// Grouped by model and weights, in the order asked for; what is asked for twice comes once. `field` weighs
+/// by area only: where both weights are meant it comes once, where `one` alone is asked for it is left out if no model
+/// was named, and refused if it was. `virtual_tool` among the models, or none named: rows of a virtual tool at the end; where voxel sizes
 /// are not named either, one row at the scene's own. Throws std::invalid_argument, a sentence that names the option.
 std::vector<accuracy::AccuracySetting> settings_of(const AccuracyChoice& choice, double scene_voxel_m);
 

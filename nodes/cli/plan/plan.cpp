@@ -102,7 +102,7 @@ void add_plan(CLI::App& app, Action& action) {
   verb->add_option("--device", o->device,
                    "Also says what this device cannot show: a name, or a file (deploy/devices/*.yaml)");
   verb->add_option("--model", o->model, "This contact model instead of the scene's")
-      ->check(CLI::IsMember({"original", "adapted", "clustered", "field"}));
+      ->check(CLI::IsMember({"original", "adapted", "field"}));
   verb->add_option("--frames", o->frames, "How many frames are measured")
       ->capture_default_str()
       ->check(CLI::Range(1, 1'000'000));

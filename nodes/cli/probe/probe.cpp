@@ -90,8 +90,8 @@ void add_probe(CLI::App& app, Action& action) {
   verb->add_option("--poses", o->poses,
                    "CSV with the columns qw,qx,qy,qz,tx,ty,tz: tool in world; - for standard input")
       ->required();
-  verb->add_option("--model", o->model, "original, adapted, clustered, field or reference; default: the scene's")
-      ->check(CLI::IsMember({"original", "adapted", "clustered", "field", "reference"}));
+  verb->add_option("--model", o->model, "original, adapted, field or reference; default: the scene's")
+      ->check(CLI::IsMember({"original", "adapted", "field", "reference"}));
   scene_build::add_cache_options(*verb, o->cache);
   verb->add_flag("--points", o->points, "Adds a column with the ids of the colliding points");
   verb->callback([o, &action] { action = [o] { return probe(*o); }; });

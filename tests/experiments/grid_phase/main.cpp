@@ -21,8 +21,7 @@ using contact::ContactModelKind;
 using test::uniform;
 
 constexpr double kEdge = 2e-3, kRadius = 5 * kEdge, kDepth = 0.5 * kEdge;
-constexpr std::array kModels = {ContactModelKind::kOriginal, ContactModelKind::kAdapted, ContactModelKind::kClustered,
-                                ContactModelKind::kField};
+constexpr std::array kModels = {ContactModelKind::kOriginal, ContactModelKind::kAdapted, ContactModelKind::kField};
 
 /// Faces at whole voxels, and where the ball touches them half a voxel deep.
 struct Place {

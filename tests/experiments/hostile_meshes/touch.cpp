@@ -69,8 +69,6 @@ class Contact {
       add(voxmap, shell, kind, {kStiffness, contact::PointWeights::kOne}, nullptr, kStiffness * double(shell.size()) * depth);
       add(voxmap, shell, kind, {kPressure, contact::PointWeights::kArea}, nullptr, kPressure * area * depth);
     }
-    add(voxmap, shell, contact::ContactModelKind::kClustered, {kPressure, contact::PointWeights::kArea}, nullptr,
-        kPressure * area * depth);
     if (field)
       add(voxmap, shell, contact::ContactModelKind::kField, {kPressure, contact::PointWeights::kArea}, field, kPressure * area * depth);
   }

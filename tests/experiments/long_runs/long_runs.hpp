@@ -41,7 +41,7 @@ struct TumbleRunOptions {
 };
 Findings run_tumble(const TumbleRunOptions& ask, const Progress& progress = {});
 
-/// Random contact through scene, contact (all four models), effects, coupling and guard with the floating-point traps invalid,
+/// Random contact through scene, contact (every model), effects, coupling and guard with the floating-point traps invalid,
 /// overflow and divide-by-zero on. The first trap ends the process by SIGFPE, and says in which frame of which case it was.
 struct TrapRunOptions {
   std::filesystem::path scenes;  ///< the folder of the shipped scenes

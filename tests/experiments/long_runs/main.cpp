@@ -51,7 +51,7 @@ int run(int argc, char** argv) {
       ->capture_default_str()
       ->check(CLI::ExistingFile);
   c->add_option("--model", contact.model, "contact model instead of the scene's")
-      ->check(CLI::IsMember({"original", "adapted", "clustered", "field"}));
+      ->check(CLI::IsMember({"original", "adapted", "field"}));
   CLI::App* b = app.add_subcommand("tumble", "a rigid body that turns for ever: is its orientation still a rotation?");
   b->add_option("--steps", tumble.steps, "samples (1e9: about nine minutes)")->capture_default_str();
   CLI::App* t = app.add_subcommand("traps", "random contact with floating-point traps on, in all models and effects");

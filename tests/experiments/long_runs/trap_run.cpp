@@ -169,15 +169,14 @@ struct Case {
 
 /// Three scenes with every contact model: the cup with all effects that a tool may have, objects that move, a body.
 std::vector<Case> cases(const std::filesystem::path& folder) {
-  scene::Scene cup = scene::load_scene(folder / "cup_clustered.yaml");  // its stiffness is of the area, which every model takes
+  scene::Scene cup = scene::load_scene(folder / "cup_field.yaml");  // its stiffness is of the area, which every model takes
   for (const char* name : {"friction", "surface_damping", "texture", "viscosity", "guide_plane", "guide_line",
                            "guide_point", "magnet", "proximity"})
     for (const effects::EffectSpec& effect : scene::load_scene(folder / (std::string("cup_") + name + ".yaml")).effects)
       cup.effects.push_back(effect);
   const scene::Scene block = scene::load_scene(folder / "block.yaml");
   std::vector<Case> out;
-  for (const contact::ContactModelKind model : {contact::ContactModelKind::kOriginal, contact::ContactModelKind::kAdapted,
-                                       contact::ContactModelKind::kClustered, contact::ContactModelKind::kField}) {
+  for (const contact::ContactModelKind model : {contact::ContactModelKind::kOriginal, contact::ContactModelKind::kAdapted, contact::ContactModelKind::kField}) {
     out.push_back({"cup with nine effects", cup, model, {}});
     out.push_back({"objects", scene::load_scene(folder / "objects.yaml"), model, {}});
     out.push_back({"block, a body", block, model, block.motions.at("fall").path.front()});

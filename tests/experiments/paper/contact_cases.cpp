@@ -32,7 +32,6 @@ std::vector<ContactCase> all_contact_cases() {
           {"adapted", kAdapted, kOne},
           {"original, area weights", kOriginal, kArea},
           {"adapted, area weights", kAdapted, kArea},
-          {"clustered", kClustered, kArea},
           {"field", kField, kArea}};
 }
 

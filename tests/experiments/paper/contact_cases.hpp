@@ -34,7 +34,7 @@ struct ContactCase {
   contact::PointWeights weights = contact::PointWeights::kOne;
   bool naive = false;
 };
-/// original, adapted, both by area, clustered, field; all with the exact shell.
+/// original, adapted, both by area, field; all with the exact shell.
 std::vector<ContactCase> all_contact_cases();
 contact::ContactRenderer renderer_of(const ContactCase& contact_case, const Ground& ground, const Sphere& sphere);
 

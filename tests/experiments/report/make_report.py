@@ -95,9 +95,9 @@ def row_of(data, name):
 
 
 def draw_circle(data, out):
-    figure, axes = plt.subplots(2, 4, figsize=(11, 5.8), sharex="row", sharey="row")
+    figure, axes = plt.subplots(2, 3, figsize=(9, 6), sharex="row", sharey="row")
     for row, (key, title) in enumerate((("plane_aligned", "plane along the grid"), ("plane_tilted", "plane tilted by 26.6°"))):
-        for axis, name in zip(axes[row], ("original", "adapted", "clustered", "field")):
+        for axis, name in zip(axes[row], ("original", "adapted", "field")):
             r = row_of(data[key], name)
             axis.plot([100 * x for x in r["first"]], [100 * y for y in r["second"]], ".", ms=2, color=COLOUR[name])
             axis.plot(0, 0, "+", color="black", ms=8)
@@ -112,8 +112,8 @@ def draw_circle(data, out):
 
 
 def draw_cylinder(data, out):
-    figure, axes = plt.subplots(4, 1, figsize=(9, 7), sharex=True, sharey=True)
-    for axis, name in zip(axes, ("original", "adapted", "clustered", "field")):
+    figure, axes = plt.subplots(3, 1, figsize=(9, 5.6), sharex=True, sharey=True)
+    for axis, name in zip(axes, ("original", "adapted", "field")):
         r = row_of(data["cylinder"], name)
         axis.plot([360 * n / len(r["first"]) for n in range(len(r["first"]))], [100 * x for x in r["first"]], lw=0.8, color=COLOUR[name])
         axis.set_title(f"{name}: RMS {100 * r['rms']:.1f} %", loc="left")
@@ -178,7 +178,7 @@ def experiments(page, build, out, quick):
     draw_circle(data, out), draw_cylinder(data, out), draw_shells(data, out), draw_filter(data, out)
     page.heading("Experiment 1: a circle over a plane (Figure 8)")
     page.picture("figure8.png", "Sphere of 10 e, 0.5 e deep. Each dot is one pose on the circle. The paper has the first two columns. Along the grid what "
-                 "is left of the adapted force is a constant; clustered and field have less everywhere.")
+                 "is left of the adapted force is a constant; field has less everywhere.")
     page.heading("Experiment 2: round a cylinder (Figures 9, 10)")
     page.picture("figure9.png", "Sphere of 10 e round a cylinder of 20 e, 0.5 e deep.")
     page.heading("Exact against naive pointshell (Figures 2, 3)")

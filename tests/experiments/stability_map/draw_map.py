@@ -16,7 +16,7 @@ from plot_layout import legend_beside, new_figure  # noqa: E402
 from plot_style import BLUE, ORANGE, STYLE  # noqa: E402
 
 SHOWN_RADIUS, FLOOR = 5.0, 1e-6  # of the upper row: the ball's radius over the voxel edge, and the lowest share that has a colour
-BOUND = {"original": 0.15, "adapted": 0.15, "clustered": 0.06, "field": None}  # times e/R: what sliding_test holds the models to
+BOUND = {"original": 0.15, "adapted": 0.15, "field": None}  # times e/R: what sliding_test holds the models to
 
 
 def draw_heat(axis, rows, model):

@@ -1,4 +1,4 @@
-// Energy that a contact gives to a hand per closed sliding loop, for four contact models, over voxel size, depth and tilt.
+// Energy that a contact gives to a hand per closed sliding loop, for each contact model, over voxel size, depth and tilt.
 //
 //   stability_map [--out FILE.csv] [--loops N] [--seed S]        under two minutes on two cores; then, to draw it:
 //   tests/experiments/stability_map/draw_map.py FILE.csv deploy/pictures/stability_map.png
@@ -14,8 +14,7 @@ namespace {
 
 using voxtouch::contact::ContactModelKind;
 
-constexpr std::array kModels = {ContactModelKind::kOriginal, ContactModelKind::kAdapted, ContactModelKind::kClustered,
-                                ContactModelKind::kField};
+constexpr std::array kModels = {ContactModelKind::kOriginal, ContactModelKind::kAdapted, ContactModelKind::kField};
 constexpr std::array kRadii = {2.5, 5.0, 10.0, 20.0};  // the ball's radius over the voxel edge
 constexpr std::array kDepths = {0.1, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0};
 constexpr std::array kTilts = {0.0, 2.0, 5.0, 10.0, 15.0, 22.5, 30.0, 45.0};

@@ -14,8 +14,7 @@ namespace poses_test {
 
 constexpr double kEdge = 2e-3, kPeriod = 1e-3, kMaxN = 8.5;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kInf = std::numeric_limits<double>::infinity();
-constexpr std::array kModels = {contact::ContactModelKind::kOriginal, contact::ContactModelKind::kAdapted,
-                                contact::ContactModelKind::kClustered, contact::ContactModelKind::kField};
+constexpr std::array kModels = {contact::ContactModelKind::kOriginal, contact::ContactModelKind::kAdapted, contact::ContactModelKind::kField};
 
 std::vector<Pose> broken(const Pose& good) {
   std::vector<Pose> bad;

@@ -13,8 +13,7 @@
 namespace voxtouch::sliding {
 namespace {
 
-constexpr std::array kModels = {contact::ContactModelKind::kOriginal, contact::ContactModelKind::kAdapted,
-                                contact::ContactModelKind::kClustered, contact::ContactModelKind::kField};
+constexpr std::array kModels = {contact::ContactModelKind::kOriginal, contact::ContactModelKind::kAdapted, contact::ContactModelKind::kField};
 
 /// The bound that the map shows (deploy/pictures/stability_map.png): energy given on a closed loop, over mean force times way, for a
 /// ball of `radius_voxels`. core/coupling/passivity.hpp states the same.
@@ -22,7 +21,6 @@ double most_share(contact::ContactModelKind model, double radius_voxels) {
   switch (model) {
     case contact::ContactModelKind::kOriginal:
     case contact::ContactModelKind::kAdapted: return coupling::kSlidingShare / radius_voxels;
-    case contact::ContactModelKind::kClustered: return 0.4 * coupling::kSlidingShare / radius_voxels;
     case contact::ContactModelKind::kField: return radius_voxels < 5.0 ? 0.4 * coupling::kSlidingShare / radius_voxels : 1e-6;
   }
   return 0.0;

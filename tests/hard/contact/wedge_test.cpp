@@ -12,8 +12,7 @@ namespace voxtouch::test {
 namespace wedge_test {
 
 constexpr double kEdge = 1e-3;
-constexpr std::array kModels = {contact::ContactModelKind::kOriginal, contact::ContactModelKind::kAdapted,
-                                contact::ContactModelKind::kClustered, contact::ContactModelKind::kField};
+constexpr std::array kModels = {contact::ContactModelKind::kOriginal, contact::ContactModelKind::kAdapted, contact::ContactModelKind::kField};
 constexpr double kRadius = 8 * kEdge;
 
 mesh::TriangleMesh slab(const Vec3& size, const Vec3& at) { return box_mesh(size, {at, Quat::Identity()}); }
@@ -126,34 +125,30 @@ TEST(F3ManyContacts, PlateOnPlateGivesTheSameForceWhateverTheOrderOfItsPoints) {
   }
 }
 
-/// `original` and `adapted` to 100 e: DeepPush in tests/unit/contact. Here the two that hold nothing.
+/// `original` and `adapted` to 100 e: DeepPush in tests/unit/contact. Here the one that holds nothing.
 TEST(F5DeepPenetration, ForceIsFlaggedFromWhereItNoLongerGrowsAndNeverPullsTheToolIn) {
   const pointshell::Pointshell shell = exact_shell(sphere_mesh(kRadius, 4), kEdge);
   const Ground ground(slab(Vec3(60, 60, 150) * kEdge, Vec3(0.2, 0.1, -75) * kEdge), kEdge);
-  for (const contact::ContactModelKind kind : {contact::ContactModelKind::kClustered, contact::ContactModelKind::kField}) {
-    contact::ContactRenderer renderer = ground.renderer(shell, kind);
-    double peak = 0.0, flagged = HUGE_VAL, fallen = HUGE_VAL;
-    const auto push = [&](double depth, bool in = true) {
-      const contact::StageResult r = renderer.render(at(Vec3(0.13, 0.21, 8.0 - depth) * kEdge));
-      const double up = r.contact.wrench.force.z();
-      EXPECT_TRUE(r.contact.wrench.finite());
-      EXPECT_GE(up, -0.02 * peak) << contact::name_of(kind) << " at " << depth;
-      if (r.contact.saturated) flagged = std::min(flagged, depth);
-      if (in && up < 0.98 * peak) {
-        fallen = std::min(fallen, depth);
-        EXPECT_TRUE(r.contact.saturated) << contact::name_of(kind) << " at " << depth
-                                         << ": less force than before, and not told";
-      }
-      return up;
-    };
-    for (double depth = 0.0; depth <= 100.0; depth += 0.2) peak = std::max(peak, push(depth));
-    const double back = push(0.3, false);
-    std::printf("%s: grows to %.3g N, flagged from %.1f e, falls from %.1f e\n", std::string(contact::name_of(kind)).c_str(),
-                peak, flagged, fallen);
-    EXPECT_LE(flagged, fallen);
-    EXPECT_GT(back, 0.0);
-    EXPECT_EQ(back, renderer.probe(at(Vec3(0.13, 0.21, 7.7) * kEdge)).wrench.force.z()) << "nothing is left of the way";
-  }
+  contact::ContactRenderer renderer = ground.renderer(shell);
+  double peak = 0.0, flagged = HUGE_VAL, fallen = HUGE_VAL;
+  const auto push = [&](double depth, bool in = true) {
+    const contact::StageResult r = renderer.render(at(Vec3(0.13, 0.21, 8.0 - depth) * kEdge));
+    const double up = r.contact.wrench.force.z();
+    EXPECT_TRUE(r.contact.wrench.finite());
+    EXPECT_GE(up, -0.02 * peak) << "at " << depth;
+    if (r.contact.saturated) flagged = std::min(flagged, depth);
+    if (in && up < 0.98 * peak) {
+      fallen = std::min(fallen, depth);
+      EXPECT_TRUE(r.contact.saturated) << "at " << depth << ": less force than before, and not told";
+    }
+    return up;
+  };
+  for (double depth = 0.0; depth <= 100.0; depth += 0.2) peak = std::max(peak, push(depth));
+  const double back = push(0.3, false);
+  std::printf("field: grows to %.3g N, flagged from %.1f e, falls from %.1f e\n", peak, flagged, fallen);
+  EXPECT_LE(flagged, fallen);
+  EXPECT_GT(back, 0.0);
+  EXPECT_EQ(back, renderer.probe(at(Vec3(0.13, 0.21, 7.7) * kEdge)).wrench.force.z()) << "nothing is left of the way";
 }
 
 /// Over the edge of a cube and back, 0.5 e deep at the face; steps of 0.05 e.

@@ -59,18 +59,18 @@ Rig::Rig(const mesh::TriangleMesh& ground, const mesh::TriangleMesh& tool, doubl
     : Rig(ground, voxmap::default_grid(ground, edge), test::exact_shell(tool, edge, loop), loop) {}
 
 void Rig::make_models() {
-  for (std::size_t m = 0; m < 4; ++m) {
-    const bool by_area = m >= 2;
-    if (m == 3 && !field.has_inside()) continue;
+  for (std::size_t m = 0; m < kModels.size(); ++m) {
+    const bool by_area = m == kField;
+    if (m == kField && !field.has_inside()) continue;
     const contact::ContactParameters law{by_area ? kPerVolume : kPerPoint,
                                          by_area ? contact::PointWeights::kArea : contact::PointWeights::kOne};
-    models[m] = std::make_unique<contact::ContactRenderer>(voxmap, shell, static_cast<contact::ContactModelKind>(m + 1), law, &field);
+    models[m] = std::make_unique<contact::ContactRenderer>(voxmap, shell, kModels[m], law, &field);
   }
 }
 
 Answers Rig::probe(const Pose& pose) const {
   Answers answers;
-  for (std::size_t m = 0; m < 4; ++m)
+  for (std::size_t m = 0; m < kModels.size(); ++m)
     if (models[m]) answers[m] = models[m]->probe(pose);
   return answers;
 }
@@ -96,7 +96,7 @@ double pull(const Rig& rig, const Pose& pose, std::size_t model) {
   double weights = 0.0;
   for (const contact::Hits* list : {&rig.models[model]->hits().surface, &rig.models[model]->hits().interior})
     for (const contact::Hit& hit : *list) weights += hit.weight;
-  return weights * (model >= 2 ? kPerVolume : kPerPoint);
+  return weights * (model == kField ? kPerVolume : kPerPoint);
 }
 
 bool same_bits(const contact::ContactResult& a, const contact::ContactResult& b) {
@@ -106,14 +106,11 @@ bool same_bits(const contact::ContactResult& a, const contact::ContactResult& b)
          a.saturated == b.saturated;
 }
 
-const char* model_name(std::size_t model) {
-  static constexpr std::array<const char*, 4> kNames{"original", "adapted", "clustered", "field"};
-  return kNames[model];
-}
+std::string_view model_name(std::size_t model) { return contact::name_of(kModels[model]); }
 
 void Off::note(const Rig& rig, const Pose& pose, const Answers& expected, const Answers& got) {
   bool touches = false;
-  for (std::size_t m = 0; m < 4; ++m) {
+  for (std::size_t m = 0; m < kModels.size(); ++m) {
     ASSERT_EQ(expected[m].surface_hits, got[m].surface_hits) << model_name(m);
     ASSERT_EQ(expected[m].interior_hits, got[m].interior_hits) << model_name(m);
     const double weight = pull(rig, pose, m);
@@ -129,8 +126,8 @@ void Off::note(const Rig& rig, const Pose& pose, const Answers& expected, const 
 std::string Off::text() const {
   char text[160];
   std::snprintf(text, sizeof text,
-                "%zu poses with force; off by: original %.2g, adapted %.2g, clustered %.2g, field %.2g m of depth",
-                touching, metres[0], metres[1], metres[2], metres[3]);
+                "%zu poses with force; off by: original %.2g, adapted %.2g, field %.2g m of depth",
+                touching, metres[0], metres[1], metres[2]);
   return text;
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-/// A ground and a tool in general position, touched with all four contact models; coordinates short enough to be moved exactly.
+/// A ground and a tool in general position, touched with every contact model; coordinates short enough to be moved exactly.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -36,14 +36,16 @@ mesh::TriangleMesh tool_mesh();
 std::vector<std::pair<voxmap::VoxelIndex, voxmap::VoxelKind>> voxels_of(const voxmap::Voxmap& voxmap);
 
 /// What one pose gives, model by model (index 0 is `original`).
-using Answers = std::array<contact::ContactResult, 4>;
+inline constexpr std::array kModels = {contact::ContactModelKind::kOriginal, contact::ContactModelKind::kAdapted, contact::ContactModelKind::kField};
+inline constexpr std::size_t kField = 2;  ///< its index
+using Answers = std::array<contact::ContactResult, kModels.size()>;
 
 /// Ground, tool and their models; `with_field` false for grounds without an inside.
 struct Rig {
   voxmap::Voxmap voxmap;
   voxmap::DistanceField field;
   pointshell::Pointshell shell;
-  std::array<std::unique_ptr<contact::ContactRenderer>, 4> models;  ///< null: the ground allows no field
+  std::array<std::unique_ptr<contact::ContactRenderer>, kModels.size()> models;  ///< null: the ground allows no field
   double scale;  ///< of all lengths; stiffnesses stay, voxels and steps grow with it
 
   Rig(const mesh::TriangleMesh& ground, const voxmap::Grid& grid, pointshell::Pointshell tool, const ParallelFor& loop = serial_for());
@@ -65,12 +67,12 @@ std::vector<Pose> touching_poses(const mesh::TriangleMesh& ground, std::size_t c
 double pull(const Rig& rig, const Pose& pose, std::size_t model);
 
 bool same_bits(const contact::ContactResult& a, const contact::ContactResult& b);
-const char* model_name(std::size_t model);
+std::string_view model_name(std::size_t model);
 
 /// Largest difference of wrenches (torque over 10 mm of lever), in units of `pull` times a length: how far a depth would have to
 /// be off, per model.
 struct Off {
-  std::array<double, 4> metres{};
+  std::array<double, kModels.size()> metres{};
   std::size_t touching = 0;  ///< poses with a force
   void note(const Rig& rig, const Pose& pose, const Answers& expected, const Answers& got);
   std::string text() const;

@@ -188,7 +188,7 @@ TEST(V2DegenerateTriangles, AThousandOfThemChangeNoVoxelNoPointAndNoForce) {
     off.note(clean, pose, clean.probe(pose), dirty.probe(pose));
   std::printf("%s\n", off.text().c_str());
   EXPECT_GE(off.touching, 150U);
-  for (std::size_t m = 0; m < 4; ++m) EXPECT_LT(off.metres[m], 1e-9) << model_name(m);
+  for (std::size_t m = 0; m < kModels.size(); ++m) EXPECT_LT(off.metres[m], 1e-9) << model_name(m);
   const test::VoxelReport found = test::voxel_report(bad_ground, voxmap::default_grid(bad_ground, kEdge));
   EXPECT_EQ(found.zero_area, 143U + 143U + 143U + 143U);
   EXPECT_GE(found.duplicates, 143U + 143U);
@@ -275,8 +275,8 @@ TEST(V3OpenNonManifoldInverted, GroundNeverPullsTheToolInward) {
   for (const Defect& defect : defects()) {
     SCOPED_TRACE(defect.name);
     const Rig rig(defect.mesh, ball);
-    EXPECT_EQ(rig.models[3] != nullptr, defect.closed);
-    std::array<int, 4> pushes{};
+    EXPECT_EQ(rig.models[kField] != nullptr, defect.closed);
+    std::array<int, kModels.size()> pushes{};
     for (std::size_t t = 0; t < defect.mesh.triangles.size(); ++t) {
       const Vec3 normal = outward_normals(defect.mesh, middle_of_piece(defect.mesh, t))[t];
       const Vec3 middle = (defect.mesh.corner(t, 0) + defect.mesh.corner(t, 1) + defect.mesh.corner(t, 2)) / 3.0;
@@ -286,14 +286,14 @@ TEST(V3OpenNonManifoldInverted, GroundNeverPullsTheToolInward) {
         const Vec3 at = middle + (r - depth * kEdge) * normal;
         if (own != other && distance_from_box(at, other, turn) < r + 2 * kEdge) continue;
         const Answers answers = rig.probe({at, Quat::Identity()});
-        for (std::size_t m = 0; m < 4; ++m) {
+        for (std::size_t m = 0; m < kModels.size(); ++m) {
           ASSERT_GE(answers[m].wrench.force.dot(normal), 0.0)
               << model_name(m) << " triangle " << t << " depth " << depth;
           pushes[m] += answers[m].wrench.force.dot(normal) > 0.0;
         }
       }
     }
-    for (std::size_t m = 0; m < (defect.closed ? 4U : 2U); ++m) EXPECT_GT(pushes[m], 11) << model_name(m);
+    for (std::size_t m = 0; m < (defect.closed ? kModels.size() : kField); ++m) EXPECT_GT(pushes[m], 11) << model_name(m);
   }
 }
 
@@ -304,7 +304,7 @@ TEST(V3OpenNonManifoldInverted, ToolIsNeverPulledIntoTheGround) {
   for (const Defect& defect : defects()) {
     SCOPED_TRACE(defect.name);
     const Rig rig(ground, defect.mesh);
-    std::array<int, 4> pushes{};
+    std::array<int, kModels.size()> pushes{};
     Random random(3);
     for (std::size_t t = 0; t < defect.mesh.triangles.size(); ++t) {
       // Laid on the ground with this triangle's plane, turned a little about it.
@@ -316,7 +316,7 @@ TEST(V3OpenNonManifoldInverted, ToolIsNeverPulledIntoTheGround) {
       for (const Vec3& v : defect.mesh.vertices) lowest = std::min(lowest, (lay * v).z());
       for (double depth = -0.5; depth <= 0.8; depth += 0.1) {
         const Answers answers = rig.probe({Vec3(0.3 * kEdge, 0.4 * kEdge, -lowest - depth * kEdge), lay});
-        for (std::size_t m = 0; m < 4; ++m) {
+        for (std::size_t m = 0; m < kModels.size(); ++m) {
           // The sides, upright to 0.05 rad, push along their own normals where `original` finds them in the layer.
           ASSERT_GE(answers[m].wrench.force.z(), -0.0501 * answers[m].wrench.force.norm())
               << model_name(m) << " triangle " << t << " depth " << depth;
@@ -324,7 +324,7 @@ TEST(V3OpenNonManifoldInverted, ToolIsNeverPulledIntoTheGround) {
         }
       }
     }
-    for (std::size_t m = 0; m < 4; ++m) EXPECT_GT(pushes[m], 20) << model_name(m);
+    for (std::size_t m = 0; m < kModels.size(); ++m) EXPECT_GT(pushes[m], 20) << model_name(m);
   }
 }
 
@@ -332,7 +332,7 @@ TEST(V3OpenNonManifoldInverted, MoebiusBandPushesAwayFromBothItsSides) {
   const mesh::TriangleMesh band = moebius(14 * kEdge, 8 * kEdge, 48);
   const double r = 3.3 * kEdge;
   const Rig rig(band, sphere_mesh(r, 2));
-  EXPECT_EQ(rig.models[3], nullptr);
+  EXPECT_EQ(rig.models[kField], nullptr);
   EXPECT_EQ(rig.voxmap.interior_count(), 0U);
   int pushes = 0;
   for (std::size_t t = 0; t < band.triangles.size(); ++t)
@@ -408,7 +408,7 @@ TEST(V4OffsetOfAMillionMetres, ChangesTheForceByNoMoreThanThePositionsRounding) 
   EXPECT_LE(near_border, 10);
   EXPECT_GT(rounded, 900);
   EXPECT_GE(off.touching, 800U);
-  for (std::size_t m = 0; m < 4; ++m) EXPECT_LE(off.metres[m], kFourUlps) << model_name(m);
+  for (std::size_t m = 0; m < kModels.size(); ++m) EXPECT_LE(off.metres[m], kFourUlps) << model_name(m);
 }
 
 // ---------------------------------------------------------------------------------------------------------------- V6

@@ -34,7 +34,7 @@ TEST(H2BillionSteps, AHeldContactNeitherDriftsNorJumpsWhateverCutoffPeriodsAndCl
 TEST(LongContact, WanderingOverTheCupLeavesNoTraceInWhatHasRun) {
   for (const char* model : {"original", "field"}) {
     ContactRunOptions ask;
-    ask.scene = VOXTOUCH_DEPLOY "/scenes/cup_clustered.yaml", ask.model = model;
+    ask.scene = VOXTOUCH_DEPLOY "/scenes/cup_field.yaml", ask.model = model;
     ask.frames = 100'000 / kShorter, ask.seed = testing::seed(3);
     SCOPED_TRACE(testing::seed_trace(ask.seed));
     expect_well(run_contact(ask));

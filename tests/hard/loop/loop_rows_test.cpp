@@ -67,7 +67,7 @@ Motion gentle_rests() {
 TEST_P(EncoderResolution, LeavesNoLimitCycleBeyondItsOwnStepWhereTheToolRestsLightly) {
   const auto& [model, arm] = GetParam();
   for (const bool friction : {true, false}) {
-    RigOptions ask = asked("cup_clustered.yaml", "");
+    RigOptions ask = asked("cup_field.yaml", "");
     ask.path = gentle_rests(), ask.model = model;
     if (arm) ask.device = sim::sim_lwr();
     if (!friction) ask.device.description.coulomb_friction_n = ask.device.coulomb_friction_nm = 0.0;
@@ -100,7 +100,7 @@ TEST_P(EncoderResolution, LeavesNoLimitCycleBeyondItsOwnStepWhereTheToolRestsLig
 
 TEST_P(EncoderResolution, KeepsTheEnergyAboveItsBoundWhileTheToolSlidesOverVoxelBorders) {
   const auto& [model, arm] = GetParam();
-  RigOptions ask = asked("cup_clustered.yaml", "slide");
+  RigOptions ask = asked("cup_field.yaml", "slide");
   ask.model = model;
   if (arm) ask.device = sim::sim_lwr();
   LoopRig rig(ask);
@@ -119,9 +119,9 @@ TEST_P(EncoderResolution, KeepsTheEnergyAboveItsBoundWhileTheToolSlidesOverVoxel
 INSTANTIATE_TEST_SUITE_P(
     Cup, EncoderResolution,
     ::testing::Values(Touch{contact::ContactModelKind::kOriginal, false}, Touch{contact::ContactModelKind::kAdapted, false},
-                      Touch{contact::ContactModelKind::kClustered, false}, Touch{contact::ContactModelKind::kField, false},
+                      Touch{contact::ContactModelKind::kField, false},
                       Touch{contact::ContactModelKind::kOriginal, true}, Touch{contact::ContactModelKind::kAdapted, true},
-                      Touch{contact::ContactModelKind::kClustered, true}, Touch{contact::ContactModelKind::kField, true}));
+                      Touch{contact::ContactModelKind::kField, true}));
 
 // --- L1
 

@@ -60,7 +60,7 @@ class Computes(unittest.TestCase):
         file = FOLDER / "poses.csv"
         file.write_text("qw,qx,qy,qz,tx,ty,tz\n" + "\n".join(",".join(map(repr, map(float, row))) for row in poses) + "\n")
         touched = 0
-        for model in ("original", "adapted", "clustered", "field", None):
+        for model in ("original", "adapted", "field", None):
             ran = run(VOXTOUCH, "probe", "cup", "--poses", file, "--points", *(["--model", model] if model else []))
             self.assertEqual(ran.returncode, 0, ran.stderr)
             wanted = table_of(ran.stdout)

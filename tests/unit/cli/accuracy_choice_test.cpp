@@ -27,12 +27,11 @@ void expect_refused(const AccuracyChoice& ask, const std::vector<std::string>& w
 
 TEST(AccuracyChoice, MeansEveryModelAtThreeVoxelSizesRoundTheScenesOwn) {
   const auto settings = settings_of({}, 0.002);
-  ASSERT_EQ(settings.size(), 19u) << "original and adapted twice, clustered and field by area, three sizes each; the virtual tool";
+  ASSERT_EQ(settings.size(), 16u) << "original and adapted twice, field by area, three sizes each; the virtual tool";
   EXPECT_EQ(accuracy::describe(settings[0]), "original/one, e = 4 mm");
   EXPECT_EQ(accuracy::describe(settings[5]), "original/area, e = 1 mm");
-  EXPECT_EQ(accuracy::describe(settings[12]), "clustered/area, e = 4 mm");
-  EXPECT_EQ(accuracy::describe(settings[17]), "field/area, e = 1 mm");
-  EXPECT_EQ(accuracy::describe(settings[18]), "virtual tool, e = 2 mm");
+  EXPECT_EQ(accuracy::describe(settings[14]), "field/area, e = 1 mm");
+  EXPECT_EQ(accuracy::describe(settings[15]), "virtual tool, e = 2 mm");
   EXPECT_EQ(names(settings_of({.models = {"virtual_tool"}, .voxel_sizes_m = {0.004, 0.002}}, 0.1)),
             (std::vector<std::string>{"virtual tool, e = 4 mm", "virtual tool, e = 2 mm"}));
 }
@@ -61,15 +60,13 @@ TEST(AccuracyChoice, LeavesOutTheModelsByAreaWhereOnlyWeightsOfOneAreAskedForAnd
 }
 
 TEST(AccuracyChoice, RefusesAModelByAreaWithWeightsOfOne) {
-  expect_refused({.models = {"adapted", "clustered"}, .weights = {"one"}},
-                 {"--weights one", "'clustered'", "add area"});
-  expect_refused({.models = {"field"}, .weights = {"one"}}, {"--weights one", "'field'"});
+  expect_refused({.models = {"adapted", "field"}, .weights = {"one"}}, {"--weights one", "'field'", "add area"});
 }
 
 TEST(AccuracyChoice, RefusesMoreSettingsThanAnyoneWouldWaitFor) {
   std::vector<double> sizes;
   for (int i = 1; i <= 200; ++i) sizes.push_back(0.001 * i);
-  expect_refused({.voxel_sizes_m = sizes}, {"1400 settings", "500 at most"});
+  expect_refused({.voxel_sizes_m = sizes}, {"1200 settings", "500 at most"});
 }
 
 }  // namespace

@@ -18,12 +18,10 @@ TEST(ContactRenderer, AllocatesNothingInAnyFrame) {
   const double e = 0.001;
   const voxmap::Voxmap voxmap = block({Vec3::Zero(), e}, {0, 0, 0}, {60, 60, 60});
   const Ground ground(box_mesh(Vec3(61, 61, 61) * e, {Vec3(30.5, 30.5, 30.5) * e, Quat::Identity()}), e);
-  for (const auto kind : {contact::ContactModelKind::kOriginal, contact::ContactModelKind::kAdapted, contact::ContactModelKind::kClustered,
-                          contact::ContactModelKind::kField}) {
+  for (const auto kind : {contact::ContactModelKind::kOriginal, contact::ContactModelKind::kAdapted, contact::ContactModelKind::kField}) {
     const bool field = kind == contact::ContactModelKind::kField;
-    const bool by_area = field || kind == contact::ContactModelKind::kClustered;
     contact::ContactRenderer renderer(field ? ground.voxmap : voxmap, sphere_shell(10 * e, e), kind,
-                             {100.0, by_area ? contact::PointWeights::kArea : contact::PointWeights::kOne}, &ground.field);
+                             {100.0, field ? contact::PointWeights::kArea : contact::PointWeights::kOne}, &ground.field);
     std::uint32_t most_inside = 0;
     const long asked = heap_count_of([&] {
       for (int n = 0; n < 2000; ++n) {  // free, touching, gone through, wholly inside, and out again

@@ -22,7 +22,7 @@ namespace {
 
 constexpr double kEdge = 0.001;
 using Kind = contact::ContactModelKind;
-constexpr std::array kKinds = {Kind::kOriginal, Kind::kAdapted, Kind::kClustered, Kind::kField};
+constexpr std::array kKinds = {Kind::kOriginal, Kind::kAdapted, Kind::kField};
 
 contact::FrameBudget budget_for(pointshell::Pointshell& shell, std::uint32_t points) {
   return {points, arrange_in_levels(shell, contact::FrameBudget::coarsest_of(points))};
@@ -48,7 +48,7 @@ pointshell::Pointshell plate(int side) {
 }
 
 contact::ContactParameters parameters_of(Kind kind) {
-  return {1e6, kind == Kind::kField || kind == Kind::kClustered ? contact::PointWeights::kArea : contact::PointWeights::kOne};
+  return {1e6, kind == Kind::kField ? contact::PointWeights::kArea : contact::PointWeights::kOne};
 }
 
 struct Tool {
@@ -181,8 +181,8 @@ TEST(Budget, NoForceStepsWhereALevelComesOrGoes) {
   };
   // 3000 is where a level that came without fading in would step by 1.3 to 1.5 %; at 1000 the kept contacts step by 1.4 % with the fade too.
   const Case cases[] = {{800, 0.01, 0.1}, {1000, 0.015, 0.11}, {1400, 0.01, 0.1}, {1800, 0.01, 0.1}, {2200, 0.01, 0.1}, {3000, 0.01, 0.1}};
-  for (const Kind kind : {Kind::kClustered, Kind::kField}) for (const Case& c : cases) {
-    Tool tool(ground, sphere_shell(0.03, kEdge), kind, c.limit), whole(ground, sphere_shell(0.03, kEdge), kind, 0);
+  for (const Case& c : cases) {
+    Tool tool(ground, sphere_shell(0.03, kEdge), Kind::kField, c.limit), whole(ground, sphere_shell(0.03, kEdge), Kind::kField, 0);
     double step = 0.0, step_whole = 0.0, most = 0.0, off = 0.0;
     std::vector<Vec3> forces, wholes;
     std::uint32_t least_out = 0xffffffff, most_out = 0;
@@ -199,8 +199,8 @@ TEST(Budget, NoForceStepsWhereALevelComesOrGoes) {
       step = std::max(step, (forces[n] - forces[n - 1]).norm()), step_whole = std::max(step_whole, (wholes[n] - wholes[n - 1]).norm());
       if (wholes[n].norm() > 0.2 * most) off = std::max(off, (forces[n] - wholes[n]).norm() / wholes[n].norm());
     }
-    std::printf("%s, at most %d points: largest step per 4e-3 e %.2e of the largest force, %.2e without a budget; force off by at most %.3f; %u to %u left out\n",
-                std::string(contact::name_of(kind)).c_str(), c.limit, step / most, step_whole / most, off, least_out, most_out);
+    std::printf("at most %d points: largest step per 4e-3 e %.2e of the largest force, %.2e without a budget; force off by at most %.3f; %u to %u left out\n",
+                c.limit, step / most, step_whole / most, off, least_out, most_out);
     EXPECT_LT(least_out, most_out) << "no level came or went";
     EXPECT_GT(most_out, 1000U);
     EXPECT_LE(step, c.most_step * most) << c.limit;

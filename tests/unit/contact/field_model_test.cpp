@@ -217,7 +217,7 @@ TEST(FieldModel, GivesNothingWithoutAHitOrForWhatIsNoPose) {
 
 TEST(FieldModel, IsRefusedWithoutAreasOrWithoutAField) {
   const Ground ground(box_mesh(Vec3(0.01, 0.01, 0.01)), kEdge);
-  const auto sentence = [](const contact::ContactParameters& parameters, const contact::ContactGround& under) {
+  const auto sentence = [](const contact::ContactParameters& parameters, const voxmap::DistanceField* under) {
     try {
       contact::make_contact_model(contact::ContactModelKind::kField, parameters, under);
     } catch (const std::invalid_argument& error) {
@@ -225,9 +225,9 @@ TEST(FieldModel, IsRefusedWithoutAreasOrWithoutAField) {
     }
     return std::string("no exception");
   };
-  EXPECT_NE(sentence({1.0, contact::PointWeights::kOne}, {&ground.voxmap, &ground.field}).find("per area"), std::string::npos);
-  EXPECT_NE(sentence({1.0, contact::PointWeights::kArea}, {&ground.voxmap, nullptr}).find("build it first"), std::string::npos);
-  EXPECT_EQ(sentence({1.0, contact::PointWeights::kArea}, {&ground.voxmap, &ground.field}), "no exception");
+  EXPECT_NE(sentence({1.0, contact::PointWeights::kOne}, &ground.field).find("per area (stiffness_n_per_m3)"), std::string::npos);
+  EXPECT_NE(sentence({1.0, contact::PointWeights::kArea}, nullptr).find("build it first"), std::string::npos);
+  EXPECT_EQ(sentence({1.0, contact::PointWeights::kArea}, &ground.field), "no exception");
 }
 
 /// Printed, not judged: no test depends on the speed of a machine.
@@ -240,7 +240,7 @@ TEST(FieldModel, TellsItsCostBesideAdapted) {
   const auto models = {std::pair{contact::ContactModelKind::kAdapted, 0}, std::pair{contact::ContactModelKind::kField, 1}};
   for (int round = 0; round < 15; ++round)
     for (const auto& [kind, n] : models) {
-      const auto model = contact::make_contact_model(kind, {kPressure, contact::PointWeights::kArea}, {&ground.voxmap, &ground.field});
+      const auto model = contact::make_contact_model(kind, {kPressure, contact::PointWeights::kArea}, &ground.field);
       contact::ContactResult result;
       double hits = 0.0, ns = 0.0;
       for (int step = 0; step < 40; ++step) {

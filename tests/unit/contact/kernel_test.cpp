@@ -16,8 +16,7 @@ namespace voxtouch::test {
 namespace kernel_test {
 
 constexpr double kEdge = 0.001;
-constexpr std::array kModels = {contact::ContactModelKind::kOriginal, contact::ContactModelKind::kAdapted,
-                                contact::ContactModelKind::kClustered, contact::ContactModelKind::kField};
+constexpr std::array kModels = {contact::ContactModelKind::kOriginal, contact::ContactModelKind::kAdapted, contact::ContactModelKind::kField};
 
 /// Those that this processor has, the plain ones first.
 std::vector<contact::Instructions> kinds() {

@@ -218,28 +218,16 @@ TEST(ContactModels, GiveTheSameBitsWheneverAPoseIsRepeated) {
 }
 
 TEST(ContactModels, HaveNamesThatAreReadBack) {
-  for (const auto kind : {contact::ContactModelKind::kOriginal, contact::ContactModelKind::kAdapted, contact::ContactModelKind::kClustered,
-                          contact::ContactModelKind::kField}) {
+  for (const auto kind : {contact::ContactModelKind::kOriginal, contact::ContactModelKind::kAdapted, contact::ContactModelKind::kField}) {
     contact::ContactModelKind back{};
     ASSERT_TRUE(contact::parse_contact_model(contact::name_of(kind), back));
     EXPECT_EQ(back, kind);
   }
   contact::ContactModelKind kind = contact::ContactModelKind::kField;
   EXPECT_FALSE(contact::parse_contact_model("Adapted", kind));
+  EXPECT_FALSE(contact::parse_contact_model("clustered", kind)) << "a model that is gone";
   EXPECT_EQ(kind, contact::ContactModelKind::kField);
-}
-
-TEST(ContactModels, ThatWeighByAreaRefuseOtherWeightsAndSayWhatToGive) {
-  for (const auto kind : {contact::ContactModelKind::kClustered, contact::ContactModelKind::kField}) {
-    try {
-      contact::make_contact_model(kind, {1.0});
-      FAIL() << "no exception";
-    } catch (const std::invalid_argument& error) {
-      const std::string text = error.what();
-      for (const std::string& word : {std::string(contact::name_of(kind)), std::string("stiffness_n_per_m3")})
-        EXPECT_NE(text.find(word), std::string::npos) << text;
-    }
-  }
+  EXPECT_EQ(contact::name_of(contact::ContactModelKind{3}), "unknown") << "its number stays empty";
 }
 
 TEST(ContactModels, RefuseAStiffnessThatIsNotFiniteAndPositive) {

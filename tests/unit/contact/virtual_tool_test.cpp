@@ -6,6 +6,7 @@
 #include <numbers>
 #include <ostream>
 
+#include "core/contact/direction_bins.hpp"
 #include "tests/experiments/virtual_tool/trials.hpp"
 #include "tests/support/seed.hpp"
 
@@ -236,6 +237,21 @@ TEST(VirtualToolFriction, HoldsATurnAboutTheNormal) {
   EXPECT_LT(arm, 0.006 * std::numbers::sqrt2 * 1.01);
   EXPECT_GT(f.turn.z(), 0.05);  // the tool stays behind by what friction holds, and no more
   EXPECT_LT(f.turn.z(), 0.7);
+}
+
+TEST(DirectionBins, EachHoldsTheDirectionsNearItsOwnAndNoneIsEmpty) {
+  std::mt19937_64 random(31);
+  std::array<std::vector<Vec3>, contact::kDirectionBins> bins;
+  for (int n = 0; n < 20000; ++n) {
+    const Vec3 normal = random_direction(random);
+    bins[contact::nearest_direction_bin(normal)].push_back(normal);
+  }
+  for (const std::vector<Vec3>& bin : bins) {
+    ASSERT_GT(bin.size(), 200u);
+    Vec3 mean = Vec3::Zero();
+    for (const Vec3& normal : bin) mean += normal;
+    for (const Vec3& normal : bin) EXPECT_LT(test::degrees_between(normal, mean), 25.0);
+  }
 }
 
 TEST(VirtualToolOptions, AreRefusedWhereNothingCanBeRendered) {

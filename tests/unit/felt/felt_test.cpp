@@ -64,7 +64,7 @@ TEST(Press, FindsTheStiffnessThatAVirtualToolIsToldToHave) {
 }
 
 TEST(Press, OfEachModelIsWhatTheCouplingReturnsAtRest) {
-  for (const char* model : {"original", "adapted", "clustered", "field"}) {
+  for (const char* model : {"original", "adapted", "field"}) {
     Scene s(model);
     ASSERT_EQ(s.fitted.refusal, "") << model;
     const std::vector<Pressed> pressed = press(*s.built, s.scene, s.fitted, stylus(), s.scene.motions.begin()->second);
@@ -82,7 +82,7 @@ TEST(Press, OfEachModelIsWhatTheCouplingReturnsAtRest) {
 /// Of each model: what comes back of the certified stiffness times the depth from the first touch. It never falls while the hand goes in, and is
 /// all of it where the model tells the coupling its depth and pushes enough: a ball is as stiff as is certified only some way in.
 TEST(Press, RisesWithEveryDepthAndIsAllThatIsCertifiedWhereDepthCounts) {
-  for (const auto& [model, times] : {std::pair{"original", 1.0}, {"clustered", 1.0}, {"adapted", 1.0}, {"adapted", 10.0}, {"field", 1.0}, {"field", 20.0}, {"virtual_tool", 1.0}}) {
+  for (const auto& [model, times] : {std::pair{"original", 1.0}, {"adapted", 1.0}, {"adapted", 10.0}, {"field", 1.0}, {"field", 20.0}, {"virtual_tool", 1.0}}) {
     const bool spring = model == std::string("virtual_tool");
     Scene s(spring ? "field" : model, spring ? scene::RenderingKind::kVirtualTool : scene::RenderingKind::kPenalty, stylus(), times);
     ASSERT_EQ(s.fitted.refusal, "") << model;

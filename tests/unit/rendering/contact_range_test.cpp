@@ -66,7 +66,7 @@ TEST(ContactParameters, WeighByAreaWhereTheSceneSaysSoOrTheModelKnowsNoOtherWay)
     EXPECT_EQ(area.weights, contact::PointWeights::kArea);
     EXPECT_EQ(area.stiffness, 5e5);
   }
-  const contact::ContactParameters other = contact_parameters(by_point, contact::ContactModelKind::kClustered, shell);
+  const contact::ContactParameters other = contact_parameters(by_point, contact::ContactModelKind::kField, shell);
   EXPECT_EQ(other.weights, contact::PointWeights::kArea);
   EXPECT_NEAR(other.stiffness, 1e6, 1e-6) << "8 N/m together, either way";
 }

@@ -71,9 +71,9 @@ TEST(PartsRecipe, IsTheSameWhateverTheLawIs) {
   EXPECT_TRUE(before == recipes.of(shipped("cup_friction")));
   scene.contact.stiffness_n_per_m *= 2.0, scene.name = "other", scene.motions.clear(), scene.device.force_scale = 0.5;
   EXPECT_TRUE(before == recipes.of(scene));
-  Recipes clustered;
-  clustered.model = ContactModelKind::kClustered;
-  EXPECT_TRUE(before == clustered.of(scene));
+  Recipes original;
+  original.model = ContactModelKind::kOriginal;
+  EXPECT_TRUE(before == original.of(scene));
 }
 
 TEST(PartsRecipe, HasTheMeshesByContentAndNotByPlace) {

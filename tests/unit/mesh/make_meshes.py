@@ -308,8 +308,8 @@ def all_files():
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--out", type=Path, default=Path(__file__).resolve().parent,
-                        help="folder to write to (default: the folder of this script)")
+    parser.add_argument("--out", type=Path, default=Path(__file__).resolve().parents[3] / "deploy/meshes",
+                        help="folder to write to (default: deploy/meshes)")
     parser.add_argument("--check", action="store_true", help="write nothing; fail if a file is not what would be written")
     options = parser.parse_args()
     differing = []
