@@ -129,11 +129,6 @@ double twice_area(const GridMesh& mesh, std::uint32_t t) {
   return area_vector(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2)).stableNorm();
 }
 
-double six_volumes(const GridMesh& mesh, std::uint32_t t) {
-  const Vec3& at = mesh.u[(*mesh.triangles)[0][0]];  // near the mesh, so that little cancels
-  return (mesh.corner(t, 0) - at).dot((mesh.corner(t, 1) - at).cross(mesh.corner(t, 2) - at));
-}
-
 /// One attempt: the parts that the listed triangles form; closed parts get their roles, the triangles of open
 /// ones are returned.
 std::vector<std::uint32_t> settle_parts(const GridMesh& mesh, const std::vector<std::uint32_t>& welded,
@@ -177,12 +172,8 @@ std::vector<std::uint32_t> settle_parts(const GridMesh& mesh, const std::vector<
       continue;
     }
     shells.closed_parts += root == s;
-    shells.unoriented_parts += root == s && unbalanced[root];
     shells.role[t] = unbalanced[root] ? ShellRole::kParity : flip(s) ? ShellRole::kFlipped : ShellRole::kKept;
     shells.patch[t] = triangles[patch.root(s)];
-    if (unbalanced[root]) continue;
-    shells.flipped_triangles += flip(s);
-    shells.signed_volume += (flip(s) ? -1.0 : 1.0) * six_volumes(mesh, t) / 6.0;
   }
   return left;
 }

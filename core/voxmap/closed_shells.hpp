@@ -24,7 +24,12 @@ std::vector<std::uint32_t> weld_vertices(const GridMesh& mesh);
 std::vector<TriangleState> judge_triangles(const GridMesh& mesh, const std::vector<std::uint32_t>& welded);
 
 /// How a triangle counts for "inside".
-enum class ShellRole : std::int8_t { kNone = 0, kKept = 1, kFlipped = -1, kParity = 2 };
+enum class ShellRole : std::int8_t {
+  kNone = 0,      ///< of a part that encloses no space
+  kKept = 1,
+  kFlipped = -1,  ///< it disagrees with its neighbours
+  kParity = 2,    ///< of a closed part that cannot be oriented (a Klein bottle)
+};
 
 struct ClosedShells {
   std::vector<ShellRole> role;       ///< of each triangle
@@ -32,10 +37,6 @@ struct ClosedShells {
   std::vector<std::uint32_t> patch;
   std::size_t closed_parts = 0;      ///< parts that enclose space
   std::size_t open_parts = 0;        ///< parts that do not: they have a surface, but no interior
-  std::size_t unoriented_parts = 0;  ///< closed parts judged by parity (a Klein bottle)
-  std::size_t flipped_triangles = 0;  ///< triangles that disagreed with their neighbours
-  /// of the oriented closed parts [voxels]; negative: the mesh is inside out
-  double signed_volume = 0.0;
 };
 
 /// Parts of `mesh` that enclose space. `welded`: the vertex that each vertex is one with; `state`: of each triangle. Allocates.

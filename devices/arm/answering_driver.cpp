@@ -64,7 +64,6 @@ AnsweringDriver::Intake AnsweringDriver::take() noexcept {
 }
 
 devices::DeviceError AnsweringDriver::nothing_new(std::uint64_t malformed_before) noexcept {
-  ++counts_.timeouts;
   silent_.store(true, std::memory_order_relaxed);
   const bool lost = std::chrono::duration<double>(Clock::now() - heard_.load(std::memory_order_relaxed)).count() > silence_s_;
   heard_nothing(lost);

@@ -26,7 +26,6 @@ struct AnswerCounts {
   std::uint64_t strange = 0;         ///< measurements whose count is ahead of all that time could have brought; likewise
   std::uint64_t invalid_poses = 0;   ///< measurements without finite joint positions that the arm can have
   std::uint64_t aged = 0;            ///< measurements that lay in the kernel for too long
-  std::uint64_t timeouts = 0;
   std::uint64_t refused = 0;  ///< commands that were not finite or over a limit
   std::uint64_t scaled = 0;   ///< commands made smaller, direction kept, to stay within the joint torques
   std::uint64_t send_errors = 0;

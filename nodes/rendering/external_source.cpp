@@ -101,7 +101,6 @@ std::optional<Wrench> ExternalSource::take(std::uint64_t session) noexcept {
     return std::nullopt;
   }
   taken_.fetch_add(1, kRelaxed);
-  last_taken_ns_.store(now_ns, kRelaxed);
   return arrived.wrench;
 }
 

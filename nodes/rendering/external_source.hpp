@@ -65,7 +65,6 @@ class ExternalSource {
   LatestValue<Arrived> newest_;
   LatestValue<FrameText> bad_frame_;
   std::atomic<std::uint64_t> session_{0}, taken_{0}, late_{0}, not_finite_{0}, wrong_frame_{0};
-  std::atomic<std::int64_t> last_taken_ns_{0};
   // Of the housekeeping alone.
   std::optional<bus::Guid> bound_;
   std::uint64_t bound_for_ = 0;  ///< session

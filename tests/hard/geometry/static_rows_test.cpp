@@ -354,7 +354,7 @@ TEST(V3OpenNonManifoldInverted, EachIsCountedAndNamed) {
   const auto report = [](const mesh::TriangleMesh& mesh) { return test::voxel_report(mesh, voxmap::default_grid(mesh, kEdge)); };
   EXPECT_EQ(report(all[0].mesh).shells.open_parts, 1U);
   EXPECT_EQ(mesh::inspect(all[0].mesh).open_edges.count, 3U);
-  EXPECT_EQ(report(all[1].mesh).shells.flipped_triangles, 1U);
+  EXPECT_EQ(report(all[1].mesh).count(voxmap::ShellRole::kFlipped), 1U);
   EXPECT_EQ(mesh::inspect(all[1].mesh).flipped.examples, std::vector<std::uint32_t>{7});
   EXPECT_TRUE(report(all[2].mesh).inside_out());
   EXPECT_TRUE(mesh::inspect(all[2].mesh).inverted);
