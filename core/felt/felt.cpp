@@ -42,6 +42,21 @@ std::string felt_of_spring(const fitting::FittedCoupling& fitted, const scene::S
   return text + told(fitted.design.remedies, share);
 }
 
+std::string felt_of_grip(const fitting::FittedCoupling& fitted, const scene::Scene& scene, const coupling::design::DeviceModel& device,
+                         double grip_n_per_m) {
+  const double at_hand = fitting::stiffness_at_hand_n_per_m(fitted.spec, scene.device, grip_n_per_m);
+  if (!fitted.refusal.empty() || !(at_hand > 0.0)) return {};
+  const double most = device.translation.max_effort, force = std::min(at_hand * kDepthM, most), share = force / most;
+  std::string text = fmt::format(
+      "What will be felt: the body while it is held, {:.4g} N/m at the hand: {:.3g} N with the hand 10 mm from where the body hangs, {:.0f} % of the {:.3g} N "
+      "that {} gives; nothing of it while it is not held.",
+      at_hand, force, 100.0 * share, most, device.name);
+  if (at_hand >= 0.999 * fitting::stiffness_at_hand_n_per_m({}, scene.device, grip_n_per_m))
+    return text + " What limits it: the body's grip_n_per_m." + told({"a larger grip_n_per_m."}, share);
+  if (!fitted.design.reasons.empty()) text += " What limits it: " + fitted.design.reasons.front();
+  return text + told(fitted.design.remedies, share);
+}
+
 std::string felt_of_penalty(const fitting::FittedCoupling& fitted, const scene::Scene& scene, const coupling::design::DeviceModel& device,
                             const std::vector<Pressed>& pressed) {
   if (pressed.empty() || !fitted.refusal.empty()) return {};
@@ -72,11 +87,13 @@ std::string felt_sentence(const fitting::FittedCoupling& fitted, const scene::Sc
                           rendering::BuiltScene& built, const Motion& motion) {
   if (const rendering::StiffnessBounds bounds{built.plan().contact_n_per_m, built.plan().contact_nm_per_rad}; rendering::is_spring(bounds))
     return felt_of_spring(fitted, scene, device, bounds);
+  if (built.effect_ground().body) return felt_of_grip(fitted, scene, device, built.plan().contact_n_per_m.one_point);
   return felt_of_penalty(fitted, scene, device, press(built, scene, fitted, device, motion));
 }
 
 std::string felt_sentence(const fitting::FittedCoupling& fitted, const scene::Scene& scene, const coupling::design::DeviceModel& device,
                           rendering::BuiltScene& built) {
+  if (built.effect_ground().body) return felt_of_grip(fitted, scene, device, built.plan().contact_n_per_m.one_point);
   std::string text = felt_of_spring(fitted, scene, device, {built.plan().contact_n_per_m, built.plan().contact_nm_per_rad});
   for (auto motion = scene.motions.begin(); text.empty() && motion != scene.motions.end(); ++motion)
     text = felt_sentence(fitted, scene, device, built, motion->second);

@@ -22,13 +22,17 @@ coupling::design::DeviceModel stylus() {
 struct Scene {
   explicit Scene(const std::string& model, scene::RenderingKind rendering = scene::RenderingKind::kPenalty,
                  const coupling::design::DeviceModel& device = stylus(), double times_stiffness = 1.0)
-      : scene(scene::load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml")) {
-    scene.contact.model = model, scene.contact.rendering = rendering, scene.contact.stiffness_n_per_m *= times_stiffness;
+      : Scene(with_contact(scene::load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml"), model, rendering, times_stiffness), device) {}
+  explicit Scene(const scene::Scene& of, const coupling::design::DeviceModel& device = stylus()) : scene(of) {
     const ParallelFor one_after_another = [](std::size_t count, const std::function<void(std::size_t)>& body) {
       for (std::size_t i = 0; i < count; ++i) body(i);
     };
     built = rendering::build_scene(scene, one_after_another);
     fitted = fitting::fit_coupling(scene, device, {built->plan().contact_n_per_m, built->plan().contact_nm_per_rad}, fitting::demand_of(scene));
+  }
+  static scene::Scene with_contact(scene::Scene scene, const std::string& model, scene::RenderingKind rendering, double times_stiffness) {
+    scene.contact.model = model, scene.contact.rendering = rendering, scene.contact.stiffness_n_per_m *= times_stiffness;
+    return scene;
   }
   scene::Scene scene;
   std::unique_ptr<rendering::BuiltScene> built;
@@ -112,6 +116,20 @@ TEST(Press, OfWhatIsNotTouchedOrMustNotBeFeltSaysNothing) {
   EXPECT_EQ(felt_sentence(none.fitted, none.scene, light, *none.built), "");
   s.scene.motions.clear();
   EXPECT_EQ(felt_sentence(s.fitted, s.scene, stylus(), *s.built), "") << "nobody says where to press";
+}
+
+/// A body is pulled by the hand's grip alone, 200 N/m in the shipped scene; twice the scale at the hand is twice the stiffness. A grip that the
+/// coupling caps is what the coupling shows.
+TEST(Felt, OfABodyIsItsGrip) {
+  Scene s(scene::load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/block.yaml"));
+  ASSERT_EQ(s.fitted.refusal, "");
+  expect_parts(felt_sentence(s.fitted, s.scene, stylus(), *s.built),
+               {"200 N/m at the hand", "2 N with the hand 10 mm from where the body hangs, 24 % of the 8.5 N that stylus gives", "grip_n_per_m"});
+  EXPECT_EQ(felt_sentence(s.fitted, s.scene, stylus(), *s.built), felt_sentence(s.fitted, s.scene, stylus(), *s.built, s.scene.motions.begin()->second));
+  s.fitted.spec.stiffness_cap_n_per_m = 50.0;
+  expect_parts(felt_of_grip(s.fitted, s.scene, stylus(), 200.0), {"50 N/m at the hand", "0.5 N with the hand"});
+  s.fitted.refusal = "none holds";
+  EXPECT_EQ(felt_of_grip(s.fitted, s.scene, stylus(), 200.0), "");
 }
 
 TEST(Felt, NamesTheDeepestAndTheLargestForceAndAsManyChangesAsAreNeeded) {
