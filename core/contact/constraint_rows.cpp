@@ -75,6 +75,13 @@ std::size_t fit_face(const Corners& corners, double tolerance, Vec3& normal, dou
   return used;
 }
 
+/// Whether the face may reach the point's foot on it: nothing lies nearer to a corner than its distance, so a foot that does is beyond the face's rim.
+bool reaches(const Corners& corners, const Vec3& foot) noexcept {
+  for (std::size_t k = 0; k < corners.count; ++k)
+    if ((foot - corners.from_point[k]).norm() < std::abs(corners.distance[k]) - limits::kSheetBeyond) return false;
+  return true;
+}
+
 /// The wall's face on the tool's side. False where there is none that the tool's normal agrees with.
 bool plane_of_sheet(const Hit& hit, const voxmap::DistanceField& field, const Vec3& u, Plane& plane) noexcept {
   const Corners corners = corners_near(field, u, hit.normal);
@@ -87,6 +94,7 @@ bool plane_of_sheet(const Hit& hit, const voxmap::DistanceField& field, const Ve
     if (fit_face(corners, tolerance, normal, c) < limits::kSheetCorners) return false;
   plane = {normal, -c * field.grid().edge};
   if (!(normal.dot(hit.normal) >= limits::kSheetAgree)) return false;
+  if (!reaches(corners, c * normal)) return false;
   // In a thick body one is deeper an edge farther in. Without this a round hole would be too narrow for its pin.
   return field.at(u - normal).distance_m >= plane.gap_m;
 }

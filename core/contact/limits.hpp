@@ -87,6 +87,8 @@ inline constexpr std::size_t kSheetCorners = 3;
 inline constexpr double kSheetCoarse = 0.4;
 inline constexpr double kSheetFine = 0.1;
 inline constexpr double kSheetFarEdges = 1.9;
+/// The foot of a point on that plane may be nearer to a corner than the corner's distance by this [e], no more: else it is beyond the face's rim.
+inline constexpr double kSheetBeyond = 0.05;
 /// A pose is no start where a point is deeper than this.
 inline constexpr double kPlacedDepthEdges = 0.5;
 /// In contact the virtual tool goes at most as far as the hand went, and this share of the spring's length, or this many edges: an edge

@@ -220,7 +220,7 @@ TEST(VirtualToolRing, GivesTheTorqueOfABarOverAnEdge) {
 TEST(VirtualToolRing, GivesTheTorqueOfAPinTurnedInItsHole) {
   constexpr double kClearance = 2e-4;
   gives_torque(virtual_tool::hole_mesh(virtual_tool::kPegRadius + kClearance, virtual_tool::kPegHole),
-               cylinder_mesh(virtual_tool::kPegRadius, virtual_tool::kPegLong, 96),
+               virtual_tool::peg_mesh(),
                "path: [[0, 0, 0.018], [0, 0, 0]], speed_m_per_s: 0.01, hold_s: 0.3, turn: {axis: [0, 1, 0], angle_rad: 0.21, from_s: 4.5, to_s: 7.5}", 8.5, 0.01,
                [](const auto& hand) { return virtual_tool::exact_pin(hand, virtual_tool::kPegRadius + kClearance, kLever); });
 }

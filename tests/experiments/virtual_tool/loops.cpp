@@ -103,7 +103,7 @@ LeverFigures lever(double edge, std::uint64_t seed) {
 constexpr double kPegLever = 0.015;
 
 mesh::TriangleMesh hole_mesh(double radius_m, double deep_m) {
-  constexpr std::uint32_t kSides = 96;
+  constexpr std::uint32_t kSides = kPegSides;
   constexpr double kOuter = 0.02, kFloor = 0.01;
   mesh::TriangleMesh mesh;
   for (std::uint32_t n = 0; n < kSides; ++n) {
@@ -126,8 +126,10 @@ mesh::TriangleMesh hole_mesh(double radius_m, double deep_m) {
   return mesh;
 }
 
+mesh::TriangleMesh peg_mesh() { return test::cylinder_mesh(kPegRadius, kPegLong, kPegSides); }
+
 PegFigures peg(double edge, double clearance_m, bool turned) {
-  Rig rig(hole_mesh(kPegRadius + clearance_m, kPegHole), edge, shell_of(test::cylinder_mesh(kPegRadius, kPegLong, 96), edge), kPegLever);
+  Rig rig(hole_mesh(kPegRadius + clearance_m, kPegHole), edge, shell_of(peg_mesh(), edge), kPegLever);
   PegFigures figures;
   double z = kPegLong / 2 + 0.003;
   if (!rig.place({Vec3(0, 0, z), Quat::Identity()})) return figures;
@@ -177,7 +179,7 @@ PlanePose exact_pin(const PlanePose& hand, double hole_radius, double lever_m) {
 PinFigures pin(double edge, double clearance_m, double turn_rad, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   constexpr double kIn = 0.015;
-  Rig rig(hole_mesh(kPegRadius + clearance_m, kPegHole), edge, shell_of(test::cylinder_mesh(kPegRadius, kPegLong, 96), edge), kPegLever);
+  Rig rig(hole_mesh(kPegRadius + clearance_m, kPegHole), edge, shell_of(peg_mesh(), edge), kPegLever);
   const double angle = uniform(random, 0, 2 * std::numbers::pi);
   const Vec3 axis(std::cos(angle), std::sin(angle), 0);
   PinFigures figures;

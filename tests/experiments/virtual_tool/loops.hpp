@@ -17,6 +17,9 @@ double largest_stable_stiffness(const LoopOptions& options);
 /// A round block with a round hole from above, mouth at z = 0: one closed mesh.
 mesh::TriangleMesh hole_mesh(double radius_m, double deep_m);
 inline constexpr double kPegRadius = 0.005, kPegHole = 0.02, kPegLong = 0.03;
+/// So many that the facets of peg and hole lack 0.2 um of the exact ones' radius: 96 lack 2.7 um each, which is play.
+inline constexpr int kPegSides = 384;
+mesh::TriangleMesh peg_mesh();
 
 /// A tool's pose in the plane of x and z: shift [m], and turn about y [rad].
 struct PlanePose {
