@@ -112,7 +112,8 @@ VoxelEstimate estimate_voxels(const mesh::TriangleMesh& mesh, const Grid& grid) 
   }
   const double blocks = all / (Voxmap::kBlockEdge * Voxmap::kBlockEdge * Voxmap::kBlockEdge), table = 4.0 * all;
   const double pages = std::min(expected_cells(mesh, grid.edge * Voxmap::kBrickEdge * Voxmap::kBlockEdge), blocks);
-  estimate.bytes = sizeof(Voxmap::Block) * blocks + sizeof(Voxmap::Page) * pages + (table <= Voxmap::kFewTableBytes ? table : 0.0) + distances + sizeof(Voxmap::Brick) * bricks;
+  estimate.bytes = sizeof(Voxmap::Block) * blocks + sizeof(Voxmap::Page) * pages + (table <= Voxmap::kFewTableBytes ? table : 0.0) + distances +
+                   sizeof(Voxmap::Brick) * bricks;
   estimate.build_bytes = estimate.bytes + 12.0 * all + 4.0 * 64.0 * bricks +
                          static_cast<double>(mesh.vertices.size()) * 28.0 +
                              static_cast<double>(mesh.triangles.size()) * 60.0;

@@ -72,8 +72,8 @@ Voxmap Voxmap::take(ByteReader& in) {
     }
   for (const Block& block : map.blocks_) {
     ByteReader::require(block.page >= 0 && block.page < static_cast<std::int64_t>(map.pages_.size()), "a table that names pages which are not there");
-    ByteReader::require(block.first_brick >= 0 && block.first_brick + most_of_page[static_cast<std::size_t>(block.page)] < static_cast<std::int64_t>(map.bricks_.size()),
-                        kNoSuchBrick);
+    const std::int64_t last = block.first_brick + most_of_page[static_cast<std::size_t>(block.page)];
+    ByteReader::require(block.first_brick >= 0 && last < static_cast<std::int64_t>(map.bricks_.size()), kNoSuchBrick);
   }
   std::size_t surface = 0, interior = 0;
   std::vector<std::array<std::uint32_t, 2>> counts(map.bricks_.size(), {0, 0});
