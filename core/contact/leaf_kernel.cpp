@@ -48,6 +48,13 @@ std::uint32_t near_spheres(const Lookup& lookup, const SphereTree::Level& level,
   return near;
 }
 
+inline std::int32_t brick_of(const voxmap::Voxmap::Arrays& map, std::int32_t x, std::int32_t y, std::int32_t z) noexcept {
+  if (map.table != nullptr) return map.table[x + map.cells_along[0] * (y + map.cells_along[1] * z)];
+  const voxmap::Voxmap::Block block = map.blocks[(x >> 2) + map.blocks_along[0] * ((y >> 2) + map.blocks_along[1] * (z >> 2))];
+  const std::int32_t code = map.pages[block.page][static_cast<std::size_t>((x & 3) | (y & 3) << 2 | (z & 3) << 4)];
+  return code < voxmap::Voxmap::kSharedCode ? block.first_brick + code : code - voxmap::Voxmap::kSharedCode;
+}
+
 std::array<std::uint8_t, 3> classify(const Lookup& lookup, Leaves& leaves) noexcept {
   const QueryFrame& f = lookup.frame;
   const auto* const words = reinterpret_cast<const HalfWord*>(lookup.map.bricks);
@@ -70,8 +77,7 @@ std::array<std::uint8_t, 3> classify(const Lookup& lookup, Leaves& leaves) noexc
     }
     unsigned surface = 0, interior = 0, unsure = 0;
     for (std::size_t p = 0; p < kRun; ++p) {
-      const std::int32_t brick =
-          lookup.map.table[(v[0][p] >> 3) + lookup.cells[0] * ((v[1][p] >> 3) + lookup.cells[1] * (v[2][p] >> 3))];
+      const std::int32_t brick = brick_of(lookup.map, v[0][p] >> 3, v[1][p] >> 3, v[2][p] >> 3);
       const std::int32_t voxel = (v[0][p] & 7) | (v[1][p] & 7) << 3 | (v[2][p] & 7) << 6;
       const std::uint32_t kind = words[brick * kHalfWords + (voxel >> 4)] >> (2 * (voxel & 15));
       surface |= (kind & 1U) << p, interior |= (kind >> 1 & 1U) << p;

@@ -15,7 +15,6 @@ struct Lookup {
   const QueryData& data;
   const QueryFrame& frame;
   voxmap::Voxmap::Arrays map;
-  std::array<std::int32_t, 3> cells;  ///< bricks of the table
 };
 
 /// Leaves that are looked at together, ascending, and what was found in them.
@@ -35,6 +34,10 @@ struct NormalLanes {
 /// Bricks are read in halves of their words, the lower first, so that a look is one of 32 bits for each point.
 using HalfWord = std::uint32_t __attribute__((may_alias));
 inline constexpr std::int32_t kHalfWords = sizeof(voxmap::Voxmap::Brick) / sizeof(HalfWord);
+/// A page likewise: the codes of four cells along x at a time; (y, z) of a block at y + 4 z.
+using CodeWord = std::uint32_t __attribute__((may_alias));
+inline constexpr std::int32_t kCodeWords = sizeof(voxmap::Voxmap::Page) / sizeof(CodeWord);
+static_assert(kCodeWords == 16 && voxmap::Voxmap::kSharedCode == 64 && voxmap::Voxmap::kFreeBrick == 0 && sizeof(voxmap::Voxmap::Block) == 8);
 static_assert(std::endian::native == std::endian::little);
 
 /// All are real-time safe.

@@ -89,16 +89,58 @@ inline __m256 certain(__m256 u, __m256 most, __m256i& i) noexcept {
   return _mm256_cmp_ps(_mm256_andnot_ps(_mm256_set1_ps(-0.0F), off), most, _CMP_LT_OQ);
 }
 
+/// Places in rows of rows, as the table of cells and that of blocks have them.
+struct Strides {
+  __m256i x, y;
+  explicit Strides(const std::array<std::int32_t, 2>& along) noexcept : x(_mm256_set1_epi32(along[0])), y(_mm256_set1_epi32(along[1])) {}
+  __m256i place(__m256i at_x, __m256i at_y, __m256i at_z) const noexcept {
+    return _mm256_add_epi32(at_x, _mm256_mullo_epi32(x, _mm256_add_epi32(at_y, _mm256_mullo_epi32(y, at_z))));
+  }
+};
+
+/// The bricks of voxels, one look each.
+struct TableOfBricks {
+  const int* table;
+  Strides cells;
+  explicit TableOfBricks(const voxmap::Voxmap::Arrays& map) noexcept : table(map.table), cells(map.cells_along) {}
+  __m256i of(__m256i vx, __m256i vy, __m256i vz) const noexcept {
+    return _mm256_i32gather_epi32(table, cells.place(_mm256_srai_epi32(vx, 3), _mm256_srai_epi32(vy, 3), _mm256_srai_epi32(vz, 3)), 4);
+  }
+};
+
+/// The same of a map without a table.
+struct PagesOfBricks {
+  const long long* block_of;
+  const int* pages;
+  Strides blocks;
+  explicit PagesOfBricks(const voxmap::Voxmap::Arrays& map) noexcept
+      : block_of(reinterpret_cast<const long long*>(map.blocks)), pages(reinterpret_cast<const int*>(map.pages)), blocks(map.blocks_along) {}
+  __m256i of(__m256i vx, __m256i vy, __m256i vz) const noexcept {
+    const __m256i at = blocks.place(_mm256_srai_epi32(vx, 5), _mm256_srai_epi32(vy, 5), _mm256_srai_epi32(vz, 5));
+    const __m256 low = _mm256_castsi256_ps(_mm256_i32gather_epi64(block_of, _mm256_castsi256_si128(at), 8)),
+                 high = _mm256_castsi256_ps(_mm256_i32gather_epi64(block_of, _mm256_extracti128_si256(at, 1), 8));
+    const __m256i page = _mm256_permute4x64_epi64(_mm256_castps_si256(_mm256_shuffle_ps(low, high, 0x88)), 0xd8),
+                  first = _mm256_permute4x64_epi64(_mm256_castps_si256(_mm256_shuffle_ps(low, high, 0xdd)), 0xd8);
+    const __m256i bits = _mm256_set1_epi32(24);  // of the cell in its block
+    const __m256i row = _mm256_or_si256(_mm256_srli_epi32(_mm256_and_si256(vy, bits), 3), _mm256_srli_epi32(_mm256_and_si256(vz, bits), 1));
+    const __m256i word = _mm256_i32gather_epi32(pages, _mm256_add_epi32(_mm256_slli_epi32(page, 4), row), 4);
+    const __m256i code = _mm256_and_si256(_mm256_srlv_epi32(word, _mm256_and_si256(vx, bits)), _mm256_set1_epi32(255));
+    const __m256i most = _mm256_set1_epi32(voxmap::Voxmap::kSharedCode - 1);
+    return _mm256_add_epi32(_mm256_and_si256(code, most), _mm256_andnot_si256(_mm256_cmpgt_epi32(code, most), first));
+  }
+};
+
 /// Bit `bit` of each lane.
 inline unsigned bits(__m256i lanes, int bit) noexcept {
   return static_cast<unsigned>(_mm256_movemask_ps(_mm256_castsi256_ps(_mm256_slli_epi32(lanes, 31 - bit))));
 }
 
-std::array<std::uint8_t, 3> classify(const Lookup& lookup, Leaves& leaves) noexcept {
+template <class Bricks>
+std::array<std::uint8_t, 3> classify_by(const Lookup& lookup, Leaves& leaves) noexcept {
   const QueryFrame& f = lookup.frame;
-  const auto* const table = reinterpret_cast<const int*>(lookup.map.table);
+  const Bricks bricks(lookup.map);
   const auto* const words = reinterpret_cast<const int*>(lookup.map.bricks);
-  const __m256i sx = _mm256_set1_epi32(lookup.cells[0]), sy = _mm256_set1_epi32(lookup.cells[1]), seven = _mm256_set1_epi32(7);
+  const __m256i seven = _mm256_set1_epi32(7);
   const __m256i first_x = _mm256_set1_epi32(f.first[0]), first_y = _mm256_set1_epi32(f.first[1]),
                 first_z = _mm256_set1_epi32(f.first[2]);
   const Row row_x(f.a[0], f.shift[0]), row_y(f.a[1], f.shift[1]), row_z(f.a[2], f.shift[2]);
@@ -115,11 +157,7 @@ std::array<std::uint8_t, 3> classify(const Lookup& lookup, Leaves& leaves) noexc
     const __m256 sure_z = certain(in_z.of(row_z.at(x, y, z)), most, iz);
     const unsigned unsure = ~static_cast<unsigned>(_mm256_movemask_ps(_mm256_and_ps(_mm256_and_ps(sure_x, sure_y), sure_z))) & 255U;
     const __m256i vx = _mm256_add_epi32(ix, first_x), vy = _mm256_add_epi32(iy, first_y), vz = _mm256_add_epi32(iz, first_z);
-    const __m256i cell = _mm256_add_epi32(
-        _mm256_srai_epi32(vx, 3),
-        _mm256_mullo_epi32(sx, _mm256_add_epi32(_mm256_srai_epi32(vy, 3), _mm256_mullo_epi32(sy, _mm256_srai_epi32(vz, 3)))));
-    const __m256i brick = _mm256_i32gather_epi32(table, cell, 4);
-    static_assert(voxmap::Voxmap::kFreeBrick == 0);
+    const __m256i brick = bricks.of(vx, vy, vz);
     unsigned surface = 0, interior = 0;
     if (_mm256_testz_si256(brick, brick) == 0) {
       const __m256i voxel = _mm256_or_si256(
@@ -136,6 +174,10 @@ std::array<std::uint8_t, 3> classify(const Lookup& lookup, Leaves& leaves) noexc
     leaves.unsure[n] = static_cast<std::uint8_t>(unsure), any_unsure |= unsure;
   }
   return {static_cast<std::uint8_t>(any_surface), static_cast<std::uint8_t>(any_interior), static_cast<std::uint8_t>(any_unsure)};
+}
+
+std::array<std::uint8_t, 3> classify(const Lookup& lookup, Leaves& leaves) noexcept {
+  return lookup.map.table != nullptr ? classify_by<TableOfBricks>(lookup, leaves) : classify_by<PagesOfBricks>(lookup, leaves);
 }
 
 /// Half a leaf: lanes whose bit is not set add zero.

@@ -86,15 +86,57 @@ inline unsigned certain(__m512 u, __m512 most, __m512i& i) noexcept {
   return _mm512_cmp_ps_mask(_mm512_abs_ps(off), most, _CMP_LT_OQ);
 }
 
+/// Places in rows of rows, as the table of cells and that of blocks have them.
+struct Strides {
+  __m512i x, y;
+  explicit Strides(const std::array<std::int32_t, 2>& along) noexcept : x(_mm512_set1_epi32(along[0])), y(_mm512_set1_epi32(along[1])) {}
+  __m512i place(__m512i at_x, __m512i at_y, __m512i at_z) const noexcept {
+    return _mm512_add_epi32(at_x, _mm512_mullo_epi32(x, _mm512_add_epi32(at_y, _mm512_mullo_epi32(y, at_z))));
+  }
+};
+
+/// The bricks of voxels, one look each.
+struct TableOfBricks {
+  const std::int32_t* table;
+  Strides cells;
+  explicit TableOfBricks(const voxmap::Voxmap::Arrays& map) noexcept : table(map.table), cells(map.cells_along) {}
+  __m512i of(__m512i vx, __m512i vy, __m512i vz) const noexcept {
+    return _mm512_i32gather_epi32(cells.place(_mm512_srai_epi32(vx, 3), _mm512_srai_epi32(vy, 3), _mm512_srai_epi32(vz, 3)), table, 4);
+  }
+};
+
+/// The same of a map without a table.
+struct PagesOfBricks {
+  const voxmap::Voxmap::Block* block_of;
+  const voxmap::Voxmap::Page* pages;
+  Strides blocks;
+  explicit PagesOfBricks(const voxmap::Voxmap::Arrays& map) noexcept : block_of(map.blocks), pages(map.pages), blocks(map.blocks_along) {}
+  __m512i of(__m512i vx, __m512i vy, __m512i vz) const noexcept {
+    const __m512i at = blocks.place(_mm512_srai_epi32(vx, 5), _mm512_srai_epi32(vy, 5), _mm512_srai_epi32(vz, 5));
+    const __m512i low = _mm512_i32gather_epi64(_mm512_castsi512_si256(at), block_of, 8),
+                  high = _mm512_i32gather_epi64(_mm512_extracti64x4_epi64(at, 1), block_of, 8);
+    const __m512i even = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30), odd = _mm512_add_epi32(even, _mm512_set1_epi32(1));
+    const __m512i page = _mm512_permutex2var_epi32(low, even, high), first = _mm512_permutex2var_epi32(low, odd, high);
+    const __m512i bits = _mm512_set1_epi32(24);  // of the cell in its block
+    const __m512i row = _mm512_or_si512(_mm512_srli_epi32(_mm512_and_si512(vy, bits), 3), _mm512_srli_epi32(_mm512_and_si512(vz, bits), 1));
+    const __m512i word = _mm512_i32gather_epi32(_mm512_add_epi32(_mm512_slli_epi32(page, 4), row), pages, 4);
+    const __m512i code = _mm512_and_si512(_mm512_srlv_epi32(word, _mm512_and_si512(vx, bits)), _mm512_set1_epi32(255));
+    const __m512i most = _mm512_set1_epi32(voxmap::Voxmap::kSharedCode - 1);
+    return _mm512_mask_add_epi32(_mm512_and_si512(code, most), _mm512_cmple_epi32_mask(code, most), code, first);
+  }
+};
+
 /// Two leaves in one.
 inline __m512 both(const float* values, std::size_t a, std::size_t b) noexcept {
   return _mm512_insertf32x8(_mm512_castps256_ps512(_mm256_loadu_ps(values + a)), _mm256_loadu_ps(values + b), 1);
 }
 
-std::array<std::uint8_t, 3> classify(const Lookup& lookup, Leaves& leaves) noexcept {
+template <class Bricks>
+std::array<std::uint8_t, 3> classify_by(const Lookup& lookup, Leaves& leaves) noexcept {
   const QueryFrame& f = lookup.frame;
   const QueryData& data = lookup.data;
-  const __m512i sx = _mm512_set1_epi32(lookup.cells[0]), sy = _mm512_set1_epi32(lookup.cells[1]), seven = _mm512_set1_epi32(7);
+  const Bricks bricks(lookup.map);
+  const __m512i seven = _mm512_set1_epi32(7);
   const __m512i first_x = _mm512_set1_epi32(f.first[0]), first_y = _mm512_set1_epi32(f.first[1]),
                 first_z = _mm512_set1_epi32(f.first[2]);
   const Row row_x(f.a[0], f.shift[0]), row_y(f.a[1], f.shift[1]), row_z(f.a[2], f.shift[2]);
@@ -110,11 +152,7 @@ std::array<std::uint8_t, 3> classify(const Lookup& lookup, Leaves& leaves) noexc
     sure &= certain(in_y.of(row_y.at(x, y, z)), most, iy);
     sure &= certain(in_z.of(row_z.at(x, y, z)), most, iz);
     const __m512i vx = _mm512_add_epi32(ix, first_x), vy = _mm512_add_epi32(iy, first_y), vz = _mm512_add_epi32(iz, first_z);
-    const __m512i cell = _mm512_add_epi32(
-        _mm512_srai_epi32(vx, 3),
-        _mm512_mullo_epi32(sx, _mm512_add_epi32(_mm512_srai_epi32(vy, 3), _mm512_mullo_epi32(sy, _mm512_srai_epi32(vz, 3)))));
-    const __m512i brick = _mm512_i32gather_epi32(cell, lookup.map.table, 4);
-    static_assert(voxmap::Voxmap::kFreeBrick == 0);
+    const __m512i brick = bricks.of(vx, vy, vz);
     const unsigned real = two ? 0xffffU : 0xffU, unsure = ~sure & real;
     unsigned surface = 0, interior = 0;
     if (_mm512_test_epi32_mask(brick, brick) != 0) {
@@ -136,6 +174,10 @@ std::array<std::uint8_t, 3> classify(const Lookup& lookup, Leaves& leaves) noexc
   }
   const auto folded = [](unsigned bits) { return static_cast<std::uint8_t>(bits | bits >> 8); };
   return {folded(any_surface), folded(any_interior), folded(any_unsure)};
+}
+
+std::array<std::uint8_t, 3> classify(const Lookup& lookup, Leaves& leaves) noexcept {
+  return lookup.map.table != nullptr ? classify_by<TableOfBricks>(lookup, leaves) : classify_by<PagesOfBricks>(lookup, leaves);
 }
 
 void add_normals(const HitSource& source, const Leaves& leaves, const std::uint8_t* chosen, NormalLanes& lanes) noexcept {

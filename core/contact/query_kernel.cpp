@@ -105,11 +105,7 @@ void walk(const Lookup& lookup, const LeafKernel& kernel, const SphereTree& tree
   }
 }
 
-Lookup lookup_of(const QueryData& data, const QueryFrame& frame) noexcept {
-  Lookup lookup{data, frame, data.voxmap->arrays(), {}};
-  for (std::size_t axis = 0; axis < 3; ++axis) lookup.cells[axis] = static_cast<std::int32_t>(data.voxmap->cells()[axis]);
-  return lookup;
-}
+Lookup lookup_of(const QueryData& data, const QueryFrame& frame) noexcept { return {data, frame, data.voxmap->arrays()}; }
 
 /// One query on its way.
 class Search {

@@ -46,8 +46,8 @@ class ByteWriter {
     (*this)(value.has_value());
     if (value) (*this)(*value);
   }
-  template <class T>
-  void operator()(const std::vector<T>& values) {
+  template <class T, class Allocator>
+  void operator()(const std::vector<T, Allocator>& values) {
     if constexpr (stored_bytes::IsPlainRow<T>::value) {
       add_row(values.data(), values.size(), sizeof(T));
     } else {
@@ -97,8 +97,8 @@ class ByteReader {
     value.reset();
     if (is_there) (*this)(value.emplace());
   }
-  template <class T>
-  void operator()(std::vector<T>& values) {
+  template <class T, class Allocator>
+  void operator()(std::vector<T, Allocator>& values) {
     if constexpr (stored_bytes::IsPlainRow<T>::value) {
       const std::size_t size = count(sizeof(T));
       values.reserve(size), values.resize(size);

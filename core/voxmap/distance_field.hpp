@@ -23,6 +23,7 @@
 #include <vector>
 
 #include "core/mesh/triangle_mesh.hpp"
+#include "core/types/huge_pages.hpp"
 #include "core/types/parallel.hpp"
 #include "core/voxmap/grid_mesh.hpp"
 #include "core/voxmap/voxmap.hpp"
@@ -99,7 +100,7 @@ class DistanceField {
   VoxelIndex base_;                      ///< first voxel of the table, a multiple of 8
   std::array<std::int64_t, 3> cells_{};  ///< table size in bricks
   std::vector<std::int32_t> table_;
-  std::vector<Brick> bricks_;
+  std::vector<Brick, HugePages<Brick>> bricks_;
   double depth_voxels_ = 0.0, band_voxels_ = 0.0;
   bool has_inside_ = false;
   double steepest_gradient_ = 1.0;

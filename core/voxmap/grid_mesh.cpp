@@ -103,14 +103,18 @@ VoxelEstimate estimate_voxels(const mesh::TriangleMesh& mesh, const Grid& grid) 
   const double all = estimate.table_cells = cells[0] * cells[1] * cells[2];
   const double bricks = std::min(expected_cells(mesh, grid.edge * Voxmap::kBrickEdge), all);
   estimate.surface_voxels = std::min(expected_cells(mesh, grid.edge), estimate.voxels);
-  // Table 4 bytes a cell; building adds an index and a label a cell, and three masks a brick.
+  // Blocks of cells, pages of those with surface, a table of all cells where it is small; building adds an index and two labels a cell, and
+  // three masks a brick.
   double distances = 8.0 * all;
   if (all <= static_cast<double>(Voxmap::kMaxTableCells)) {
     const std::array<std::int64_t, 3> whole{static_cast<std::int64_t>(cells[0]), static_cast<std::int64_t>(cells[1]), static_cast<std::int64_t>(cells[2])};
     distances = static_cast<double>(free_distance::bytes_of(whole, free_distance::shift_for(whole, static_cast<std::size_t>(estimate.surface_voxels))));
   }
-  estimate.bytes = 4.0 * all + distances + sizeof(Voxmap::Brick) * bricks;
-  estimate.build_bytes = estimate.bytes + 8.0 * all + 4.0 * 64.0 * bricks +
+  const double blocks = all / (Voxmap::kBlockEdge * Voxmap::kBlockEdge * Voxmap::kBlockEdge), table = 4.0 * all;
+  const double pages = std::min(expected_cells(mesh, grid.edge * Voxmap::kBrickEdge * Voxmap::kBlockEdge), blocks);
+  estimate.bytes = sizeof(Voxmap::Block) * blocks + sizeof(Voxmap::Page) * pages + (table <= Voxmap::kFewTableBytes ? table : 0.0) + distances +
+                   sizeof(Voxmap::Brick) * bricks;
+  estimate.build_bytes = estimate.bytes + 12.0 * all + 4.0 * 64.0 * bricks +
                          static_cast<double>(mesh.vertices.size()) * 28.0 +
                              static_cast<double>(mesh.triangles.size()) * 60.0;
   return estimate;

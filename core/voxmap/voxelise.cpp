@@ -95,19 +95,20 @@ std::vector<std::uint8_t> judge_groups(const GridMesh& mesh, const Slabs& slabs,
 void write_map(const SurfaceBits& surface, const VoxelGroups& groups,
                const std::vector<std::uint8_t>& inside, Voxmap& map) {
   map.reserve_bricks(surface.bricks.size());
-  for (std::size_t cell = 0; cell < surface.brick_of.size(); ++cell) {
+  map.for_each_cell([&](std::int64_t x, std::int64_t y, std::int64_t z) {
+    const auto cell = static_cast<std::size_t>((x * surface.cells[1] + y) * surface.cells[2] + z);
     const std::int32_t brick = surface.brick_of[cell];
     if (brick < 0) {
       if (inside[groups.group[cell]]) map.fill_cell(surface.first_voxel(cell), VoxelKind::kInterior);
-      continue;
+      return;
     }
     BrickMask interior{};
     for (std::uint32_t p = groups.first_piece[static_cast<std::size_t>(brick)];
          p < groups.first_piece[static_cast<std::size_t>(brick) + 1]; ++p)
       if (inside[groups.group[surface.brick_of.size() + p]])
-        for (std::size_t z = 0; z < 8; ++z) interior[z] |= groups.pieces[p].voxels[z];
+        for (std::size_t z8 = 0; z8 < 8; ++z8) interior[z8] |= groups.pieces[p].voxels[z8];
     map.set_cell(surface.first_voxel(cell), surface.bricks[static_cast<std::size_t>(brick)], interior);
-  }
+  });
   map.finish();
 }
 

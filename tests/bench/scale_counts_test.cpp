@@ -49,8 +49,14 @@ TEST(Scale, AFrameCostsNearlyTheSameAndAMapGrowsAsTheSurfaceWhateverTheResolutio
   for (const int resolution : {256, 128, 512, 1024}) {
     const voxmap::Voxmap map = map_of(10'000, resolution);
     if (resolution == 256) bytes_at_256 = bytes_a_voxel(map);
-    std::printf("%d^3: %zu surface voxels, %.2f bytes each\n", resolution, map.surface_count(), bytes_a_voxel(map));
+    const double table = static_cast<double>(map.table_bytes()) / static_cast<double>(map.surface_count());
+    std::printf("%d^3: %zu surface voxels, %.2f bytes each, %.2f of them table\n", resolution, map.surface_count(), bytes_a_voxel(map), table);
     EXPECT_LE(bytes_a_voxel(map), 1.4 * bytes_at_256) << resolution;
+    EXPECT_LE(table, 0.5) << resolution;
+    // Without the table of small maps, whose bytes are bounded: blocks and pages grow as the surface.
+    if (map.arrays().table == nullptr) {
+      EXPECT_LE(table, 0.2) << resolution;
+    }
     for (std::size_t n = 0; n < 3; ++n) {
       const FrameCounts counts = frame_counts(map, kPlaces[n], kPoints);
       tell("resolution", resolution, kPlaces[n], counts);
@@ -76,6 +82,7 @@ TEST(Scale, DistancesGrowAsTheSurface) {
 TEST(Scale, TheHitsAreThoseOfAllPointsInALargeTable) {
   const voxmap::Voxmap map = map_of(1'000, 1024);
   ASSERT_GT(map.arrays().free_shift, voxmap::free_distance::kLeastShift);
+  ASSERT_EQ(map.arrays().table, nullptr) << "bricks are found by pages";
   for (const Place place : kPlaces) {
     const contact::ContactQuery query(map, tool(place, kPoints));
     const pointshell::Pointshell& shell = query.shell();

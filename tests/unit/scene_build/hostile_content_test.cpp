@@ -102,7 +102,8 @@ TEST_F(HostileContent, WithAnyBytesChangedIsRefusedOrStandsAllLookups) {
   EXPECT_GT(used, 20U);
 }
 
-/// Maps and fields begin alike: grid, first voxel, cells, then the table with its length before it, then the bricks likewise.
+/// Maps and fields begin alike: grid, first voxel, cells, then the table (of a map: of blocks) with its length before it, then (of a map) the pages
+/// and the bricks likewise.
 constexpr std::size_t kTable = 24 + 8 + 12 + 24 + 8;
 
 template <class T>
@@ -134,8 +135,16 @@ TEST_F(HostileContent, WhoseTableNamesABrickThatIsNotThereIsRefused) {
   ByteWriter map, field;
   built->voxmap().put(map), built->field()->put(field);
   ASSERT_TRUE(is_taken<voxmap::Voxmap>(map.bytes()) && is_taken<voxmap::DistanceField>(field.bytes()));
-  for (std::size_t entry = 0; entry < entries_of(map.bytes()); entry += 7)
-    for (const std::int32_t wrong : {0x7fffffff, -0x7fffffff, -1}) EXPECT_FALSE(is_taken<voxmap::Voxmap>(with(map.bytes(), kTable + 4 * entry, wrong))) << wrong;
+  for (std::size_t entry = 0; entry < entries_of(map.bytes()); ++entry)
+    for (const std::int32_t wrong : {0x7fffffff, -0x7fffffff, -1}) {
+      EXPECT_FALSE(is_taken<voxmap::Voxmap>(with(map.bytes(), kTable + 8 * entry, wrong))) << "page " << wrong;
+      EXPECT_FALSE(is_taken<voxmap::Voxmap>(with(map.bytes(), kTable + 8 * entry + 4, wrong))) << "first brick " << wrong;
+    }
+  const std::size_t pages_of_map = kTable + 8 * entries_of(map.bytes()) + 8;
+  for (const char wrong : {'\x3f', '\x42', '\xff'}) {
+    EXPECT_FALSE(is_taken<voxmap::Voxmap>(with(map.bytes(), pages_of_map, wrong))) << "a shared page";
+    EXPECT_FALSE(is_taken<voxmap::Voxmap>(with(map.bytes(), pages_of_map + 3 * sizeof(voxmap::Voxmap::Page), wrong))) << "a page";
+  }
   for (std::size_t entry = 0; entry < entries_of(field.bytes()); entry += 7)
     for (const std::int32_t wrong : {0x7fffffff, -0x7fffffff, -3}) EXPECT_FALSE(is_taken<voxmap::DistanceField>(with(field.bytes(), kTable + 4 * entry, wrong))) << wrong;
 }
@@ -144,7 +153,10 @@ TEST_F(HostileContent, WithAVoxelOfNoKindOrADistanceThatIsNoneIsRefused) {
   const auto built = rendering::build_scene(scene_, serial_for());
   ByteWriter map, field;
   built->voxmap().put(map), built->field()->put(field);
-  const std::size_t bricks_of_map = kTable + 4 * entries_of(map.bytes()) + 8, bricks_of_field = kTable + 4 * entries_of(field.bytes()) + 8;
+  const std::size_t pages_of_map = kTable + 8 * entries_of(map.bytes()) + 8;
+  std::uint64_t pages = 0;
+  std::memcpy(&pages, map.bytes().data() + pages_of_map - 8, sizeof pages);
+  const std::size_t bricks_of_map = pages_of_map + pages * sizeof(voxmap::Voxmap::Page) + 8, bricks_of_field = kTable + 4 * entries_of(field.bytes()) + 8;
   EXPECT_FALSE(is_taken<voxmap::Voxmap>(with(map.bytes(), bricks_of_map + 3 * sizeof(voxmap::Voxmap::Brick), ~std::uint64_t{0})));
   for (const float wrong : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), 1e30F, -13.0F})
     EXPECT_FALSE(is_taken<voxmap::DistanceField>(with(field.bytes(), bricks_of_field + 4 * 100, wrong))) << wrong;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
 #include <random>
 #include <set>
@@ -83,6 +84,62 @@ TEST(Voxmap, SetsACellFromBitsWithSurfaceOverInterior) {
       }
 }
 
+VoxelIndex first_of_cell(const Voxmap& map, std::int64_t x, std::int64_t y, std::int64_t z) {
+  return {static_cast<std::int32_t>(map.base().i + 8 * x), static_cast<std::int32_t>(map.base().j + 8 * y), static_cast<std::int32_t>(map.base().k + 8 * z)};
+}
+
+/// What kernels look up: the table of a small map and the pages of any name the brick that holds each voxel, in whatever order cells got theirs.
+TEST(Voxmap, PagesAndTableNameTheSameBricks) {
+  std::mt19937 random(9);
+  for (const bool in_order : {true, false}) {
+    Voxmap map({}, {-70, -70, -70}, {70, 70, 70});
+    const Voxmap::Arrays before = map.arrays();
+    EXPECT_EQ(before.table, nullptr);
+    std::vector<VoxelIndex> wanted;
+    map.for_each_cell([&](std::int64_t x, std::int64_t y, std::int64_t z) {
+      const VoxelIndex v = first_of_cell(map, x, y, z);
+      if (v.i < -70 || v.j < -70 || v.k < -70 || v.i > 62 || v.j > 62 || v.k > 62) return;
+      if (x > 11 && y > 11 && z > 11)
+        map.fill_cell(v, VoxelKind::kInterior);  // whole blocks among them
+      else if (random() % 5 == 0)
+        wanted.push_back(v);
+    });
+    if (!in_order) std::ranges::shuffle(wanted, random);
+    for (const VoxelIndex& v : wanted) map.set(v, VoxelKind::kSurface);
+    map.finish();
+    const Voxmap::Arrays a = map.arrays();
+    ASSERT_NE(a.table, nullptr);
+    ASSERT_EQ(a.brick_count, wanted.size() + 2);
+    std::int32_t last = 1;
+    map.for_each_cell([&](std::int64_t x, std::int64_t y, std::int64_t z) {
+      const Voxmap::Block block = a.blocks[(x >> 2) + a.blocks_along[0] * ((y >> 2) + a.blocks_along[1] * (z >> 2))];
+      const std::int32_t code = a.pages[block.page][static_cast<std::size_t>((x & 3) | (y & 3) << 2 | (z & 3) << 4)];
+      const std::int32_t brick = code < Voxmap::kSharedCode ? block.first_brick + code : code - Voxmap::kSharedCode;
+      ASSERT_EQ(brick, a.table[x + a.cells_along[0] * (y + a.cells_along[1] * z)]);
+      ASSERT_LT(brick, static_cast<std::int32_t>(a.brick_count));
+      last = std::max(last, brick);
+    });
+    EXPECT_EQ(last + 1, static_cast<std::int32_t>(a.brick_count));
+    for (const VoxelIndex& v : wanted) ASSERT_EQ(map.at(v), VoxelKind::kSurface);
+    EXPECT_EQ(map.surface_count(), wanted.size());
+  }
+}
+
+TEST(Voxmap, BlocksWithoutSurfaceShareAPage) {
+  Voxmap map({}, {0, 0, 0}, {255, 255, 255});
+  map.for_each_cell([&](std::int64_t x, std::int64_t y, std::int64_t z) {
+    if (x > 0 && y > 0 && z > 0 && x < 33 && y < 33 && z < 33)
+      map.fill_cell(first_of_cell(map, x, y, z), VoxelKind::kInterior);
+  });
+  map.finish();
+  const Voxmap::Arrays a = map.arrays();
+  const auto blocks = static_cast<std::size_t>(a.blocks_along[0] * a.blocks_along[1]) * 9;
+  const std::size_t inside = 7 * 7 * 7, table = a.table == nullptr ? 0 : 4 * 34 * 34 * 34;
+  EXPECT_EQ(map.interior_count(), std::size_t{32} * 32 * 32 * 512);
+  EXPECT_LE(map.table_bytes(), table + 8 * blocks + sizeof(Voxmap::Page) * (2 + blocks - inside));
+  EXPECT_EQ(map.at({100, 100, 100}), VoxelKind::kInterior);
+}
+
 /// Distance from a point to the nearest point of a closed voxel.
 double distance_to(const VoxelIndex& v, const Vec3& u) {
   const Vec3 low(v.i, v.j, v.k);
@@ -130,8 +187,8 @@ TEST(Voxmap, FreeDistanceTakesLongerCellsInALargeTable) {
   map.finish();
   ASSERT_GT(map.arrays().free_shift, free_distance::kLeastShift);
   const double step = free_distance::step_of(map.arrays().free_shift);
-  const std::size_t table = 4 * static_cast<std::size_t>(map.cells()[0] * map.cells()[1] * map.cells()[2]);
-  EXPECT_LE(map.bytes(), table + 42 * sizeof(Voxmap::Brick) + free_distance::kFewBytes);
+  EXPECT_LE(map.table_bytes(), static_cast<std::size_t>(map.cells()[0] * map.cells()[1] * map.cells()[2]) / 6 + 42 * sizeof(Voxmap::Page));
+  EXPECT_LE(map.bytes(), map.table_bytes() + 42 * sizeof(Voxmap::Brick) + free_distance::kFewBytes);
   std::uniform_real_distribution<double> pick(-200.0, 1300.0);
   for (int n = 0; n < 20000; ++n) {
     const Vec3 u(pick(random), pick(random), pick(random));
