@@ -71,6 +71,7 @@ coupling::design::DesignProblem design_problem(const scene::Scene& scene, const 
   goals.cutoff_hz = options.cutoff_hz;
   goals.max_cutoff_hz = std::max(goals.max_cutoff_hz, options.cutoff_hz);
   goals.gain_margin = options.gain_margin;
+  goals.floors = coupling::design::floors_of(options.damping_floor);
   if (!spring) goals.force_layer_depth_m = 0.5 * scene.voxel_size_m / scene.device.position_scale;
   goals.allow_injected_damping = options.inject_damping;
   goals.free_cap = scene.design && !options.stiffness_cap_n_per_m && !options.stiffness_cap_nm_per_rad;

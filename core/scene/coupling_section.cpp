@@ -69,6 +69,7 @@ DesignOptions read_ask(SceneSource& source, const YamlNode& node, const MapReade
   requested.cutoff_hz = options.cutoff_hz;
   judge(source, node, map, requested);
   map.read("gain_margin", options.gain_margin);
+  map.read("damping_floor", options.damping_floor);
   map.read("stiffness_cap_n_per_m", options.stiffness_cap_n_per_m);
   map.read("stiffness_cap_nm_per_rad", options.stiffness_cap_nm_per_rad);
   if (const YamlNode* hand = map.find("hand")) read_hand(source, *hand, map, options);

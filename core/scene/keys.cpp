@@ -104,6 +104,8 @@ constexpr auto kCoupling = std::to_array<Key>({
   {"injected_damping_nms_per_rad", kNotNegative, kWithoutFirst, "0", "While in contact [Nms/rad]."},
   {"velocity_filter_hz", kPositive, kWithoutFirst, "100", "Of the velocity that is damped."},
   {"gain_margin", kNumber, kWithFirst, "2", "How much stiffer the worst case may get before it is unstable.", "", nullptr, 1},
+  {"damping_floor", kNumber, kWithFirst, "0.3",
+   "Least damping ratio of the slowest swing in contact, with a hand; a third of it with nobody holding the device. 0: stiffness is not given up for it.", "", nullptr, 0, 0.9},
   {"hand", kMap, kWithFirst, "", "Who may hold the device; left out: as the device is held.", "pen arm any_passive", &hand},
   {"released", kFlag, kWithFirst, "true", "Must be stable with nobody holding it too."},
   {"inject_damping", kFlag, kWithFirst, "true", "The designer may inject damping."},

@@ -1,5 +1,7 @@
 #include "nodes/coupling/design_message.hpp"
 
+#include <fmt/format.h>
+
 #include "nodes/runtime/strings.hpp"
 
 namespace voxtouch::coupling_node {
@@ -12,6 +14,9 @@ std::vector<std::string> notes_on(const fitting::FittedCoupling& fitted, double 
     notes.push_back(fitted.design.status == coupling::design::DesignStatus::kInfeasible
                         ? "set by hand in the scene; the designer does not vouch for it: the reasons say why"
                         : "set by hand in the scene; the designer's certificates hold for it");
+  if (const std::string& forbids = fitted.design.floors.out_of_reach; !forbids.empty())
+    notes.push_back(fmt::format("a damping ratio of {:.2g} released and {:.2g} held is out of reach: {}", fitted.design.floors.released,
+                                fitted.design.floors.held, forbids));
   if (!fitted.refusal.empty()) notes.push_back(fitted.refusal);
   for (const coupling::CouplingIssue& issue : coupling::validate(fitted.spec, {}, sample_time_s)) notes.push_back(issue.sentence);
   return notes;
@@ -48,6 +53,11 @@ msg::CouplingDesign design_numbers(const fitting::FittedCoupling& fitted, double
   m.shown_stiffness_nm_per_rad = design.rotation.shown_stiffness;
   m.critical_stiffness_nm_per_rad = design.rotation.critical_stiffness;
   m.max_approach_m_per_s = design.max_approach_m_per_s;
+  m.released_damping_ratio = design.swing.released;
+  m.held_damping_ratio = design.swing.held;
+  m.released_damping_floor = design.floors.released;
+  m.held_damping_floor = design.floors.held;
+  m.damping_floor_cost_n_per_m = design.floors.cost_n_per_m;
   m.passive = design.translation.passive;
   return m;
 }

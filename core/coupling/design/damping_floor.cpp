@@ -3,102 +3,146 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <numbers>
 #include <stdexcept>
+#include <utility>
+#include <vector>
 
-#include "core/coupling/design/axis_verdict.hpp"
-#include "core/coupling/design/design_steps.hpp"
+#include "core/coupling/design/filter_search.hpp"
 
 namespace voxtouch::coupling::design {
 namespace {
 
-constexpr double kSoftShare = 0.01;  ///< of the stiffness, at which a swing is the hand's own
 constexpr int kHalvings = 12;
+/// Of the most that may be injected, at which a case may swing least: more is late as well.
+constexpr std::array kDampingShares{1.0, 0.5, 0.25};
 
-/// One case of one axis with what the coupling does there.
-struct Swing {
-  const AxisProblem* axis;
-  const DesignCase* one;
+double ratio(const LoopPlant& plant, const LoopController& law, double contact) {
+  try {
+    return slowest_damping_ratio(plant, law, contact);
+  } catch (const std::runtime_error&) {
+    return 0.0;  // eigenvalues that do not converge tell of no damping
+  }
+}
+
+/// The law at a share of what it shows, and the contact before it.
+struct Loop {
   LoopController law;
-  double contact;  ///< stiffness that the law is given
-
-  double ratio(double share) const {
-    LoopController softer = law;
-    const bool series = law.law == LoopController::Law::kSpringDamper;
-    if (series) softer.stiffness *= share, softer.damping *= share;
-    try {
-      return slowest_damping_ratio(one->plant, softer, share * contact);
-    } catch (const std::runtime_error&) {
-      return 0.0;  // eigenvalues that do not converge tell of no damping
-    }
-  }
-  std::string where() const { return fmt::format("{}: {}", axis->units->name, describe(*one, *axis->units)); }
+  double contact;
 };
-
-std::vector<Swing> swings_of(const DesignProblem& request, const std::vector<AxisProblem>& problems, const CouplingSpec& spec) {
-  const std::vector<ShownStiffness> shown = shown_stiffness(request, problems, spec);
-  std::vector<Swing> out;
-  for (std::size_t a = 0; a < problems.size(); ++a) {
-    const LoopController law = controller_of(spec, problems[a], arm_squared(request));
-    const double contact = law.law == LoopController::Law::kSpringDamper ? shown[a].contact : shown[a].shown;
-    for (const DesignCase& one : problems[a].cases) out.push_back({&problems[a], &one, law, contact});
-  }
-  return out;
+Loop loop_of(const DesignProblem& request, const AxisProblem& problem, const CouplingSpec& spec, const ShownStiffness& shown, double share) {
+  LoopController law = controller_of(spec, problem, arm_squared(request));
+  if (law.law != LoopController::Law::kSpringDamper) return {law, share * shown.shown};
+  law.stiffness *= share, law.damping *= share;
+  return {law, shown.contact};
 }
 
-}  // namespace
-
-SlowestSwing slowest_swing(const DesignProblem& request, const CouplingSpec& spec) {
-  refuse_impossible(request);
-  const std::vector<AxisProblem> problems = axis_problems(request);
-  SlowestSwing out;
-  for (const Swing& swing : swings_of(request, problems, spec)) {
-    const double ratio = swing.ratio(1.0);
-    double& least = swing.one->held ? out.held : out.released;
-    if (ratio >= least) continue;
-    least = ratio;
-    (swing.one->held ? out.held_where : out.released_where) = swing.where();
-  }
-  return out;
+/// Of device and hand without a coupling: b / (2 sqrt(m k)).
+double own_ratio(const LoopPlant& p) {
+  const double stiffness = (p.mass + p.hand_mass) * p.hand_stiffness;
+  return stiffness > 0.0 ? 0.5 * (p.damping + p.hand_damping) / std::sqrt(stiffness) : kInfinity;
 }
 
-DampedDesign with_floors(const DesignProblem& request, const Design& design, const DampingFloors& floors) {
-  refuse_impossible(request);
-  const std::vector<AxisProblem> problems = axis_problems(request);
-  const auto floor_of = [&](const Swing& swing) { return swing.one->held ? floors.held : floors.released; };
-  DampedDesign out{design, 0.0, {}};
-  std::vector<Swing> binding;
-  double worst_alone = 1.0;
-  for (const Swing& swing : swings_of(request, problems, design.spec)) {
-    const double alone = swing.ratio(kSoftShare);
-    if (alone >= floor_of(swing)) {
-      binding.push_back(swing);
-    } else if (alone < worst_alone) {
-      worst_alone = alone;
-      out.out_of_reach = fmt::format("{} swings with a damping ratio of {:.2g} by itself", swing.where(), alone);
+/// The best that injected damping makes of the case in the softest useful contact.
+double best_ratio(const AxisProblem& problem, const DesignCase& one, bool may_damp) {
+  const double contact = std::min(problem.useful, problem.target);
+  LoopController law;
+  law.law = LoopController::Law::kDirect;
+  double best = ratio(one.plant, law, contact);
+  for (const double hz : kVelocityFilters)
+    for (const double share : kDampingShares) {
+      if (!may_damp || best >= one.least_damping_ratio) return best;
+      law.velocity_filter_rad_per_s = 2.0 * std::numbers::pi * hz;
+      law.injected_damping = share * damping_limit(problem, hz);
+      best = std::max(best, ratio(one.plant, law, contact));
     }
-  }
-  std::size_t first = 0;  // that failed last: it fails again most likely
-  const auto keeps = [&](double share) {
-    for (std::size_t n = 0; n < binding.size(); ++n) {
-      const std::size_t at = (first + n) % binding.size();
-      if (binding[at].ratio(share) < floor_of(binding[at])) return first = at, false;
-    }
-    return true;
-  };
-  if (keeps(1.0)) return out;
-  double least = 0.0;
-  for (std::size_t a = 0; a < problems.size(); ++a)
-    least = std::max(least, std::min(1.0, problems[a].useful / std::max(axis_of(design, a).shown_stiffness, 1e-300)));
-  double low = least, high = 1.0;
-  if (!keeps(low)) return out;
+  return best;
+}
+
+/// The largest x up to 1 for which `keeps` holds, as if it held for all below; 0 where it is not even for the least one tried.
+double largest(const std::function<bool(double)>& keeps) {
+  if (keeps(1.0)) return 1.0;
+  double low = 0.0, high = 1.0;
   for (int n = 0; n < kHalvings; ++n) {
     const double middle = 0.5 * (low + high);
     (keeps(middle) ? low : high) = middle;
   }
-  out.design = judge_coupling(request, shrunk(request, design.spec, low));
-  out.design.status = design.status == DesignStatus::kInfeasible ? design.status : DesignStatus::kStiffnessReduced;
-  out.cost_n_per_m = design.translation.shown_stiffness - out.design.translation.shown_stiffness;
+  return low;
+}
+
+}  // namespace
+
+SlowestSwing slowest_swing(const DesignProblem& request, const std::vector<AxisProblem>& problems, const CouplingSpec& spec) {
+  const std::vector<ShownStiffness> shown = shown_stiffness(request, problems, spec);
+  SlowestSwing out;
+  for (std::size_t a = 0; a < problems.size(); ++a) {
+    const Loop loop = loop_of(request, problems[a], spec, shown[a], 1.0);
+    for (const DesignCase& one : problems[a].cases) {
+      const double here = ratio(one.plant, loop.law, loop.contact);
+      double& least = one.held ? out.held : out.released;
+      if (here >= least) continue;
+      least = here;
+      (one.held ? out.held_where : out.released_where) = fmt::format("{}: {}", problems[a].units->name, describe(one, *problems[a].units));
+    }
+  }
   return out;
+}
+
+std::string set_floors(const DesignProblem& request, std::vector<AxisProblem>& problems) {
+  const bool may_damp = request.goals.allow_injected_damping && request.goals.kind != "spring_damper";
+  std::string out_of_reach;
+  double worst = 1.0;
+  const auto set = [&](AxisProblem& problem, bool held, double floor) {
+    bool forbidden = false;
+    std::vector<std::pair<DesignCase*, double>> all;
+    for (DesignCase& one : problem.cases) {
+      if (one.held != held) continue;
+      one.least_damping_ratio = floor;
+      const double best = best_ratio(problem, one, may_damp);
+      all.emplace_back(&one, best);
+      forbidden = forbidden || best < floor;
+      if (best >= floor || best >= worst) continue;
+      worst = best;
+      out_of_reach = fmt::format("{}: {} swings with a damping ratio of {:.2g} at best", problem.units->name, describe(one, *problem.units), best);
+    }
+    if (!forbidden) return;
+    for (const auto& [one, best] : all) {
+      one->least_damping_ratio = std::min(floor, own_ratio(one->plant));
+      if (best < one->least_damping_ratio) one->least_damping_ratio = 0.0;
+    }
+  };
+  for (AxisProblem& problem : problems) {
+    if (problem.hand.any_passive) continue;
+    set(problem, false, request.goals.floors.released);
+    set(problem, true, request.goals.floors.held);
+  }
+  return out_of_reach;
+}
+
+bool keeps_floors(const AxisProblem& problem, const LoopController& law, double contact) {
+  return std::ranges::all_of(problem.cases, [&](const DesignCase& one) {
+    return one.least_damping_ratio <= 0.0 || ratio(one.plant, law, contact) >= one.least_damping_ratio;
+  });
+}
+
+bool keeps_floors(const DesignProblem& request, const std::vector<AxisProblem>& problems, const CouplingSpec& spec, double share) {
+  const std::vector<ShownStiffness> shown = shown_stiffness(request, problems, spec);
+  for (std::size_t a = 0; a < problems.size(); ++a) {
+    const Loop loop = loop_of(request, problems[a], spec, shown[a], share);
+    if (!keeps_floors(problems[a], loop.law, loop.contact)) return false;
+  }
+  return true;
+}
+
+double damped_stiffness(const AxisProblem& problem, const LoopController& law, double most) {
+  return most * largest([&](double share) { return keeps_floors(problem, law, share * most); });
+}
+
+double damped_share(const DesignProblem& request, const std::vector<AxisProblem>& problems, const CouplingSpec& spec) {
+  return largest([&](double share) { return keeps_floors(request, problems, spec, share); });
 }
 
 }  // namespace voxtouch::coupling::design

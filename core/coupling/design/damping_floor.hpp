@@ -1,34 +1,33 @@
 #pragma once
-/// How fast the loop comes to rest: stable is not yet damped.
+/// How fast the loop comes to rest, which is another question than whether it does: least damping ratios of its slowest swing.
+///
+/// A case is one device in one hand with one timing (`design_cases`); its floor stands in `DesignCase::least_damping_ratio`. A hand of which
+/// only passivity is known has none: among those are masses that swing as long as they like.
 #include <string>
 
+#include "core/coupling/design/axis_verdict.hpp"
 #include "core/coupling/design/designer.hpp"
 
 namespace voxtouch::coupling::design {
 
-/// Least damping ratio that the slowest swing of the loop in contact is to have, with nobody holding the device and with a hand.
-struct DampingFloors {
-  double released = 0.1, held = 0.3;
-};
+/// As `spec` (at the hand, as `Design::spec`) makes the loop, at the stiffness that it shows. Some milliseconds.
+SlowestSwing slowest_swing(const DesignProblem& request, const std::vector<AxisProblem>& problems, const CouplingSpec& spec);
 
-/// The least damping ratio of the slowest swing (`slowest_damping_ratio`) over the cases of a design, both kinds of motion and both timings.
-struct SlowestSwing {
-  double released = 1.0, held = 1.0;         ///< 1 where no case is of that kind
-  std::string released_where, held_where;  ///< "Translation: held (0.2 kg, 0.5 Ns/m, 800 N/m), 0.08 kg", for a person
-};
-/// As `spec` (at the hand, as `Design::spec`) makes the loop, at the stiffness that it shows. Some milliseconds; throws as `judge_coupling`.
-SlowestSwing slowest_swing(const DesignProblem& request, const CouplingSpec& spec);
+/// Gives each case of `problems` its floor by the request's goals. Out of reach is the floor of a case that swings with less even in the softest
+/// useful contact and with the most damping that may be injected. Where that is so for one hand of a kind of motion, stiffness given up for
+/// the other hands would not make the worst swing shorter: there each is only kept from swinging longer than it does by itself, without a
+/// coupling. Returns the worst that is out of reach, "Translation: held (0.2 kg, ...) swings with a damping ratio of 0.2 at best"; empty
+/// where there is none. Some milliseconds.
+std::string set_floors(const DesignProblem& request, std::vector<AxisProblem>& problems);
 
-/// What the floors would leave of a design.
-struct DampedDesign {
-  Design design;            ///< the same coupling with less stiffness, or as it was
-  double cost_n_per_m = 0;  ///< of translation, at the hand
-  /// The hand that swings with less than the floor by itself, at a hundredth of the stiffness as well, where no coupling that is softer
-  /// helps: it is left out. Empty: there is none.
-  std::string out_of_reach;
-};
-/// The stiffest share of `design` at which every case keeps its floor, down to what is useful at all; below that the floors stay unmet and
-/// the design is as it was. Injected damping, cut-off and kind stay. Some tens of milliseconds; throws as `judge_coupling`.
-DampedDesign with_floors(const DesignProblem& request, const Design& design, const DampingFloors& floors = {});
+/// Whether all cases with a floor keep it, at the contact stiffness `contact` before `law` (of unit gain).
+bool keeps_floors(const AxisProblem& problem, const LoopController& law, double contact);
+/// The same for all axes of what `spec` shows, its share `share` of it: a spring-damper with all of its law, another with the contact.
+bool keeps_floors(const DesignProblem& request, const std::vector<AxisProblem>& problems, const CouplingSpec& spec, double share = 1.0);
+
+/// The stiffest contact up to `most` at which all floors are kept, to a four-thousandth of it; 0 where none is. For filter and direct.
+double damped_stiffness(const AxisProblem& problem, const LoopController& law, double most);
+/// The largest share of a spring-damper at which all floors are kept; likewise.
+double damped_share(const DesignProblem& request, const std::vector<AxisProblem>& problems, const CouplingSpec& spec);
 
 }  // namespace voxtouch::coupling::design

@@ -13,6 +13,7 @@ struct DesignCase {
   LoopPlant plant;
   bool held = false;  ///< false: nobody holds the device
   bool slow = false;  ///< the slowest timing instead of the nominal one
+  double least_damping_ratio = 0.0;  ///< that the slowest swing in contact is to have; 0: any
 };
 
 /// Words of one kind of motion.

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "core/coupling/design/axis_verdict.hpp"
+#include "core/coupling/design/damping_floor.hpp"
 
 namespace voxtouch::coupling::design {
 namespace {
@@ -27,7 +28,7 @@ std::vector<double> fitting(const std::vector<AxisProblem>& problems, const Filt
     LoopController law = law_of(choice.shape);
     law.injected_damping = choice.damping[a];
     law.velocity_filter_rad_per_s = 2.0 * std::numbers::pi * choice.velocity_filter_hz;
-    out.push_back(std::min(problems[a].target, certified_stiffness(problems[a], law)));
+    out.push_back(damped_stiffness(problems[a], law, std::min(problems[a].target, certified_stiffness(problems[a], law))));
   }
   return out;
 }

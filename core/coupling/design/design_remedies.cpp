@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "core/coupling/design/axis_verdict.hpp"
+#include "core/coupling/design/damping_floor.hpp"
 #include "core/coupling/design/design_steps.hpp"
 #include "core/coupling/design/filter_search.hpp"
 
@@ -24,7 +25,9 @@ struct Trial {
   bool holds(const std::vector<AxisProblem>& problems) const {
     return std::ranges::any_of(laws, [&](const std::vector<LoopController>& of_axis) {
       for (std::size_t a = 0; a < problems.size(); ++a)
-        if (!(certified_stiffness(problems[a], of_axis[a], problems[a].target) >= problems[a].target)) return false;
+        if (!(certified_stiffness(problems[a], of_axis[a], problems[a].target) >= problems[a].target) ||
+            !keeps_floors(problems[a], of_axis[a], problems[a].target))
+          return false;
       return true;
     });
   }
@@ -52,7 +55,10 @@ class Remedies {
  public:
   Remedies(const DesignProblem& request, const std::vector<AxisProblem>& problems, const Design& design)
       : request_(request), problems_(problems), design_(design), short_of_(is_short()),
-        trial_(trial_of(request, problems, design, short_of_)) {}
+        trial_(trial_of(request, problems, design, short_of_)) {
+    for (const AxisProblem& problem : problems)
+      damped_ = damped_ || std::ranges::any_of(problem.cases, [](const DesignCase& one) { return one.least_damping_ratio > 0.0; });
+  }
 
   std::vector<std::string> all() {
     damping();
@@ -152,7 +158,7 @@ class Remedies {
     std::string caps;
     for (std::size_t a = 0; a < problems_.size(); ++a) {
       const AxisProblem& p = problems_[a];
-      const double fits = std::min(p.target, certified_stiffness(p, trial_.laws.front()[a]));
+      const double fits = damped_stiffness(p, trial_.laws.front()[a], std::min(p.target, certified_stiffness(p, trial_.laws.front()[a])));
       if (fits < std::min(p.useful, p.target) || fits < p.contact.one_point) return;
       caps += fmt::format("{}{:.3g} {}", caps.empty() ? "" : " and ", fits, p.units->stiffness);
     }
@@ -213,13 +219,14 @@ class Remedies {
   std::vector<AxisProblem> same_targets(const DesignProblem& other) const {
     std::vector<AxisProblem> problems = axis_problems(other);
     for (std::size_t a = 0; a < problems.size(); ++a) problems[a].target = problems_[a].target;
+    if (damped_) set_floors(other, problems);
     return problems;
   }
 
   const DesignProblem& request_;
   const std::vector<AxisProblem>& problems_;
   const Design& design_;
-  bool short_of_;
+  bool short_of_, damped_ = false;
   Trial trial_;
   std::vector<std::string> out_;
 };

@@ -33,6 +33,9 @@ CouplingSpec shrunk(const DesignProblem& request, CouplingSpec spec, double fact
 std::vector<std::string> reasons_of(const DesignProblem& request, const std::vector<AxisProblem>& problems,
                                     const Design& design);
 
+/// What the floors of the damping ratio cost, and how to have it back; empty where they cost nothing.
+std::string floors_cost(const std::vector<AxisProblem>& problems, const Design& design);
+
 /// What would give the goal as it is: device damping, a shorter delay, a cap, a grip. Each was tried by the same certificates,
 /// with everything else unchanged. Empty where the goal is met.
 std::vector<std::string> remedies_of(const DesignProblem& request, const std::vector<AxisProblem>& problems,

@@ -19,6 +19,9 @@ std::string shortfall(const AxisProblem& p, const AxisDesign& d) {
         "{} wanted are shown.",
         p.units->name, d.critical_stiffness, p.units->stiffness, d.gain_margin, d.shown_stiffness, p.wanted,
         p.units->stiffness);
+  if (d.gain_margin > 1.01 * p.margin)  // another bound than stability
+    return fmt::format("{}: more would swing longer than it may; {:.3g} of the {:.4g} {} wanted are shown, and {} becomes unstable at {:.3g}.",
+                       p.units->name, d.shown_stiffness, p.wanted, p.units->stiffness, d.worst_case_text, d.critical_stiffness);
   return fmt::format(
       "{}: {} becomes unstable at {:.3g} {}; with a margin of {:.3g}, {:.3g} of the {:.4g} {} wanted are shown.",
       p.units->name, d.worst_case_text, d.critical_stiffness, p.units->stiffness, d.gain_margin, d.shown_stiffness,
@@ -48,6 +51,17 @@ std::string cutoff_reason(const DesignProblem& request, const std::vector<AxisPr
 }
 
 }  // namespace
+
+std::string floors_cost(const std::vector<AxisProblem>& problems, const Design& design) {
+  std::string of_axes;
+  for (std::size_t a = 0; a < problems.size(); ++a) {
+    const double cost = a == 0 ? design.floors.cost_n_per_m : design.floors.cost_nm_per_rad, left = axis_of(design, a).shown_stiffness;
+    if (cost > 0.001 * left) of_axes += fmt::format("{}{:.4g} of {:.4g} {}", of_axes.empty() ? "" : " and ", cost, left + cost, problems[a].units->stiffness);
+  }
+  if (of_axes.empty()) return "";
+  return fmt::format("That swings die out takes {} (least damping ratio {:.2g} released, {:.2g} held); damping_floor: 0 in the scene's coupling gives it back.",
+                     of_axes, design.swing.released, design.swing.held);
+}
 
 std::vector<std::string> reasons_of(const DesignProblem& request, const std::vector<AxisProblem>& problems,
                                     const Design& design) {

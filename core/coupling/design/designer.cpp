@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "core/coupling/design/axis_verdict.hpp"
+#include "core/coupling/design/damping_floor.hpp"
 #include "core/coupling/design/design_steps.hpp"
 #include "core/types/enum_name.hpp"
 
@@ -58,8 +59,11 @@ bool too_soft(const std::vector<AxisProblem>& problems, const Design& design) {
 /// Steps 5 and 6.
 Design certified(const DesignProblem& request, const std::vector<AxisProblem>& problems, const Proposal& proposal) {
   Judged result;
+  // Filter and direct keep the floors as they were proposed, axis by axis.
+  const bool series = proposal.spec.kind == "spring_damper";
+  const CouplingSpec spec = series ? shrunk(request, proposal.spec, damped_share(request, problems, proposal.spec)) : proposal.spec;
   for (const double factor : kShrinks) {
-    result = judged(request, problems, shrunk(request, proposal.spec, factor));
+    result = judged(request, problems, shrunk(request, spec, factor));
     if (result.faults.empty()) break;
   }
   Design& design = result.design;
@@ -101,6 +105,41 @@ Design best_of_all(const DesignProblem& request, const std::vector<AxisProblem>&
   return best;
 }
 
+Design designed(const DesignProblem& request, const std::vector<AxisProblem>& problems) {
+  const std::string& kind = request.goals.kind;
+  if (kind == "shaping_filter") return certified(request, problems, propose_filter(request, problems));
+  if (kind == "spring_damper") return certified(request, problems, propose_spring_damper(request, problems));
+  if (kind == "direct") return certified(request, problems, propose_direct(request, problems));
+  return best_of_all(request, problems);
+}
+
+/// `design`, made without the floors of the goals, or another that keeps them.
+Design with_floors(const DesignProblem& request, std::vector<AxisProblem> problems, Design design) {
+  const DampingFloors& floors = request.goals.floors;
+  const SlowestSwing& swing = design.swing;
+  const bool kept = swing.released >= floors.released && swing.held >= floors.held;
+  if (kept || design.status == DesignStatus::kInfeasible) {
+    if (kept) design.floors.released = floors.released, design.floors.held = floors.held;
+    return design;
+  }
+  const std::string out_of_reach = set_floors(request, problems);
+  Design damped = keeps_floors(request, problems, design.spec) ? design : designed(request, problems);
+  if (damped.status == DesignStatus::kInfeasible) {
+    damped = std::move(design);
+    damped.reasons.push_back(fmt::format("Damping ratios of {} released and {} held would leave less than is useful; they are not kept.",
+                                         floors.released, floors.held));
+  } else {
+    damped.swing = slowest_swing(request, problems, damped.spec);
+    damped.floors.released = floors.released, damped.floors.held = floors.held;
+    damped.floors.cost_n_per_m = design.translation.shown_stiffness - damped.translation.shown_stiffness;
+    damped.floors.cost_nm_per_rad = design.rotation.shown_stiffness - damped.rotation.shown_stiffness;
+    const std::string cost = floors_cost(problems, damped);
+    if (!cost.empty()) damped.reasons.insert(damped.reasons.begin(), cost);
+  }
+  damped.floors.out_of_reach = out_of_reach;
+  return damped;
+}
+
 }  // namespace
 
 CouplingSpec shrunk(const DesignProblem& request, CouplingSpec spec, double factor) {
@@ -123,11 +162,9 @@ std::string_view name_of(DesignStatus status) noexcept {
 Design design_coupling(const DesignProblem& request) {
   refuse_impossible(request);
   const std::vector<AxisProblem> problems = axis_problems(request);
-  const std::string& kind = request.goals.kind;
-  if (kind == "shaping_filter") return certified(request, problems, propose_filter(request, problems));
-  if (kind == "spring_damper") return certified(request, problems, propose_spring_damper(request, problems));
-  if (kind == "direct") return certified(request, problems, propose_direct(request, problems));
-  return best_of_all(request, problems);
+  Design design = designed(request, problems);
+  design.swing = slowest_swing(request, problems, design.spec);
+  return with_floors(request, problems, std::move(design));
 }
 
 Design judge_coupling(const DesignProblem& request, const CouplingSpec& spec) {
@@ -139,6 +176,7 @@ Design judge_coupling(const DesignProblem& request, const CouplingSpec& spec) {
   result.design.status = result.faults.empty() ? DesignStatus::kAsRequested : DesignStatus::kInfeasible;
   result.design.reasons = std::move(result.faults);
   result.design.remedies = remedies_of(request, problems, result.design);
+  result.design.swing = slowest_swing(request, problems, spec);
   return std::move(result.design);
 }
 

@@ -24,6 +24,7 @@ struct DesignGoals {
   double useful_stiffness_nm_per_rad = 0.05;  ///< likewise for rotation
   double max_injected_damping_effort = 0.0;   ///< noise of the injected damping at the hand [N]; 0: 0.05 N or 0.5 % of the device's force, the larger
   double force_layer_depth_m = 0.0;   ///< depth over which the contact's force grows; for the approach speed. 0: not asked
+  DampingFloors floors;               ///< they go before stiffness, down to the useful least
   bool allow_injected_damping = true;
   bool free_cap = false;              ///< the designer may cap the contact's total stiffness instead of scaling all of it
 };
@@ -58,6 +59,22 @@ struct AxisDesign {
   double damping_required_any_cutoff = 0.0;  ///< the same with the highest cut-off that may be
 };
 
+/// The least damping ratio of the slowest swing (`slowest_damping_ratio`) over the cases of a design, both kinds of motion and both timings.
+struct SlowestSwing {
+  double released = 1.0, held = 1.0;       ///< 1 where no case is of that kind
+  std::string released_where, held_where;  ///< "Translation: held (0.2 kg, 0.5 Ns/m, 800 N/m), 0.08 kg", for a person
+};
+
+/// What came of the goals' floors.
+struct FloorsKept {
+  /// As they are kept. 0: none was asked for, or what keeps them would show less than is useful; the design is as it would be without.
+  double released = 0.0, held = 0.0;
+  double cost_n_per_m = 0.0, cost_nm_per_rad = 0.0;  ///< of what is shown without them; below 0 where it is more with them
+  /// The worst case that swings with less in the softest useful contact, whatever is injected: no coupling of that kind reaches its floor, and
+  /// it was left out. Empty: there is none, or all cases keep theirs.
+  std::string out_of_reach;
+};
+
 /// A finished design.
 ///
 /// The spec's caps are what the certificates rest on: with a device that gives force and torque they keep the contact's
@@ -67,6 +84,8 @@ struct Design {
   DesignStatus status = DesignStatus::kInfeasible;
   CouplingSpec spec;                  ///< what to run: kind, cut-off, damping ratio, gain, cap, injected damping
   AxisDesign translation, rotation;   ///< rotation is all zero for a device without torque
+  SlowestSwing swing;                 ///< how it comes to rest
+  FloorsKept floors;                  ///< nothing, where somebody else chose the parameters
   double lag_s = 0.0;                 ///< 2 d / w0
   /// Fastest approach that stays within the force layer, stopped by one point alone; a hand that goes on pushing takes
   /// force / (K k) of the depth beforehand. 0: not asked.

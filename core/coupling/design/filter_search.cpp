@@ -8,6 +8,7 @@
 #include <optional>
 #include <tuple>
 
+#include "core/coupling/design/damping_floor.hpp"
 #include "core/coupling/design/loop_table.hpp"
 
 namespace voxtouch::coupling::design {
@@ -15,7 +16,6 @@ namespace {
 
 using Law = LoopController::Law;
 constexpr std::array kFactors{1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0, 32.0, 40.0};
-constexpr std::array kVelocityFilters{50.0, 100.0, 200.0};
 constexpr std::size_t kUnused = 1;   ///< of these, where nothing is injected: the spec's default
 constexpr std::size_t kLevels = 11;  ///< 0, 10, ... 100 % of what is allowed
 /// The table is good to about a percent: what lies that little below the target is still worth an exact look.
@@ -27,7 +27,10 @@ constexpr std::size_t kMaxConfirmations = 24;
 struct Axis {
   const AxisProblem* problem;
   std::optional<LoopTable> table;  ///< none where rule P decides
+  std::optional<LoopTable> swings;  ///< of the cases with a floor of the damping ratio; none where there is no such case
   std::array<double, kVelocityFilters.size()> most_damping{};
+  /// Where a floor is broken though the contact hardly acts: a hand that swings too long by itself needs some damping, and much is late.
+  std::array<std::array<bool, kLevels>, kVelocityFilters.size()> broken{};
   double reference_damping = 0.0;  ///< the most over the velocity filters
 
   double damping(std::size_t velocity_filter, std::size_t level) const {
@@ -49,13 +52,16 @@ struct Candidate {
   }
 };
 
+bool has_floor(const DesignCase& one) { return one.least_damping_ratio > 0.0; }
+
 class Search {
  public:
   Search(const std::vector<AxisProblem>& problems, const std::vector<FilterSetting>& shapes, bool allow_damping)
       : shapes_(shapes), allow_damping_(allow_damping) {
     for (const AxisProblem& problem : problems) {
-      Axis axis{&problem, std::nullopt, {}, 0.0};
+      Axis axis{&problem, std::nullopt, std::nullopt, {}, {}, 0.0};
       if (!problem.hand.any_passive) axis.table.emplace(problem.cases, velocity_filters());
+      if (std::ranges::any_of(problem.cases, has_floor)) axis.swings.emplace(problem.cases, velocity_filters(), LoopLimit::kDamped);
       axes_.push_back(std::move(axis));
     }
   }
@@ -63,6 +69,7 @@ class Search {
   FilterChoice run() {
     if (auto found = without_damping()) return *found;
     if (may_damp()) bound_damping();
+    find_broken_floors();
     tabulate();
     if (may_damp())
       if (auto found = with_damping()) return *found;
@@ -80,16 +87,20 @@ class Search {
     const AxisProblem& problem = *axis.problem;
     const double critical = axis.table ? axis.table->critical(velocity_filter, axis.damping(velocity_filter, level))
                                        : passive_limit(problem, law_of(shapes_[shape]));
-    return critical / (problem.margin * problem.target);
+    const double stable = critical / (problem.margin * problem.target);
+    if (!axis.swings) return stable;
+    if (axis.broken[velocity_filter][level]) return 0.0;
+    return std::min(stable, axis.swings->critical(velocity_filter, axis.damping(velocity_filter, level)) / problem.target);
   }
   void use(std::size_t shape) {
     const FilterSetting s = shapes_[shape];
     const double w0 = 2.0 * std::numbers::pi * s.cutoff_hz;
     for (Axis& axis : axes_)
-      if (axis.table)
-        axis.table->use([&](const Phasor& at, double period) {
-          return std::isinf(s.cutoff_hz) ? Complex(1.0) : filter_response(0.5 * w0 * period, s.damping_ratio, at);
-        });
+      for (std::optional<LoopTable>* table : {&axis.table, &axis.swings})
+        if (*table)
+          (*table)->use([&](const DecayingPhasor& at, double period) {
+            return std::isinf(s.cutoff_hz) ? Complex(1.0) : filter_response(0.5 * w0 * period, s.damping_ratio, at);
+          });
   }
 
   /// Exactly, by the rule that counts.
@@ -97,6 +108,7 @@ class Search {
     for (std::size_t a = 0; a < axes_.size(); ++a) {
       const AxisProblem& problem = *axes_[a].problem;
       if (!(certified_stiffness(problem, law(candidate, a), problem.target) >= problem.target)) return false;
+      if (!keeps_floors(problem, law(candidate, a), problem.target)) return false;
     }
     return true;
   }
@@ -136,6 +148,18 @@ class Search {
         axis.reference_damping = std::max(axis.reference_damping, axis.most_damping[v]);
       }
     }
+  }
+
+  void find_broken_floors() {
+    constexpr double kHardlyAny = 1e-3;  // of the target
+    LoopController law = law_of({kInfinity, 1.0});
+    for (Axis& axis : axes_)
+      for (std::size_t v = 0; axis.swings && v < kVelocityFilters.size(); ++v)
+        for (std::size_t level = 0; level < kLevels; ++level) {
+          law.velocity_filter_rad_per_s = 2.0 * std::numbers::pi * kVelocityFilters[v];
+          law.injected_damping = axis.damping(v, level);
+          axis.broken[v][level] = !keeps_floors(*axis.problem, law, kHardlyAny * axis.problem->target);
+        }
   }
 
   /// All ratios of all points; [shape][velocity filter][axis][level].

@@ -1,11 +1,15 @@
 #pragma once
 /// Steps 1 to 4 of the design of a shaping filter, or of a coupling without any: which cut-off, damping ratio and injected
 /// damping give the goal with the least given up, or else the most stiffness.
+#include <array>
 #include <vector>
 
 #include "core/coupling/design/design_axis.hpp"
 
 namespace voxtouch::coupling::design {
+
+/// Of the velocity that injected damping acts on [Hz].
+inline constexpr std::array kVelocityFilters{50.0, 100.0, 200.0};
 
 /// w0 / (2 pi) and d; a cut-off of infinity is no filter at all.
 struct FilterSetting {

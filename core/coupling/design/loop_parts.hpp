@@ -66,6 +66,13 @@ struct OperatorRange {
   HandRange translation, rotation;
 };
 
+/// Least damping ratio that the slowest swing of the loop in contact is to have, with nobody holding the device and with a hand. 0: none.
+struct DampingFloors {
+  double released = 0.1, held = 0.3;
+};
+/// Both by the one for a hand; nobody's is a third of it.
+constexpr DampingFloors floors_of(double held) noexcept { return {held / 3.0, held}; }
+
 /// Stiffness that the scene can put before the coupling: of one point alone, and of all that may push at once (the cap is
 /// already in it, where there is one).
 struct ContactRange {

@@ -16,20 +16,28 @@ using Complex = std::complex<double>;
 /// a/b for numbers whose squares are in range; the library's operator pays for those whose are not.
 inline Complex quotient(const Complex& a, const Complex& b) noexcept { return a * std::conj(b) / std::norm(b); }
 
-/// z = e^{j angle} and what is needed of it; 0 < angle <= pi [rad per sample].
-struct Phasor {
-  explicit Phasor(double angle_rad) noexcept
+/// z = e^{j angle} and what is needed of it; 0 < angle <= pi [rad per sample]. A complex angle is a z that is not on the unit circle.
+template <class Angle>
+struct BasicPhasor {
+  explicit BasicPhasor(Angle angle_rad) noexcept
       : angle(angle_rad), s(std::sin(0.5 * angle_rad)), c(std::cos(0.5 * angle_rad)) {
-    const Complex half(c, s);
-    z_inverse = std::conj(half * half);
-    z_less_one = Complex(0.0, 2.0 * s) * half;
+    const Complex j(0.0, 1.0), half = c + j * s;
+    z_inverse = (c - j * s) * (c - j * s);
+    z_less_one = j * (2.0 * s) * half;
   }
-  double angle, s, c;  ///< sine and cosine of half the angle
+  Angle angle, s, c;  ///< sine and cosine of half the angle
   Complex z_inverse, z_less_one;
+};
+using Phasor = BasicPhasor<double>;
+/// z = e^{s T} on the line of one damping ratio: s T = angle (j - ratio / sqrt(1 - ratio^2)), 0 <= ratio < 1.
+struct DecayingPhasor : BasicPhasor<Complex> {
+  DecayingPhasor(double angle_rad, double ratio) noexcept
+      : BasicPhasor(Complex(angle_rad, angle_rad * ratio / std::sqrt(1.0 - ratio * ratio))) {}
 };
 
 /// G(z): position per effort, with hold, delay and lag.
-inline Complex plant_response(const SampledPlant& plant, const Phasor& p) noexcept {
+template <class Angle>
+Complex plant_response(const SampledPlant& plant, const BasicPhasor<Angle>& p) noexcept {
   const auto& e = plant.step_less_one;
   const Complex q = p.z_less_one;
   Complex x = plant.newer[0] + plant.older[0] * p.z_inverse, v = plant.newer[1] + plant.older[1] * p.z_inverse;
@@ -40,7 +48,7 @@ inline Complex plant_response(const SampledPlant& plant, const Phasor& p) noexce
   }
   const Complex one_sample =
       quotient((q - e(1, 1)) * x + e(0, 1) * v, (q - e(0, 0)) * (q - e(1, 1)) - e(0, 1) * e(1, 0));
-  return plant.effort_unit * one_sample * std::polar(1.0, -plant.whole_delay * p.angle);
+  return plant.effort_unit * one_sample * std::exp(Complex(0.0, -plant.whole_delay) * p.angle);
 }
 
 /// V(z) = (1 - a)(1 - z^-1)/(T (1 - a z^-1)): the estimated velocity per position.
@@ -48,7 +56,8 @@ class VelocityResponse {
  public:
   VelocityResponse(double period_s, double filter_rad_per_s) noexcept
       : period_(period_s), fresh_(filter_rad_per_s > 0.0 ? -std::expm1(-filter_rad_per_s * period_s) : 1.0) {}
-  Complex operator()(const Phasor& p) const noexcept {
+  template <class Angle>
+  Complex operator()(const BasicPhasor<Angle>& p) const noexcept {
     return fresh_ / period_ * quotient(p.z_less_one, p.z_less_one + fresh_);
   }
 
@@ -57,9 +66,10 @@ class VelocityResponse {
 };
 
 /// H(z) of the shaping filter for K = 1: g^2/(r^2 + 2 d g r + g^2) with r = (z - 1)/(z + 1) = j tan(angle/2).
-inline Complex filter_response(double g, double damping_ratio, const Phasor& p) noexcept {
-  const double low = g * g * p.c * p.c;
-  return quotient(low, Complex(low - p.s * p.s, 2.0 * damping_ratio * g * p.s * p.c));
+template <class Angle>
+Complex filter_response(double g, double damping_ratio, const BasicPhasor<Angle>& p) noexcept {
+  const Angle low = g * g * p.c * p.c;
+  return quotient(low, low - p.s * p.s + Complex(0.0, 2.0 * damping_ratio * g) * p.s * p.c);
 }
 
 /// L(z) of 1 + k L(z) = 0, the closed loop's equation.
@@ -72,7 +82,8 @@ class LoopResponse {
   const SampledPlant& plant() const noexcept { return plant_; }
 
   /// The plant with its injected damping: G/(1 + G B V).
-  Complex damped_plant(const Phasor& p) const noexcept {
+  template <class Angle>
+  Complex damped_plant(const BasicPhasor<Angle>& p) const noexcept {
     const Complex g = plant_response(plant_, p);
     if (!(c_.injected_damping > 0.0)) return g;
     return quotient(g, 1.0 + c_.injected_damping * g * velocity_(p));

@@ -12,25 +12,26 @@ constexpr std::size_t kPoints = 320;
 /// Lowest frequency [rad/s]. Loops that become unstable below it have no stiffness worth a design.
 constexpr double kLowest = 0.05;
 
-std::vector<Phasor> grid(double period_s) {
-  std::vector<Phasor> out;
+std::vector<DecayingPhasor> grid(double period_s, double damping_ratio) {
+  std::vector<DecayingPhasor> out;
   const double lowest = kLowest * period_s, ratio = std::log(std::numbers::pi / lowest) / (kPoints - 1);
-  for (std::size_t i = 0; i + 1 < kPoints; ++i) out.emplace_back(lowest * std::exp(ratio * static_cast<double>(i)));
-  out.emplace_back(std::numbers::pi);
+  for (std::size_t i = 0; i + 1 < kPoints; ++i) out.emplace_back(lowest * std::exp(ratio * static_cast<double>(i)), damping_ratio);
+  out.emplace_back(std::numbers::pi, damping_ratio);
   return out;
 }
 
 }  // namespace
 
-LoopTable::LoopTable(const std::vector<DesignCase>& cases, const std::vector<double>& velocity_filters_hz) {
+LoopTable::LoopTable(const std::vector<DesignCase>& cases, const std::vector<double>& velocity_filters_hz, LoopLimit limit) {
   for (const DesignCase& one : cases) {
-    const double period = one.plant.period_s;
-    auto timing = std::ranges::find(timings_, period, &Timing::period_s);
-    if (timing == timings_.end()) timing = timings_.insert(timing, {period, grid(period)});
+    const double period = one.plant.period_s, ratio = limit == LoopLimit::kStable ? 0.0 : one.least_damping_ratio;
+    if (limit == LoopLimit::kDamped && ratio <= 0.0) continue;
+    auto timing = std::ranges::find_if(timings_, [&](const Timing& t) { return t.period_s == period && t.damping_ratio == ratio; });
+    if (timing == timings_.end()) timing = timings_.insert(timing, {period, ratio, grid(period, ratio)});
     Case entry{static_cast<std::size_t>(timing - timings_.begin()), {}, {}, {}};
     entry.damped.resize(velocity_filters_hz.size());
     const LoopResponse plant(one.plant, {.law = LoopController::Law::kDirect});
-    for (const Phasor& at : timing->grid) add(entry.plant, plant.damped_plant(at));
+    for (const DecayingPhasor& at : timing->grid) add(entry.plant, plant.damped_plant(at));
     for (std::size_t v = 0; v < velocity_filters_hz.size(); ++v) {
       const VelocityResponse velocity(period, 2.0 * std::numbers::pi * velocity_filters_hz[v]);
       for (std::size_t i = 0; i < kPoints; ++i)
@@ -46,11 +47,11 @@ void LoopTable::add(Response& to, const Complex& value) {
   to.im.push_back(value.imag());
 }
 
-void LoopTable::use(const std::function<Complex(const Phasor&, double)>& law) {
+void LoopTable::use(const LoopLaw& law) {
   std::vector<std::vector<Complex>> laws;
   for (const Timing& timing : timings_) {
     laws.emplace_back();
-    for (const Phasor& at : timing.grid) laws.back().push_back(law(at, timing.period_s));
+    for (const DecayingPhasor& at : timing.grid) laws.back().push_back(law(at, timing.period_s));
   }
   for (Case& one : cases_)
     for (std::size_t i = 0; i < kPoints; ++i) {

@@ -9,15 +9,20 @@
 
 namespace voxtouch::coupling::design {
 
+/// What a stiffness may not pass: the loop grows; or a swing of it, also one that is not the slowest, has less than the case's
+/// `least_damping_ratio` (cases without one are left out).
+enum class LoopLimit { kStable, kDamped };
+
 class LoopTable {
  public:
   /// `velocity_filters_hz`: those that injected damping may have.
-  LoopTable(const std::vector<DesignCase>& cases, const std::vector<double>& velocity_filters_hz);
+  LoopTable(const std::vector<DesignCase>& cases, const std::vector<double>& velocity_filters_hz, LoopLimit limit = LoopLimit::kStable);
 
-  /// The law for the following questions: effort for a unit of position, at a frequency of a loop with period [s].
-  void use(const std::function<Complex(const Phasor& at, double period_s)>& law);
+  /// The law for the following questions: effort for a unit of position, at a point of a loop with period [s].
+  using LoopLaw = std::function<Complex(const DecayingPhasor& at, double period_s)>;
+  void use(const LoopLaw& law);
 
-  /// Factor on the law at which the worst case becomes unstable (for a law of unit stiffness: K k), with injected damping B
+  /// Factor on the law at which the worst case passes the limit (for a law of unit stiffness: K k), with injected damping B
   /// behind the filter of that index. Where a case lies below `enough`, the rest is not looked at. B has to keep the inner
   /// loop stable. Infinity: no crossing.
   double critical(std::size_t velocity_filter, double injected_damping, double enough = 0.0) const;
@@ -35,8 +40,8 @@ class LoopTable {
   double critical(const Case& one, std::size_t velocity_filter, double injected_damping) const;
 
   struct Timing {
-    double period_s;
-    std::vector<Phasor> grid;
+    double period_s, damping_ratio;
+    std::vector<DecayingPhasor> grid;
   };
   std::vector<Timing> timings_;
   std::vector<Case> cases_;

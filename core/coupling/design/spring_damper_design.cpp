@@ -19,7 +19,7 @@ constexpr double kShrink = 0.97;
 constexpr int kMaxShrinks = 24;
 
 /// The law of a unit of stiffness and `lead` of damping, before a contact of `contact` units.
-Complex series_at(double lead_s, double contact, const Phasor& at, double period_s) {
+Complex series_at(double lead_s, double contact, const DecayingPhasor& at, double period_s) {
   const Complex own = 1.0 + lead_s / period_s * at.z_less_one * at.z_inverse;
   return std::isinf(contact) ? own : contact * own / (contact + own);
 }
@@ -66,7 +66,7 @@ SpringDamperPair ranged_pair(const DesignProblem& request, const std::vector<Axi
     for (const double contact : kContacts)
       for (std::size_t a = 0; a < problems.size(); ++a) {
         const double unit = problems[a].margin * arm_of(request, a);
-        tables[a].use([&](const Phasor& at, double period) { return series_at(lead_s, contact, at, period); });
+        tables[a].use([&](const DecayingPhasor& at, double period) { return series_at(lead_s, contact, at, period); });
         stiffness = std::min(stiffness, tables[a].critical(0, 0.0, unit * best.stiffness) / unit);
         if (stiffness <= best.stiffness) break;
       }

@@ -72,19 +72,19 @@ std::string axis_lines(const coupling::design::AxisDesign& a, const char* unit) 
   return text;
 }
 
-/// Least damping ratios, where they are, and what the usual floors would leave.
+/// Least damping ratios, where they are, and what came of their floors.
 std::string damping_lines(const DesignReport& r) {
   namespace cd = coupling::design;
-  const cd::SlowestSwing& least = r.swing;
+  const cd::SlowestSwing& least = r.design.swing;
   std::string text;
   for (const auto& [who, ratio, where] : {std::tuple("released", least.released, &least.released_where), {"held", least.held, &least.held_where}})
     if (!where->empty()) text += fmt::format("{}{:.2g} {} ({})", text.empty() ? "" : "\n                ", ratio, who, *where);
   if (text.empty()) return "nothing swings";
-  const cd::DampingFloors floors;
-  if (r.damped.cost_n_per_m > 0.0)
-    text += fmt::format("\n                at least {} released and {} held would leave {:.4g} N/m, {:.4g} less", floors.released, floors.held,
-                        r.damped.design.translation.shown_stiffness, r.damped.cost_n_per_m);
-  if (!r.damped.out_of_reach.empty()) text += "\n                out of reach: " + r.damped.out_of_reach;
+  const cd::DampingFloors& floors = r.request.goals.floors;
+  const bool kept = r.design.floors.released + r.design.floors.held > 0.0;
+  if (floors.released + floors.held > 0.0)
+    text += fmt::format("\n                floors of {:.2g} released and {:.2g} held {}", floors.released, floors.held, kept ? "kept" : "not kept");
+  if (kept && !r.design.floors.out_of_reach.empty()) text += " where no hand forbids them:\n                " + r.design.floors.out_of_reach;
   return text;
 }
 
@@ -255,9 +255,13 @@ nlohmann::ordered_json to_json(const DesignReport& r) {
   j["max_approach_m_per_s"] = r.design.max_approach_m_per_s;
   j["translation"] = axis_json(r.design.translation);
   if (r.request.device.gives_torque) j["rotation"] = axis_json(r.design.rotation);
-  j["slowest_swing"] = {{"released_damping_ratio", r.swing.released}, {"released", r.swing.released_where},
-                        {"held_damping_ratio", r.swing.held}, {"held", r.swing.held_where},
-                        {"cost_of_floors_n_per_m", r.damped.cost_n_per_m}, {"out_of_reach", r.damped.out_of_reach}};
+  const coupling::design::SlowestSwing& swing = r.design.swing;
+  const coupling::design::FloorsKept& floors = r.design.floors;
+  j["slowest_swing"] = {{"released_damping_ratio", swing.released}, {"released", swing.released_where},
+                        {"held_damping_ratio", swing.held}, {"held", swing.held_where},
+                        {"floor_released", r.request.goals.floors.released}, {"floor_held", r.request.goals.floors.held},
+                        {"floors_kept", floors.released + floors.held > 0.0}, {"out_of_reach", floors.out_of_reach},
+                        {"cost_of_floors_n_per_m", floors.cost_n_per_m}, {"cost_of_floors_nm_per_rad", floors.cost_nm_per_rad}};
   j["paper_recipe"] = {{"cutoff_hz", kPaperCutoffHz}, {"damping_ratio", 1.0}, {"stiffness_n_per_m", r.paper.stiffness}};
   const auto verdict = [&](const char* who, double critical) {
     if (!std::isnan(critical))

@@ -5,7 +5,6 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "core/coupling/design/damping_floor.hpp"
 #include "core/coupling/design/designer.hpp"
 #include "core/coupling/design/stable_region.hpp"
 
@@ -37,8 +36,6 @@ struct DesignReport {
   PaperRecipe paper;
   coupling::design::StableRegion region;                ///< of the chosen damping, over the cut-off
   LawRegion law;                                        ///< of the law that was chosen, where that is no filter
-  coupling::design::SlowestSwing swing;                 ///< how the design comes to rest
-  coupling::design::DampedDesign damped;                ///< what the usual floors of the damping ratio would leave of it
   std::string device, hand, contact;  ///< where the numbers come from, for a person
 };
 

@@ -40,6 +40,7 @@ void apply(const DesignRequest& o, const coupling::design::DeviceModel& device, 
     request.hand = scene::operator_range(options, grip);
     hand = o.hand;
   }
+  if (o.damping_floor) request.goals.floors = coupling::design::floors_of(*o.damping_floor);
   if (o.held) request.hand.translation.may_release = request.hand.rotation.may_release = false;
   if (o.no_damping) request.goals.allow_injected_damping = false;
 }
@@ -81,8 +82,6 @@ DesignReport work_out(const DesignRequest& request, const coupling::design::Devi
   report.design = coupling::design::design_coupling(report.request);
   report.paper = judge_paper_recipe(report.request);
   report.region = region_round(report.request, report.design);
-  report.swing = coupling::design::slowest_swing(report.request, report.design.spec);
-  report.damped = coupling::design::with_floors(report.request, report.design);
   report.law = region_of_law(report.request, report.design);
   return report;
 }

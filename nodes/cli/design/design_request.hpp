@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "core/rendering/build.hpp"
@@ -16,6 +17,7 @@ struct DesignRequest {
   std::string kind = "auto";     ///< shaping_filter, spring_damper or direct
   double cutoff_hz = 5.0, gain_margin = 2.0;
   double stiffness_n_per_m = 0.0;  ///< without a scene: the contact's, at the hand; 0: the device's largest
+  std::optional<double> damping_floor;  ///< with a hand; none: the scene's, or the standard
   bool held = false, no_damping = false;
 };
 

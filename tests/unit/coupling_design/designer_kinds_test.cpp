@@ -125,7 +125,7 @@ TEST(LoopTable, IsWithinAPercentOfTheExactLimit) {
       law.injected_damping = random.uniform(0.0, 0.5) * critical_damping(axis_problems(r)[0], 100.0);
     if (law.w0_rad_per_s * slowest(r.device.timing).period_s > 0.7) continue;
     LoopTable table(cases, {100.0});
-    table.use([&](const Phasor& at, double period) {
+    table.use([&](const DecayingPhasor& at, double period) {
       return filter_response(0.5 * law.w0_rad_per_s * period, law.damping_ratio, at);
     });
     const double exact = critical_case(axis_problems(r)[0], law).stiffness;
