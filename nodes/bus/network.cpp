@@ -5,8 +5,10 @@
 #include <linux/filter.h>
 #include <net/if.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -118,6 +120,36 @@ std::vector<int> udp_sockets() {
       sockets.push_back(fd);
   }
   return sockets;
+}
+
+namespace {
+
+/// Whether a socket of the kernel's list of UDP sockets (proc(5), net/udp) has one of these ports and is none of these inodes.
+bool has_port(std::istream& list, std::uint32_t first, std::uint32_t last, const std::vector<ino_t>& own) {
+  std::string line;
+  std::getline(list, line);  // what the columns are
+  while (std::getline(list, line)) {
+    unsigned port = 0;
+    unsigned long long inode = 0;
+    if (std::sscanf(line.c_str(), " %*u: %*[0-9A-F]:%x %*s %*s %*s %*s %*s %*u %*u %llu", &port, &inode) != 2) return true;  // no such list
+    if (port >= first && port <= last && std::ranges::find(own, inode) == own.end()) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+bool is_alone_in_domain(std::uint32_t domain, std::string_view interface_name, const std::vector<std::string>& peers, std::string_view added,
+                        const std::vector<int>& own) {
+  constexpr std::uint32_t kBase = 7400, kOfADomain = 250;  // DDSI-RTPS 2.5, 9.6.2.3
+  const auto is_loopback = [&](const Card& card) { return card.is_loopback && card.name == interface_name; };
+  if (!added.empty() || !peers.empty() || (interface_name != kThisHost && std::ranges::none_of(network_cards(), is_loopback))) return false;
+  std::vector<ino_t> inodes;
+  for (const int socket : own)
+    if (struct stat status {}; fstat(socket, &status) == 0) inodes.push_back(status.st_ino);
+  const std::uint32_t first = kBase + kOfADomain * domain;
+  std::ifstream ipv4("/proc/self/net/udp"), ipv6("/proc/self/net/udp6");  // the latter takes datagrams of both; it may be switched off
+  return ipv4 && !has_port(ipv4, first, first + kOfADomain - 1, inodes) && (!ipv6 || !has_port(ipv6, first, first + kOfADomain - 1, inodes));
 }
 
 void close_to_other_hosts(const std::vector<int>& sockets) {

@@ -40,8 +40,14 @@ Network network_of(std::string_view interface_name, const std::vector<std::strin
 /// Whether this text (XML and names of files, as in CYCLONEDDS_URI) names network cards.
 bool names_cards(std::string_view configuration);
 
-/// UDP sockets of this process.
+/// UDP sockets of this process, also those that it inherited.
 std::vector<int> udp_sockets();
+
+/// Whether nobody else of this machine takes part in the domain, and nobody of another one can be heard: by the kernel's list of sockets, for each
+/// participant has a port of its domain from before it says anything until it has gone. `own` sockets do not count. False as well where the list
+/// does not tell: a network card or hosts to ask lead to other machines, CYCLONEDDS_URI (`added`) may have moved the ports, no list can be read.
+bool is_alone_in_domain(std::uint32_t domain, std::string_view interface_name, const std::vector<std::string>& peers, std::string_view added,
+                        const std::vector<int>& own);
 
 /// From now on these sockets receive what comes from an address of this machine and nothing else. Throws Error.
 void close_to_other_hosts(const std::vector<int>& sockets);

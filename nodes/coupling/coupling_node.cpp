@@ -92,7 +92,7 @@ class CouplingNode {
     housekeeping_ = &housekeeping;
     while (!over()) {
       heartbeat_.beat();
-      wait_set_.wait(50'000'000);
+      wait_set_.wait(coupling_.runs() ? 50'000'000 : 5'000'000);  // no message tells that the housekeeping has bound somebody
       listen();
       if (auto fitted = fitting_.poll()) adopt(std::move(*fitted));
       if (lock_.opened() && coupling_.runs()) begin_anew();

@@ -80,11 +80,12 @@ std::string sentence(End end, const devices::Driver& driver) {
   return "unknown";
 }
 
-/// Refuses to be the second device of a rig: two would fight over the same namespace. Looks as long as it is held, and 400 ms at least.
+/// Refuses to be the second device of a rig: two would fight over the same namespace. Looks for 400 ms, or as long as it is held: whoever lets it
+/// begin has looked himself.
 /// Returns how many sessions the other nodes have seen; nothing where it is to leave without having begun.
 std::optional<std::uint64_t> require_free_rig(const bus::Participant& participant, const Options& options, const std::atomic<bool>& stop) {
   runtime::NodeRegistry registry(participant, options.rig);
-  const std::int64_t until = runtime::monotonic_ns() + 400'000'000;
+  const std::int64_t until = runtime::monotonic_ns() + (runtime::was_held() ? 0 : 400'000'000);
   for (;; std::this_thread::sleep_for(std::chrono::milliseconds(10))) {
     const runtime::Word word = runtime::word_of_starter();
     if (stop.load() || word == runtime::Word::kLeave) return std::nullopt;

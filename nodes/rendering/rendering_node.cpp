@@ -72,7 +72,7 @@ class RenderingNode {
     housekeeping_ = &housekeeping;
     while (!over()) {
       heartbeat_.beat();
-      wait_set_.wait(50'000'000);
+      wait_set_.wait(session_in_loop_ != 0 ? 50'000'000 : 5'000'000);  // no message tells that the housekeeping has bound a device
       descriptions_.take([this](const msg::DeviceDescription& d) { listen(d); });
       // The device's status and its description name one session: then it begins, or goes on with what has changed.
       if (described_ && described_->session == device_.session() && descriptions_.current() && recorder_.open()) follow_device();

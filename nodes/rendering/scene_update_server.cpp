@@ -65,7 +65,8 @@ SceneUpdateServer::~SceneUpdateServer() {
 void SceneUpdateServer::run() {
   runtime::ordinary_priority();
   while (!stop_.load(std::memory_order_acquire)) {
-    wait_set_.wait(outstanding_.empty() && !reload_ && !services_.waits() ? 20'000'000 : 1'000'000);
+    const bool waits = !outstanding_.empty() || reload_ || services_.waits();
+    wait_set_.wait(waits ? 1'000'000 : session_ == 0 ? 5'000'000 : 20'000'000);
     try {
       cycle();
     } catch (const std::exception&) {
@@ -115,8 +116,8 @@ void SceneUpdateServer::ask_for(std::span<const msg::EffectChange> asked, bool t
   for (const Request& request : requests) refuse(request, why);
 }
 
-/// The plan goes out first, for the coupling waits for it. Then what runs is held against the device, and what was asked for before
-/// the device was known as well: the loop makes none of it before.
+/// The plan goes out first, for the coupling waits for it, and in real time makes its fit meanwhile. Then what runs is held against the device, and
+/// what was asked for before the device was known as well: the loop makes none of it before. In lockstep sample 0 waits for that.
 void SceneUpdateServer::look_after_device() {
   const std::unique_ptr<DescribedDevice> device(described_.exchange(nullptr));
   if (!device) return;
@@ -125,12 +126,13 @@ void SceneUpdateServer::look_after_device() {
   if (begins) {
     plan_from_sample_ = 0;
     publish(0);
+    if (!options_.lockstep) begun_(session_);
   }
   on_device_.device_is(device->model);
   judge_running();
   judge_outstanding();
   line_.found_good_for(session_);
-  if (begins) begun_(session_);
+  if (begins && options_.lockstep) begun_(session_);
 }
 
 void SceneUpdateServer::judge_outstanding() {

@@ -18,6 +18,11 @@ Word& word() noexcept {
   return said;
 }
 
+bool& held() noexcept {
+  static bool said = false;
+  return said;
+}
+
 void close_fd(int& fd) noexcept {
   if (fd >= 0) ::close(fd);
   fd = -1;
@@ -37,7 +42,9 @@ Word listen(int timeout_ms) noexcept {
 
 }  // namespace
 
-void be_held() noexcept { word() = Word::kNone; }
+void be_held() noexcept { word() = Word::kNone, held() = true; }
+
+bool was_held() noexcept { return held(); }
 
 Word word_of_starter() noexcept { return listen(0); }
 

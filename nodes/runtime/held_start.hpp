@@ -14,6 +14,8 @@ enum class Word : std::uint8_t {
 
 /// From now on this process is held: what it may do it hears on its standard input.
 void be_held() noexcept;
+/// Whether it was: whoever started it looks for others in the rig. For one thread, as the next one.
+bool was_held() noexcept;
 /// What was said so far; kBegin where this process is not held. Does not wait. For one thread.
 Word word_of_starter() noexcept;
 /// Waits for the word. False where it is to leave, or `stop` is set: it goes without a sentence, for it has done nothing.

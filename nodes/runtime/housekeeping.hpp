@@ -24,7 +24,7 @@ struct Watched {
 
 class Housekeeping {
  public:
-  /// `look` is called about every 20 ms: it fills the report (state, session, message, values) from the loop's atomics. The report
+  /// `look` is called about every 20 ms, in the first second every 5: it fills the report (state, session, message, values) from the loop's atomics. The report
   /// is published when state, session or message change, and ten times a second.
   Housekeeping(const bus::Participant& participant, std::string node, const NodeOptions& options,
                std::function<void(NodeRegistry&, NodeReport&)> look, std::vector<Watched> watched = {});

@@ -12,6 +12,7 @@
 
 #include "nodes/bus/reader.hpp"
 #include "nodes/bus/writer.hpp"
+#include "nodes/runtime/node_registry.hpp"
 #include "tests/ring/ring_run.hpp"
 
 namespace voxtouch::test {
@@ -102,6 +103,22 @@ TEST(Up, OfTwoAtOnceExactlyOneRunsAndTheOtherSaysSo) {
     const Finished& winner = ends[loser(ends[0]) ? 1 : 0];
     EXPECT_GT(parse_summary(winner.out)["samples"], 100) << winner.out << winner.err;
   }
+}
+
+/// Who has a port of the domain may be a ring that a busy machine lets answer late: the half second is looked out.
+TEST(Up, RefusesARigWhoseRingAnswersLate) {
+  const bus::Participant participant({static_cast<std::uint32_t>(std::stoul(fresh_domain())), "lo", "a ring"});
+  runtime::StatusWriter status(participant, "up", "haptic");
+  runtime::NodeRegistry registry(participant, "haptic");
+  Process up(up_arguments(shipped_scene("plane"), {"--motion", "free", "--no-record", "--duration", "0.2"}));
+  ASSERT_TRUE(runtime::look_for(registry, [](const runtime::NodeReport& report) { return report.node == "up"; }, seconds(30))) << up.err();
+  std::this_thread::sleep_for(milliseconds(250));
+  runtime::NodeReport runs;
+  runs.state = runtime::NodeState::kRunning;
+  status.publish(runs);
+  const Finished end = up.wait();
+  EXPECT_NE(end.status, 0);
+  EXPECT_TRUE(end.err.contains("rig 'haptic' is in use")) << end.err;
 }
 
 TEST(Up, StopsInOrderOnCtrlCAndSaysThatTheRunWasCutShort) {

@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdlib>
 
 #include <fmt/format.h>
 
+#include "nodes/bus/network.hpp"
 #include "nodes/cli/up/command_line.hpp"
 #include "nodes/cli/up/run_files.hpp"
 #include "nodes/cli/up/up_checks.hpp"
@@ -16,9 +18,20 @@
 #include "nodes/runtime/signals.hpp"
 
 namespace voxtouch::cli {
+namespace {
+
+bool is_alone(const runtime::NodeOptions& node, const std::vector<int>& inherited) {
+  std::vector<int> own = bus::udp_sockets();
+  std::erase_if(own, [&](int socket) { return std::ranges::find(inherited, socket) != inherited.end(); });
+  const char* const uri = std::getenv("CYCLONEDDS_URI");
+  return bus::is_alone_in_domain(node.domain, node.network_interface, node.discovery_peers, uri ? uri : "", own);
+}
+
+}  // namespace
 
 RingRun::RingRun(const UpOptions& options, const scene::Scene& scene)
-    : options_(options), participant_(options.node.participant("up")),
+    : options_(options), inherited_(bus::udp_sockets()), participant_(options.node.participant("up")),
+      came_alone_(is_alone(options.node, inherited_)),
       status_(participant_, "up", options.node.rig), registry_(participant_, options.node.rig),
       verdicts_(participant_, qos::kValidation, options.node.rig, qos::profile(qos::ProfileId::kTap)) {
   summary_.scene = scene.name;
@@ -64,7 +77,8 @@ void RingRun::require_free_rig() {
   };
   // Of half a second since it was announced; at least as long as it takes to look twice, for what came meanwhile lies here.
   const std::int64_t left_ms = 500 - (runtime::monotonic_ns() - announced_ns_) / 1'000'000;
-  if (const auto other = runtime::look_for(registry_, in_the_way, std::chrono::milliseconds(std::max<std::int64_t>(left_ms, 50))))
+  const std::int64_t patience_ms = came_alone_ ? 1 : std::max<std::int64_t>(left_ms, 50);
+  if (const auto other = runtime::look_for(registry_, in_the_way, std::chrono::milliseconds(patience_ms)))
     throw std::runtime_error(
         fmt::format("rig '{}' is in use on domain {}: its {} node runs as process {} on {}. Stop that ring, or "
                     "choose another --rig or --domain",

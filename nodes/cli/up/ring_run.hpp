@@ -39,7 +39,8 @@ class RingRun {
  private:
   // Starting and stopping.
   /// It has said that it is here before it looks, so that of two that are started at once each sees the other: the one with the smaller GUID
-  /// goes on, the other says so before any node of its has joined the rig. One that runs already stays.
+  /// goes on, the other says so before any node of its has joined the rig. One that runs already stays. Where it was alone when it came, whoever has
+  /// come since sees it and looks for half a second himself: it need not wait for an answer.
   void require_free_rig();
   void announce(runtime::NodeState state);
   LauncherOptions launcher_options() const;
@@ -80,7 +81,9 @@ class RingRun {
   RunningNode* find(const std::string& name);
 
   const UpOptions& options_;
+  const std::vector<int> inherited_;  ///< UDP sockets that were there before this process took part in DDS: those of whoever started it, say
   bus::Participant participant_;
+  const bool came_alone_;  ///< nobody else of this machine was in the domain, and no other machine's can be heard
   runtime::StatusWriter status_;
   runtime::NodeRegistry registry_;
   bus::Reader<msg::ValidationReport> verdicts_;  ///< the validator judges for whoever reads; its counts come with its status

@@ -42,9 +42,9 @@ RunSummary run_up(const UpOptions& options) {
   runtime::catch_signals();
   signal(SIGCHLD, [](int) {});  // is not to be ignored by `usleep`
   const scene::Scene scene = scene::load_scene(options.node.scene);
-  std::unique_ptr<RunningNode> page;  // first: what takes long to build can be looked at meanwhile
-  if (options.view) page = start_page(options.node, options.ring.rendering.cache);
-  RingRun run(options, scene);
+  std::unique_ptr<RunningNode> page;
+  RingRun run(options, scene);  // first, for it looks who else is there
+  if (options.view) page = start_page(options.node, options.ring.rendering.cache);  // what takes long to build can be looked at meanwhile
   run.announce_start();
   const device_node::Options& device = options.ring.device;
   std::vector<std::string> warnings = scene.warnings;

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <arpa/inet.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <fstream>
 
@@ -65,6 +67,54 @@ TEST(Network, AsksPeersOverACardAndRefusesThemWhereNoneIsHeard) {
   const Network network = network_of("eth7", {"10.0.0.2", "lab"}, "");
   EXPECT_TRUE(network.configuration.contains(R"(<Peer address="10.0.0.2"/><Peer address="lab"/><Peer address="localhost"/>)"));
   EXPECT_THROW(network_of(kThisHost, {"10.0.0.2"}, ""), Error);
+}
+
+/// A UDP socket on this port, as a participant of another process has one.
+class Port {
+ public:
+  explicit Port(std::uint16_t port, int family = AF_INET) : fd_(::socket(family, SOCK_DGRAM, 0)) {
+    sockaddr_in ipv4{};
+    ipv4.sin_family = AF_INET, ipv4.sin_port = htons(port);
+    sockaddr_in6 ipv6{};
+    ipv6.sin6_family = AF_INET6, ipv6.sin6_port = htons(port);
+    bound_ = (family == AF_INET ? ::bind(fd_, reinterpret_cast<sockaddr*>(&ipv4), sizeof ipv4) : ::bind(fd_, reinterpret_cast<sockaddr*>(&ipv6), sizeof ipv6)) == 0;
+  }
+  ~Port() { ::close(fd_); }
+  Port(const Port&) = delete;
+  Port& operator=(const Port&) = delete;
+  int fd() const noexcept { return fd_; }
+  bool bound() const noexcept { return bound_; }
+
+ private:
+  int fd_;
+  bool bound_ = false;
+};
+
+TEST(AloneInDomain, UntilSomebodyElseHasAPortOfIt) {
+  const auto domain = static_cast<std::uint32_t>(std::stoul(test::fresh_domain()));
+  const auto first = static_cast<std::uint16_t>(7400 + 250 * domain);
+  const auto alone = [&](const std::vector<int>& own) { return is_alone_in_domain(domain, kThisHost, {}, "", own); };
+  ASSERT_TRUE(alone({}));
+  for (const int offset : {0, 1, 10, 249}) {
+    const Port other(static_cast<std::uint16_t>(first + offset));
+    ASSERT_TRUE(other.bound()) << offset;
+    EXPECT_FALSE(alone({})) << offset;
+    EXPECT_TRUE(alone({other.fd()})) << offset;  // it is one's own
+  }
+  for (const int offset : {-1, 250}) {
+    const Port of_another_domain(static_cast<std::uint16_t>(first + offset));
+    EXPECT_TRUE(alone({})) << offset;
+  }
+  const Port of_both(first, AF_INET6);
+  EXPECT_EQ(alone({}), !of_both.bound());  // IPv6 may be switched off
+}
+
+TEST(AloneInDomain, IsNotSaidWhereOthersMayBeHeardThatHaveNoPortHere) {
+  const auto domain = static_cast<std::uint32_t>(std::stoul(test::fresh_domain()));
+  EXPECT_TRUE(is_alone_in_domain(domain, "lo", {}, "", {}));
+  EXPECT_FALSE(is_alone_in_domain(domain, "eth7", {}, "", {}));
+  EXPECT_FALSE(is_alone_in_domain(domain, "lo", {"10.0.0.2"}, "", {}));
+  EXPECT_FALSE(is_alone_in_domain(domain, kThisHost, {}, "<CycloneDDS/>", {}));
 }
 
 }  // namespace
