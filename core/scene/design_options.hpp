@@ -25,7 +25,7 @@ struct DesignOptions {
   std::string kind = "auto";  ///< auto | shaping_filter | spring_damper | direct
   double cutoff_hz = 5.0;     ///< goal, w0 / (2 pi)
   double gain_margin = 2.0;   ///< >= 1
-  double damping_floor = coupling::design::DampingFloors{}.held;  ///< with a hand, and a third of it released; 0: none
+  double damping_floor = 0.0;  ///< with a hand, and a third of it released; 0: none
   /// Caps on the contact's stiffness in W that are wanted as they are; without both the designer is free to cap.
   std::optional<double> stiffness_cap_n_per_m, stiffness_cap_nm_per_rad;
   HandOption hand = HandOption::kAsDeviceIsHeld;

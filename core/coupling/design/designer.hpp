@@ -24,7 +24,7 @@ struct DesignGoals {
   double useful_stiffness_nm_per_rad = 0.05;  ///< likewise for rotation
   double max_injected_damping_effort = 0.0;   ///< noise of the injected damping at the hand [N]; 0: 0.05 N or 0.5 % of the device's force, the larger
   double force_layer_depth_m = 0.0;   ///< depth over which the contact's force grows; for the approach speed. 0: not asked
-  DampingFloors floors;               ///< they go before stiffness, down to the useful least
+  DampingFloors floors{0.0, 0.0};     ///< they go before stiffness, down to the useful least; standard: none
   bool allow_injected_damping = true;
   bool free_cap = false;              ///< the designer may cap the contact's total stiffness instead of scaling all of it
 };

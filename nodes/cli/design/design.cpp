@@ -72,7 +72,7 @@ void add_design(CLI::App& app, Action& action) {
       ->check(CLI::Range(1.0, 100.0));
   verb->add_option("--damping-floor", o->damping_floor,
                    "Least damping ratio of the slowest swing in contact, with a hand; a third of it with nobody holding the device.\n"
-                   "Stiffness is given up for it; 0: it is not. Default: the scene's, else 0.3")
+                   "Stiffness is given up for it, such as for 0.3; 0: it is not. Default: the scene's, else 0")
       ->check(CLI::Range(0.0, 0.99));
   verb->add_option("--stiffness", o->stiffness_n_per_m, "Without a scene: the contact's stiffness at the hand [N/m]")
       ->check(runtime::require_positive);

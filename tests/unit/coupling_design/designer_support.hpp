@@ -16,11 +16,9 @@ inline constexpr coupling::design::HandRange kArm{false, true, 0.3, 2.0, 3.0, 30
 /// A wrist's turning: assumed, around the middle that the simulated arm has.
 inline constexpr coupling::design::HandRange kWrist{false, true, 0.003, 0.03, 0.1, 1.0, 1.0, 20.0};
 
-/// A stylus with hardly any damping, as in the published table: 1 ms of period and delay, two samples lost in a row. Here and below without
-/// floors of the damping ratio, which the table does not know.
+/// A stylus with hardly any damping, as in the published table: 1 ms of period and delay, two samples lost in a row.
 inline coupling::design::DesignProblem stylus() {
   coupling::design::DesignProblem r;
-  r.goals.floors = {0.0, 0.0};
   r.device.name = "stylus";
   coupling::design::AxisModel& t = r.device.translation;
   t.inertia_min = 0.05, t.inertia_max = 0.1, t.damping = 0.005;
@@ -35,7 +33,6 @@ inline coupling::design::DesignProblem stylus() {
 /// A robot arm as a hand controller, as in the published table: 2 ms of delay, 3 ms of lag, 200 N.
 inline coupling::design::DesignProblem robot(double mass_min, double mass_max, double damping) {
   coupling::design::DesignProblem r;
-  r.goals.floors = {0.0, 0.0};
   r.device.name = "robot";
   coupling::design::AxisModel& t = r.device.translation;
   t.inertia_min = mass_min, t.inertia_max = mass_max, t.damping = damping;
@@ -76,7 +73,7 @@ inline coupling::design::DesignProblem sim_arm() {
   return r;
 }
 
-/// Any device of the population of the published validation, any hand, any wish; with the floors that are the standard.
+/// Any device of the population of the published validation, any hand, any wish.
 inline coupling::design::DesignProblem random_request(Random& random) {
   const bool light = random.chance(0.5);
   coupling::design::DesignProblem r = light ? stylus() : robot(2.0, 5.0, 20.0);
@@ -96,7 +93,6 @@ inline coupling::design::DesignProblem random_request(Random& random) {
   r.goals.allow_injected_damping = random.chance(0.8);
   constexpr const char* kKinds[] = {"shaping_filter", "shaping_filter", "spring_damper", "direct", "auto"};
   r.goals.kind = kKinds[random.below(5)];
-  r.goals.floors = {};
   return r;
 }
 

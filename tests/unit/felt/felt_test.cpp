@@ -31,7 +31,6 @@ struct Scene {
     fitted = fitting::fit_coupling(scene, device, {built->plan().contact_n_per_m, built->plan().contact_nm_per_rad}, fitting::demand_of(scene));
   }
   static scene::Scene with_contact(scene::Scene scene, const std::string& model, scene::RenderingKind rendering, double times_stiffness) {
-    scene.design->damping_floor = 0.0;  // all that is certified
     scene.contact.model = model, scene.contact.rendering = rendering, scene.contact.stiffness_n_per_m *= times_stiffness;
     return scene;
   }
