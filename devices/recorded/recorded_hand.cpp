@@ -19,6 +19,7 @@ void require_playable(const RecordedHand& hand, double speed) {
   if (!(speed >= kMinSpeed && speed <= kMaxSpeed))
     throw std::runtime_error(fmt::format("a recorded hand is played at {} to {} times its speed, not {}", kMinSpeed, kMaxSpeed, speed));
   if (hand.samples.empty()) throw std::runtime_error("the recording holds no sample of a device");
+  if (hand.samples.front().time_ns < 0) throw std::runtime_error("the first recorded sample has a time before 0: the recording is damaged");
   for (std::size_t i = 0; i < hand.samples.size(); ++i) {
     const devices::DeviceSample& sample = hand.samples[i];
     if (!sample.pose.finite() || !sample.twist.finite()) throw std::runtime_error(fmt::format("recorded sample {} holds a number that is none", i));

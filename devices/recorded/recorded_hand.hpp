@@ -22,7 +22,7 @@ struct RecordedHand {
 /// `speed` times the recorded ones [m/s, rad/s]. Stamps count from 0 in periods of the device.
 class HandPlayer {
  public:
-  /// Throws std::runtime_error, a sentence: no sample, samples that are not finite or do not go forward in time, a speed outside kMinSpeed to kMaxSpeed.
+  /// Throws std::runtime_error, a sentence: no sample, samples that are not finite, lie before time 0 or do not go forward in time, a speed outside kMinSpeed to kMaxSpeed.
   HandPlayer(RecordedHand hand, double speed);
 
   const DeviceDescription& description() const noexcept { return hand_.description; }

@@ -117,6 +117,9 @@ TEST(RecordedDevice, RefusesWhatCannotBePlayed) {
   hand.samples[2].time_ns = hand.samples[1].time_ns;
   EXPECT_THROW(HandPlayer(hand, 1.0), std::runtime_error);
   hand = straight(3);
+  hand.samples[0].time_ns = std::numeric_limits<std::int64_t>::min();
+  EXPECT_THROW(HandPlayer(hand, 1.0), std::runtime_error) << "a difference of such stamps is no number";
+  hand = straight(3);
   hand.samples[1].pose.position.y() = std::numeric_limits<double>::infinity();
   EXPECT_THROW(HandPlayer(hand, 1.0), std::runtime_error);
 }
