@@ -90,6 +90,7 @@ class CouplingNode {
         {{"its loop", [this] { return heartbeat_.sign(); }}});
     stop_ = &stop;
     housekeeping_ = &housekeeping;
+    runtime::enter_loop(options_.realtime);
     while (!over()) {
       heartbeat_.beat();
       wait_set_.wait(coupling_.runs() ? 50'000'000 : 5'000'000);  // no message tells that the housekeeping has bound somebody

@@ -136,6 +136,7 @@ class DeviceNode {
           [this](runtime::NodeRegistry& registry, runtime::NodeReport& report) { look(registry, report); },
           {{"its loop", [this] { return progress_.heartbeat.sign(); }}});
       end = wait_for_peers(stop);
+      runtime::enter_loop(options_.realtime);
       if (end == End::kNone) end = loop.run(stop);
       progress_.end.store(end, std::memory_order_release);
       if (options_.lockstep) states_.wait_for_acknowledgments(DDS_SECS(5));

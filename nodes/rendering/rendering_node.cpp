@@ -70,6 +70,7 @@ class RenderingNode {
         [this](runtime::NodeRegistry& registry, runtime::NodeReport& report) { look(registry, report); },
         {{"its loop", [this] { return heartbeat_.sign(); }}});
     housekeeping_ = &housekeeping;
+    runtime::enter_loop(options_.realtime);
     while (!over()) {
       heartbeat_.beat();
       wait_set_.wait(session_in_loop_ != 0 ? 50'000'000 : 5'000'000);  // no message tells that the housekeeping has bound a device

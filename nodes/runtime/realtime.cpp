@@ -44,6 +44,14 @@ int lock_memory() {
   return mlockall(MCL_CURRENT | MCL_FUTURE) == 0 ? 0 : errno;
 }
 
+/// The calling thread, and what it starts from now on. False: errno says why not.
+bool stay_on(int cpu) noexcept {
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  CPU_SET(static_cast<std::size_t>(cpu), &set);
+  return sched_setaffinity(0, sizeof set, &set) == 0;
+}
+
 std::vector<std::string> take_rights(const RealtimeOptions& options, int (*lock)()) {
   std::vector<std::string> refused;
   // Before the priority: it takes all memory in at once, 30 ms at which no loop of another rig would run.
@@ -61,14 +69,8 @@ std::vector<std::string> take_rights(const RealtimeOptions& options, int (*lock)
                     "/etc/security/limits.d allows it "
                     "(deploy/services/99-voxtouch-realtime.conf).",
                     options.priority, std::strerror(errno)));
-  if (options.cpu) {
-    cpu_set_t set;
-    CPU_ZERO(&set);
-    CPU_SET(static_cast<std::size_t>(*options.cpu), &set);
-    if (sched_setaffinity(0, sizeof set, &set) != 0)
-      refused.push_back(fmt::format("CPU {} could not be taken ({}); `nproc` says how many there are.", *options.cpu,
-                                    std::strerror(errno)));
-  }
+  if (options.cpu && !stay_on(*options.cpu))
+    refused.push_back(fmt::format("CPU {} could not be taken ({}); `nproc` says how many there are.", *options.cpu, std::strerror(errno)));
   return refused;
 }
 
@@ -105,6 +107,10 @@ void flush_denormals() noexcept {
 #if defined(__SSE2__)
   _mm_setcsr(_mm_getcsr() | 0x8040U);  // FTZ and DAZ
 #endif
+}
+
+void enter_loop(const RealtimeOptions& options) noexcept {
+  if (options.loop_cpu && sched_getscheduler(0) == SCHED_FIFO) stay_on(*options.loop_cpu);
 }
 
 }  // namespace voxtouch::runtime

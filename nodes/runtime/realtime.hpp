@@ -15,7 +15,8 @@ enum class Realtime {
 struct RealtimeOptions {
   Realtime mode = Realtime::kIgnore;
   int priority = 50;       ///< SCHED_FIFO; 0: ordinary, and memory stays unlocked
-  std::optional<int> cpu;  ///< pins the process; absent: the kernel chooses
+  std::optional<int> cpu{};  ///< pins the process; absent: the kernel chooses
+  std::optional<int> loop_cpu{};  ///< where `enter_loop` pins a loop's thread, and nothing else: loops of one process, which take turns
 };
 
 /// SCHED_FIFO, affinity, locked memory for the calling thread and all it starts (Cyclone DDS's threads inherit): call before the
@@ -45,5 +46,9 @@ class AtOrdinaryPriority {
 
 /// Flush denormals to zero in the calling thread: they cost a hundred times a normal operation. Call first in each loop thread.
 void flush_denormals() noexcept;
+
+/// The calling thread runs a loop from now on: stays on `loop_cpu`, where there is one and the thread has SCHED_FIFO. An ordinary thread keeps its
+/// choice, for it would wait there behind others. What the thread started before stays free.
+void enter_loop(const RealtimeOptions& options) noexcept;
 
 }  // namespace voxtouch::runtime

@@ -115,7 +115,13 @@ int watch(const Options& o) {
   const bus::Participant participant({.domain = o.domain, .name = "watch"});
   runtime::NodeRegistry registry(participant, o.watched);
   const auto stopped = [](const runtime::NodeReport& report) { return report.node == "device" && report.final(); };
-  const auto report = runtime::look_for(registry, stopped, std::chrono::seconds(60));
+  std::optional<runtime::NodeReport> report;
+  for (const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(60); !report && std::chrono::steady_clock::now() < until;
+       std::this_thread::sleep_for(std::chrono::milliseconds(20))) {
+    registry.update(stopped);  // kept, although who said it has gone since
+    for (const runtime::NodeReport& one : registry.reports())
+      if (stopped(one)) report = one;
+  }
   if (!report) return 1;
   const auto figure = [&](const char* name) { return runtime::value_of(report->figures, name); };
   std::printf("{\"rounds\": %.0f, \"p50_us\": %.0f, \"p99_us\": %.0f}\n", figure("answered"), figure("latency_p50_us"), figure("latency_p99_us"));

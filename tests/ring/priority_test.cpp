@@ -90,7 +90,7 @@ TEST(Priority, OfARingInRealTimeIsAboveAllOthersWhileItRunsAndNotWhileItIsBuilt)
     const bool alone = threads_of(rendering).size() < 4;
     ordinary_while_building |= alone && sched_getscheduler(rendering) == SCHED_OTHER;
     return !alone && sched_getscheduler(rendering) == SCHED_FIFO;
-  }));
+  })) << up.err();
   EXPECT_TRUE(ordinary_while_building);
   EXPECT_TRUE(comes([&] { return urgent_threads(up) > 10; }));
 }
@@ -111,6 +111,53 @@ TEST(Priority, IsTakenWhenTheMemoryIsLockedAndStacksAreSmall) {
   EXPECT_EQ(policy_at_lock, SCHED_OTHER);
   EXPECT_EQ(policy, SCHED_FIFO);
   EXPECT_LE(stack_bytes, 1U << 20);
+}
+
+/// None where the thread has gone.
+cpu_set_t cpus_of(pid_t thread) {
+  cpu_set_t cpus;
+  CPU_ZERO(&cpus);
+  sched_getaffinity(thread, sizeof cpus, &cpus);
+  return cpus;
+}
+
+/// Device, rendering and coupling of one process take turns, so they share a processor; threads that they started before stay free. An ordinary
+/// thread would wait there behind others.
+TEST(Priority, OfALoopKeepsItOnItsCpuWhereItIsGranted) {
+  if (!granted()) GTEST_SKIP() << "SCHED_FIFO is not allowed here";
+  if (cpu_set_t all = cpus_of(0); CPU_COUNT(&all) < 2) GTEST_SKIP() << "there is one CPU";
+  const runtime::RealtimeOptions asked{.loop_cpu = sched_getcpu()};
+  int urgent = 0, ordinary = 0;
+  std::thread([&] {
+    runtime::enter_loop(asked);
+    cpu_set_t cpus = cpus_of(0);
+    ordinary = CPU_COUNT(&cpus);
+    EXPECT_TRUE(runtime::enter_realtime(asked).empty());
+    runtime::enter_loop(asked);
+    cpus = cpus_of(0);
+    urgent = CPU_COUNT(&cpus);
+    EXPECT_TRUE(CPU_ISSET(*asked.loop_cpu, &cpus));
+  }).join();
+  EXPECT_EQ(urgent, 1);
+  EXPECT_GT(ordinary, 1);
+}
+
+TEST(Priority, OfARingInOneProcessIsOnOneCpu) {
+  if (!granted()) GTEST_SKIP() << "SCHED_FIFO is not allowed here";
+  if (cpu_set_t all = cpus_of(0); CPU_COUNT(&all) < 2) GTEST_SKIP() << "there is one CPU";
+  const Process up = start({"--one-process", "--duration", "600"});
+  cpu_set_t first;
+  const auto loops = [&] {  // of the same CPU
+    int alike = 0;
+    for (const pid_t thread : threads_of(up.pid())) {
+      cpu_set_t cpus = cpus_of(thread);
+      if (CPU_COUNT(&cpus) != 1) continue;
+      if (alike == 0) first = cpus;
+      alike += CPU_EQUAL(&first, &cpus) ? 1 : 0;
+    }
+    return alike;
+  };
+  EXPECT_TRUE(comes([&] { return loops() == 3; })) << loops();
 }
 
 /// As the kernel has it, what is lent included: -1 - n for priority n of SCHED_FIFO, 20 for an ordinary thread.

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A shipped device file runs: `voxtouch up --device sim:NAME --lockstep` for a stylus and for an arm, and for a file of one's own.
+"""A shipped device file runs: `voxtouch up --device sim:NAME --lockstep` for a stylus and for an arm, and for a file of one's own, also at 4 kHz.
 
 usage: shipped_devices.py VOXTOUCH DOMAIN
 """
@@ -17,6 +17,16 @@ max_stiffness_n_per_m: 900
 mass_kg: 0.25
 position_resolution_m: 2e-5
 grip: pen
+"""
+FAST = """device: a stylus at 4 kHz
+rate_hz: 4000
+max_force_n: 8.5
+max_torque_nm: 0
+max_stiffness_n_per_m: 3500
+mass_kg: 0.045
+position_resolution_m: 3e-5
+grip: pen
+delay_s: 0.00025
 """
 
 
@@ -44,6 +54,10 @@ def main(program, domain):
         run, _ = up(program, domain, f"sim:{mine}")
         if "a person could not follow it" not in run.stderr:
             wrong.append(f"a workspace that is too small is not said: {run.stderr}")
+        mine.write_text(FAST, encoding="utf-8")
+        run, summary = up(program, domain, f"sim:{mine}", "--one-process")
+        if run.returncode != 0 or not summary["samples"] == summary["answered"] == 12000 or summary["rate_hz"] != 4000 or summary["contact_samples"] < 400:
+            wrong.append(f"4 kHz in one process: {run.stderr} {summary}")
         for device, says in (("sim:nonsense", "no device file of this name comes with voxtouch. These do: delta_6, "),
                              (f"sim:{folder}", "This is a folder")):
             run, summary = up(program, domain, device)

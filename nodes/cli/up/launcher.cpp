@@ -1,5 +1,6 @@
 #include "nodes/cli/up/launcher.hpp"
 
+#include <sched.h>
 #include <signal.h>
 #include <spawn.h>
 #include <sys/wait.h>
@@ -208,6 +209,9 @@ std::vector<std::unique_ptr<RunningNode>> launch(LauncherOptions& o) {
     nodes.push_back(std::make_unique<ChildProcess>(runtime::standby_of(role), program_folder() / ("voxtouch_" + role), arguments, runtime::Starter::make()));
   };
   using Stop = const std::atomic<bool>&;
+  // Device, rendering and coupling take turns: on one processor a sample need not wake another to go on.
+  if (o.one_process && !o.device.realtime.cpu)
+    o.device.realtime.loop_cpu = o.rendering.realtime.loop_cpu = o.coupling.realtime.loop_cpu = sched_getcpu();
   o.logger.realtime.mode = o.validator.realtime.mode = runtime::Realtime::kOff;  // taps
   // What is recorded is recorded from its first sample on. In lockstep `up` has said who takes part.
   for (runtime::NodeOptions* one : std::initializer_list<runtime::NodeOptions*>{&o.device, &o.rendering, &o.coupling, o.rendering_standby ? &*o.rendering_standby : nullptr,

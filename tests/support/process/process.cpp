@@ -31,7 +31,8 @@ std::filesystem::path make_folder() {
   return name;
 }
 
-/// The first domain from 61 to 85 whose name no other test holds; held, as a socket of that name, until this process ends. Above
+/// The first domain from 61 to 85 whose name no other test holds; held, as a socket of that name, until this process and all
+/// that it started have ended: nodes of a ring that was killed take a moment to go, and the next test's would find them there. Above
 /// 100 the ports of a domain (7400 + 250 of them each) are those that the kernel gives to anybody who asks for any.
 int claim_domain() {
   constexpr int kFirst = 61, kCount = 25;  // from 86 on tests in Python have domains of their own
@@ -42,7 +43,7 @@ int claim_domain() {
     address.sun_family = AF_UNIX;
     name.copy(address.sun_path + 1, sizeof address.sun_path - 1);  // the zero before it: a name without a file
     const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size());
-    const int bound = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    const int bound = socket(AF_UNIX, SOCK_DGRAM, 0);
     if (bound >= 0 && bind(bound, reinterpret_cast<const sockaddr*>(&address), size) == 0) return domain;
     if (bound >= 0) close(bound);
   }
