@@ -161,7 +161,7 @@ def ring_part(ring):
     return lines
 
 
-def goals_part(query, meshes, build):
+def goals_part(query, meshes, build, ring):
     """Figures against what was set out to be reached."""
     rows = []
 
@@ -173,6 +173,8 @@ def goals_part(query, meshes, build):
     if query:
         for place, most in (("near", 0.15), ("light", 1.5), ("heavy", 16)):
             row(f"`find`, 1e5 {place}, over reading 12 B a point", most, over(query.ns("find", place, 100_000), query.ns(READ, "", 100_000)))
+        for place, most in (("near", 1 / 50), ("light", 1 / 4), ("heavy", 1.1)):
+            row(f"`find`, 1e5 {place}, over flat loops without a tree", most, over(query.ns("find", place, 100_000), query.ns("flat loops", place, 100_000)))
         for place, most in (("light", 1.1), ("heavy", 1.3)):
             row(f"`render` over `find`, 1e5 {place}", most, over(query.ns("render adapted", place, 100_000), query.ns("find", place, 100_000)))
         row("`field` over `adapted`, 1e5 light", 2, over(query.ns("of mesh field", "light", 100_000), query.ns("of mesh adapted", "light", 100_000)))
@@ -185,6 +187,13 @@ def goals_part(query, meshes, build):
         for what, most in (("voxels", 1 / 12), ("voxels and distances", 1 / 3)):
             ours, theirs = (build.rows.get((name, "cup", 100_000), {}).get("bytes") for name in (what, "openvdb"))
             row(f"memory of {what} over OpenVDB's", round(most, 3), over(ours, theirs))
+    if ring:
+        def p50(kind):
+            return ring["medians"].get(kind, {}).get("p50_us")
+
+        row("the ring's round over a bare ring of Cyclone DDS", 1.3, over(p50("ours"), p50("bare, wait sets")))
+        row("in one process over a bare ring of processes", 0.25, over(p50("ours in one process"), p50("bare, wait sets")))
+        row("with logger and validator over without", 1.05, over(p50("ours"), p50("ours without taps")))
     return ["## Goals", ""] + table(["figure", "at most", "here", "held"], rows) if rows else []
 
 
@@ -257,7 +266,7 @@ def main():
 
     query, meshes, build = (Medians(result) if (result := read(name)) else None for name in ("query", "meshes", "build"))
     counted, ring = read("instructions"), read("ring")
-    parts = [["# Benchmarks", "", "Medians of interleaved runs. Compare ratios within a part: they are of one process, or of one turn.", ""], goals_part(query, meshes, build)]
+    parts = [["# Benchmarks", "", "Medians of interleaved runs. Compare ratios within a part: they are of one process, or of one turn.", ""], goals_part(query, meshes, build, ring)]
     parts += [part(result) for part, result in ((query_part, query), (mesh_part, meshes), (build_part, build), (instructions_part, counted), (ring_part, ring)) if result]
     for draw, result, name in ((draw_points, query, "points"), (draw_triangles, meshes, "triangles")):
         if result and not NO_MATPLOTLIB:

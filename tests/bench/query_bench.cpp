@@ -11,6 +11,7 @@
 #include "core/voxmap/voxelise.hpp"
 #include "tests/bench/bench_mesh.hpp"
 #include "tests/bench/bench_sizes.hpp"
+#include "tests/bench/flat_query.hpp"
 #include "tests/bench/read_floor.hpp"
 #include "tests/bench/run_benchmarks.hpp"
 
@@ -62,6 +63,17 @@ void find(benchmark::State& state, const voxmap::Voxmap& map, Place place, const
     tested += hits.tested, hit += static_cast<double>(hits.surface.size() + hits.interior.size());
   }
   count(state, points, tested, hit);
+}
+
+void flat(benchmark::State& state, Place place, std::size_t points) {
+  const pointshell::Pointshell shell = tool(place, points);
+  const FlatQuery query(ground(), shell);
+  const std::vector<Pose> poses = path(place);
+  std::vector<std::uint32_t> hits;
+  double hit = 0.0;
+  std::size_t n = 0;
+  for (auto _ : state) hit += static_cast<double>(query.find(poses[n++ % poses.size()], hits));
+  count(state, points, static_cast<double>(points * n), hit);
 }
 
 void render(benchmark::State& state, const voxmap::Voxmap& map, Place place, std::size_t points, contact::ContactModelKind model,
@@ -117,6 +129,7 @@ void add_all() {
     for (const Place place : {Place::kFar, Place::kNear, Place::kLight, Place::kHeavy}) {
       const std::string row = "/" + name_of(place) + size;
       benchmark::RegisterBenchmark(("find" + row).c_str(), [=](benchmark::State& state) { find(state, ground(), place, path(place), points); });
+      benchmark::RegisterBenchmark(("flat loops" + row).c_str(), [=](benchmark::State& state) { flat(state, place, points); });
       for (const auto model : {ContactModelKind::kOriginal, ContactModelKind::kAdapted})
         benchmark::RegisterBenchmark(("render " + std::string(contact::name_of(model)) + row).c_str(),
                                      [=](benchmark::State& state) { render(state, ground(), place, points, model, nullptr); });

@@ -5,6 +5,7 @@
 
 #include "core/contact/contact_renderer.hpp"
 #include "tests/bench/bench_scene.hpp"
+#include "tests/bench/flat_query.hpp"
 #include "tests/support/heap_count/heap_count.hpp"
 #include "tests/support/process/process.hpp"
 
@@ -35,6 +36,21 @@ Counts counts(Place place, std::size_t points) {
   std::printf("%s, %zu points: %.2f %% tested, %.2f %% not free\n", name_of(place).c_str(), points, 100.0 * out.tested,
               100.0 * out.not_free);
   return out;
+}
+
+/// What the tree is measured against finds the same.
+TEST(QueryCounts, FlatLoopsFindTheSamePoints) {
+  for (const Place place : {Place::kFar, Place::kNear, Place::kLight, Place::kHeavy}) {
+    const pointshell::Pointshell shell = tool(place, 20'000);
+    const contact::ContactQuery query(ground(), shell);
+    const FlatQuery flat(ground(), shell);
+    contact::HitList hits;
+    std::vector<std::uint32_t> found;
+    for (const Pose& pose : path(place)) {
+      query.find(pose, hits);
+      ASSERT_EQ(flat.find(pose, found), hits.surface.size() + hits.interior.size()) << name_of(place);
+    }
+  }
 }
 
 TEST(QueryCounts, FewPointsAreTestedWhereNothingTouches) {
