@@ -1,6 +1,5 @@
 #include "core/contact/constraint_rows.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <limits>
@@ -9,107 +8,19 @@
 #include "core/contact/field_samples.hpp"
 #include "core/contact/limits.hpp"
 #include "core/contact/push_sums.hpp"
+#include "core/contact/wall_faces.hpp"
+#include "core/types/clones.hpp"
 
 namespace voxtouch::contact {
 namespace {
 
-struct Plane {
-  Vec3 normal = Vec3::Zero();
-  double gap_m = 0.0;
-};
+constexpr std::size_t kSides = 8;
 
-/// Distances at the corners of two voxels: the point's own, and the one an edge farther out along the tool's normal.
-struct Corners {
-  std::array<Vec3, 16> from_point;  ///< [e]
-  std::array<double, 16> distance;  ///< [e], as the field has it
-  std::size_t count = 0;
-};
-
-Corners corners_near(const voxmap::DistanceField& field, const Vec3& u, const Vec3& outward) noexcept {
-  Corners corners;
-  const voxmap::VoxelIndex here = voxmap::Grid::voxel_of(u), out = voxmap::Grid::voxel_of(u + outward);
-  for (int voxel = 0; voxel < (out == here ? 1 : 2); ++voxel) {
-    const voxmap::VoxelIndex& v = voxel == 0 ? here : out;
-    for (int k = 0; k < 8; ++k) {
-      const voxmap::VoxelIndex at{v.i + (k & 1), v.j + (k >> 1 & 1), v.k + (k >> 2 & 1)};
-      const double distance = field.node(at);
-      if (distance > limits::kSheetFarEdges) continue;  // may be cut off
-      corners.from_point[corners.count] = Vec3(at.i, at.j, at.k) - u;
-      corners.distance[corners.count++] = distance;
-    }
-  }
-  return corners;
-}
-
-/// The plane n.x = c through the wall's face on the side of `normal`, fitted to the corners that lie on this side. For these n.x_k - d_k is c;
-/// behind the wall it falls short of c by its thickness and twice the distance, so they are those near the largest.
-/// \returns how many they are; `normal` is turned to the plane's.
-std::size_t fit_face(const Corners& corners, double tolerance, Vec3& normal, double& c) noexcept {
-  double most = -std::numeric_limits<double>::infinity();
-  std::array<double, 16> reach;
-  for (std::size_t k = 0; k < corners.count; ++k) {
-    reach[k] = normal.dot(corners.from_point[k]) - corners.distance[k];
-    most = std::max(most, reach[k]);
-  }
-  const auto on_this_side = [&](std::size_t k) noexcept { return reach[k] >= most - tolerance; };
-  Vec3 middle = Vec3::Zero();
-  double mean = 0.0;
-  std::size_t used = 0;
-  for (std::size_t k = 0; k < corners.count; ++k)
-    if (on_this_side(k)) middle += corners.from_point[k], mean += corners.distance[k], ++used;
-  middle /= static_cast<double>(used), mean /= static_cast<double>(used);
-  constexpr double kKeep = 1e-3;  // where the corners leave a direction open, the one before stays
-  Mat3 moments = kKeep * Mat3::Identity();
-  Vec3 slopes = kKeep * normal;
-  for (std::size_t k = 0; k < corners.count; ++k)
-    if (on_this_side(k)) {
-      const Vec3 from = corners.from_point[k] - middle;
-      moments += from * from.transpose();
-      slopes += (corners.distance[k] - mean) * from;
-    }
-  const Vec3 next = moments.ldlt().solve(slopes);
-  const double length = next.norm();
-  if (!(length > 0.5)) return 0;
-  normal = next / length;
-  c = normal.dot(middle) - mean;
-  return used;
-}
-
-/// Whether the face may reach the point's foot on it: nothing lies nearer to a corner than its distance, so a foot that does is beyond the face's rim.
-bool reaches(const Corners& corners, const Vec3& foot) noexcept {
-  for (std::size_t k = 0; k < corners.count; ++k)
-    if ((foot - corners.from_point[k]).norm() < std::abs(corners.distance[k]) - limits::kSheetBeyond) return false;
-  return true;
-}
-
-/// The wall's face on the tool's side. False where there is none that the tool's normal agrees with.
-bool plane_of_sheet(const Hit& hit, const voxmap::DistanceField& field, const Vec3& u, Plane& plane) noexcept {
-  const Corners corners = corners_near(field, u, hit.normal);
-  if (corners.count < limits::kSheetCorners) return false;
-  const Vec3 out = field.at(u + hit.normal).gradient;
-  const double steepness = out.norm();
-  Vec3 normal = steepness > 0.3 && out.dot(hit.normal) > 0.5 * steepness ? Vec3(out / steepness) : hit.normal;
-  double c = 0.0;
-  for (const double tolerance : {limits::kSheetCoarse, limits::kSheetFine, limits::kSheetFine})
-    if (fit_face(corners, tolerance, normal, c) < limits::kSheetCorners) return false;
-  plane = {normal, -c * field.grid().edge};
-  if (!(normal.dot(hit.normal) >= limits::kSheetAgree)) return false;
-  if (!reaches(corners, c * normal)) return false;
-  // In a thick body one is deeper an edge farther in. Without this a round hole would be too narrow for its pin.
-  return field.at(u - normal).distance_m >= plane.gap_m;
-}
-
-bool is_bent(const Hit& hit, const Vec3& gradient, double steepness) noexcept {
-  return steepness < limits::kSheetGradient || gradient.dot(hit.normal) < -limits::kSheetAgainst * steepness;
-}
-
-constexpr std::size_t kSides = 8, kChoices = kSides + 1;
-constexpr std::uint32_t kNone = 0xffffffff;
-
-/// In each direction: the row of least gap, and the rows deepest after a tilt to each side.
+/// In each direction: the row of least gap, and the rows deepest after a tilt to each side. Rows by their numbers, as doubles.
 struct Chosen {
-  std::array<std::uint32_t, kChoices> row;
-  std::array<double, kChoices> gap;
+  double row = 0.0, gap = std::numeric_limits<double>::infinity();
+  alignas(64) double side[3][kSides];
+  alignas(64) double tilted_row[kSides], tilted_gap[kSides];
 };
 
 /// Eight directions round `normal`.
@@ -119,59 +30,114 @@ std::array<Vec3, kSides> sides_of(const Vec3& normal) noexcept {
   return {a, Vec3(h * (a + b)), b, Vec3(h * (b - a)), Vec3(-a), Vec3(-h * (a + b)), Vec3(-b), Vec3(h * (a - b))};
 }
 
-}  // namespace
-
-namespace {
-
-/// `plane`: what the field says at the hit, whose gradient there is so long.
-bool row_at(const Hit& hit, bool in_surface, const voxmap::DistanceField& field, const Vec3& gradient, double steepness, Plane plane,
-            const RowFrame& frame, ConstraintRow& row) noexcept {
-  const double edge = field.grid().edge;
-  Plane sheet;
-  if (in_surface && is_bent(hit, gradient, steepness) && plane_of_sheet(hit, field, (frame.local + hit.arm) / edge, sheet)) {
-    plane = sheet;
-  } else if (!(steepness >= limits::kMinGradient)) {
-    return false;
+void begin_choice(const Vec3& normal, Chosen& chosen) noexcept {
+  const std::array<Vec3, kSides> sides = sides_of(normal);
+  for (std::size_t k = 0; k < kSides; ++k) {
+    for (std::size_t axis = 0; axis < 3; ++axis) chosen.side[axis][k] = sides[k][static_cast<Eigen::Index>(axis)];
+    chosen.tilted_row[k] = 0.0, chosen.tilted_gap[k] = std::numeric_limits<double>::infinity();
   }
-  if (!(plane.gap_m <= limits::kRowGapEdges * edge)) return false;
-  row.jacobian.head<3>() = plane.normal;
-  row.jacobian.tail<3>() = hit.arm.cross(plane.normal) / frame.lever_m;
-  row.arm = hit.arm;
-  row.gap_m = plane.gap_m;
-  row.point = hit.point;
-  row.object = frame.object;
-  return true;
+}
+
+/// What `choose` looks at of many rows.
+struct RowBlock {
+  static constexpr std::size_t kRows = NormalBlock::kNormals;
+  std::size_t first = 0, count = 0;
+  std::uint32_t bin[kRows];
+  double gap[kRows], arm[3][kRows];
+};
+
+VOXTOUCH_CLONES void choose(const RowBlock& __restrict rows, double tilt, Chosen* __restrict bins) noexcept {
+  for (std::size_t n = 0; n < rows.count; ++n) {
+    Chosen& chosen = bins[rows.bin[n]];
+    const double number = static_cast<double>(rows.first + n), gap = rows.gap[n], x = rows.arm[0][n], y = rows.arm[1][n], z = rows.arm[2][n];
+    if (gap < chosen.gap) chosen.gap = gap, chosen.row = number;
+    for (std::size_t k = 0; k < kSides; ++k) {
+      const double tilted = gap - tilt * ((x * chosen.side[0][k] + y * chosen.side[1][k]) + z * chosen.side[2][k]), best = chosen.tilted_gap[k];
+      chosen.tilted_row[k] = tilted < best ? number : chosen.tilted_row[k];
+      chosen.tilted_gap[k] = tilted < best ? tilted : best;
+    }
+  }
+}
+
+/// What each hit of a block gives.
+struct Screened {
+  /// 1: a row, if its gap is not too wide; 2: one of the wall's face, if there is one; 3: of that, else of the field.
+  alignas(64) double kind[HitBlock::kHits];
+};
+
+VOXTOUCH_CLONES void screen(const HitBlock& __restrict block, const FieldSamples& __restrict samples, const FieldPlanes& __restrict planes, bool in_surface,
+                            Screened& __restrict out) noexcept {
+  const double bends = in_surface ? 2.0 : 0.0;
+  for (std::size_t n = 0; n < block.filled(); ++n) {
+    const double steepness = planes.steepness[n];
+    const double along = (samples.gradient[0][n] * block.normal[0][n] + samples.gradient[1][n] * block.normal[1][n]) + samples.gradient[2][n] * block.normal[2][n];
+    const double against = along < -limits::kSheetAgainst * steepness ? bends : 0.0;
+    out.kind[n] = (steepness < limits::kSheetGradient ? bends : against) + (steepness >= limits::kMinGradient ? 1.0 : 0.0);
+  }
+}
+
+/// The second halves of the rows' jacobians.
+VOXTOUCH_CLONES void find_levers(const HitBlock& __restrict block, const FieldPlanes& __restrict planes, double lever, double (&__restrict levers)[3][HitBlock::kHits]) noexcept {
+  for (std::size_t n = 0; n < block.filled(); ++n) {
+    const double x = block.arm[0][n], y = block.arm[1][n], z = block.arm[2][n], nx = planes.normal[0][n], ny = planes.normal[1][n], nz = planes.normal[2][n];
+    levers[0][n] = (y * nz - z * ny) / lever, levers[1][n] = (z * nx - x * nz) / lever, levers[2][n] = (x * ny - y * nx) / lever;
+  }
+}
+
+Vec3 taken(const double (&columns)[3][HitBlock::kHits], std::size_t n) noexcept { return {columns[0][n], columns[1][n], columns[2][n]}; }
+
+/// Where a hit of a bent field has a wall's face, the plane is that face's, and the hit's kind 1; where not, it is what the field makes of it.
+void take_wall_faces(const HitBlock& block, const voxmap::DistanceField& field, const RowFrame& frame, Screened& screened, FieldPlanes& planes) noexcept {
+  WallFaces faces;
+  std::array<std::size_t, WallFaces::kPoints> whose;
+  const auto take = [&]() noexcept {
+    find_wall_faces(field, faces);
+    for (std::size_t k = 0; k < faces.count; ++k) {
+      const std::size_t n = whose[k];
+      screened.kind[n] = faces.found[k] || screened.kind[n] == 3.0 ? 1.0 : 0.0;
+      if (!faces.found[k]) continue;
+      for (std::size_t axis = 0; axis < 3; ++axis) planes.normal[axis][n] = faces.normal[k][static_cast<Eigen::Index>(axis)];
+      planes.gap_m[n] = faces.gap_m[k];
+    }
+    faces.count = 0;
+  };
+  for (std::size_t n = 0; n < block.count; ++n) {
+    if (screened.kind[n] < 2.0) continue;
+    faces.at[faces.count] = (frame.local + taken(block.arm, n)) / field.grid().edge;
+    faces.outward[faces.count] = taken(block.normal, n);
+    whose[faces.count++] = n;
+    if (faces.count == WallFaces::kPoints) take();
+  }
+  if (faces.count > 0) take();
 }
 
 }  // namespace
-
-bool make_row(const Hit& hit, bool in_surface, const voxmap::DistanceField& field, const RowFrame& frame, ConstraintRow& row) noexcept {
-  const voxmap::FieldSample at = field.at((frame.local + hit.arm) / field.grid().edge);
-  const double steepness = at.gradient.norm(), divisor = steepness > 0.0 ? steepness : 1.0;
-  return row_at(hit, in_surface, field, at.gradient, steepness, {at.gradient / divisor, at.distance_m / divisor}, frame, row);
-}
 
 void add_rows(const Hits& hits, bool in_surface, const voxmap::DistanceField& field, const RowFrame& frame, std::vector<ConstraintRow>& rows) noexcept {
   const PushKernel& kernel = push_kernel(instructions());
+  const double widest = limits::kRowGapEdges * field.grid().edge;
   HitBlock block;
   FieldSamples samples;
   FieldPlanes planes;
-  Hit hit;
-  Vec3 gradient;
-  Plane plane;
-  ConstraintRow row;
+  Screened screened;
+  alignas(64) double levers[3][HitBlock::kHits];
   for (std::size_t begin = 0; begin < hits.size(); begin += HitBlock::kHits) {
     fill_block(kernel, hits, begin, block);
     sample_block(field, frame.local, block, samples);
     find_planes(block, samples, planes);
+    screen(block, samples, planes, in_surface, screened);
+    if (in_surface) take_wall_faces(block, field, frame, screened, planes);
+    find_levers(block, planes, frame.lever_m, levers);
     for (std::size_t n = 0; n < block.count; ++n) {
-      hit.point = hits.point(begin + n);
-      for (int axis = 0; axis < 3; ++axis) {
-        hit.arm[axis] = block.arm[axis][n], hit.normal[axis] = block.normal[axis][n];
-        gradient[axis] = samples.gradient[axis][n], plane.normal[axis] = planes.normal[axis][n];
+      if (!(screened.kind[n] == 1.0 && planes.gap_m[n] <= widest)) continue;
+      ConstraintRow& row = rows.emplace_back();
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const auto at = static_cast<Eigen::Index>(axis);
+        row.jacobian[at] = planes.normal[axis][n], row.jacobian[at + 3] = levers[axis][n], row.arm[at] = block.arm[axis][n];
       }
-      plane.gap_m = planes.gap_m[n];
-      if (row_at(hit, in_surface, field, gradient, planes.steepness[n], plane, frame, row)) rows.push_back(row);
+      row.gap_m = planes.gap_m[n];
+      row.point = hits.point(begin + n);
+      row.object = frame.object;
     }
   }
 }
@@ -179,31 +145,33 @@ void add_rows(const Hits& hits, bool in_surface, const voxmap::DistanceField& fi
 void keep_nearest(std::vector<ConstraintRow>& rows, double tilt) noexcept {
   if (rows.size() <= limits::kMaxRows) return;
   std::array<Chosen, kDirectionBins> bins;
-  std::array<std::array<Vec3, kSides>, kDirectionBins> sides;
   std::array<bool, kDirectionBins> used{};
-  for (std::uint32_t n = 0; n < rows.size(); ++n) {
-    const ConstraintRow& row = rows[n];
-    const std::size_t k = nearest_direction_bin(row.normal());
-    if (!used[k]) {
-      used[k] = true;
-      sides[k] = sides_of(row.normal());
-      bins[k].row.fill(kNone);
-      bins[k].gap.fill(0.0);
+  NormalBlock normals;
+  RowBlock block;
+  for (; block.first < rows.size(); block.first += RowBlock::kRows) {
+    normals.count = block.count = std::min(RowBlock::kRows, rows.size() - block.first);
+    for (std::size_t n = 0; n < block.count; ++n) {
+      const ConstraintRow& row = rows[block.first + n];
+      block.gap[n] = row.gap_m;
+      for (int axis = 0; axis < 3; ++axis) normals.along[axis][n] = row.jacobian[axis], block.arm[axis][n] = row.arm[axis];
     }
-    for (std::size_t choice = 0; choice < kChoices; ++choice) {
-      const double gap = choice == 0 ? row.gap_m : row.gap_m - tilt * row.arm.dot(sides[k][choice - 1]);
-      if (bins[k].row[choice] != kNone && !(gap < bins[k].gap[choice])) continue;
-      bins[k].row[choice] = n;
-      bins[k].gap[choice] = gap;
-    }
+    nearest_direction_bins(normals, block.bin);
+    for (std::size_t n = 0; n < block.count; ++n)
+      if (const std::uint32_t k = block.bin[n]; !used[k]) used[k] = true, begin_choice(rows[block.first + n].normal(), bins[k]);
+    choose(block, tilt, bins.data());
   }
   // First the nearest of every direction, then one side after the other, until there is no room.
   std::array<std::uint32_t, limits::kMaxRows> kept;
   std::size_t count = 0;
-  for (std::size_t choice = 0; choice < kChoices; ++choice)
-    for (std::size_t k = 0; k < kDirectionBins && count < kept.size(); ++k)
-      if (used[k] && std::find(kept.begin(), kept.begin() + count, bins[k].row[choice]) == kept.begin() + count)
-        kept[count++] = bins[k].row[choice];
+  const auto keep = [&](double row) {
+    const auto number = static_cast<std::uint32_t>(row);
+    if (count < kept.size() && std::find(kept.begin(), kept.begin() + count, number) == kept.begin() + count) kept[count++] = number;
+  };
+  for (std::size_t k = 0; k < kDirectionBins; ++k)
+    if (used[k]) keep(bins[k].row);
+  for (std::size_t side = 0; side < kSides; ++side)
+    for (std::size_t k = 0; k < kDirectionBins; ++k)
+      if (used[k]) keep(bins[k].tilted_row[side]);
   std::sort(kept.begin(), kept.begin() + count);
   for (std::size_t n = 0; n < count; ++n) rows[n] = rows[kept[n]];
   rows.erase(rows.begin() + static_cast<std::ptrdiff_t>(count), rows.end());

@@ -3,6 +3,8 @@
 #include <array>
 #include <numbers>
 
+#include "core/types/clones.hpp"
+
 namespace voxtouch::contact {
 namespace {
 
@@ -33,16 +35,26 @@ const std::array<std::array<double, kDirectionBins>, 3> kColumns = [] {
   return out;
 }();
 
+/// All directions one after the other, each for all normals at once, added as in a dot product.
+VOXTOUCH_CLONES void find_nearest(const NormalBlock& __restrict normals, double (&__restrict cosine)[NormalBlock::kNormals],
+                                  double (&__restrict bin)[NormalBlock::kNormals]) noexcept {
+  for (std::size_t k = 0; k < kDirectionBins; ++k) {
+    const double x = kColumns[0][k], y = kColumns[1][k], z = kColumns[2][k], number = static_cast<double>(k);
+    for (std::size_t n = 0; n < normals.count; ++n) {
+      const double here = (x * normals.along[0][n] + y * normals.along[1][n]) + z * normals.along[2][n];
+      bin[n] = here > cosine[n] ? number : bin[n];
+      cosine[n] = here > cosine[n] ? here : cosine[n];
+    }
+  }
+}
+
 }  // namespace
 
-std::size_t nearest_direction_bin(const Vec3& normal) noexcept {
-  // All at once, added as in a dot product.
-  std::array<double, kDirectionBins> cosine;
-  for (std::size_t k = 0; k < kDirectionBins; ++k)
-    cosine[k] = (kColumns[0][k] * normal.x() + kColumns[1][k] * normal.y()) + kColumns[2][k] * normal.z();
-  std::size_t best = 0;
-  for (std::size_t k = 1; k < kDirectionBins; ++k) best = cosine[k] > cosine[best] ? k : best;
-  return best;
+void nearest_direction_bins(const NormalBlock& normals, std::uint32_t (&bins)[NormalBlock::kNormals]) noexcept {
+  alignas(64) double cosine[NormalBlock::kNormals], bin[NormalBlock::kNormals];
+  for (std::size_t n = 0; n < normals.count; ++n) cosine[n] = -2.0, bin[n] = 0.0;
+  find_nearest(normals, cosine, bin);
+  for (std::size_t n = 0; n < normals.count; ++n) bins[n] = static_cast<std::uint32_t>(bin[n]);
 }
 
 }  // namespace voxtouch::contact

@@ -49,7 +49,12 @@ std::array<double, 6> numbers_of(const Vec6& v) noexcept { return {v[0], v[1], v
 
 /// The root of the energy's slope along the direction: `linear` + s `square` are the spring's part. The slope rises with s and is straight
 /// between the places where rows begin or cease to push: Newton's method, kept between the bounds.
-double line_minimum(const Gaps& gaps, double linear, double square) noexcept {
+double line_minimum(const Gaps& all, double linear, double square) noexcept {
+  Gaps gaps;  // a row without depth that gets none on the way never pushes
+  for (std::size_t k = 0; k < all.count; ++k) {
+    gaps.gap[gaps.count] = all.gap[k], gaps.slope[gaps.count] = all.slope[k];
+    gaps.count += static_cast<std::size_t>((all.gap[k] < 0.0) | (all.slope[k] < 0.0));
+  }
   double low = 0.0, high = -1.0, s = 1.0;
   for (int n = 0; n < limits::kMaxLineEvaluations; ++n) {
     double slope = linear + s * square, curvature = square;

@@ -98,13 +98,21 @@ struct Strides {
   }
 };
 
+/// Leaves that are worked on together, loop by loop: each look of one does not wait for those of the one before it, and so many are on their way at
+/// once, however far away in memory.
+constexpr std::size_t kTogether = 8;
+struct Voxels {
+  __m256i x[kTogether], y[kTogether], z[kTogether];
+};
+
 /// The bricks of voxels, one look each.
 struct TableOfBricks {
   const int* table;
   Strides cells;
   explicit TableOfBricks(const voxmap::Voxmap::Arrays& map) noexcept : table(map.table), cells(map.cells_along) {}
-  __m256i of(__m256i vx, __m256i vy, __m256i vz) const noexcept {
-    return _mm256_i32gather_epi32(table, cells.place(_mm256_srai_epi32(vx, 3), _mm256_srai_epi32(vy, 3), _mm256_srai_epi32(vz, 3)), 4);
+  void find(const Voxels& v, std::size_t count, __m256i* bricks) const noexcept {
+    for (std::size_t n = 0; n < count; ++n)
+      bricks[n] = _mm256_i32gather_epi32(table, cells.place(_mm256_srai_epi32(v.x[n], 3), _mm256_srai_epi32(v.y[n], 3), _mm256_srai_epi32(v.z[n], 3)), 4);
   }
 };
 
@@ -115,18 +123,23 @@ struct PagesOfBricks {
   Strides blocks;
   explicit PagesOfBricks(const voxmap::Voxmap::Arrays& map) noexcept
       : block_of(reinterpret_cast<const long long*>(map.blocks)), pages(reinterpret_cast<const int*>(map.pages)), blocks(map.blocks_along) {}
-  __m256i of(__m256i vx, __m256i vy, __m256i vz) const noexcept {
-    const __m256i at = blocks.place(_mm256_srai_epi32(vx, 5), _mm256_srai_epi32(vy, 5), _mm256_srai_epi32(vz, 5));
-    const __m256 low = _mm256_castsi256_ps(_mm256_i32gather_epi64(block_of, _mm256_castsi256_si128(at), 8)),
-                 high = _mm256_castsi256_ps(_mm256_i32gather_epi64(block_of, _mm256_extracti128_si256(at, 1), 8));
-    const __m256i page = _mm256_permute4x64_epi64(_mm256_castps_si256(_mm256_shuffle_ps(low, high, 0x88)), 0xd8),
-                  first = _mm256_permute4x64_epi64(_mm256_castps_si256(_mm256_shuffle_ps(low, high, 0xdd)), 0xd8);
-    const __m256i bits = _mm256_set1_epi32(24);  // of the cell in its block
-    const __m256i row = _mm256_or_si256(_mm256_srli_epi32(_mm256_and_si256(vy, bits), 3), _mm256_srli_epi32(_mm256_and_si256(vz, bits), 1));
-    const __m256i word = _mm256_i32gather_epi32(pages, _mm256_add_epi32(_mm256_slli_epi32(page, 4), row), 4);
-    const __m256i code = _mm256_and_si256(_mm256_srlv_epi32(word, _mm256_and_si256(vx, bits)), _mm256_set1_epi32(255));
-    const __m256i most = _mm256_set1_epi32(voxmap::Voxmap::kSharedCode - 1);
-    return _mm256_add_epi32(_mm256_and_si256(code, most), _mm256_andnot_si256(_mm256_cmpgt_epi32(code, most), first));
+  void find(const Voxels& v, std::size_t count, __m256i* bricks) const noexcept {
+    __m256i page[kTogether];
+    for (std::size_t n = 0; n < count; ++n) {
+      const __m256i at = blocks.place(_mm256_srai_epi32(v.x[n], 5), _mm256_srai_epi32(v.y[n], 5), _mm256_srai_epi32(v.z[n], 5));
+      const __m256 low = _mm256_castsi256_ps(_mm256_i32gather_epi64(block_of, _mm256_castsi256_si128(at), 8)),
+                   high = _mm256_castsi256_ps(_mm256_i32gather_epi64(block_of, _mm256_extracti128_si256(at, 1), 8));
+      page[n] = _mm256_permute4x64_epi64(_mm256_castps_si256(_mm256_shuffle_ps(low, high, 0x88)), 0xd8);
+      bricks[n] = _mm256_permute4x64_epi64(_mm256_castps_si256(_mm256_shuffle_ps(low, high, 0xdd)), 0xd8);  // the first one of the block
+    }
+    for (std::size_t n = 0; n < count; ++n) {
+      const __m256i bits = _mm256_set1_epi32(24);  // of the cell in its block
+      const __m256i row = _mm256_or_si256(_mm256_srli_epi32(_mm256_and_si256(v.y[n], bits), 3), _mm256_srli_epi32(_mm256_and_si256(v.z[n], bits), 1));
+      const __m256i word = _mm256_i32gather_epi32(pages, _mm256_add_epi32(_mm256_slli_epi32(page[n], 4), row), 4);
+      const __m256i code = _mm256_and_si256(_mm256_srlv_epi32(word, _mm256_and_si256(v.x[n], bits)), _mm256_set1_epi32(255));
+      const __m256i most = _mm256_set1_epi32(voxmap::Voxmap::kSharedCode - 1);
+      bricks[n] = _mm256_add_epi32(_mm256_and_si256(code, most), _mm256_andnot_si256(_mm256_cmpgt_epi32(code, most), bricks[n]));
+    }
   }
 };
 
@@ -147,31 +160,38 @@ std::array<std::uint8_t, 3> classify_by(const Lookup& lookup, Leaves& leaves) no
   const Within in_x(f.low[0], f.high[0]), in_y(f.low[1], f.high[1]), in_z(f.low[2], f.high[2]);
   const __m256 most = _mm256_set1_ps(f.certain);
   unsigned any_surface = 0, any_interior = 0, any_unsure = 0;
-  for (std::size_t n = 0; n < leaves.count; ++n) {
-    const std::size_t from = kRun * leaves.leaf[n];
-    const __m256 x = _mm256_loadu_ps(lookup.data.x + from), y = _mm256_loadu_ps(lookup.data.y + from),
-                 z = _mm256_loadu_ps(lookup.data.z + from);
-    __m256i ix, iy, iz;
-    const __m256 sure_x = certain(in_x.of(row_x.at(x, y, z)), most, ix);
-    const __m256 sure_y = certain(in_y.of(row_y.at(x, y, z)), most, iy);
-    const __m256 sure_z = certain(in_z.of(row_z.at(x, y, z)), most, iz);
-    const unsigned unsure = ~static_cast<unsigned>(_mm256_movemask_ps(_mm256_and_ps(_mm256_and_ps(sure_x, sure_y), sure_z))) & 255U;
-    const __m256i vx = _mm256_add_epi32(ix, first_x), vy = _mm256_add_epi32(iy, first_y), vz = _mm256_add_epi32(iz, first_z);
-    const __m256i brick = bricks.of(vx, vy, vz);
-    unsigned surface = 0, interior = 0;
-    if (_mm256_testz_si256(brick, brick) == 0) {
-      const __m256i voxel = _mm256_or_si256(
-          _mm256_and_si256(vx, seven),
-          _mm256_or_si256(_mm256_slli_epi32(_mm256_and_si256(vy, seven), 3), _mm256_slli_epi32(_mm256_and_si256(vz, seven), 6)));
-      const __m256i place = _mm256_add_epi32(_mm256_slli_epi32(brick, 5), _mm256_srli_epi32(voxel, 4));
-      static_assert(kHalfWords == 32);
-      const __m256i shift = _mm256_slli_epi32(_mm256_and_si256(voxel, _mm256_set1_epi32(15)), 1);
-      const __m256i kind = _mm256_srlv_epi32(_mm256_i32gather_epi32(words, place, 4), shift);
-      surface = bits(kind, 0), interior = bits(kind, 1);
+  Voxels v;
+  __m256i brick[kTogether];
+  for (std::size_t begin = 0; begin < leaves.count; begin += kTogether) {
+    const std::size_t left = leaves.count - begin, count = left < kTogether ? left : kTogether;
+    for (std::size_t n = 0; n < count; ++n) {
+      const std::size_t from = kRun * leaves.leaf[begin + n];
+      const __m256 x = _mm256_loadu_ps(lookup.data.x + from), y = _mm256_loadu_ps(lookup.data.y + from),
+                   z = _mm256_loadu_ps(lookup.data.z + from);
+      __m256i ix, iy, iz;
+      const __m256 sure_x = certain(in_x.of(row_x.at(x, y, z)), most, ix);
+      const __m256 sure_y = certain(in_y.of(row_y.at(x, y, z)), most, iy);
+      const __m256 sure_z = certain(in_z.of(row_z.at(x, y, z)), most, iz);
+      const unsigned unsure = ~static_cast<unsigned>(_mm256_movemask_ps(_mm256_and_ps(_mm256_and_ps(sure_x, sure_y), sure_z))) & 255U;
+      leaves.unsure[begin + n] = static_cast<std::uint8_t>(unsure), any_unsure |= unsure;
+      v.x[n] = _mm256_add_epi32(ix, first_x), v.y[n] = _mm256_add_epi32(iy, first_y), v.z[n] = _mm256_add_epi32(iz, first_z);
     }
-    leaves.surface[n] = static_cast<std::uint8_t>(surface), any_surface |= surface;
-    leaves.interior[n] = static_cast<std::uint8_t>(interior), any_interior |= interior;
-    leaves.unsure[n] = static_cast<std::uint8_t>(unsure), any_unsure |= unsure;
+    bricks.find(v, count, brick);
+    for (std::size_t n = 0; n < count; ++n) {
+      unsigned surface = 0, interior = 0;
+      if (_mm256_testz_si256(brick[n], brick[n]) == 0) {
+        const __m256i voxel = _mm256_or_si256(
+            _mm256_and_si256(v.x[n], seven),
+            _mm256_or_si256(_mm256_slli_epi32(_mm256_and_si256(v.y[n], seven), 3), _mm256_slli_epi32(_mm256_and_si256(v.z[n], seven), 6)));
+        const __m256i place = _mm256_add_epi32(_mm256_slli_epi32(brick[n], 5), _mm256_srli_epi32(voxel, 4));
+        static_assert(kHalfWords == 32);
+        const __m256i shift = _mm256_slli_epi32(_mm256_and_si256(voxel, _mm256_set1_epi32(15)), 1);
+        const __m256i kind = _mm256_srlv_epi32(_mm256_i32gather_epi32(words, place, 4), shift);
+        surface = bits(kind, 0), interior = bits(kind, 1);
+      }
+      leaves.surface[begin + n] = static_cast<std::uint8_t>(surface), any_surface |= surface;
+      leaves.interior[begin + n] = static_cast<std::uint8_t>(interior), any_interior |= interior;
+    }
   }
   return {static_cast<std::uint8_t>(any_surface), static_cast<std::uint8_t>(any_interior), static_cast<std::uint8_t>(any_unsure)};
 }

@@ -95,13 +95,20 @@ struct Strides {
   }
 };
 
+/// Pairs of leaves that are worked on together, as leaf_kernel_avx2.cpp has leaves.
+constexpr std::size_t kTogether = 4;
+struct Voxels {
+  __m512i x[kTogether], y[kTogether], z[kTogether];
+};
+
 /// The bricks of voxels, one look each.
 struct TableOfBricks {
   const std::int32_t* table;
   Strides cells;
   explicit TableOfBricks(const voxmap::Voxmap::Arrays& map) noexcept : table(map.table), cells(map.cells_along) {}
-  __m512i of(__m512i vx, __m512i vy, __m512i vz) const noexcept {
-    return _mm512_i32gather_epi32(cells.place(_mm512_srai_epi32(vx, 3), _mm512_srai_epi32(vy, 3), _mm512_srai_epi32(vz, 3)), table, 4);
+  void find(const Voxels& v, std::size_t count, __m512i* bricks) const noexcept {
+    for (std::size_t n = 0; n < count; ++n)
+      bricks[n] = _mm512_i32gather_epi32(cells.place(_mm512_srai_epi32(v.x[n], 3), _mm512_srai_epi32(v.y[n], 3), _mm512_srai_epi32(v.z[n], 3)), table, 4);
   }
 };
 
@@ -111,18 +118,24 @@ struct PagesOfBricks {
   const voxmap::Voxmap::Page* pages;
   Strides blocks;
   explicit PagesOfBricks(const voxmap::Voxmap::Arrays& map) noexcept : block_of(map.blocks), pages(map.pages), blocks(map.blocks_along) {}
-  __m512i of(__m512i vx, __m512i vy, __m512i vz) const noexcept {
-    const __m512i at = blocks.place(_mm512_srai_epi32(vx, 5), _mm512_srai_epi32(vy, 5), _mm512_srai_epi32(vz, 5));
-    const __m512i low = _mm512_i32gather_epi64(_mm512_castsi512_si256(at), block_of, 8),
-                  high = _mm512_i32gather_epi64(_mm512_extracti64x4_epi64(at, 1), block_of, 8);
+  void find(const Voxels& v, std::size_t count, __m512i* bricks) const noexcept {
     const __m512i even = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30), odd = _mm512_add_epi32(even, _mm512_set1_epi32(1));
-    const __m512i page = _mm512_permutex2var_epi32(low, even, high), first = _mm512_permutex2var_epi32(low, odd, high);
-    const __m512i bits = _mm512_set1_epi32(24);  // of the cell in its block
-    const __m512i row = _mm512_or_si512(_mm512_srli_epi32(_mm512_and_si512(vy, bits), 3), _mm512_srli_epi32(_mm512_and_si512(vz, bits), 1));
-    const __m512i word = _mm512_i32gather_epi32(_mm512_add_epi32(_mm512_slli_epi32(page, 4), row), pages, 4);
-    const __m512i code = _mm512_and_si512(_mm512_srlv_epi32(word, _mm512_and_si512(vx, bits)), _mm512_set1_epi32(255));
-    const __m512i most = _mm512_set1_epi32(voxmap::Voxmap::kSharedCode - 1);
-    return _mm512_mask_add_epi32(_mm512_and_si512(code, most), _mm512_cmple_epi32_mask(code, most), code, first);
+    __m512i page[kTogether];
+    for (std::size_t n = 0; n < count; ++n) {
+      const __m512i at = blocks.place(_mm512_srai_epi32(v.x[n], 5), _mm512_srai_epi32(v.y[n], 5), _mm512_srai_epi32(v.z[n], 5));
+      const __m512i low = _mm512_i32gather_epi64(_mm512_castsi512_si256(at), block_of, 8),
+                    high = _mm512_i32gather_epi64(_mm512_extracti64x4_epi64(at, 1), block_of, 8);
+      page[n] = _mm512_permutex2var_epi32(low, even, high);
+      bricks[n] = _mm512_permutex2var_epi32(low, odd, high);  // the first one of the block
+    }
+    for (std::size_t n = 0; n < count; ++n) {
+      const __m512i bits = _mm512_set1_epi32(24);  // of the cell in its block
+      const __m512i row = _mm512_or_si512(_mm512_srli_epi32(_mm512_and_si512(v.y[n], bits), 3), _mm512_srli_epi32(_mm512_and_si512(v.z[n], bits), 1));
+      const __m512i word = _mm512_i32gather_epi32(_mm512_add_epi32(_mm512_slli_epi32(page[n], 4), row), pages, 4);
+      const __m512i code = _mm512_and_si512(_mm512_srlv_epi32(word, _mm512_and_si512(v.x[n], bits)), _mm512_set1_epi32(255));
+      const __m512i most = _mm512_set1_epi32(voxmap::Voxmap::kSharedCode - 1);
+      bricks[n] = _mm512_mask_add_epi32(_mm512_and_si512(code, most), _mm512_cmple_epi32_mask(code, most), code, bricks[n]);
+    }
   }
 };
 
@@ -143,34 +156,43 @@ std::array<std::uint8_t, 3> classify_by(const Lookup& lookup, Leaves& leaves) no
   const Within in_x(f.low[0], f.high[0]), in_y(f.low[1], f.high[1]), in_z(f.low[2], f.high[2]);
   const __m512 most = _mm512_set1_ps(f.certain);
   unsigned any_surface = 0, any_interior = 0, any_unsure = 0;
-  for (std::size_t n = 0; n < leaves.count; n += 2) {
-    const bool two = n + 1 < leaves.count;
-    const std::size_t a = kRun * leaves.leaf[n], b = two ? kRun * leaves.leaf[n + 1] : a;
-    const __m512 x = both(data.x, a, b), y = both(data.y, a, b), z = both(data.z, a, b);
-    __m512i ix, iy, iz;
-    unsigned sure = certain(in_x.of(row_x.at(x, y, z)), most, ix);
-    sure &= certain(in_y.of(row_y.at(x, y, z)), most, iy);
-    sure &= certain(in_z.of(row_z.at(x, y, z)), most, iz);
-    const __m512i vx = _mm512_add_epi32(ix, first_x), vy = _mm512_add_epi32(iy, first_y), vz = _mm512_add_epi32(iz, first_z);
-    const __m512i brick = bricks.of(vx, vy, vz);
-    const unsigned real = two ? 0xffffU : 0xffU, unsure = ~sure & real;
-    unsigned surface = 0, interior = 0;
-    if (_mm512_test_epi32_mask(brick, brick) != 0) {
-      const __m512i voxel = _mm512_or_si512(
-          _mm512_and_si512(vx, seven),
-          _mm512_or_si512(_mm512_slli_epi32(_mm512_and_si512(vy, seven), 3), _mm512_slli_epi32(_mm512_and_si512(vz, seven), 6)));
-      const __m512i place = _mm512_add_epi32(_mm512_slli_epi32(brick, 5), _mm512_srli_epi32(voxel, 4));
-      static_assert(kHalfWords == 32);
-      const __m512i shift = _mm512_slli_epi32(_mm512_and_si512(voxel, _mm512_set1_epi32(15)), 1);
-      const __m512i kind = _mm512_srlv_epi32(_mm512_i32gather_epi32(place, lookup.map.bricks, 4), shift);
-      surface = _mm512_test_epi32_mask(kind, _mm512_set1_epi32(1)) & real;
-      interior = _mm512_test_epi32_mask(kind, _mm512_set1_epi32(2)) & real;
-    }
+  Voxels v;
+  __m512i brick[kTogether];
+  for (std::size_t begin = 0; begin < leaves.count; begin += 2 * kTogether) {
+    const std::size_t left = (leaves.count - begin + 1) / 2, count = left < kTogether ? left : kTogether;
     // Where there is no second leaf, its place in the lists is there all the same: they are of an even length.
-    leaves.surface[n] = static_cast<std::uint8_t>(surface), leaves.surface[n + 1] = static_cast<std::uint8_t>(surface >> 8);
-    leaves.interior[n] = static_cast<std::uint8_t>(interior), leaves.interior[n + 1] = static_cast<std::uint8_t>(interior >> 8);
-    leaves.unsure[n] = static_cast<std::uint8_t>(unsure), leaves.unsure[n + 1] = static_cast<std::uint8_t>(unsure >> 8);
-    any_surface |= surface, any_interior |= interior, any_unsure |= unsure;
+    const auto real = [&](std::size_t n) { return begin + 2 * n + 1 < leaves.count ? 0xffffU : 0xffU; };
+    for (std::size_t n = 0; n < count; ++n) {
+      const std::size_t at = begin + 2 * n, a = kRun * leaves.leaf[at], b = real(n) == 0xffffU ? kRun * leaves.leaf[at + 1] : a;
+      const __m512 x = both(data.x, a, b), y = both(data.y, a, b), z = both(data.z, a, b);
+      __m512i ix, iy, iz;
+      unsigned sure = certain(in_x.of(row_x.at(x, y, z)), most, ix);
+      sure &= certain(in_y.of(row_y.at(x, y, z)), most, iy);
+      sure &= certain(in_z.of(row_z.at(x, y, z)), most, iz);
+      v.x[n] = _mm512_add_epi32(ix, first_x), v.y[n] = _mm512_add_epi32(iy, first_y), v.z[n] = _mm512_add_epi32(iz, first_z);
+      const unsigned unsure = ~sure & real(n);
+      leaves.unsure[at] = static_cast<std::uint8_t>(unsure), leaves.unsure[at + 1] = static_cast<std::uint8_t>(unsure >> 8);
+      any_unsure |= unsure;
+    }
+    bricks.find(v, count, brick);
+    for (std::size_t n = 0; n < count; ++n) {
+      unsigned surface = 0, interior = 0;
+      if (_mm512_test_epi32_mask(brick[n], brick[n]) != 0) {
+        const __m512i voxel = _mm512_or_si512(
+            _mm512_and_si512(v.x[n], seven),
+            _mm512_or_si512(_mm512_slli_epi32(_mm512_and_si512(v.y[n], seven), 3), _mm512_slli_epi32(_mm512_and_si512(v.z[n], seven), 6)));
+        const __m512i place = _mm512_add_epi32(_mm512_slli_epi32(brick[n], 5), _mm512_srli_epi32(voxel, 4));
+        static_assert(kHalfWords == 32);
+        const __m512i shift = _mm512_slli_epi32(_mm512_and_si512(voxel, _mm512_set1_epi32(15)), 1);
+        const __m512i kind = _mm512_srlv_epi32(_mm512_i32gather_epi32(place, lookup.map.bricks, 4), shift);
+        surface = _mm512_test_epi32_mask(kind, _mm512_set1_epi32(1)) & real(n);
+        interior = _mm512_test_epi32_mask(kind, _mm512_set1_epi32(2)) & real(n);
+      }
+      const std::size_t at = begin + 2 * n;
+      leaves.surface[at] = static_cast<std::uint8_t>(surface), leaves.surface[at + 1] = static_cast<std::uint8_t>(surface >> 8);
+      leaves.interior[at] = static_cast<std::uint8_t>(interior), leaves.interior[at + 1] = static_cast<std::uint8_t>(interior >> 8);
+      any_surface |= surface, any_interior |= interior;
+    }
   }
   const auto folded = [](unsigned bits) { return static_cast<std::uint8_t>(bits | bits >> 8); };
   return {folded(any_surface), folded(any_interior), folded(any_unsure)};

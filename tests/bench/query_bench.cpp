@@ -1,16 +1,14 @@
 // Times of the contact query and of what comes after its hits, by place and number of points, beside reading 12 bytes a point: what
 // any query that looks at every point costs at least. Ratios are what counts; deploy/bench writes them down.
-#include <map>
 #include <numbers>
-#include <string_view>
 
 #include "core/contact/contact_renderer.hpp"
-#include "core/contact/instructions.hpp"
 #include "core/contact/virtual_tool.hpp"
 #include "core/voxmap/distance_field.hpp"
 #include "core/voxmap/voxelise.hpp"
 #include "tests/bench/bench_mesh.hpp"
 #include "tests/bench/bench_sizes.hpp"
+#include "tests/bench/choose_instructions.hpp"
 #include "tests/bench/flat_query.hpp"
 #include "tests/bench/read_floor.hpp"
 #include "tests/bench/run_benchmarks.hpp"
@@ -149,15 +147,7 @@ void add_all() {
 }  // namespace voxtouch::bench
 
 int main(int argc, char** argv) {
-  // The kernels of a lesser processor than this one: --instructions=any, avx2, avx512.
-  using voxtouch::contact::Instructions;
-  const std::map<std::string_view, Instructions> kinds = {
-      {"--instructions=any", Instructions::kAny}, {"--instructions=avx2", Instructions::kAvx2}, {"--instructions=avx512", Instructions::kAvx512}};
-  if (const auto kind = argc > 1 ? kinds.find(argv[1]) : kinds.end(); kind != kinds.end()) {
-    voxtouch::contact::use_instructions(kind->second);
-    argv[1] = argv[0], ++argv, --argc;
-  }
-  benchmark::AddCustomContext("instructions", std::to_string(static_cast<int>(voxtouch::contact::instructions())));
+  voxtouch::bench::choose_instructions(argc, argv);
   voxtouch::bench::add_all();
   return voxtouch::bench::run_benchmarks(argc, argv);
 }

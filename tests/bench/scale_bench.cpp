@@ -10,6 +10,7 @@
 #include "core/voxmap/distance_field.hpp"
 #include "core/voxmap/voxelise.hpp"
 #include "tests/bench/bench_mesh.hpp"
+#include "tests/bench/choose_instructions.hpp"
 #include "tests/bench/run_benchmarks.hpp"
 #include "tests/bench/scale_scene.hpp"
 
@@ -105,6 +106,7 @@ void add_rows(const std::string& of, const Size& size, bool with_distances, bool
 
 int main(int argc, char** argv) {
   using namespace voxtouch::bench;
+  choose_instructions(argc, argv);
   for (const std::size_t triangles : {1'000U, 10'000U, 100'000U, 1'000'000U, 10'000'000U})
     add_rows("/triangles/" + std::to_string(triangles), {triangles, 256}, triangles <= 1'000'000, true);
   for (const int resolution : {128, 256, 512, 1024, 2048}) add_rows("/resolution/" + std::to_string(resolution), {10'000, resolution}, resolution <= 1024, resolution <= 1024);

@@ -11,6 +11,7 @@
 #include "core/contact/field_samples.hpp"
 #include "field_scenes.hpp"
 #include "fixtures.hpp"
+#include "plain_rows.hpp"
 
 namespace voxtouch::test {
 namespace field_model_test {
@@ -19,9 +20,11 @@ constexpr double kEdge = 1e-3;
 
 Quat turned_by(double angle) { return Quat(Eigen::AngleAxisd(angle, Vec3(1, 2, -1).normalized())); }
 
+/// A block so high; its upper face lies always at the same place.
 struct Scene {
+  double height = 0.03;
   Ball tool{8 * kEdge, 4};
-  Ground ground{box_mesh(Vec3(0.04, 0.04, 0.03), {Vec3(0.01, 0.02, 0.03), turned_by(0.4)}), kEdge};
+  Ground ground{box_mesh(Vec3(0.04, 0.04, height), {Vec3(0.01, 0.02, 0.03) + turned_by(0.4) * Vec3(0.0, 0.0, 0.5 * (0.03 - height)), turned_by(0.4)}), kEdge};
   contact::ContactRenderer renderer = ground.renderer(exact_shell(tool.mesh, kEdge));
   /// Over the upper face, or near its rim.
   Pose random_pose(std::mt19937_64& random) const {
@@ -98,14 +101,13 @@ TEST(FieldModel, LooksUpManyPointsWithTheBitsOfOne) {
   EXPECT_GT(unknown, 1000);
 }
 
-TEST(ConstraintRows, OfManyHitsAreThoseOfEach) {
-  Scene s;
+/// Counts the rows at random places of a ball over the block, and what of them is of walls' faces.
+void expect_rows_as_one_by_one(const Scene& s, int& rows, int& faces) {
   std::mt19937_64 random(34);
   const contact::ContactQuery& query = s.renderer.query();
   contact::HitList hits;
   hits.reserve(query.shell().size());
   std::vector<contact::ConstraintRow> many;
-  std::size_t rows = 0;
   for (int n = 0; n < 300; ++n) {
     query.find(s.random_pose(random), hits);
     const contact::RowFrame frame{hits.pose_WT.position - s.ground.field.grid().origin, 0.01, 3};
@@ -116,7 +118,7 @@ TEST(ConstraintRows, OfManyHitsAreThoseOfEach) {
       std::size_t next = 0;
       contact::ConstraintRow one;
       for (const contact::Hit& hit : list) {
-        if (!contact::make_row(hit, in_surface, s.ground.field, frame, one)) continue;
+        if (!plain_row(hit, in_surface, s.ground.field, frame, one, faces)) continue;
         ASSERT_LT(next, many.size());
         const contact::ConstraintRow& row = many[next++];
         ASSERT_EQ(row.point, one.point);
@@ -126,10 +128,42 @@ TEST(ConstraintRows, OfManyHitsAreThoseOfEach) {
         ASSERT_EQ(row.jacobian, one.jacobian);
       }
       ASSERT_EQ(next, many.size());
-      rows += next;
+      rows += static_cast<int>(next);
     }
   }
-  EXPECT_GT(rows, 5000U);
+}
+
+TEST(ConstraintRows, OfManyHitsAreThoseOfEach) {
+  int rows = 0, faces = 0;
+  expect_rows_as_one_by_one(Scene(), rows, faces);
+  EXPECT_GT(rows, 5000);
+  rows = faces = 0;
+  for (const double voxels : {0.5, 1.2, 2.0}) expect_rows_as_one_by_one(Scene{voxels * kEdge}, rows, faces);
+  std::printf("%d rows, %d of walls' faces\n", rows, faces);
+  EXPECT_GT(rows, 5000);
+  EXPECT_GT(faces, 1000);
+}
+
+TEST(ConstraintRows, OfWhichTheNearestAreKeptAsOneByOne) {
+  std::mt19937_64 random(35);
+  for (const std::size_t count : {97U, 128U, 333U, 1000U})
+    for (int n = 0; n < 20; ++n) {
+      const bool flat = n % 2 == 0;  // as those of a box on a plane, where many are alike
+      std::vector<contact::ConstraintRow> rows(count);
+      for (std::size_t k = 0; k < count; ++k) {
+        const Vec3 normal = flat ? Vec3(Vec3::UnitZ()) : Vec3(random_rotation(random) * Vec3::UnitX());
+        rows[k].arm = 0.01 * Vec3(uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1));
+        rows[k].jacobian << normal, rows[k].arm.cross(normal);
+        rows[k].gap_m = flat && k % 3 == 0 ? 0.0 : uniform(random, -1e-4, 5e-4);
+        if (flat && k % 5 == 4) rows[k] = rows[k - 1];  // as near as the one before it
+        rows[k].point = static_cast<std::uint32_t>(k);
+      }
+      std::vector<contact::ConstraintRow> plain = rows;
+      contact::keep_nearest(rows, 0.05);
+      keep_nearest_plainly(plain, 0.05);
+      ASSERT_EQ(rows.size(), plain.size());
+      for (std::size_t k = 0; k < rows.size(); ++k) ASSERT_EQ(rows[k].point, plain[k].point) << count << " rows, kept row " << k;
+    }
 }
 
 TEST(FieldModel, StiffnessBoundsHowTheForceChangesWithThePose) {

@@ -242,9 +242,16 @@ TEST(VirtualToolFriction, HoldsATurnAboutTheNormal) {
 TEST(DirectionBins, EachHoldsTheDirectionsNearItsOwnAndNoneIsEmpty) {
   std::mt19937_64 random(31);
   std::array<std::vector<Vec3>, contact::kDirectionBins> bins;
-  for (int n = 0; n < 20000; ++n) {
-    const Vec3 normal = random_direction(random);
-    bins[contact::nearest_direction_bin(normal)].push_back(normal);
+  contact::NormalBlock normals;
+  normals.count = contact::NormalBlock::kNormals;
+  std::uint32_t nearest[contact::NormalBlock::kNormals];
+  for (int block = 0; block < 320; ++block) {
+    for (std::size_t n = 0; n < normals.count; ++n) {
+      const Vec3 normal = random_direction(random);
+      for (std::size_t axis = 0; axis < 3; ++axis) normals.along[axis][n] = normal[static_cast<Eigen::Index>(axis)];
+    }
+    contact::nearest_direction_bins(normals, nearest);
+    for (std::size_t n = 0; n < normals.count; ++n) bins[nearest[n]].push_back({normals.along[0][n], normals.along[1][n], normals.along[2][n]});
   }
   for (const std::vector<Vec3>& bin : bins) {
     ASSERT_GT(bin.size(), 200u);
