@@ -21,10 +21,10 @@ namespace {
 constexpr std::int64_t kMaxStopNs = 1'000'000'000;
 
 std::unique_ptr<bag::BagSink> open_bag(const std::filesystem::path& folder, const RecordFormat& format) {
-  constexpr double kMost = 9e18;  // as whole numbers
+  constexpr double kMax = 9e18;  // as whole numbers
   auto writer = bag::BagWriter::create(folder, {.storage = format.storage,
-                                                .split = {.bytes = static_cast<std::uint64_t>(std::min(format.split_mb * 1e6, kMost)),
-                                                          .time_ns = static_cast<std::int64_t>(std::min(format.split_s * 1e9, kMost))}});
+                                                .split = {.bytes = static_cast<std::uint64_t>(std::min(format.split_mb * 1e6, kMax)),
+                                                          .time_ns = static_cast<std::int64_t>(std::min(format.split_s * 1e9, kMax))}});
   if (!writer) throw std::runtime_error(writer.error().sentence);
   return std::make_unique<bag::BagWriter>(std::move(*writer));
 }

@@ -13,7 +13,7 @@ namespace voxtouch::rendering_node {
 namespace {
 
 /// Requests of one service in one turn, so that none keeps the others waiting.
-constexpr int kMostATurn = 64;
+constexpr int kMaxPerTurn = 64;
 
 /// A sequence over the elements of a vector, which keeps them.
 template <class Sequence, class Element>
@@ -85,7 +85,7 @@ void EffectServices::each(Server<S>& server, F&& f) {
         else
           refused_.fetch_add(1, std::memory_order_relaxed);
       },
-      kMostATurn);
+      kMaxPerTurn);
 }
 
 void EffectServices::serve(bool answers) {

@@ -26,11 +26,11 @@ struct ChangeDoor {
   std::function<std::vector<RosParameter>()> parameters;  ///< as they are set now
 };
 
-/// All in one thread of ordinary priority. What clients may send is bounded: kMostASecond requests, of which each change asked for counts as one, each as
+/// All in one thread of ordinary priority. What clients may send is bounded: kMaxPerSecond requests, of which each change asked for counts as one, each as
 /// request_limits.hpp allows. What is beyond is not answered and counted.
 class EffectServices {
  public:
-  static constexpr int kMostASecond = 200;
+  static constexpr int kMaxPerSecond = 200;
 
   EffectServices(const bus::Participant& participant, const std::string& rig, ChangeDoor door);
   void attach_to(bus::WaitSet& wait_set);
@@ -65,7 +65,7 @@ class EffectServices {
   Server<msg::rcl_interfaces_SetParametersAtomically> set_together_;
   bus::Writer<msg::rcl_interfaces_ParameterEvent> events_;
   std::vector<RosParameter> told_;  ///< as the events' readers know them
-  log::FewASecond admitted_{kMostASecond};
+  log::FewASecond admitted_{kMaxPerSecond};
   std::atomic<std::uint64_t> refused_{0};
 };
 

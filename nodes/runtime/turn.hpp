@@ -18,7 +18,7 @@ class Turn {
     bool yields = false;    ///< at once, where both answer; of two exactly one does
   };
   /// Whoever does not yield at once does so where the other one goes on: then that one is followed, and this node was away.
-  static constexpr int kMostBeside = 3;
+  static constexpr int kMaxBeside = 3;
 
   explicit Turn(bool acts, std::uint64_t unanswered = Failover::kUnanswered) noexcept : failover_(acts ? kOwn : kOther, unanswered) {}
 
@@ -73,7 +73,7 @@ class Turn {
     constexpr std::uint64_t kInARow = 8;
     times_beside_ = beside_ && sequence <= *beside_ + kInARow ? times_beside_ + 1 : 1;
     beside_ = sequence;
-    if (pair.yields || times_beside_ >= kMostBeside) step_back(sequence);
+    if (pair.yields || times_beside_ >= kMaxBeside) step_back(sequence);
   }
 
   static constexpr Failover::Place kOwn = Failover::Place::kFirst, kOther = Failover::Place::kSecond;

@@ -16,7 +16,7 @@ namespace voxtouch::test {
 namespace {
 
 using std::chrono::milliseconds;
-constexpr double kSpringNPerM = 40.0, kMostN = 1.5, kTimeoutS = 0.05, kFadeS = 0.05;
+constexpr double kSpringNPerM = 40.0, kMaxN = 1.5, kTimeoutS = 0.05, kFadeS = 0.05;
 constexpr double kCentre[] = {-0.09, -0.03, 0.08};  // 30 mm above where the hand of `rest` wants to be
 
 /// A node of somebody's own, as a thread: a spring from the tool's last pose to a point.
@@ -107,10 +107,10 @@ TEST(ExternalRing, ALoopThatIsClosedOutsideIsStableBoundedFadesWhenItsNodeStopsA
     ++ended;
   }
   EXPECT_GT(most_n, 0.3);
-  EXPECT_LE(most_n, kMostN);
+  EXPECT_LE(most_n, kMaxN);
   EXPECT_GT(most_command_n, 0.3) << "the hand felt it";
-  EXPECT_LE(most_command_n, 1.2 * kMostN) << "the filter's overshoot";
-  EXPECT_LE(high - low, 0.1 * kMostN) << "in the last second of the closed loop the force stands: from " << low << " to " << high << " N";
+  EXPECT_LE(most_command_n, 1.2 * kMaxN) << "the filter's overshoot";
+  EXPECT_LE(high - low, 0.1 * kMaxN) << "in the last second of the closed loop the force stands: from " << low << " to " << high << " N";
   EXPECT_GT(ended, 100);
 
   const Finished replay = Process({VOXTOUCH_BIN "/voxtouch", "replay", bag.string(), "--json"}).wait();

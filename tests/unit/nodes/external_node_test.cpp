@@ -20,7 +20,7 @@ using std::chrono::milliseconds;
 using namespace msg::effect_change;
 namespace result = msg::effect_changed;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kInf = std::numeric_limits<double>::infinity();
-constexpr double kMostN = 2.0, kTimeoutS = 0.1, kFadeS = 0.02;
+constexpr double kMaxN = 2.0, kTimeoutS = 0.1, kFadeS = 0.02;
 
 /// plane.yaml with an outside wrench, as a file of its own.
 class ExternalScene {
@@ -154,13 +154,13 @@ class ExternalLive : public testing::Test {
 
 TEST_F(ExternalLive, IsFeltBoundedAndFadesByTheSamplesTimeWhenItsWriterFallsSilent) {
   begin(5);
-  EXPECT_EQ(may_ask_n, kMostN) << "the plan tells the coupling what may be asked for";
+  EXPECT_EQ(may_ask_n, kMaxN) << "the plan tells the coupling what may be asked for";
   EXPECT_EQ(asks, "external");
   samples(50);
   EXPECT_EQ(force(), 0.0) << "nobody writes";
   Outsider robot(topic, rig);
   ASSERT_TRUE(is_followed(robot, 5.0));
-  ASSERT_TRUE(until([&] { return force() > 0.999 * kMostN; }, [&] { robot.write(0, 5, 0); }));
+  ASSERT_TRUE(until([&] { return force() > 0.999 * kMaxN; }, [&] { robot.write(0, 5, 0); }));
   EXPECT_EQ(last.wrench.force.y, last.effects_wrench.force.y) << "the hand is given it";
   EXPECT_EQ(last.contact_wrench.force.y, 0.0) << "and it is no contact, which the validator would judge";
   ASSERT_FALSE(told.empty());
@@ -170,15 +170,15 @@ TEST_F(ExternalLive, IsFeltBoundedAndFadesByTheSamplesTimeWhenItsWriterFallsSile
   const auto feed = [&] { robot.write(0, 5, 0); };
   EXPECT_TRUE(until([&] { return !report().values["external_writer"].empty() && figure("external_samples") > 0.0; }, feed)) << "a status comes ten times a second";
   EXPECT_NE(report().values["external"].find("No certificate covers"), std::string::npos);
-  ASSERT_TRUE(until([&] { return force() > 0.999 * kMostN; }, feed));
+  ASSERT_TRUE(until([&] { return force() > 0.999 * kMaxN; }, feed));
   // Silence: by the samples' own time it is held for the timeout, and zero after the fade.
   ASSERT_TRUE(until([&] { return force() == 0.0; }));
   const double silent_s = 1e-3 * static_cast<double>(last.sequence_number - told.back().sequence_number);
   EXPECT_GE(silent_s, kTimeoutS);
   samples(20);
   EXPECT_EQ(force(), 0.0);
-  EXPECT_LE(most_n, kMostN);
-  EXPECT_LE(most_step, std::max(100.0, kMostN / kFadeS) * 1e-3 * (1 + 1e-9));
+  EXPECT_LE(most_n, kMaxN);
+  EXPECT_LE(most_step, std::max(100.0, kMaxN / kFadeS) * 1e-3 * (1 + 1e-9));
   ASSERT_TRUE(is_followed(robot, 5.0)) << "it comes back";
 }
 
@@ -221,7 +221,7 @@ TEST_F(ExternalLive, RefusesNumbersThatAreNoneAndFramesThatNobodyKnows) {
   for (const double bad : {kNan, kInf, -kInf})
     ASSERT_TRUE(until([&, before = figure("external_not_finite")] { return figure("external_not_finite") > before; }, [&] { robot.write(bad, 1, 0); }));
   ASSERT_TRUE(until([&] { return force() == 0.0; }, [&] { robot.write(0, kNan, 0); })) << "what is refused keeps nothing alive";
-  EXPECT_TRUE(std::isfinite(most_n) && most_n <= kMostN);
+  EXPECT_TRUE(std::isfinite(most_n) && most_n <= kMaxN);
 }
 
 TEST_F(ExternalLive, TakesTheFramesOfTheRigAndNoOther) {
