@@ -49,6 +49,11 @@ class EffectServices {
   template <class S, class F>
   void each(Server<S>& server, F&& f);
   bool admits(std::uint32_t count);
+  /// Values, types and descriptions of parameters by name.
+  void serve_named();
+  /// Of a name that there is not, a value that is not set: so tools say that it is not.
+  template <class Names>
+  std::vector<RosParameter> named(const Names& names) const;
   void set(const msg::rcl_interfaces_SetParameters::Request& request, const bus::Caller& caller);
   void set_together(const msg::rcl_interfaces_SetParametersAtomically::Request& request, const bus::Caller& caller);
   void change(const msg::ChangeEffect::Request& request, const bus::Caller& caller);
