@@ -146,7 +146,7 @@ TEST(SecuredRing, IsNeededPlainStrangersKeepAPlainRingFromStarting) {
   security::make_keys(folder / "keys", kRig, 30);  // of the observer alone: a plain one and a secured one do not live in one process
   RunBesideStrangers run({"--motion", "slide", "--duration", "3", "--no-record"}, security::properties_of(folder / "keys", "tool", kRig), {{}});
   EXPECT_FALSE(run.started);
-  EXPECT_TRUE(run.up->wait().err.contains("is in use"));
+  EXPECT_TRUE(run.up->wait().err.contains(std::string("'") + kRig + "'"));
 }
 
 TEST(SecuredRing, RefusesToStartHalf) {

@@ -41,7 +41,7 @@ TEST_F(MachineChecks, NameGovernorsThatChangeTheClockAndTheCommand) {
   put("sys/devices/system/cpu/cpu0/cpufreq/scaling_governor", "performance");
   EXPECT_EQ(check_governors(root_).health, Health::kGood);
   put("sys/devices/system/cpu/cpu1/cpufreq/scaling_governor", "powersave");
-  EXPECT_TRUE(check_governors(root_).sentence.starts_with("CPU governor: performance, powersave;")) << check_governors(root_).sentence;
+  EXPECT_TRUE(check_governors(root_).sentence.contains("performance, powersave")) << check_governors(root_).sentence;
   EXPECT_TRUE(check_governors(root_).sentence.contains("`cpupower frequency-set -g performance`"));
 }
 
