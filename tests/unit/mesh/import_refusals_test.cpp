@@ -11,6 +11,7 @@
 #include "core/mesh/import.hpp"
 #include "nodes/mesh_import/mesh_process.hpp"
 #include "samples.hpp"
+#include "tests/support/facts.hpp"
 
 using namespace voxtouch;
 using samples::Collada;
