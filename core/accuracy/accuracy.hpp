@@ -39,6 +39,7 @@ struct ErrorFigures {
   double force_ratio = 0.0;           ///< mean of |F| / |F_reference|: 1 without bias
   double magnitude_noise = 0.0;       ///< standard deviation over mean of the same
 
+  /// Of all places where a contact is due, those without one; 0 where none was due.
   double missed_share() const noexcept { return contacts + missed > 0 ? static_cast<double>(missed) / (contacts + missed) : 0.0; }
 };
 

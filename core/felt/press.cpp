@@ -11,7 +11,7 @@
 namespace voxtouch::felt {
 namespace {
 
-constexpr int kDepths = 10, kMostFrames = 4000;
+constexpr int kDepths = 10, kMaxFrames = 4000;
 constexpr double kDepthStepM = 0.001, kPressStepM = 5e-5, kBehindApproachS = 4.0, kSettlesInS = 0.7;
 
 /// Where the hand touches first, and the way on against the push there.
@@ -27,7 +27,7 @@ class Hand {
 
   std::optional<Touch> first_touch() {
     const double end_s = approach_duration(motion_) + kBehindApproachS;
-    const double step_s = std::max(step_m_ / motion_.speed_m_per_s, end_s / kMostFrames);
+    const double step_s = std::max(step_m_ / motion_.speed_m_per_s, end_s / kMaxFrames);
     renderer_.reset();
     for (double time_s = 0.0; time_s <= end_s; time_s += step_s) {
       const Vec3 push = contact_at(time_s);

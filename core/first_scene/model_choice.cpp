@@ -12,8 +12,8 @@ namespace {
 using accuracy::AccuracyRow;
 using contact::ContactModelKind;
 
-constexpr double kMostOffDeg = 10.0, kMostUs = 200.0;
-constexpr std::size_t kMostTriangles = 500'000;  ///< half a minute
+constexpr double kMaxOffDeg = 10.0, kMaxUs = 200.0;
+constexpr std::size_t kMaxTriangles = 500'000;  ///< half a minute
 
 std::string name_of(const accuracy::AccuracySetting& setting) {
   return setting.virtual_tool ? "the virtual tool" : fmt::format("`{}`", contact::name_of(setting.model));
@@ -21,7 +21,7 @@ std::string name_of(const accuracy::AccuracySetting& setting) {
 
 /// Of a virtual tool, by its own row, or by that of `field`: how a penalty force points at a tool's corner says nothing of a tool that is held outside.
 bool fails(const AccuracyRow& row) {
-  return row.missed > 0 || row.median_us > kMostUs || (row.setting.virtual_tool && row.direction_mean_deg > kMostOffDeg);
+  return row.missed > 0 || row.median_us > kMaxUs || (row.setting.virtual_tool && row.direction_mean_deg > kMaxOffDeg);
 }
 
 /// "`adapted` 3.1 degrees off, 2.0 us a frame".
@@ -38,7 +38,7 @@ std::string figures(const std::vector<AccuracyRow>& rows) {
 
 bool has_inside(const mesh::MeshReport& part) noexcept { return part.closed && !part.inverted; }
 
-bool is_soon_measured(const mesh::MeshReport& part) noexcept { return part.triangles <= kMostTriangles; }
+bool is_soon_measured(const mesh::MeshReport& part) noexcept { return part.triangles <= kMaxTriangles; }
 
 ModelChoice usual_model(const mesh::MeshReport& part) {
   if (has_inside(part))
@@ -72,7 +72,7 @@ ModelChoice measured_model(const std::vector<AccuracyRow>& rows, const ModelChoi
     return {ContactModelKind::kField, true,
             begin + "The tool is held outside by a virtual tool: it alone resists however deep the hand wants to go, as stiffly as the device allows."};
   accuracy::AccuracyGoal goal;
-  goal.within_us = kMostUs;
+  goal.within_us = kMaxUs;
   const accuracy::AccuracyAdvice advice = accuracy::advise(penalty, goal);
   if (!advice.row) return {usual.model, usual.virtual_tool, usual.reason + " " + begin};
   const accuracy::AccuracySetting& best = penalty[*advice.row].setting;

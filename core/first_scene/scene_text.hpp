@@ -16,6 +16,7 @@ struct SceneNames {
 /// A name that a scene may have, made of any text: other characters become '_'.
 std::string scene_name(const std::string& text);
 
+/// The scene file as text, each choice with its reason as a comment. Lengths in m. Allocates.
 std::string scene_text(const ProposedScene& scene, const SceneNames& names);
 
 }  // namespace voxtouch::first_scene

@@ -1,5 +1,5 @@
 #pragma once
-/// The certificate of a scene that runs on a device, and what every change of it is held against.
+/// The certificate of a scene that runs on a device, and what every change of it is judged by.
 #include <optional>
 #include <span>
 #include <string>

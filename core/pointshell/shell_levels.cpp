@@ -34,14 +34,14 @@ struct Candidate {
 };
 
 std::vector<Candidate> in_cells(const Pointshell& shell, const std::vector<std::uint32_t>& points, const Vec3& low, double edge) {
-  constexpr double kMostCells = 1 << 20;  // along an axis, so that three of them and a side fit a number
+  constexpr double kMaxCells = 1 << 20;  // along an axis, so that three of them and a side fit a number
   std::vector<Candidate> out;
   out.reserve(points.size());
   for (const std::uint32_t p : points) {
     const Vec3 from = shell.point(p) - low;
     Candidate c{.cell = side_of(shell.normal(p)), .from_middle = 0.0, .point = p};
     for (int axis = 0; axis < 3; ++axis) {
-      const double at = std::min(std::floor(from[axis] / edge), kMostCells - 1.0), off = from[axis] - (at + 0.5) * edge;
+      const double at = std::min(std::floor(from[axis] / edge), kMaxCells - 1.0), off = from[axis] - (at + 0.5) * edge;
       c.cell = c.cell << 20 | static_cast<std::uint64_t>(at);
       c.from_middle += off * off;
     }

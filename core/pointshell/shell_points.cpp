@@ -170,6 +170,31 @@ voxmap::VoxelEstimate shell_estimate(const mesh::TriangleMesh& mesh, const voxma
   return estimate;
 }
 
+/// Of each triangle, unit; zero where it has no area. A mesh that is inside out would push the tool into what it touches.
+std::vector<Vec3> outward_normals(const voxmap::GridMesh& mesh, const std::vector<std::uint32_t>& welded, const std::vector<voxmap::TriangleState>& state,
+                                  const ParallelFor& parallel_for) {
+  const std::vector<std::int8_t> side = voxmap::outward_sides(mesh, voxmap::find_closed_shells(mesh, welded, state));
+  std::vector<Vec3> normal(mesh.size());
+  parallel_for((mesh.size() + kTrianglesPerJob - 1) / kTrianglesPerJob, [&](std::size_t job) {
+    for (std::size_t t = job * kTrianglesPerJob; t < std::min((job + 1) * kTrianglesPerJob, mesh.size()); ++t)
+      normal[t] = side[t] * voxmap::area_vector(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2)).stableNormalized();
+  });
+  return normal;
+}
+
+/// One after the other; a part's memory goes as soon as it has been copied.
+std::vector<ShellPoint> joined(std::vector<std::vector<ShellPoint>> parts) {
+  std::size_t total = 0;
+  for (const auto& part : parts) total += part.size();
+  std::vector<ShellPoint> points;
+  points.reserve(total);
+  for (auto& part : parts) {
+    points.insert(points.end(), part.begin(), part.end());
+    std::vector<ShellPoint>().swap(part);
+  }
+  return points;
+}
+
 }  // namespace
 
 std::vector<ShellPoint> shell_points(const mesh::TriangleMesh& mesh, const voxmap::Grid& grid,
@@ -179,15 +204,8 @@ std::vector<ShellPoint> shell_points(const mesh::TriangleMesh& mesh, const voxma
   voxmap::require_affordable(estimate, grid, memory_limit_bytes);
   const voxmap::GridMesh in_grid(mesh, grid);
   const std::vector<std::uint32_t> welded = voxmap::weld_vertices(in_grid);
-  ShellBuilder builder{in_grid, grid, voxmap::judge_triangles(in_grid, welded), std::vector<Vec3>(mesh.triangles.size())};
-  // A mesh that is inside out would push the tool into what it touches.
-  const std::vector<std::int8_t> side = voxmap::outward_sides(in_grid, voxmap::find_closed_shells(in_grid, welded, builder.state));
-  parallel_for((mesh.triangles.size() + kTrianglesPerJob - 1) / kTrianglesPerJob, [&](std::size_t job) {
-    for (std::size_t t = job * kTrianglesPerJob;
-         t < std::min((job + 1) * kTrianglesPerJob, mesh.triangles.size()); ++t)
-      builder.normal[t] = side[t] * voxmap::area_vector(in_grid.corner(t, 0), in_grid.corner(t, 1),
-                                                in_grid.corner(t, 2)).stableNormalized();
-  });
+  ShellBuilder builder{in_grid, grid, voxmap::judge_triangles(in_grid, welded), {}};
+  builder.normal = outward_normals(in_grid, welded, builder.state, parallel_for);
 
   const voxmap::VoxelIndex base{static_cast<std::int32_t>(estimate.first[0]),
                         static_cast<std::int32_t>(estimate.first[1]),
@@ -212,15 +230,7 @@ std::vector<ShellPoint> shell_points(const mesh::TriangleMesh& mesh, const voxma
       at = end;
     }
   });
-  std::size_t total = 0;
-  for (const auto& part : parts) total += part.size();
-  std::vector<ShellPoint> points;
-  points.reserve(total);
-  for (auto& part : parts) {
-    points.insert(points.end(), part.begin(), part.end());
-    std::vector<ShellPoint>().swap(part);
-  }
-  return points;
+  return joined(std::move(parts));
 }
 
 }  // namespace voxtouch::pointshell

@@ -12,6 +12,7 @@ namespace voxtouch::reference {
 /// Arithmetic runs in the mesh's own frame, so that an object far from the world's origin loses no digits.
 class PosedMesh {
  public:
+  /// Throws as `read_reference_mesh` does.
   explicit PosedMesh(const scene::MeshSpec& spec);
 
   /// Stands `shift` away from where the scene put it.
@@ -29,6 +30,7 @@ class PosedMesh {
   SignedPoint mesh_signed_distance(const Vec3& x) const;
   /// Unsigned, by primitives outside of them, else by the triangles: for points on the side that is already known.
   Vec3 nearest(const Vec3& x) const;
+  /// Whether `x` (W) lies inside the mesh; false for one that is not closed.
   bool inside(const Vec3& x) const noexcept;
 
   bool closed() const noexcept { return mesh_.closed; }

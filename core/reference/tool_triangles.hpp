@@ -23,6 +23,7 @@ class ToolTriangles {
     bool leaf = false;
   };
 
+  /// `pose_TM`: the mesh's frame in T. Allocates.
   ToolTriangles(const ReferenceMesh& mesh, const Pose& pose_TM);
   const std::vector<Node>& nodes() const noexcept { return nodes_; }
   const ToolTriangle& triangle(std::size_t t) const noexcept { return triangles_[t]; }

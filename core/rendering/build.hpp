@@ -28,6 +28,7 @@ struct EffectGround {
 /// Everything of one scene in memory. Stays where it is: the renderer points into it.
 class BuiltScene {
  public:
+  /// For `build_scene`.
   BuiltScene(std::vector<std::unique_ptr<StaticObject>> objects, std::vector<effects::EffectSpec> effects,
              EffectGround ground, Plan plan, double largest_shell_gap_m);
   BuiltScene(const BuiltScene&) = delete;

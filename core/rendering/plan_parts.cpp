@@ -38,24 +38,8 @@ PlanPart coupling_part(const scene::Scene& scene) {
           .expected_ns = kNsPerCoupling};
 }
 
-}  // namespace
-
-double ns_per_contact_point(std::string_view contact_model) noexcept {
-  return contact_model == "field" ? kNsPerFieldPoint : kNsPerPlainPoint;
-}
-
-double expected_ns(const effects::EffectSpec& effect, std::uint64_t tool_points) noexcept {
-  if (!effect.on) return kNsPerEffectOff;
-  const bool looks_round = effect.kind->needs(effect.values).proximity_m > 0.0;
-  return kNsPerEffect + effect.kind->expected_ns +
-         (looks_round ? kNsPerProximityPoint * static_cast<double>(tool_points) : 0.0);
-}
-
-std::vector<PlanPart> plan_parts(const scene::Scene& scene, const BuildCounts& n) {
-  // Each object is asked for all of them, if no budget is left.
-  const bool cut = !n.level_points.empty() && n.budget_points < n.shell_points;
-  const double points = static_cast<double>(n.objects * (cut ? n.budget_points : n.shell_points));
-  std::vector<PlanPart> parts;
+/// The static objects: their voxels and distances.
+void add_static_objects(std::vector<PlanPart>& parts, const BuildCounts& n) {
   parts.push_back(
       {.name = "voxmap",
        .node = kRendering,
@@ -71,6 +55,10 @@ std::vector<PlanPart> plan_parts(const scene::Scene& scene, const BuildCounts& n
                      .node = kRendering,
                      .why = "The effect 'proximity' looks them up for points of the tool; that is counted with the effect.",
                      .bytes = n.proximity_bytes});
+}
+
+/// The tool: its points, of which a frame tests at most `points`, and what leaves some of them out.
+void add_pointshell(std::vector<PlanPart>& parts, const BuildCounts& n, double points) {
   parts.push_back({.name = "pointshell",
                    .node = kRendering,
                    .why = "The tool touches with its points; at most all of them are turned and looked up.",
@@ -86,6 +74,10 @@ std::vector<PlanPart> plan_parts(const scene::Scene& scene, const BuildCounts& n
                      .why = "The scene's budget_us asks for them: where a frame may not test every point, it tests those of a coarser level.",
                      .bytes = n.level_bytes,
                      .expected_ns = kNsPerLevelPoint * points});
+}
+
+/// What becomes of the `points` that touch.
+void add_contact(std::vector<PlanPart>& parts, const scene::Scene& scene, const BuildCounts& n, double points) {
   parts.push_back(
       {.name = "contact model " + scene.contact.model,
        .node = kRendering,
@@ -99,6 +91,29 @@ std::vector<PlanPart> plan_parts(const scene::Scene& scene, const BuildCounts& n
                      .bytes = 2 * n.objects * n.shell_points * sizeof(contact::ConstraintRow),
                      .expected_ns = contact::limits::kMaxQueries * (kNsPerFrame + (kNsPerPoint + kNsPerFieldPoint) * points +
                                                                    contact::limits::kMaxIterations * kNsPerIteration)});
+}
+
+}  // namespace
+
+double ns_per_contact_point(std::string_view contact_model) noexcept {
+  return contact_model == "field" ? kNsPerFieldPoint : kNsPerPlainPoint;
+}
+
+double expected_ns(const effects::EffectSpec& effect, std::uint64_t tool_points) noexcept {
+  if (!effect.on) return kNsPerEffectOff;
+  const bool looks_round = effect.kind->needs(effect.values).proximity_m > 0.0;
+  return kNsPerEffect + effect.kind->expected_ns +
+         (looks_round ? kNsPerProximityPoint * static_cast<double>(tool_points) : 0.0);
+}
+
+std::vector<PlanPart> plan_parts(const scene::Scene& scene, const BuildCounts& n) {
+  std::vector<PlanPart> parts;
+  add_static_objects(parts, n);
+  // Each object is asked for all of them, if no budget is left.
+  const bool cut = !n.level_points.empty() && n.budget_points < n.shell_points;
+  const double points = static_cast<double>(n.objects * (cut ? n.budget_points : n.shell_points));
+  add_pointshell(parts, n, points);
+  add_contact(parts, scene, n, points);
   for (const effects::EffectSpec& effect : scene.effects) parts.push_back(effect_part(effect, n));
   parts.push_back(coupling_part(scene));
   return parts;

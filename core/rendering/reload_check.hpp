@@ -10,7 +10,7 @@ namespace voxtouch::rendering {
 
 /// Why `next` cannot take the place of `running` without a restart, as a sentence; empty where it can. Another `device` or
 /// `coupling` section belongs to nodes that do not read the file again. Meshes, voxel size, contact and effects may differ, and are
-/// held against the device by who knows it (fit_coupling.hpp); motions are not looked at.
+/// judged on the device by who knows it (fit_coupling.hpp); motions are not looked at.
 std::string why_not_reloaded(const scene::Scene& running, const scene::Scene& next);
 
 /// The effects of `next` as they are to run. One that the file still asks for in the same words keeps what was changed while

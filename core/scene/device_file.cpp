@@ -15,7 +15,7 @@ namespace voxtouch::scene {
 namespace {
 
 /// The guard fades the largest force within 20 ms; the slew limit leaves it a third more than that takes.
-constexpr double kFadeS = 0.015, kLeastForceRate = 2000.0;  // the least is assumed: a wall of 800 N/m struck at 2.5 m/s
+constexpr double kFadeS = 0.015, kMinForceRate = 2000.0;  // the least is assumed: a wall of 800 N/m struck at 2.5 m/s
 
 /// Reads figures of one map, and notes each that is left out and has a standard.
 class FigureReader {
@@ -65,7 +65,7 @@ void require_all(const SceneSource& source, const YamlNode& root, const MapReade
 
 void read_translation(const MapReader& map, const FigureReader& read, DeviceDescription& d) {
   map.read("max_force_n", d.max_force_n);
-  d.max_force_rate_n_per_s = std::max(kLeastForceRate, d.max_force_n / kFadeS);
+  d.max_force_rate_n_per_s = std::max(kMinForceRate, d.max_force_n / kFadeS);
   map.read("max_stiffness_n_per_m", d.max_stiffness_n_per_m);
   read.range("mass_kg", d.mass_min_kg, d.mass_max_kg);
   d.damping_ns_per_m = read.number("damping_ns_per_m");

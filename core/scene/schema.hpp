@@ -1,6 +1,6 @@
 #pragma once
 /// What a scene file may say, for editors: a JSON schema. Keys come from keys.hpp and effects from the table of their kinds, so
-/// one that is added is in it without a further word; a test holds it against what the reader allows.
+/// one that is added is in it without a further word; a test compares it with what the reader allows.
 #include <string>
 
 namespace voxtouch::scene {

@@ -9,12 +9,12 @@
 
 namespace voxtouch {
 
-/// Asks the system for pages of 2 MB under arrays of `kLeastBytes` and more: look-ups all over pages of 4 kB wait for the processor's own tables of
+/// Asks the system for pages of 2 MB under arrays of `kMinBytes` and more: look-ups all over pages of 4 kB wait for the processor's own tables of
 /// pages as long as for the memory. Where the system gives none, nothing but that time changes. Throws std::bad_alloc.
 template <class T>
 struct HugePages {
   using value_type = T;
-  static constexpr std::size_t kPageBytes = std::size_t{1} << 21, kLeastBytes = std::size_t{1} << 23;
+  static constexpr std::size_t kPageBytes = std::size_t{1} << 21, kMinBytes = std::size_t{1} << 23;
 
   HugePages() = default;
   template <class U>
@@ -25,7 +25,7 @@ struct HugePages {
     const std::size_t bytes = count * sizeof(T);
     void* const memory = ::operator new(bytes, alignment(bytes));
 #if defined(__linux__) && defined(MADV_HUGEPAGE)
-    if (bytes >= kLeastBytes) static_cast<void>(::madvise(memory, bytes / kPageBytes * kPageBytes, MADV_HUGEPAGE));
+    if (bytes >= kMinBytes) static_cast<void>(::madvise(memory, bytes / kPageBytes * kPageBytes, MADV_HUGEPAGE));
 #endif
     return static_cast<T*>(memory);
   }
@@ -34,7 +34,7 @@ struct HugePages {
   friend bool operator==(const HugePages&, const HugePages&) noexcept { return true; }
 
  private:
-  static std::align_val_t alignment(std::size_t bytes) noexcept { return std::align_val_t{bytes >= kLeastBytes ? kPageBytes : std::size_t{64}}; }
+  static std::align_val_t alignment(std::size_t bytes) noexcept { return std::align_val_t{bytes >= kMinBytes ? kPageBytes : std::size_t{64}}; }
 };
 
 }  // namespace voxtouch

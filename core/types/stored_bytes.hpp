@@ -1,6 +1,6 @@
 #pragma once
 /// Values as bytes of this machine, to be kept and read again by the same program: an archive that writes, and one that reads the same
-/// calls back. What is read is not trusted: every length is held against the bytes that are left before anything is allocated.
+/// calls back. What is read is not trusted: every length is compared with the bytes that are left before anything is allocated.
 #include <array>
 #include <cstdint>
 #include <cstring>

@@ -17,7 +17,7 @@
 #include "core/voxmap/object_grid.hpp"
 #include "core/voxmap/voxelise.hpp"
 #include "devices/registry.hpp"
-#include "nodes/cli/design/design_request.hpp"
+#include "nodes/cli/design/design_input.hpp"
 #include "nodes/mesh_import/mesh_process.hpp"
 
 namespace py = pybind11;
@@ -148,7 +148,7 @@ std::string design(const std::string& device, const std::string& scene, const st
     throw std::invalid_argument(fmt::format("stiffness_n_per_m is {}, and has to be 0 or more", stiffness_n_per_m));
   const bool is_file = device.ends_with(".yaml") || device.ends_with(".yml");
   const DeviceDescription description = is_file ? scene::load_device_file(device).description : devices::describe_device(device);
-  cli::DesignRequest request;
+  cli::DesignInput request;
   request.scene = scene, request.hand = hand, request.kind = kind, request.cutoff_hz = cutoff_hz, request.gain_margin = gain_margin;
   request.stiffness_n_per_m = stiffness_n_per_m, request.held = held, request.no_damping = !damping;
   const auto build = [&](const scene::Scene& wanted) { return rendering::build_scene(wanted, serial_for(), {.read = reader(program)}); };

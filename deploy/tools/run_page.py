@@ -203,7 +203,7 @@ def node_rows(run):
     return table(("node", "on", "last state", "last sentence"), rows) if rows else "<p>No node told its status.</p>"
 
 
-# What both the page and a node count, so that a reader can hold one against the other.
+# What both the page and a node count, so that a reader can compare them.
 COUNTED = (("largest force [N]", "max_force_n", "device", "max_force_n"), ("rate [Hz]", "rate_hz", "device", "rate_hz"), ("samples", "samples", "device", "samples"),
            ("samples answered", "answered", "device", "answered"),
            ("samples with a force, of contact or effects", "contact_samples", "rendering", "contact_samples"),

@@ -28,23 +28,23 @@ constexpr std::size_t kPoseEe = 0, kPoseEeD = 16, kFlangeEe = 32, kEeK = 48, kFl
                       kQ = 147, kQd = 154, kDq = 161, kPoseEeC = 242, kTheta = 270, kDtheta = 277, kNumbers = 284,
                       kAccelerometers = 36;
 constexpr std::size_t kFlags = 1 + 1 + kErrors + kErrors + 1;  // two modes, two lists of errors, the robot's mode
-static_assert(kId + kNumbers * 8 + kFlags + 8 == kMostState);
+static_assert(kId + kNumbers * 8 + kFlags + 8 == kMaxStateBytes);
 constexpr std::size_t kFloatState = kId + (kNumbers + kAccelerometers) * 4 + kFlags + 4;
 static_assert(kFloatState == 1377);
 
 // The command: its count, what a motion generator would say, torques.
 constexpr std::size_t kGenerator = 8 + (7 + 7 + 16 + 6 + 2) * 8, kMotionFinished = kGenerator + 1, kTorques = kGenerator + 2,
                       kTorqueFinished = kTorques + 7 * 8;
-static_assert(kTorqueFinished + 1 == kMostCommand);
+static_assert(kTorqueFinished + 1 == kMaxCommandBytes);
 
 constexpr std::uint32_t kNone = 4, kJointVelocity = 1, kExternalController = 2;  // of Move
 constexpr std::uint8_t kNoneMode = 5, kJointVelocityMode = 2;                    // of the state
 
 constexpr std::array<Dialect, 4> kDialects{{
-    {10, false, true, true, kNone, kNoneMode, kFloatState, kMostCommand},
-    {9, false, false, true, kJointVelocity, kJointVelocityMode, kMostState, kMostCommand},
-    {6, false, false, false, kJointVelocity, kJointVelocityMode, kMostState, kMostCommand - 1},
-    {5, true, false, false, kJointVelocity, kJointVelocityMode, kMostState, kMostCommand - 1},
+    {10, false, true, true, kNone, kNoneMode, kFloatState, kMaxCommandBytes},
+    {9, false, false, true, kJointVelocity, kJointVelocityMode, kMaxStateBytes, kMaxCommandBytes},
+    {6, false, false, false, kJointVelocity, kJointVelocityMode, kMaxStateBytes, kMaxCommandBytes - 1},
+    {5, true, false, false, kJointVelocity, kJointVelocityMode, kMaxStateBytes, kMaxCommandBytes - 1},
 }};
 
 constexpr std::array<std::uint32_t, 6> kCommands = {0, 1, 2, 3, 9, 10}, kPandaCommands = {0, 1, 2, 4, 10, 12};
@@ -367,7 +367,7 @@ PacketFault decode(const Dialect& dialect, std::span<const std::byte> datagram, 
   return command.torque_nm.allFinite() ? PacketFault::kNone : PacketFault::kNotFinite;
 }
 
-std::size_t encode(const Dialect& dialect, const Command& command, std::span<std::byte, kMostCommand> out) noexcept {
+std::size_t encode(const Dialect& dialect, const Command& command, std::span<std::byte, kMaxCommandBytes> out) noexcept {
   std::fill(out.begin(), out.end(), std::byte{0});
   put(out.data(), command.message_id);
   const auto finished = static_cast<std::byte>(command.finished);

@@ -168,9 +168,10 @@ struct Command {
   Joints torque_nm = Joints::Zero();
   bool finished = false;         ///< the motion is to end
 };
-inline constexpr std::size_t kMostCommand = 371, kMostState = 2373;
+inline constexpr std::size_t kMaxCommandBytes = 371, kMaxStateBytes = 2373;
+/// The robot's side: a datagram of the driver as a command; `command` is not to be used where there is a fault. Real-time safe.
 PacketFault decode(const Dialect& dialect, std::span<const std::byte> datagram, Command& command) noexcept;
 /// Real-time safe. Returns the size.
-std::size_t encode(const Dialect& dialect, const Command& command, std::span<std::byte, kMostCommand> out) noexcept;
+std::size_t encode(const Dialect& dialect, const Command& command, std::span<std::byte, kMaxCommandBytes> out) noexcept;
 
 }  // namespace voxtouch::fr3::fci

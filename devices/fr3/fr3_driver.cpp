@@ -142,7 +142,7 @@ void Fr3Driver::answer_untrusted() noexcept {
 bool Fr3Driver::send(const Joints& torque) noexcept {
   unanswered_ = false;
   if (!session_.listens() && !virtual_time_) return true;  // the robot takes commands in a motion only
-  std::array<std::byte, fci::kMostCommand> bytes;
+  std::array<std::byte, fci::kMaxCommandBytes> bytes;
   const std::size_t size = fci::encode(*dialect_, {state_.message_id, torque, ending_ && ramp_.at_rest()}, bytes);
   if (socket_->send(std::span(bytes).first(size), controller_)) return ++counts_.answered, true;
   ++counts_.send_errors;

@@ -7,7 +7,7 @@ namespace voxtouch::fr3 {
 namespace {
 
 constexpr double kRounding = 1e-4;  // [Nm] floats of 60 Nm
-constexpr int kMostUnheard = 20;
+constexpr int kMaxUnheard = 20;
 
 }  // namespace
 
@@ -16,7 +16,7 @@ void TorqueRamp::told(const arm::Joints& tau_d) noexcept {
   const bool arrived = !tau_d.allFinite() || (tau_d - sent_).cwiseAbs().maxCoeff() < kRounding;
   unheard_ = arrived ? 0 : unheard_ + 1;
   // A robot that has heard nothing for so long has stopped itself: this one does not say what it was told.
-  given_ = arrived || unheard_ > kMostUnheard ? sent_ : arm::Joints(tau_d.cwiseMax(low).cwiseMin(high));
+  given_ = arrived || unheard_ > kMaxUnheard ? sent_ : arm::Joints(tau_d.cwiseMax(low).cwiseMin(high));
 }
 
 const arm::Joints& TorqueRamp::next(const arm::Jacobian& jacobian, const Wrench& wanted, const arm::Joints& posture) noexcept {

@@ -25,6 +25,7 @@ struct Extent {
   std::int64_t starting_time_ns = 0;  ///< of the first message; 0 without messages
   std::int64_t duration_ns = 0;       ///< last minus first
   std::uint64_t message_count = 0;
+  /// From the earlier beginning to the later end of both; one without messages adds nothing.
   void add(const Extent& more) noexcept;
 };
 

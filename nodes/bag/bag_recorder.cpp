@@ -119,7 +119,7 @@ std::size_t BagRecorder::drain() {
   for (; written < options_.queue_messages; ++written) {
     const Message* const message = front();
     if (!message) break;
-    turns_.fetch_add(1, std::memory_order_relaxed);
+    disk_steps_.fetch_add(1, std::memory_order_relaxed);
     if (message->topic >= sink_topics_.size()) add_new_topics();
     if (const auto topic = sink_topics_[message->topic]) {
       if (auto appended = sink_->append(*topic, message->time_ns, message->bytes); !appended) note(appended.error());
@@ -157,7 +157,7 @@ void BagRecorder::housekeeping(bool closing) {
 void BagRecorder::run() {
   while (true) {
     const bool last = is_stopping();
-    turns_.fetch_add(1, std::memory_order_relaxed);
+    disk_steps_.fetch_add(1, std::memory_order_relaxed);
     add_new_topics();
     const std::size_t written = drain();
     if (last && written == 0) break;

@@ -55,7 +55,7 @@ class BagRecorder {
   RecordingReport report() const;
 
   /// Another number at each look for as long as the disk thread gets on.
-  std::uint64_t turns() const noexcept { return turns_.load(std::memory_order_relaxed); }
+  std::uint64_t disk_steps() const noexcept { return disk_steps_.load(std::memory_order_relaxed); }
 
   /// Writes out what is queued, closes the bag, ends the thread. Waits for the disk. The report is final. Of the thread that made it.
   RecordingReport stop();
@@ -85,7 +85,7 @@ class BagRecorder {
   std::unique_ptr<BagSink> sink_;  // the disk thread's alone
   std::vector<Counts> counts_;  // by topic, sized once
   std::atomic<std::uint32_t> topic_count_{0};
-  std::atomic<std::uint64_t> turns_{0};  // of the disk thread
+  std::atomic<std::uint64_t> disk_steps_{0};  // of the disk thread
 
   std::mutex queue_mutex_;  // never held while the disk is used
   std::condition_variable room_;

@@ -20,6 +20,7 @@ struct EndpointEntities {
   Entity topic, endpoint;
   GraphEntry entry;
 };
+/// A writer or reader of the row's topic with the profile's policies, announced to ROS tools by its entry in the graph. Throw Error.
 EndpointEntities make_writer(const Participant& participant, const qos::Topic& row, std::string_view rig,
                              const qos::Profile& profile, const msg::AnyType& type);
 /// `following` (if given) is asked about each sample before it is stored; it must outlive the reader.
@@ -33,6 +34,7 @@ std::vector<dds_instance_handle_t> matched_writer_handles(dds_entity_t reader);
 std::vector<dds_instance_handle_t> matched_reader_handles(dds_entity_t writer);
 /// The participant of the writer with instance handle `writer`, as this reader has matched it; all zero if it has gone.
 Guid participant_of_writer(dds_entity_t reader, dds_instance_handle_t writer);
+/// Whether that writer is matched with the reader now.
 bool writer_is_matched(dds_entity_t reader, dds_instance_handle_t writer);
 
 }  // namespace voxtouch::bus

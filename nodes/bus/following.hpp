@@ -48,7 +48,9 @@ class Following {
   // Of the reader.
   /// Throws Error. From now on it is told which writers go.
   void attach(dds_entity_t reader);
+  /// A writer has gone; remembered where it is the one that is followed. In a thread of DDS.
   void see_go(dds_instance_handle_t writer) noexcept;
+  /// What DDS asks before it stores a sample.
   dds_topic_filter filter() noexcept;
   /// Whether a sample of `writer` is to be taken; counts. Real-time safe.
   bool admits(dds_instance_handle_t writer) noexcept;

@@ -31,6 +31,7 @@ class Graph {
  public:
   /// Throws Error.
   Graph(dds_entity_t participant, RosNode node);
+  /// Writers and readers of the node, as `ros_discovery_info` tells them. Any thread.
   void add(const Guid& endpoint, qos::Endpoint kind);
   void remove(const Guid& endpoint, qos::Endpoint kind);
 

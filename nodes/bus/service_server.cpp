@@ -80,7 +80,7 @@ bool ServiceEndpoints::knows(const Caller& caller) const {
 
 void ServiceEndpoints::reply(const Caller& caller, std::function<void(dds_entity_t writer)> send) {
   if (knows(caller)) return send(replies_.endpoint.get());
-  if (waiting_.size() == kMostWaiting) waiting_.pop_front();
+  if (waiting_.size() == kMaxWaiting) waiting_.pop_front();
   waiting_.push_back({caller, dds_time() + kPatience, std::move(send)});
 }
 

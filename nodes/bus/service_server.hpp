@@ -27,7 +27,7 @@ class ServiceEndpoints {
                    const msg::AnyType& response, bool (*fits)(const void*));
 
   /// Sends by `send`, as soon as the client's reader of replies is known here: DDS may tell of it a moment after the request. One
-  /// that is not known within 100 ms gets none, and of more than kMostWaiting the oldest.
+  /// that is not known within 100 ms gets none, and of more than kMaxWaiting the oldest.
   void reply(const Caller& caller, std::function<void(dds_entity_t writer)> send);
   /// Sends what has waited; often, while `waits`.
   void send_waiting();
@@ -37,7 +37,7 @@ class ServiceEndpoints {
   dds_entity_t reader() const noexcept { return requests_.endpoint.get(); }
 
  private:
-  static constexpr std::size_t kMostWaiting = 64;
+  static constexpr std::size_t kMaxWaiting = 64;
   struct Waiting {
     Caller caller;
     dds_time_t until = 0;

@@ -141,7 +141,7 @@ class CouplingNode {
   }
 
   /// A new session starts with its own fit. A change within one is fitted beside the loop, but for lockstep, where the sample from
-  /// which it holds must not depend on how fast the fit is. Meanwhile the coupling that runs is held against what has come: one that
+  /// which it holds must not depend on how fast the fit is. Meanwhile the coupling that runs is judged by what has come: one that
   /// does not fit any more commands nothing from here on.
   void follow_change() {
     // A rendering that took another's place may run another scene: nothing of it is felt before the fit.
@@ -293,7 +293,7 @@ class CouplingNode {
 
   /// The coupling runs, and nothing is missing.
   std::string running_sentence(double displayed_n_per_m) const {
-    // The device's limit is held against the total stiffness of the contact, not against one point's.
+    // The device's limit is compared with the total stiffness of the contact, not with one point's.
     if (displayed_n_per_m > running_.device_max_stiffness_n_per_m)
       return fmt::format("the contact shows up to {:.0f} N/m, more than the device's {:.0f} N/m: lower the contact's stiffness or "
                          "coupling.gain, or let it be designed (coupling: {{design: auto}})",

@@ -10,6 +10,7 @@
 
 namespace voxtouch::coupling_node {
 
+/// The wrench is the hand's, W axes, about the tool's origin. Real-time safe.
 inline coupling::CouplingInput coupling_input(const msg::ContactState& contact) noexcept {
   coupling::CouplingInput input;
   input.contact = runtime::from_msg(contact.wrench);
@@ -22,6 +23,7 @@ inline coupling::CouplingInput coupling_input(const msg::ContactState& contact) 
   return input;
 }
 
+/// STATUS_* of ForceCommand. Real-time safe.
 inline std::uint32_t status_bits(const coupling::CouplingOutput& out) noexcept {
   using namespace msg::force_command;
   return (out.ramping ? kStatusRamping : 0U) | (out.repeated_input ? kStatusHeldInput : 0U) |

@@ -55,12 +55,17 @@ End DeviceLoop::run(const std::atomic<bool>& stop) noexcept {
   return end;
 }
 
-End DeviceLoop::cycle(const std::atomic<bool>& stop) noexcept {
-  progress_.heartbeat.beat();
+End DeviceLoop::asked_to_end(const std::atomic<bool>& stop) const noexcept {
   if (stop.load(kRelaxed)) return End::kStopped;
   if (settings_.max_samples && sequence_ == settings_.max_samples) return End::kFinished;
   if (requests_.rig_claimed.load(kRelaxed)) return End::kRigClaimed;
   if (settings_.lockstep && requests_.peer_gone.load(kRelaxed)) return End::kPeerGone;
+  return End::kNone;
+}
+
+End DeviceLoop::cycle(const std::atomic<bool>& stop) noexcept {
+  progress_.heartbeat.beat();
+  if (const End asked = asked_to_end(stop); asked != End::kNone) return asked;
 
   const auto sample = driver_.read(std::chrono::microseconds(10 * period_ns_ / 1000));
   if (!sample) {
@@ -94,8 +99,12 @@ End DeviceLoop::cycle(const std::atomic<bool>& stop) noexcept {
     let_go();
     return End::kNone;
   }
+  return give(command, sample->time_ns);
+}
+
+End DeviceLoop::give(const std::optional<devices::GuardInput>& command, std::int64_t sample_ns) noexcept {
   const devices::GuardCounts before = guard_.counts();
-  const Wrench force = guard_.pass(command, sample->time_ns + settings_.epoch_ns);
+  const Wrench force = guard_.pass(command, sample_ns + settings_.epoch_ns);
   record(force, before);
   const auto written = driver_.write(force);
   note(written ? force : Wrench{});

@@ -1,5 +1,5 @@
 #pragma once
-/// One turn a sample: read, publish, wait for the command, guard, write. Real-time safe after construction. A simulated device is paced
+/// One cycle a sample: read, publish, wait for the command, guard, write. Real-time safe after construction. A simulated device is paced
 /// here, at absolute deadlines; a real one paces by its own clock, in `read`, and gets its command as soon as it is there.
 /// Commands are those of the one writer that the reader follows; the housekeeping decides whose it is, and the reader itself where that one has
 /// a standby, which takes over when it has left out samples.
@@ -53,7 +53,7 @@ struct Progress {
   std::atomic<double> recent_max_force_n{0.0};  ///< since whoever shows it last took it out
   static constexpr std::uint64_t kNone = ~std::uint64_t{0};
   std::atomic<std::uint64_t> first_answered{kNone};  ///< number of the first sample that was answered
-  std::atomic<std::int64_t> longest_gap_ns{0};       ///< between two turns, of those that let the force go
+  std::atomic<std::int64_t> longest_gap_ns{0};       ///< between two cycles, of those that let the force go
   runtime::Heartbeat heartbeat;
   std::atomic<std::int64_t> started_ns{0}, ended_ns{0};  ///< monotonic
   std::atomic<End> end{End::kNone};
@@ -95,7 +95,10 @@ class DeviceLoop {
   End run(const std::atomic<bool>& stop) noexcept;
 
  private:
+  End asked_to_end(const std::atomic<bool>& stop) const noexcept;
   End cycle(const std::atomic<bool>& stop) noexcept;
+  /// Through the guard to the device, at the device's time `sample_ns`.
+  End give(const std::optional<devices::GuardInput>& command, std::int64_t sample_ns) noexcept;
   End on_device_error(devices::DeviceError error) noexcept;
   void let_go() noexcept;
   bool stood_still() noexcept;
@@ -117,7 +120,7 @@ class DeviceLoop {
   Progress& progress_;
   Requests& requests_;
   Faults& faults_;
-  SampleSeen seen_{};  // of this turn
+  SampleSeen seen_{};  // of this cycle
   devices::ForceGuard guard_;
   devices::CommandGate gate_;
   std::int64_t period_ns_, deadline_ns_ = 0;

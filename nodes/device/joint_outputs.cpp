@@ -27,7 +27,7 @@ JointOutputs::~JointOutputs() {
 void JointOutputs::show(std::span<const double> joints, std::int64_t sample_ns) noexcept {
   if (!regular_.is_due(runtime::monotonic_ns())) return;
   Moment moment{.stamp_ns = mode_ == qos::TimeMode::kRealTime ? runtime::realtime_ns() : sample_ns};
-  moment.count = static_cast<std::uint32_t>(std::min(joints.size(), kMostJoints));
+  moment.count = static_cast<std::uint32_t>(std::min(joints.size(), kMaxJoints));
   std::copy_n(joints.begin(), moment.count, moment.at.begin());
   due_.push(moment);
 }

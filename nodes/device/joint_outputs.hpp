@@ -27,10 +27,10 @@ class JointOutputs {
   void show(std::span<const double> joints, std::int64_t sample_ns) noexcept;
 
  private:
-  static constexpr std::size_t kMostJoints = 8;
+  static constexpr std::size_t kMaxJoints = 8;
   struct Moment {
     std::int64_t stamp_ns = 0;
-    std::array<double, kMostJoints> at{};
+    std::array<double, kMaxJoints> at{};
     std::uint32_t count = 0;
   };
   void run();

@@ -10,6 +10,7 @@ class LastSecond {
  public:
   /// `samples` and `answered` count since the start; `largest_n`: of the forces since the last look.
   void look(std::int64_t now_ns, std::uint64_t samples, std::uint64_t answered, double largest_n);
+  /// Of the last second [N].
   double largest_force_n() const;
   /// Of the samples of the last second; 1 where there were none.
   double answered_share() const;

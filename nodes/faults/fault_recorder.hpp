@@ -31,6 +31,7 @@ void add_option(CLI::App& app, std::filesystem::path& folder);
 /// Whether another node has recorded a fault since the last look.
 class OthersFaults {
  public:
+  /// True where the report counts more faults than the last one did; before the first one, than none.
   bool see(const runtime::NodeReport& report) {
     const auto figure = report.figures.find(kFigure);
     const double now = figure == report.figures.end() ? 0.0 : figure->second.value;

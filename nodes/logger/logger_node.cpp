@@ -21,10 +21,10 @@ namespace {
 constexpr std::int64_t kMaxStopNs = 1'000'000'000;
 
 std::unique_ptr<bag::BagSink> open_bag(const std::filesystem::path& folder, const RecordFormat& format) {
-  constexpr double kMost = 9e18;  // as whole numbers
+  constexpr double kMax = 9e18;  // as whole numbers
   auto writer = bag::BagWriter::create(folder, {.storage = format.storage,
-                                                .split = {.bytes = static_cast<std::uint64_t>(std::min(format.split_mb * 1e6, kMost)),
-                                                          .time_ns = static_cast<std::int64_t>(std::min(format.split_s * 1e9, kMost))}});
+                                                .split = {.bytes = static_cast<std::uint64_t>(std::min(format.split_mb * 1e6, kMax)),
+                                                          .time_ns = static_cast<std::int64_t>(std::min(format.split_s * 1e9, kMax))}});
   if (!writer) throw std::runtime_error(writer.error().sentence);
   return std::make_unique<bag::BagWriter>(std::move(*writer));
 }
@@ -46,7 +46,7 @@ class LoggerNode {
           participant_, "logger", options_,
           [this](runtime::NodeRegistry& registry, runtime::NodeReport& report) { look(registry, report); },
           {{"its loop", [this] { return heartbeat_.sign(); }},
-           {"its disk", [this] { return recorder_.turns() + closing_.sign(); }}});
+           {"its disk", [this] { return recorder_.disk_steps() + closing_.sign(); }}});
       std::int64_t last_discovery = 0;
       while (!stop.load(std::memory_order_relaxed) && !housekeeping.peer_lost()) {
         heartbeat_.beat();
@@ -63,7 +63,7 @@ class LoggerNode {
       }
       // Whatever the others wrote before they stopped has been acknowledged by our readers: it is here, or on its way (best effort).
       // Not for ever: others may go on writing, a ring that this logger only listens to or a robot whose topics it was told.
-      // Quiet is counted in turns and not by the clock: a machine that lets this process wait lets DDS's threads in it wait as well.
+      // Quiet is counted in waits and not by the clock: a machine that lets this process wait lets DDS's threads in it wait as well.
       const std::int64_t end = runtime::monotonic_ns() + kMaxStopNs;
       for (int quiet = 0; quiet < 5 && runtime::monotonic_ns() < end; quiet = wait_set_.wait(20'000'000) ? 0 : quiet + 1) {
         heartbeat_.beat();

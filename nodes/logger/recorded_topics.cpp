@@ -132,10 +132,10 @@ void RecordedTopics::push(const RoleRecords::Record& record) { recorder_.push(re
 /// Who writes one record and goes is asked for in vain afterwards.
 void RecordedTopics::look_for_writers(Entry& entry) {
   const std::vector<dds_instance_handle_t> matched = bus::matched_writer_handles(entry.reader.get());
-  constexpr std::size_t kMostWriters = 256;
-  if (entry.writers.size() > kMostWriters) std::erase_if(entry.writers, [&](const auto& one) { return std::ranges::find(matched, one.first) == matched.end(); });
+  constexpr std::size_t kMaxWriters = 256;
+  if (entry.writers.size() > kMaxWriters) std::erase_if(entry.writers, [&](const auto& one) { return std::ranges::find(matched, one.first) == matched.end(); });
   for (const dds_instance_handle_t writer : matched)
-    if (entry.writers.size() <= kMostWriters) writer_of(entry, writer);
+    if (entry.writers.size() <= kMaxWriters) writer_of(entry, writer);
 }
 
 bus::Guid RecordedTopics::writer_of(Entry& entry, dds_instance_handle_t writer) {

@@ -5,8 +5,8 @@
 namespace voxtouch::logger {
 namespace {
 
-constexpr std::size_t kMostEntitled = 64;  ///< the newest; a ring does not change its rendering so often
-constexpr std::size_t kMostNamed = 16;
+constexpr std::size_t kMaxEntitled = 64;  ///< the newest; a ring does not change its rendering so often
+constexpr std::size_t kMaxNamed = 16;
 /// The first may have begun before the record came.
 constexpr std::uint64_t kLooks = 2;
 
@@ -16,7 +16,7 @@ void RoleRecords::entitle(const bus::Guid& participant) {
   const std::lock_guard lock(mutex_);
   if (std::ranges::find(entitled_, participant) != entitled_.end()) return;
   entitled_.push_back(participant);
-  if (entitled_.size() > kMostEntitled) entitled_.pop_front();
+  if (entitled_.size() > kMaxEntitled) entitled_.pop_front();
 }
 
 void RoleRecords::looked(bool bound) {
@@ -28,7 +28,7 @@ void RoleRecords::looked(bool bound) {
 void RoleRecords::take(const bus::Guid& writer, Record record) {
   const std::lock_guard lock(mutex_);
   const std::size_t size = record.bytes.size();
-  if (kept_bytes_[writer] + size > kMostOfOne || all_bytes_ + size > kMostOfAll) return refuse(writer);
+  if (kept_bytes_[writer] + size > kMaxOfOne || all_bytes_ + size > kMaxOfAll) return refuse(writer);
   kept_bytes_[writer] += size, all_bytes_ += size;
   kept_.push_back({writer, std::move(record), looks_ + kLooks});
 }
@@ -58,7 +58,7 @@ void RoleRecords::end() {
 
 void RoleRecords::refuse(const bus::Guid& writer) {
   ++refused_;
-  if (refused_writers_.size() < kMostNamed) refused_writers_.insert(writer);
+  if (refused_writers_.size() < kMaxNamed) refused_writers_.insert(writer);
 }
 
 std::uint64_t RoleRecords::settled() const {

@@ -24,7 +24,7 @@ class RoleRecords {
   };
 
   /// Of one writer and of all that are kept [bytes]; what is beyond is refused. A change takes about 200, a value of the outside wrench 80.
-  static constexpr std::size_t kMostOfOne = 1'000'000, kMostOfAll = 16'000'000;
+  static constexpr std::size_t kMaxOfOne = 1'000'000, kMaxOfAll = 16'000'000;
 
   /// This participant plays the role, or is the standby that the acting one has named. What it wrote counts, also after it has gone.
   void entitle(const bus::Guid& participant);

@@ -23,6 +23,7 @@ class SequenceCount {
     count.next = sequence + 1;
     ++count.samples;
   }
+  /// Zeros for a session that was not seen.
   Count of(std::uint64_t session) const {
     const auto found = sessions_.find(session);
     return found == sessions_.end() ? Count{} : found->second;

@@ -47,6 +47,7 @@ class ChangeLine {
   bool ask(const Change& change) noexcept { return changes_.push(change); }
   /// Several that the first one's `following` binds together.
   bool ask(std::span<const Change> changes) noexcept { return changes_.push(changes); }
+  /// The oldest report that has not been fetched; false: there is none.
   bool next_report(ChangeReport& report) noexcept {
     const ChangeReport* oldest = reports_.front();
     if (!oldest) return false;
@@ -72,6 +73,7 @@ class ChangeLine {
   void begin_session(std::uint64_t session) noexcept;
   /// Ticket of the last change that was applied; 0: none.
   std::uint64_t applied() const noexcept { return applied_; }
+  /// Whether the update server is done with this ticket and all before it. Real-time safe.
   bool settled(std::uint64_t ticket) const noexcept { return settled_.load(std::memory_order_acquire) >= ticket; }
   bool pauses_before(std::uint64_t sample) noexcept {
     answering_.store(sample, std::memory_order_seq_cst);

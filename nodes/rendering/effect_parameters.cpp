@@ -186,15 +186,15 @@ msg::rcl_interfaces_ParameterDescriptor ParameterMessages::descriptor(const RosP
 }
 
 bool fits(const char* text) noexcept {
-  constexpr std::size_t kMostBytes = 1024;
-  return text && ::strnlen(text, kMostBytes + 1) <= kMostBytes;
+  constexpr std::size_t kMaxBytes = 1024;
+  return text && ::strnlen(text, kMaxBytes + 1) <= kMaxBytes;
 }
 
 bool fits(const msg::rcl_interfaces_Parameter& parameter) noexcept {
-  constexpr std::uint32_t kMost = 16;
+  constexpr std::uint32_t kMax = 16;
   const msg::rcl_interfaces_ParameterValue& v = parameter.value;
-  return fits(parameter.name) && fits(v.string_value) && v.byte_array_value._length <= kMost && v.bool_array_value._length <= kMost &&
-         v.integer_array_value._length <= kMost && v.double_array_value._length <= kMost && v.string_array_value._length <= kMost &&
+  return fits(parameter.name) && fits(v.string_value) && v.byte_array_value._length <= kMax && v.bool_array_value._length <= kMax &&
+         v.integer_array_value._length <= kMax && v.double_array_value._length <= kMax && v.string_array_value._length <= kMax &&
          std::all_of(v.string_array_value._buffer, v.string_array_value._buffer + v.string_array_value._length, [](const char* text) { return fits(text); });
 }
 

@@ -44,6 +44,7 @@ struct ParameterWish {
   std::uint32_t action = 0;
   std::string effect, parameter;
   double value[3] = {};
+  /// Lends its texts from this wish, which outlives it.
   msg::EffectChange message() const;
 };
 /// What `asked` means, or a sentence where its type or number of values is none that the parameter takes. Whether the change can be made is

@@ -12,8 +12,8 @@
 namespace voxtouch::rendering_node {
 namespace {
 
-/// Requests of one service in one turn, so that none keeps the others waiting.
-constexpr int kMostATurn = 64;
+/// Requests of one service at one look, so that none keeps the others waiting.
+constexpr int kMaxPerLook = 64;
 
 /// A sequence over the elements of a vector, which keeps them.
 template <class Sequence, class Element>
@@ -85,13 +85,12 @@ void EffectServices::each(Server<S>& server, F&& f) {
         else
           refused_.fetch_add(1, std::memory_order_relaxed);
       },
-      kMostATurn);
+      kMaxPerLook);
 }
 
 void EffectServices::serve(bool answers) {
-  using bus::Caller;
   answers_ = answers;
-  each(list_, [this](const auto& request, const Caller& caller) {
+  each(list_, [this](const auto& request, const bus::Caller& caller) {
     ListedParameters listed = list_parameters(door_.parameters(), texts_of(request.prefixes), request.depth);
     list_.reply(caller, [listed = std::move(listed)](auto& response, const auto& send) {
       runtime::LentStrings names(listed.names), prefixes(listed.prefixes);
@@ -99,17 +98,25 @@ void EffectServices::serve(bool answers) {
       send();
     });
   });
-  // Of a name that there is not, a value that is not set: so tools say that it is not.
-  const auto named = [this](const auto& names) {
-    const std::vector<RosParameter> all = door_.parameters();
-    std::vector<RosParameter> found;
-    for (const char* name : all_of(names)) {
-      const RosParameter* const known = find_parameter(all, name);
-      found.push_back(known ? *known : RosParameter{.name = name, .value = {}, .meaning = {}});
-    }
-    return found;
-  };
-  each(get_, [&](const auto& request, const Caller& caller) {
+  serve_named();
+  each(set_, [this](const auto& request, const bus::Caller& caller) { set(request, caller); });
+  each(set_together_, [this](const auto& request, const bus::Caller& caller) { set_together(request, caller); });
+  each(change_, [this](const auto& request, const bus::Caller& caller) { change(request, caller); });
+}
+
+template <class Names>
+std::vector<RosParameter> EffectServices::named(const Names& names) const {
+  const std::vector<RosParameter> all = door_.parameters();
+  std::vector<RosParameter> found;
+  for (const char* name : all_of(names)) {
+    const RosParameter* const known = find_parameter(all, name);
+    found.push_back(known ? *known : RosParameter{.name = name, .value = {}, .meaning = {}});
+  }
+  return found;
+}
+
+void EffectServices::serve_named() {
+  each(get_, [this](const auto& request, const bus::Caller& caller) {
     get_.reply(caller, [found = named(request.names)](auto& response, const auto& send) {
       std::vector<msg::rcl_interfaces_ParameterValue> values;
       for (const RosParameter& parameter : found) values.push_back(ParameterMessages::value(parameter.value));
@@ -117,7 +124,7 @@ void EffectServices::serve(bool answers) {
       send();
     });
   });
-  each(types_, [&](const auto& request, const Caller& caller) {
+  each(types_, [this](const auto& request, const bus::Caller& caller) {
     types_.reply(caller, [found = named(request.names)](auto& response, const auto& send) {
       std::vector<std::uint8_t> types;
       for (const RosParameter& parameter : found) types.push_back(type_of(parameter.value));
@@ -125,7 +132,7 @@ void EffectServices::serve(bool answers) {
       send();
     });
   });
-  each(describe_, [&](const auto& request, const Caller& caller) {
+  each(describe_, [this](const auto& request, const bus::Caller& caller) {
     describe_.reply(caller, [found = named(request.names)](auto& response, const auto& send) {
       ParameterMessages messages;
       std::vector<msg::rcl_interfaces_ParameterDescriptor> descriptors;
@@ -134,9 +141,6 @@ void EffectServices::serve(bool answers) {
       send();
     });
   });
-  each(set_, [this](const auto& request, const Caller& caller) { set(request, caller); });
-  each(set_together_, [this](const auto& request, const Caller& caller) { set_together(request, caller); });
-  each(change_, [this](const auto& request, const Caller& caller) { change(request, caller); });
 }
 
 void EffectServices::set(const msg::rcl_interfaces_SetParameters::Request& request, const bus::Caller& caller) {

@@ -26,11 +26,11 @@ struct ChangeDoor {
   std::function<std::vector<RosParameter>()> parameters;  ///< as they are set now
 };
 
-/// All in one thread of ordinary priority. What clients may send is bounded: kMostASecond requests, of which each change asked for counts as one, each as
+/// All in one thread of ordinary priority. What clients may send is bounded: kMaxPerSecond requests, of which each change asked for counts as one, each as
 /// request_limits.hpp allows. What is beyond is not answered and counted.
 class EffectServices {
  public:
-  static constexpr int kMostASecond = 200;
+  static constexpr int kMaxPerSecond = 200;
 
   EffectServices(const bus::Participant& participant, const std::string& rig, ChangeDoor door);
   void attach_to(bus::WaitSet& wait_set);
@@ -49,6 +49,11 @@ class EffectServices {
   template <class S, class F>
   void each(Server<S>& server, F&& f);
   bool admits(std::uint32_t count);
+  /// Values, types and descriptions of parameters by name.
+  void serve_named();
+  /// Of a name that there is not, a value that is not set: so tools say that it is not.
+  template <class Names>
+  std::vector<RosParameter> named(const Names& names) const;
   void set(const msg::rcl_interfaces_SetParameters::Request& request, const bus::Caller& caller);
   void set_together(const msg::rcl_interfaces_SetParametersAtomically::Request& request, const bus::Caller& caller);
   void change(const msg::ChangeEffect::Request& request, const bus::Caller& caller);
@@ -65,7 +70,7 @@ class EffectServices {
   Server<msg::rcl_interfaces_SetParametersAtomically> set_together_;
   bus::Writer<msg::rcl_interfaces_ParameterEvent> events_;
   std::vector<RosParameter> told_;  ///< as the events' readers know them
-  log::FewASecond admitted_{kMostASecond};
+  log::FewASecond admitted_{kMaxPerSecond};
   std::atomic<std::uint64_t> refused_{0};
 };
 

@@ -15,7 +15,7 @@ namespace voxtouch::rendering_node {
 namespace {
 
 constexpr std::size_t kMaxOthers = 16;
-/// Between two looks at the topic: so a flood takes no more of the machine than this thread's turns, and a value waits no longer.
+/// Between two looks at the topic: so a flood takes no more of the machine than the looks of this thread, and a value waits no longer.
 constexpr std::int64_t kBetweenTurnsNs = 500'000;
 
 const effects::EffectSpec& effect_of(const scene::Scene& scene) { return *effects::external_of(scene.effects); }

@@ -10,7 +10,7 @@
 
 namespace voxtouch::rendering_node {
 
-constexpr std::uint32_t kMostChanges = 64, kMostNames = 256;
+constexpr std::uint32_t kMaxChanges = 64, kMaxNames = 256;
 
 template <class Sequence>
 auto all_of(const Sequence& sequence) {
@@ -19,7 +19,7 @@ auto all_of(const Sequence& sequence) {
 
 template <class Texts>
 bool texts_fit(const Texts& texts) {
-  return texts._length <= kMostNames && std::ranges::all_of(all_of(texts), [](const char* text) { return fits(text); });
+  return texts._length <= kMaxNames && std::ranges::all_of(all_of(texts), [](const char* text) { return fits(text); });
 }
 template <class Request>
 bool names_fit(const Request& request) {
@@ -28,7 +28,7 @@ bool names_fit(const Request& request) {
 inline bool prefixes_fit(const msg::rcl_interfaces_ListParameters::Request& request) { return texts_fit(request.prefixes); }
 template <class Request>
 bool parameters_fit(const Request& request) {
-  return request.parameters._length <= kMostChanges && std::ranges::all_of(all_of(request.parameters), [](const auto& parameter) { return fits(parameter); });
+  return request.parameters._length <= kMaxChanges && std::ranges::all_of(all_of(request.parameters), [](const auto& parameter) { return fits(parameter); });
 }
 inline bool change_fits(const msg::ChangeEffect::Request& request) { return fits(request.effect) && fits(request.parameter) && fits(request.model); }
 

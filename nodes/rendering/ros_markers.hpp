@@ -17,6 +17,7 @@ inline const std::string kWorldFrame = "world";
 /// Length of an arrow for one newton [m], of each force alike.
 inline constexpr double kArrowMetresPerNewton = 0.02;
 
+/// Lends `frame`, which outlives it.
 msg::std_msgs_Header ros_header(std::int64_t stamp_ns, const std::string& frame);
 /// Frame of a moving object: where it is at rest, the frame is W.
 std::string object_frame(const std::string& rig, const scene::ObjectSpec& object);

@@ -47,13 +47,13 @@ void RosOutputs::scene_is(const scene::Scene& scene) {
   next_scene_ = scene;
 }
 
-/// At absolute deadlines, just behind the sample that is due. A turn that comes too late writes what has waited.
+/// At absolute deadlines, just behind the sample that is due. A pass that comes too late writes what has waited.
 void RosOutputs::run() {
   std::int64_t at_ns = runtime::monotonic_ns() / kPeriodNs * kPeriodNs + kBehindNs;
   std::uint64_t tenth = 0;
   for (std::uint64_t count = 0; !stop_.load(std::memory_order_acquire);) {
     try {
-      turn(count / kMarkersEvery != tenth);
+      write_due(count / kMarkersEvery != tenth);
     } catch (const std::exception&) {
       // What people look at must not end what they feel: this picture is left out.
     }
@@ -65,7 +65,7 @@ void RosOutputs::run() {
   }
 }
 
-void RosOutputs::turn(bool tenth) {
+void RosOutputs::write_due(bool tenth) {
   follow_scene();
   if (tf_static_.matched_count() && made_tf_static_ == 0) write_tf_static();  // DDS keeps it for who comes later
   bool fresh = false;

@@ -74,7 +74,7 @@ class RosOutputs {
 
  private:
   void run();
-  void turn(bool tenth);
+  void write_due(bool tenth);
   void follow_scene();
   void write_moving();
   void write_pose();

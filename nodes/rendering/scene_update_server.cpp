@@ -116,7 +116,7 @@ void SceneUpdateServer::ask_for(std::span<const msg::EffectChange> asked, bool t
   for (const Request& request : requests) refuse(request, why);
 }
 
-/// The plan goes out first, for the coupling waits for it, and in real time makes its fit meanwhile. Then what runs is held against the device, and
+/// The plan goes out first, for the coupling waits for it, and in real time makes its fit meanwhile. Then what runs is judged on the device, and
 /// what was asked for before the device was known as well: the loop makes none of it before. In lockstep sample 0 waits for that.
 void SceneUpdateServer::look_after_device() {
   const std::unique_ptr<DescribedDevice> device(described_.exchange(nullptr));

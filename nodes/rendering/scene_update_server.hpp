@@ -37,7 +37,7 @@ struct DescribedDevice {
 class SceneUpdateServer {
  public:
   /// `first` is the scene that runs, built from `scene`. Both functions are called from the update server's thread: `swapped` is told of a
-  /// scene that has taken its place, `begun` of a session whose plan has been published and whose device the scene was held against.
+  /// scene that has taken its place, `begun` of a session whose plan has been published and on whose device the scene was judged.
   /// The line outlives the update server.
   SceneUpdateServer(const bus::Participant& participant, const Options& options, const scene::Scene& scene,
              std::unique_ptr<rendering::BuiltScene> first, ChangeLine& line, std::function<void(const scene::Scene&)> swapped,

@@ -19,7 +19,7 @@ class SessionOfAnother {
     known_.store(false, std::memory_order_release);
     recent_ = {};
     offset_j_ = 0.0;
-    unlike_in_a_row_ = kMostUnlike;
+    unlike_in_a_row_ = kMaxUnlike;
     agrees_.store(false, std::memory_order_release);
   }
   /// Whether this session's begin is known: this node has answered a sample itself, or has heard the other one do so.
@@ -38,8 +38,8 @@ class SessionOfAnother {
     offset_j_ = theirs.supplied_energy_j - own.energy_j;
     const auto &f = own.force, &g = theirs.wrench.force;
     const double apart_n = std::hypot(f.x - g.x, f.y - g.y, f.z - g.z);
-    unlike_in_a_row_ = apart_n <= kAlikeN + kAlikeShare * std::hypot(g.x, g.y, g.z) ? 0 : std::min(unlike_in_a_row_ + 1, kMostUnlike);
-    agrees_.store(unlike_in_a_row_ < kMostUnlike, std::memory_order_release);
+    unlike_in_a_row_ = apart_n <= kAlikeN + kAlikeShare * std::hypot(g.x, g.y, g.z) ? 0 : std::min(unlike_in_a_row_ + 1, kMaxUnlike);
+    agrees_.store(unlike_in_a_row_ < kMaxUnlike, std::memory_order_release);
   }
   /// Whether what this node renders is what the other one does, by the samples that both have answered lately: else a takeover would be felt. A
   /// virtual tool that was placed within a contact gives no force, for one. Any thread.
@@ -66,10 +66,10 @@ class SessionOfAnother {
     bool rendered = false;
   };
   static constexpr double kAlikeN = 0.05, kAlikeShare = 0.1;
-  static constexpr int kMostUnlike = 8;  ///< in a row: one alone may be a sample that one of the two was not given
+  static constexpr int kMaxUnlike = 8;  ///< in a row: one alone may be a sample that one of the two was not given
   std::array<Supplied, 16> recent_{};  ///< the other one's answer comes up to some samples later
   double offset_j_ = 0.0;
-  int unlike_in_a_row_ = kMostUnlike;
+  int unlike_in_a_row_ = kMaxUnlike;
   std::atomic<bool> known_{false}, agrees_{false};
 };
 

@@ -16,7 +16,7 @@ constexpr std::int64_t kLatestUseNs = 500'000'000;
 /// After that all ramps of a design are over: what its beginning does has shown by then, if the hand is in contact.
 constexpr std::int64_t kShownNs = 2'500'000'000;
 /// A fit takes some tenths of a second. More samples than this lie between plan and design only where the ring stood still.
-constexpr std::size_t kMostCandidates = 2000;
+constexpr std::size_t kMaxCandidates = 2000;
 
 bool same_bits(const msg::ForceCommand& a, const msg::ForceCommand& b) noexcept { return std::memcmp(&a, &b, sizeof a) == 0; }
 
@@ -92,7 +92,7 @@ void CouplingReplay::open_next() {
 
 /// One more that takes the design up at this sample; where it is too late for that, all do.
 void CouplingReplay::spawn(std::uint64_t sample, std::int64_t taken_ns) {
-  if (!open_ || sample < wanted_.front().from_sample || candidates_.front().began != 0 || candidates_.size() > kMostCandidates) return;
+  if (!open_ || sample < wanted_.front().from_sample || candidates_.front().began != 0 || candidates_.size() > kMaxCandidates) return;
   Candidate next = candidates_.front();
   next.coupling.adopt(wanted_.front().fitted, device_);
   next.began = sample;

@@ -1,5 +1,5 @@
 #pragma once
-/// Two messages of one kind held against each other, bit by bit, by the names of their fields.
+/// Two messages of one kind compared, bit by bit, by the names of their fields.
 #include <cstdint>
 #include <optional>
 #include <string>

@@ -11,7 +11,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-constexpr std::size_t kMostFields = 8;  ///< that are told to people; JSON has all
+constexpr std::size_t kMaxFields = 8;  ///< that are told to people; JSON has all
 
 template <class T>
 std::string difference_text(std::string_view what, const Comparison<T>& c) {
@@ -19,9 +19,9 @@ std::string difference_text(std::string_view what, const Comparison<T>& c) {
   if (c.differ == 0) return fmt::format("  {:<9} {} samples compared, all equal to the bit\n", what, c.compared);
   std::string text = fmt::format("  {:<9} {} of {} samples differ, the first is sample {}; largest difference {:.3g} N (sample {}), {:.3g} Nm (sample {})\n", what, c.differ,
                                  c.compared, c.first->sequence_number, c.force_n.value, c.force_n.sample, c.torque_nm.value, c.torque_nm.sample);
-  for (std::size_t i = 0; i < std::min(c.fields.size(), kMostFields); ++i)
+  for (std::size_t i = 0; i < std::min(c.fields.size(), kMaxFields); ++i)
     text += fmt::format("            {}: {} recorded, {} now, by {}\n", c.fields[i].field, c.fields[i].recorded, c.fields[i].replayed, c.fields[i].by);
-  if (c.fields.size() > kMostFields) text += fmt::format("            and {} fields more\n", c.fields.size() - kMostFields);
+  if (c.fields.size() > kMaxFields) text += fmt::format("            and {} fields more\n", c.fields.size() - kMaxFields);
   return text;
 }
 

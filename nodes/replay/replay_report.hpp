@@ -8,6 +8,7 @@
 
 namespace voxtouch::replay {
 
+/// For a person, and for a machine.
 std::string to_text(const Replayed& replayed);
 nlohmann::ordered_json to_json(const Replayed& replayed);
 /// What the plotting tool draws: the curves, and what stands beside them.

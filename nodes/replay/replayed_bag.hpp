@@ -1,5 +1,5 @@
 #pragma once
-/// A recording with this build's answers in place of the recorded ones: what another build, or a later one, is held against.
+/// A recording with this build's answers in place of the recorded ones: what another build, or a later one, is compared with.
 #include <cstdint>
 #include <filesystem>
 #include <map>

@@ -17,6 +17,7 @@ struct Deadline {
   std::int64_t at_ns = 0;
   std::uint64_t skipped = 0;
 };
+/// All by the monotonic clock. Real-time safe.
 Deadline next_deadline(std::int64_t previous_ns, std::int64_t now_ns, std::int64_t period_ns) noexcept;
 
 }  // namespace voxtouch::runtime

@@ -11,19 +11,19 @@ constexpr int kUnlikeLooks = 100;  ///< about 2 s: what is changed in one of the
 
 void DutyBase::begin(std::uint64_t session) noexcept {
   session_ = session;
-  turn_.begin();
+  pair_.begin();
   answers_.store(0, std::memory_order_relaxed);
 }
 
 bool DutyBase::decide(std::uint64_t sequence, bool fit) noexcept {
-  if (stand_back_.exchange(false, std::memory_order_relaxed) && turn_.acts() && !turn_.has_begun()) turn_.step_back(sequence);
-  Turn::Pair known = pair();
+  if (stand_back_.exchange(false, std::memory_order_relaxed) && pair_.acts() && !pair_.has_begun()) pair_.step_back(sequence);
+  ActingPair::Known known = known_of_pair();
   known.entitled = known.entitled && fit;
-  const bool acted = turn_.acts(), answers = turn_.answers(sequence, known);
+  const bool acted = pair_.acts(), answers = pair_.answers(sequence, known);
   if (answers && !acted) taken_over_at_.store(sequence, std::memory_order_relaxed);
-  takeovers_.store(turn_.takeovers(), std::memory_order_relaxed);
-  stepped_back_.store(turn_.stepped_back(), std::memory_order_relaxed);
-  acts_now_.store(turn_.acts(), std::memory_order_release);
+  takeovers_.store(pair_.takeovers(), std::memory_order_relaxed);
+  stepped_back_.store(pair_.stepped_back(), std::memory_order_relaxed);
+  acts_now_.store(pair_.acts(), std::memory_order_release);
   if (answers) count_answer();
   return answers;
 }

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "nodes/bus/followed_reader.hpp"
+#include "nodes/runtime/acting_pair.hpp"
 #include "nodes/runtime/standby.hpp"
-#include "nodes/runtime/turn.hpp"
 
 namespace voxtouch::runtime {
 
@@ -16,7 +16,7 @@ namespace voxtouch::runtime {
 class DutyBase {
  public:
   DutyBase(const bus::Participant& participant, std::string role, const StandbyOptions& options, SameIn same)
-      : participant_(participant), role_(std::move(role)), options_(options), turn_(!options.is_standby, options.unanswered),
+      : participant_(participant), role_(std::move(role)), options_(options), pair_(!options.is_standby, options.unanswered),
         same_(std::move(same)), acts_now_(!options.is_standby), entitled_(!options.is_standby) {}
   virtual ~DutyBase() = default;
 
@@ -30,7 +30,7 @@ class DutyBase {
   virtual bus::Following& others() = 0;
   virtual bool reads_others() const noexcept = 0;
   void begin(std::uint64_t session) noexcept;
-  void hear(std::uint64_t theirs, std::uint64_t newest) noexcept { turn_.hear(theirs, newest, pair()); }
+  void hear(std::uint64_t theirs, std::uint64_t newest) noexcept { pair_.hear(theirs, newest, known_of_pair()); }
   bool decide(std::uint64_t sequence, bool fit) noexcept;
   void count_answer() noexcept { answers_.fetch_add(1, std::memory_order_relaxed); }
 
@@ -38,13 +38,13 @@ class DutyBase {
   const std::string role_;
   const StandbyOptions options_;
   // Of the loop.
-  Turn turn_;
+  ActingPair pair_;
   std::uint64_t session_ = 0;
 
  private:
   std::string look_as_acting(const NodeRegistry& registry, NodeReport& report);
   std::string look_as_standby(const NodeRegistry& registry, NodeReport& report);
-  Turn::Pair pair() const noexcept {
+  ActingPair::Known known_of_pair() const noexcept {
     return {entitled_.load(std::memory_order_acquire), yields_.load(std::memory_order_relaxed)};
   }
   bool may_take_another() const noexcept;

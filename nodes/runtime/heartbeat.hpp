@@ -9,7 +9,7 @@
 
 namespace voxtouch::runtime {
 
-/// Statuses come ten times a second and loops turn at least every 50 ms: whoever has given no sign for this long hangs [ns].
+/// Statuses come ten times a second and loops go round at least every 50 ms: whoever has given no sign for this long hangs [ns].
 inline constexpr std::int64_t kHungNs = 400'000'000;
 /// A peer silent for this long ends a lockstep run, and `up` [ns].
 inline constexpr std::int64_t kGivenUpNs = 5'000'000'000;
@@ -35,15 +35,15 @@ class WatchClock {
 /// What a loop tells of itself. Real-time safe.
 class Heartbeat {
  public:
-  void beat() noexcept { turns_.fetch_add(1, std::memory_order_relaxed); }
-  /// Another number at each look for as long as the loop turns, or is busy with work that may take this long.
+  void beat() noexcept { beats_.fetch_add(1, std::memory_order_relaxed); }
+  /// Another number at each look for as long as the loop goes on, or is busy with work that may take this long.
   std::uint64_t sign() const noexcept {
     const std::int64_t now_ns = monotonic_ns();
     const bool busy = now_ns < busy_until_ns_.load(std::memory_order_relaxed);
-    return turns_.load(std::memory_order_relaxed) + (busy ? static_cast<std::uint64_t>(now_ns) : 0U);
+    return beats_.load(std::memory_order_relaxed) + (busy ? static_cast<std::uint64_t>(now_ns) : 0U);
   }
 
-  /// One turn that is meant to take long, but not longer than `most_ns`.
+  /// One pass of the loop that is meant to take long, but not longer than `most_ns`.
   class Busy {
    public:
     Busy(Heartbeat& loop, std::int64_t most_ns) noexcept : loop_(loop) {
@@ -61,7 +61,7 @@ class Heartbeat {
   };
 
  private:
-  std::atomic<std::uint64_t> turns_{0};
+  std::atomic<std::uint64_t> beats_{0};
   std::atomic<std::int64_t> busy_until_ns_{0};
 };
 

@@ -24,11 +24,11 @@ Housekeeping::Housekeeping(const bus::Participant& participant, std::string node
     : options_(options), node_(node), writer_(participant, std::move(node), options.rig),
       registry_(participant, options.rig), life_cycle_(participant, node_, options.rig), ros_log_(participant, node_, options.rig), look_(std::move(look)), watched_(std::move(watched)),
       own_(participant.guid()) {
-  turn();
+  cycle();
   thread_ = std::thread([this, begun_ns = monotonic_ns()] {
     ordinary_priority();
     while (!stop_.load(std::memory_order_acquire)) {
-      turn_or_skip();
+      cycle_or_skip();
       std::this_thread::sleep_for(std::chrono::milliseconds(monotonic_ns() - begun_ns < kStartNs ? 5 : 20));
     }
   });
@@ -38,13 +38,13 @@ Housekeeping::~Housekeeping() {
   stop_.store(true, std::memory_order_release);
   thread_.join();
   last_publish_ns_ = 0;
-  turn_or_skip();
+  cycle_or_skip();
   writer_.flush();
 }
 
-void Housekeeping::turn_or_skip() noexcept {
+void Housekeeping::cycle_or_skip() noexcept {
   try {
-    turn();
+    cycle();
   } catch (const std::exception&) {
     // Out of memory, say. A report is lost; an exception that left this thread would end the process, and the device with it.
   }
@@ -107,7 +107,7 @@ void Housekeeping::tell_ros(const NodeReport& report) {
   if (ros_log_.reader_came() || report.message != last_.message) ros_log_.say(report.state, report.message);
 }
 
-void Housekeeping::turn() {
+void Housekeeping::cycle() {
   registry_.update([this](const NodeReport& report) { return partners_.contains(report.participant); });
   NodeReport report = last_;
   look_(registry_, report);

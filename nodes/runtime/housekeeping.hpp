@@ -37,11 +37,11 @@ class Housekeeping {
   bool peer_lost() const noexcept { return peer_lost_.load(std::memory_order_relaxed); }
 
  private:
-  void turn();
+  void cycle();
   void compare_scenes(NodeReport& report) const;
   void watch_own(NodeReport& report);
   void watch_others(NodeReport& report);
-  void turn_or_skip() noexcept;
+  void cycle_or_skip() noexcept;
   void tell_ros(const NodeReport& report);
 
   const NodeOptions& options_;

@@ -10,6 +10,7 @@ namespace voxtouch::runtime {
 /// read meanwhile and gets a picture that is a few samples old.
 class LatencyHistogram {
  public:
+  /// Real-time safe. Below 0 counts as 0.
   void record(std::int64_t latency_ns) noexcept;
   std::uint64_t count() const noexcept { return count_.load(std::memory_order_relaxed); }
   double max_us() const noexcept { return static_cast<double>(max_ns_.load(std::memory_order_relaxed)) * 1e-3; }

@@ -27,7 +27,7 @@ LifeCycle::LifeCycle(const bus::Participant& participant, std::string_view node,
     : states_(bus::ServiceServer<msg::lifecycle_msgs_GetState>::make<always_fits>(participant, qos::kGetState, rig, node)) {}
 
 void LifeCycle::serve(NodeState state) {
-  constexpr int kMostATurn = 16;
+  constexpr int kMaxPerLook = 16;
   states_.send_waiting();
   states_.take(
       [&](const auto&, const bus::Caller& caller) {
@@ -39,7 +39,7 @@ void LifeCycle::serve(NodeState state) {
           send();
         });
       },
-      kMostATurn);
+      kMaxPerLook);
 }
 
 }  // namespace voxtouch::runtime

@@ -107,7 +107,7 @@ void NodeRegistry::look_who_is_here() {
   }
 }
 
-/// Far more than a node sends, turn after turn: after a pause of this process a turn may well find many.
+/// Far more than a node sends, look after look: after a pause of this process a look may well find many.
 void NodeRegistry::refuse_floods() {
   constexpr int kMany = 32;
   for (const auto& [writer, count] : taken_)

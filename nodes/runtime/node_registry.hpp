@@ -28,7 +28,7 @@ enum class NodeState : std::uint32_t {
 /// Name of a report's figure: how many device sessions the node has seen.
 inline constexpr char kSessions[] = "sessions";
 
-/// Figures and word of a report: for how long what is watched beside the housekeeping has not turned, and what it is.
+/// Figures and word of a report: for how long what is watched beside the housekeeping has stood still, and what it is.
 inline constexpr char kStalledFor[] = "stalled_s", kLongestStall[] = "longest_stall_s", kStalled[] = "stalled";
 
 /// One node's status as a value.
@@ -119,7 +119,7 @@ class NodeRegistry {
 
   std::unique_ptr<bus::Following> senders_;  // outlives the reader, which asks it
   bus::Reader<msg::NodeStatus> reader_;
-  std::map<dds_instance_handle_t, int> taken_, taken_before_;  ///< statuses of each writer, in this turn and in the last
+  std::map<dds_instance_handle_t, int> taken_, taken_before_;  ///< statuses of each writer, in this look and in the last
   std::map<dds_instance_handle_t, bus::Guid> writers_;  ///< of the statuses: whose each is
   std::set<bus::Guid> here_;
   std::uint64_t refused_ = 0;

@@ -42,6 +42,7 @@ struct NodeOptions {
   security::Properties require_keys(std::string_view node) const {
     return security.empty() ? security::Properties() : security::properties_of(security, security::role_of(node), rig);
   }
+  /// Whether `node` is among --peers.
   bool has_peer(std::string_view node) const;
   /// In lockstep no deadline is to be met, and a loop that never rests would keep the real-time rings of this machine from running.
   RealtimeOptions scheduling() const {

@@ -12,7 +12,7 @@ namespace voxtouch::runtime {
 /// Not for the loop.
 class RosLog {
  public:
-  static constexpr int kMostASecond = 10;
+  static constexpr int kMaxPerSecond = 10;
   RosLog(const bus::Participant& participant, const std::string& node, const std::string& rig);
   /// One line, while somebody reads. Of more than ten in a second the first ten; the next line says how many were left out.
   void say(NodeState state, const std::string& sentence);
@@ -24,7 +24,7 @@ class RosLog {
  private:
   bus::Writer<msg::rcl_interfaces_Log> lines_;
   std::string name_;  ///< of the logger, as rclcpp calls a node's: "haptic.device"
-  log::FewASecond few_{kMostASecond};
+  log::FewASecond few_{kMaxPerSecond};
   std::uint32_t readers_ = 0;
   std::uint64_t written_ = 0;
 };

@@ -25,12 +25,14 @@ bool says_that_it_acts(const NodeReport& report, std::string_view role);
 /// And one that has a standby, or was one: a rival that knows of none is not meant.
 bool says_that_it_acts_in_a_pair(const NodeReport& report, std::string_view role);
 
+/// 32 hexadecimal digits.
 std::string to_hex(const bus::Guid& guid);
 /// What an acting one says of its standby. `says`: it says something; without a participant: that it has none.
 struct NamedStandby {
   bool says = false;
   std::optional<bus::Guid> participant;
 };
+/// Says nothing where the report has no such word, or one that is no GUID.
 NamedStandby named_standby(const NodeReport& report);
 
 /// What must be equal in two statuses for one to take the other's place: words and figures, by name.

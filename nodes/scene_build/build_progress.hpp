@@ -33,6 +33,7 @@ class BuildProgress {
   BuildProgress(const BuildProgress&) = delete;
   BuildProgress& operator=(const BuildProgress&) = delete;
 
+  /// The step before has ended.
   void begin_step(const std::string& name);
   /// `loop` with its bodies counted. The builder runs one loop at a time.
   ParallelFor counted(ParallelFor loop);

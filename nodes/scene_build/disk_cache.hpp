@@ -24,6 +24,7 @@ class DiskCache final : public rendering::SceneStore {
   void keep(const std::string& recipe, std::string_view content) override;
   std::uint64_t most_bytes() const noexcept override { return most_bytes_; }
 
+  /// Where what was built by `recipe` is kept, or would be.
   std::filesystem::path file_of(const std::string& recipe) const;
 
  private:

@@ -45,6 +45,7 @@ Signer make_authority(const std::string& common_name, int days);
 Certificate issue(const Signer& authority, EVP_PKEY& key, const std::string& common_name, int days);
 /// Those revoked in `old` (may be null) and `revoked` (may be null), valid as long as the authority.
 RevocationList make_revocation_list(const Signer& authority, X509_CRL* old, X509* revoked);
+/// Whether `list` names the certificate; nobody looks here whether the list itself is signed.
 bool is_revoked(X509_CRL& list, X509& certificate);
 
 /// S/MIME as DDS Security has it: the text and its signature in one.
@@ -52,9 +53,11 @@ std::string sign(const Signer& authority, const std::string& text);
 /// The text that `authority` signed; `from` is named where it did not.
 std::string verified(const std::string& smime, X509& authority, const std::filesystem::path& from);
 
+/// Empty where it has none.
 std::string common_name_of(X509& certificate);
 /// "2026-01-31T12:00:00Z".
 std::string to_text(const ASN1_TIME& time);
+/// Whether `time` lies before now.
 bool is_over(const ASN1_TIME& time);
 
 }  // namespace voxtouch::security

@@ -84,7 +84,7 @@ class ValidatorNode {
     bool leave = false;
     while (!leave) {
       heartbeat_.beat();
-      leave = over_();  // one more turn after the stop: what came before it is judged too
+      leave = over_();  // one more pass after the stop: what came before it is judged too
       wait_set_.wait(leave ? 100'000'000 : 50'000'000);
       plans_.take([this](const msg::ScenePlan& plan) { take(plan); });
       msg::ContactState contact;

@@ -16,6 +16,7 @@ namespace voxtouch::view {
 
 class Facts {
  public:
+  /// What the ring says of itself; the newest of each is kept.
   void take(const msg::ScenePlan& plan);
   void take(const msg::CouplingDesign& design);
   void take(const msg::DeviceDescription& device);

@@ -61,7 +61,7 @@ void states(const fci::Dialect& dialect, fuzz::Bytes in) {
     const arm::Joints torque = ramp.next(arm.at(state.q).jacobian, push, arm::Joints::Zero());
     FUZZ_REQUIRE(torque.allFinite() && (torque.array().abs() <= most.array() + kStep).all());
     FUZZ_REQUIRE(session.listens() || torque.isZero(0.0));
-    std::array<std::byte, fci::kMostCommand> out;
+    std::array<std::byte, fci::kMaxCommandBytes> out;
     fci::Command back;
     const std::size_t size = fci::encode(dialect, {state.message_id, torque, false}, out);
     FUZZ_REQUIRE(fci::decode(dialect, std::span(out).first(size), back) == fci::PacketFault::kNone && back.torque_nm == torque);

@@ -16,7 +16,7 @@ namespace voxtouch::test {
 namespace {
 
 using std::chrono::milliseconds;
-constexpr double kSpringNPerM = 40.0, kMostN = 1.5, kTimeoutS = 0.05, kFadeS = 0.05;
+constexpr double kSpringNPerM = 40.0, kMaxN = 1.5, kTimeoutS = 0.05, kFadeS = 0.05;
 constexpr double kCentre[] = {-0.09, -0.03, 0.08};  // 30 mm above where the hand of `rest` wants to be
 
 /// A node of somebody's own, as a thread: a spring from the tool's last pose to a point.
@@ -85,8 +85,8 @@ TEST(ExternalRing, ALoopThatIsClosedOutsideIsStableBoundedFadesWhenItsNodeStopsA
   const nlohmann::json summary = parse_summary(end.out);
   ASSERT_TRUE(summary.is_object()) << end.out << end.err;
   EXPECT_EQ(end.status, 0) << end.err << end.out;
-  EXPECT_NE(end.err.find("rendering: the outside wrench on /sim/wrench comes from"), std::string::npos) << end.err;
-  EXPECT_NE(end.out.find("No certificate covers the effect 'external'"), std::string::npos) << end.out;
+  EXPECT_NE(end.err.find("/sim/wrench"), std::string::npos) << end.err;
+  EXPECT_NE(end.out.find("No certificate"), std::string::npos) << end.out;
   EXPECT_GT(summary["external"]["external_samples"], 100);
   EXPECT_LE(summary["external"]["external_given_j"], 0.05 + 0.05 * 10.0) << "energy_j and ten seconds of power_w";
 
@@ -107,10 +107,10 @@ TEST(ExternalRing, ALoopThatIsClosedOutsideIsStableBoundedFadesWhenItsNodeStopsA
     ++ended;
   }
   EXPECT_GT(most_n, 0.3);
-  EXPECT_LE(most_n, kMostN);
+  EXPECT_LE(most_n, kMaxN);
   EXPECT_GT(most_command_n, 0.3) << "the hand felt it";
-  EXPECT_LE(most_command_n, 1.2 * kMostN) << "the filter's overshoot";
-  EXPECT_LE(high - low, 0.1 * kMostN) << "in the last second of the closed loop the force stands: from " << low << " to " << high << " N";
+  EXPECT_LE(most_command_n, 1.2 * kMaxN) << "the filter's overshoot";
+  EXPECT_LE(high - low, 0.1 * kMaxN) << "in the last second of the closed loop the force stands: from " << low << " to " << high << " N";
   EXPECT_GT(ended, 100);
 
   const Finished replay = Process({VOXTOUCH_BIN "/voxtouch", "replay", bag.string(), "--json"}).wait();

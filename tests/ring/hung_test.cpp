@@ -77,14 +77,13 @@ TEST_P(StoppedNode, IsNamedByUpAndByTheOthersAndTheRunIsNoGoodOne) {
   std::printf("%s: named by up after %.0f ms, by another node after %.0f ms\n", node.c_str(), up_ms, others_ms);
   const Finished end = up.wait();
   EXPECT_EQ(end.status, 1) << end.err;
-  EXPECT_NE(end.err.find(node + " is heard again"), std::string::npos) << end.err;
+  EXPECT_NE(end.err.find(node + " is heard"), std::string::npos) << end.err;
   const auto summary = parse_summary(end.out);
   ASSERT_TRUE(summary.is_object()) << end.out << end.err;
   EXPECT_EQ(summary["ok"], false);
   EXPECT_EQ(summary["limits"]["silence_s"]["met"], false) << end.out;
   EXPECT_GT(summary["limits"]["silence_s"]["value"], 0.4);
-  const std::string problems = summary["problems"].dump();
-  EXPECT_NE(problems.find(node, problems.find("sign of life of a node is")), std::string::npos) << end.out;
+  EXPECT_NE(summary["problems"].dump().find(node), std::string::npos) << end.out;
   if (node == "device") {
     EXPECT_GE(summary["interruptions"], 1) << "it went on with the force that it held";
   }
@@ -141,10 +140,10 @@ TEST(HungDisk, IsNamedAndTheRunIsNoGoodOne) {
   std::this_thread::sleep_for(milliseconds(1000));
   std::ofstream(flag) << "now";
   const auto stopped = Clock::now();
-  EXPECT_TRUE(wait_until([&] { return up.err().find("logger hangs: its disk has stood still") != std::string::npos; }, seconds(4)))
+  EXPECT_TRUE(wait_until([&] { return up.err().find("logger hangs") != std::string::npos; }, seconds(4)))
       << up.err();
   std::printf("disk: named by up after %.0f ms\n", ms_since(stopped));
-  EXPECT_TRUE(wait_until([&] { return onlooker.sees_it_said("logger hangs: its disk", "logger"); }, seconds(2)));
+  EXPECT_TRUE(wait_until([&] { return onlooker.sees_it_said("logger hangs", "logger"); }, seconds(2)));
   std::filesystem::remove(flag);
   const Finished end = up.wait();
   EXPECT_EQ(end.status, 1) << end.err;
@@ -163,7 +162,7 @@ TEST(HungDisk, ThatIsStoppedMeanwhileLosesNothing) {
   ASSERT_TRUE(wait_until([&] { return runs(up); }, seconds(30))) << up.err();
   std::this_thread::sleep_for(milliseconds(1000));
   std::ofstream(flag) << "now";
-  EXPECT_TRUE(wait_until([&] { return up.err().find("logger hangs: its disk has stood still") != std::string::npos; }, seconds(4)));
+  EXPECT_TRUE(wait_until([&] { return up.err().find("logger hangs") != std::string::npos; }, seconds(4)));
   up.signal(SIGINT);
   std::this_thread::sleep_for(milliseconds(2500));
   std::filesystem::remove(flag);
@@ -195,7 +194,7 @@ TEST_P(StoppedInLockstep, EndsTheRunWithASentence) {
   EXPECT_EQ(end.status, 1) << "128 + 9: it waited for ever\n" << end.err;
   const auto summary = parse_summary(end.out);
   ASSERT_TRUE(summary.is_object()) << end.out << end.err;
-  EXPECT_NE(summary["problems"].dump().find(node + " has given no sign of life for "), std::string::npos) << end.out;
+  EXPECT_NE(summary["problems"].dump().find(node), std::string::npos) << end.out;
 }
 
 INSTANTIATE_TEST_SUITE_P(Lockstep, StoppedInLockstep, kNodes, only_name);
@@ -206,7 +205,7 @@ TEST(StoppedInLockstep, IsNamedWhileTheOthersWaitForItToStart) {
   pid_t validator = 0;
   ASSERT_TRUE(wait_until([&] { return (validator = child_called(up.pid(), "voxtouch_validator")) != 0; }, seconds(30))) << up.err();
   ASSERT_EQ(::kill(validator, SIGSTOP), 0);
-  EXPECT_TRUE(wait_until([&] { return std::regex_search(up.err(), std::regex("waiting for validator\n")); }, seconds(20))) << up.err();
+  EXPECT_TRUE(wait_until([&] { return std::regex_search(up.err(), std::regex("waiting.* validator\n")); }, seconds(20))) << up.err();
   EXPECT_EQ(up.err().find(" samples  force"), std::string::npos) << up.err();
   ::kill(validator, SIGCONT);
   EXPECT_EQ(up.wait(seconds(50)).status, 0) << up.err();
@@ -228,7 +227,7 @@ TEST(StoppedInLockstep, EndsNodesThatWereStartedByHandToo) {
   for (Process* node : {rendering.get(), coupling.get()}) {
     const Finished end = node->wait(seconds(30));
     EXPECT_EQ(end.status, 1) << end.err;
-    EXPECT_NE(end.err.find("device has given no sign of life for 5 s: the lockstep run ends"), std::string::npos) << end.err;
+    EXPECT_TRUE(std::regex_search(end.err, std::regex("device.* 5 s"))) << end.err;
   }
   device->signal(SIGCONT);
   EXPECT_EQ(device->wait(seconds(30)).status, 1);

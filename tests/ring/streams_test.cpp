@@ -100,7 +100,7 @@ TEST(Stdout, ThatTakesNoSummaryIsAFailure) {
   for (const char* redirection : {">/dev/full", ">&-"}) {
     const RingResult r = run_redirected(redirection, {});
     EXPECT_EQ(r.process.status, 1) << redirection << r.process.err;
-    EXPECT_NE(r.process.err.find("standard output could not be written"), std::string::npos) << r.process.err;
+    EXPECT_NE(r.process.err.find("standard output"), std::string::npos) << r.process.err;
   }
 }
 

@@ -40,7 +40,7 @@ class Runner(unittest.TestCase):
     def test_names_the_case_that_fails_twice(self):
         status, told, build = self.run_with(devices_test=BAD, wire_test=GOOD)
         self.assertEqual(status, 1, told)
-        last = told[told.index("these FAILED twice"):]
+        last = told[told.index("FAILED twice"):]
         self.assertIn("devices_test: Guard.Fails ", last)
         self.assertNotIn("Guard.Holds", last)
         self.assertNotIn("was running", last)
@@ -55,25 +55,25 @@ class Runner(unittest.TestCase):
     def test_names_the_case_in_which_a_program_crashes(self):
         status, told, _ = self.run_with(devices_test=CRASHING)
         self.assertEqual(status, 1, told)
-        self.assertIn("devices_test: Guard.Crashes (it was running when the program ended; the cases after it did not run)", told[told.index("these FAILED twice"):])
+        self.assertIn("devices_test: Guard.Crashes (", told[told.index("FAILED twice"):])
 
     def test_tells_of_a_test_that_fails_once_and_keeps_what_it_said(self):
         status, told, build = self.run_with(ring_test=ONCE, devices_test=GOOD)
         self.assertEqual(status, 0, told)
-        self.assertIn("ring_test: Guard.OfALateRing ", told[told.index("these failed beside others and passed alone:"):])
+        self.assertIn("ring_test: Guard.OfALateRing ", told[told.index("passed alone:"):])
         self.assertNotIn("twice", told)
         self.assertIn("Guard.OfALateRing", (build / "failed/ring_test.beside_others.txt").read_text())
 
     def test_tells_of_both_kinds_and_fails(self):
         status, told, _ = self.run_with(ring_test=ONCE, devices_test=BAD)
         self.assertEqual(status, 1, told)
-        self.assertIn("ring_test", told[told.index("passed alone:"):told.index("these FAILED twice")])
-        self.assertIn("devices_test", told[told.index("these FAILED twice"):])
+        self.assertIn("ring_test", told[told.index("passed alone:"):told.index("FAILED twice")])
+        self.assertIn("devices_test", told[told.index("FAILED twice"):])
 
     def test_runs_none_again_where_many_fail(self):
         status, told, build = self.run_with(**{f"ring_{n}": ONCE.replace("been", f"been{n}") for n in range(6)})
         self.assertEqual(status, 1, told)
-        self.assertIn("6 tests failed, which are too many", told)
+        self.assertIn("6 tests failed", told)
         self.assertEqual(len(list((build / "failed").glob("*.beside_others.txt"))), 6)
         self.assertEqual(list((build / "failed").glob("*.alone.txt")), [])
 

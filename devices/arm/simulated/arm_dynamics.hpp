@@ -54,6 +54,7 @@ class ArmDynamics {
     arm::Jacobian jacobian;  ///< of the tool's origin, base axes, linear first
     Twist twist;           ///< of the tool
   };
+  /// At the joints `q` [rad], `rate` [rad/s], with `load` at the tip. Real-time safe.
   Terms at(const arm::Joints& q, const arm::Joints& rate, const TipLoad& load = {}) const noexcept;
 
   /// Where a link is: a point of it in the base is rotation * point + origin.
@@ -62,6 +63,7 @@ class ArmDynamics {
     Vec3 origin;  ///< on the joint's axis
     Vec3 axis;    ///< of the joint, in the base
   };
+  /// Where the links stand at the joints `q` [rad].
   std::array<Frame, 7> links(const arm::Joints& q) const noexcept;
 
   const ArmBodies& bodies() const noexcept { return bodies_; }

@@ -143,7 +143,7 @@ void FciServer::handle(const fr3::fci::Received& message) noexcept {
 bool FciServer::send_due(double until_s) noexcept {
   bool sent = false;
   while (const Line::Packet* packet = line_.take(until_s)) {
-    std::array<std::byte, fr3::fci::kMostState> bytes;
+    std::array<std::byte, fr3::fci::kMaxStateBytes> bytes;
     const std::size_t size = fr3::fci::encode(robot_.dialect(), packet->msr, bytes);
     ++(socket_.send(std::span(bytes).first(size), remote_) ? counts_.sent : counts_.send_errors);
     newest_ = std::max(newest_.value_or(0), packet->msr.message_id);

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "nodes/cli/design/design_report.hpp"
-#include "nodes/cli/design/design_request.hpp"
+#include "nodes/cli/design/design_input.hpp"
 #include "nodes/cli/known_device.hpp"
 #include "nodes/cli/output_file.hpp"
 #include "nodes/cli/plot_tool.hpp"
@@ -17,7 +17,7 @@
 namespace voxtouch::cli {
 namespace {
 
-struct DesignVerbOptions : DesignRequest {
+struct DesignVerbOptions : DesignInput {
   std::string device = "sim-phantom";
   std::filesystem::path plot, csv;
   bool json = false;

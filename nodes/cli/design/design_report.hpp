@@ -16,6 +16,7 @@ struct PaperRecipe {
   double critical_released = 0.0;  ///< where nobody holds it; NaN where that is not among the cases
   double critical_held = 0.0;      ///< worst of the hands
 };
+/// The paper's own 5 Hz filter (Renz et al. 2001) on the problem's device and hands, by the exact loop.
 PaperRecipe judge_paper_recipe(const coupling::design::DesignProblem& request);
 /// Stiffness at the hand over the filter's cut-off, from 1 Hz on: where the loop is stable with the damping that was chosen.
 coupling::design::StableRegion region_round(const coupling::design::DesignProblem& request, const coupling::design::Design& design);
@@ -28,6 +29,7 @@ struct LawRegion {
   std::vector<double> x;         ///< of `over`, from a tenth of the chosen one to ten times it
   std::vector<double> critical;  ///< the worst case becomes unstable here [N/m]
 };
+/// Stiffness over the one number of the law that the design chose, by the exact loop of the problem's worst case.
 LawRegion region_of_law(const coupling::design::DesignProblem& request, const coupling::design::Design& design);
 
 struct DesignReport {

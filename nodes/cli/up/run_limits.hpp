@@ -51,7 +51,7 @@ struct RunFigures {
   std::string silent;      ///< which, and who else hung
 };
 
-/// One limit held against one run.
+/// One limit compared with one run.
 struct Judged {
   const Limit* limit = nullptr;
   double bound = 0.0;  ///< the chosen one, else the default

@@ -59,6 +59,31 @@ nlohmann::ordered_json coupling_json(const Reports& r) {
   return j;
 }
 
+/// Figures of what not every scene has: a virtual tool, a wrench from outside, a time budget.
+void add_what_the_scene_has(nlohmann::ordered_json& j, const RunSummary& s) {
+  const Reports& r = s.reports;
+  if (has_virtual_tool(s)) {
+    add_numbers(j["virtual_tool"], r, "rendering", {"spring_n_per_m", "most_penetration_m", "most_residual_m"});
+    add_counts(j["virtual_tool"], r, "rendering", {"samples_at_most_queries", "lag_samples", "unplaced_samples"});
+  }
+  if (!word(r, "rendering", "external").empty()) {
+    j["external"] = {{"topic", word(r, "rendering", "external_topic")}, {"writer", word(r, "rendering", "external_writer")}};
+    add_counts(j["external"], r, "rendering", {"external_samples", "external_foreign", "external_not_finite", "external_wrong_frame", "external_late"});
+    add_numbers(j["external"], r, "rendering", {"external_given_j"});
+  }
+  if (has_budget(s)) {
+    add_counts(j["budget"], r, "rendering", {"left_out_samples", "over_budget_samples", "cut_short_samples"});
+    add_numbers(j["budget"], r, "rendering", {"most_left_out_depth_m"});
+  }
+}
+
+void add_recording(nlohmann::ordered_json& j, const Reports& r) {
+  add_counts(j, r, "logger", {"written", "dropped", "refused_records"});
+  for (const char* stream : {"device_state", "rendering_contact", "coupling_command"})
+    j["streams"][stream] = {{"recorded", count(r, "logger", stream + std::string("_recorded"))},
+                            {"gaps", count(r, "logger", stream + std::string("_gaps"))}};
+}
+
 }  // namespace
 
 nlohmann::ordered_json to_json(const RunSummary& s) {
@@ -78,28 +103,13 @@ nlohmann::ordered_json to_json(const RunSummary& s) {
   add_counts(j, r, "device", {"answered", "overruns", "deadline_misses"});
   add_counts(j, r, "rendering", {"contact_samples", "held_samples", "saturated_samples", "fast_samples",
                                  "crossed_samples", "missed_samples"});
-  if (has_virtual_tool(s)) {
-    add_numbers(j["virtual_tool"], r, "rendering", {"spring_n_per_m", "most_penetration_m", "most_residual_m"});
-    add_counts(j["virtual_tool"], r, "rendering", {"samples_at_most_queries", "lag_samples", "unplaced_samples"});
-  }
-  if (!word(r, "rendering", "external").empty()) {
-    j["external"] = {{"topic", word(r, "rendering", "external_topic")}, {"writer", word(r, "rendering", "external_writer")}};
-    add_counts(j["external"], r, "rendering", {"external_samples", "external_foreign", "external_not_finite", "external_wrong_frame", "external_late"});
-    add_numbers(j["external"], r, "rendering", {"external_given_j"});
-  }
-  if (has_budget(s)) {
-    add_counts(j["budget"], r, "rendering", {"left_out_samples", "over_budget_samples", "cut_short_samples"});
-    add_numbers(j["budget"], r, "rendering", {"most_left_out_depth_m"});
-  }
+  add_what_the_scene_has(j, s);
   add_counts(j, r, "device", {"zero_force_samples", "interruptions"});
   j["max_force_n"] = number(r, "device", "max_force_n");
   j["coupling"] = coupling_json(r);
   add_counts(j["guard"], r, "device", {"refused", "refused_late", "clamped"});
   add_counts(j["validator"], r, "validator", {"checked", "decided", "agree", "in_band", "disagree"});
-  add_counts(j["recording"], r, "logger", {"written", "dropped", "refused_records"});
-  for (const char* stream : {"device_state", "rendering_contact", "coupling_command"})
-    j["recording"]["streams"][stream] = {{"recorded", count(r, "logger", stream + std::string("_recorded"))},
-                                         {"gaps", count(r, "logger", stream + std::string("_gaps"))}};
+  add_recording(j["recording"], r);
   for (const Judged& judged : s.judged)
     j["limits"][std::string(judged.limit->name)] = {{"value", judged.measured ? nlohmann::ordered_json(*judged.measured) : nullptr},
                                                     {judged.limit->at_least ? "at_least" : "at_most", judged.bound},

@@ -20,10 +20,10 @@ namespace {
 
 using namespace std::chrono_literals;
 constexpr auto kStopped = 700ms;            // how long a node stands still
-constexpr double kMostPeriods = 5.0;
+constexpr double kMaxPeriods = 5.0;
 constexpr double kRampS = 0.1;              // of the force guard, after a fade
 constexpr double kPeriodMs = 1.0;
-constexpr int kMostTold = 10;               // samples named in a sentence
+constexpr int kMaxTold = 10;               // samples named in a sentence
 
 std::vector<std::string> with_standby(const std::vector<std::string>& options) {
   std::vector<std::string> words = test::on_a_busy_machine();
@@ -136,11 +136,11 @@ class Round {
     std::string unforced;  // how many samples after the loss
     for (const msg::DeviceState& s : states)
       if (s.sequence_number >= lost && s.sequence_number <= end && (s.flags & msg::device_state::kFlagForceOn) == 0) {
-        if (++result_.unforced <= kMostTold) unforced += fmt::format(" {}", s.sequence_number - lost);
+        if (++result_.unforced <= kMaxTold) unforced += fmt::format(" {}", s.sequence_number - lost);
       }
     result_.stalled = result_.machine_ms > kPeriodMs;
     const bool excused = result_.stalled;
-    if (result_.takeover_periods > kMostPeriods && !excused)
+    if (result_.takeover_periods > kMaxPeriods && !excused)
       result_.faults.push_back(fmt::format("the takeover took {} periods; the machine kept a thread waiting for {:.1f} ms", result_.takeover_periods, result_.machine_ms));
     if (result_.unforced > 0 && !excused) result_.faults.push_back(fmt::format("{} samples were without force, of {} after the loss:{}", result_.unforced, end - lost, unforced));
     if (result_.answered_twice > 0) result_.faults.push_back(fmt::format("the device took {} answers more than there are samples", result_.answered_twice));
@@ -151,7 +151,7 @@ class Round {
 
   /// The largest gap between two answered samples from shortly before the signal on.
   void judge_gap(const std::map<std::uint64_t, msg::ForceCommand>& commands, std::uint64_t lost, std::uint64_t end) {
-    constexpr double kMostN = 8.5;  // of the simulated Phantom
+    constexpr double kMaxN = 8.5;  // of the simulated Phantom
     for (auto next = commands.upper_bound(lost > 1000 ? lost - 1000 : 0); next != commands.end(); ++next) {
       if (next == commands.begin()) continue;
       const auto before = std::prev(next);
@@ -161,7 +161,7 @@ class Round {
       } else if (next->first <= end && static_cast<double>(periods) > result_.takeover_periods) {
         result_.takeover_periods = static_cast<double>(periods);
         result_.step_n = step(before->second, next->second);
-        result_.ramp_step_n = kMostN * static_cast<double>(periods) * 1e-3 * kPeriodMs / kRampS;
+        result_.ramp_step_n = kMaxN * static_cast<double>(periods) * 1e-3 * kPeriodMs / kRampS;
       }
     }
   }

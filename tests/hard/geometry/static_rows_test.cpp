@@ -459,7 +459,7 @@ TEST(V8VerticesThatAreNoNumbers, AreRefusedByIndexOrDoNoHarmInEveryCoordinate) {
           ++refused;
           EXPECT_FALSE(number && small) << error.what();
           const std::string said = error.what();
-          EXPECT_NE(said.find(number ? "use a larger voxel size" : name), std::string::npos) << said;
+          EXPECT_NE(said.find(number ? "voxel size" : name), std::string::npos) << said;
         }
       };
       says([&] { voxmap::voxelise(mesh, grid, serial_for()); });

@@ -67,7 +67,7 @@ TEST(FloatingPointTraps, NoFrameOfRandomContactIsInvalidOverflowsOrDividesByZero
 TEST(FloatingPointTraps, EndTheProcessAndNameTheFrame) {
   TrapRunOptions ask;
   ask.scenes = VOXTOUCH_DEPLOY "/scenes", ask.frames = 1300, ask.seed = 7, ask.trip_at = 50;
-  EXPECT_EXIT(run_traps(ask), ::testing::KilledBySignal(SIGFPE), "division by zero at .*original, frame 50, seed 7");
+  EXPECT_EXIT(run_traps(ask), ::testing::KilledBySignal(SIGFPE), "original, frame 50, seed 7");
 }
 
 }  // namespace

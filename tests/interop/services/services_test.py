@@ -94,7 +94,7 @@ class Services(Asked):
         coulomb, beyond, unknown = self.call("describe_parameters", names=["friction.coulomb", "guide_point.beyond", "no.such"]).descriptors
         self.assertEqual((coulomb.type, coulomb.read_only, coulomb.floating_point_range[0].from_value, coulomb.floating_point_range[0].to_value),
                          (DOUBLE, False, 0.0, 2.0))
-        self.assertIn("Friction while sliding", coulomb.description)
+        self.assertTrue(coulomb.description)
         self.assertTrue(beyond.read_only)
         self.assertIn("hold release", beyond.additional_constraints)
         self.assertEqual((unknown.name, unknown.type), ("no.such", 0))
@@ -122,7 +122,7 @@ class Services(Asked):
 
     def test_c_sets_all_in_one_sample_or_none(self):
         before = self.get("friction.coulomb", "viscosity.gain")
-        self.assertIn("'coulomb' must be a number from 0 to 2", self.set_together(viscosity__gain=0.25, friction__coulomb=9.0))
+        self.assertRegex(self.set_together(viscosity__gain=0.25, friction__coulomb=9.0), r"'coulomb' .* 0 to 2\b")
         self.assertEqual(self.get("friction.coulomb", "viscosity.gain"), before)
         # Each alone is against the rule of the guide (range_m of at least 3 limit_n / stiffness_n_per_m), and so is either order.
         self.assertNotEqual(self.set("guide_point.limit_n", 4.0), "")
@@ -137,8 +137,9 @@ class Services(Asked):
         self.assertGreater(done.from_sample, 0)
         self.assertEqual(self.get("friction.coulomb"), [0.2])
         refused = self.call("change_effect", action=GAIN, effect="friction", value=[7.0, 0.0, 0.0])
-        self.assertEqual((refused.done, refused.sentence), (False, "'gain' must be a number from 0 to 1"))
-        self.assertIn("there is no action 77", self.call("change_effect", action=77).sentence)
+        self.assertFalse(refused.done)
+        self.assertRegex(refused.sentence, r"'gain' .* 0 to 1\b")
+        self.assertIn("action 77", self.call("change_effect", action=77).sentence)
 
     def test_e_tells_changes_and_sentences_to_who_reads_them(self):
         events = subscription(self.participant, Topic(self.participant, "rt/parameter_events", ParameterEvent), 1000)

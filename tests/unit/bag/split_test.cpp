@@ -73,14 +73,14 @@ TEST_P(SplitBag, AFileThatHasJustBeenBegunIsABagByItselfWhenTheRecorderIsKilled)
 }
 
 TEST_P(SplitBag, BySizeNoFileIsMuchLarger) {
-  constexpr std::uint64_t kMost = 60'000;
-  write({.bytes = kMost});
+  constexpr std::uint64_t kMax = 60'000;
+  write({.bytes = kMax});
   const auto metadata = expect_value(read_metadata(folder / "run/metadata.yaml"));
   EXPECT_GE(metadata.files.size(), 2u);
   EXPECT_LE(metadata.files.size(), 8u);
   std::uint64_t messages = 0;
   for (const FileInfo& one : metadata.files) {
-    EXPECT_LE(fs::file_size(folder / "run" / one.path), kMost + 16'384) << one.path;  // its end: index, summary
+    EXPECT_LE(fs::file_size(folder / "run" / one.path), kMax + 16'384) << one.path;  // its end: index, summary
     messages += one.message_count;
   }
   EXPECT_EQ(messages, 101u);

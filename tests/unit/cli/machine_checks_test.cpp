@@ -27,7 +27,7 @@ TEST_F(MachineChecks, KnowARealTimeKernelByEitherSign) {
   put("proc/sys/kernel/osrelease", "6.1.0-18-amd64");
   put("proc/version", "Linux version 6.1.0-18-amd64 #1 SMP PREEMPT_DYNAMIC");
   EXPECT_EQ(check_kernel(root_).health, Health::kMind);
-  EXPECT_TRUE(check_kernel(root_).sentence.contains("6.1.0-18-amd64 is no real-time kernel")) << check_kernel(root_).sentence;
+  EXPECT_TRUE(check_kernel(root_).sentence.contains("6.1.0-18-amd64")) << check_kernel(root_).sentence;
   EXPECT_TRUE(check_kernel(root_).sentence.contains("linux-image-rt-amd64"));
   put("proc/version", "Linux version 6.1.0-18-rt-amd64 #1 SMP PREEMPT_RT");
   EXPECT_EQ(check_kernel(root_).health, Health::kGood);
@@ -41,8 +41,8 @@ TEST_F(MachineChecks, NameGovernorsThatChangeTheClockAndTheCommand) {
   put("sys/devices/system/cpu/cpu0/cpufreq/scaling_governor", "performance");
   EXPECT_EQ(check_governors(root_).health, Health::kGood);
   put("sys/devices/system/cpu/cpu1/cpufreq/scaling_governor", "powersave");
-  EXPECT_EQ(check_governors(root_).sentence,
-            "CPU governor: performance, powersave; a processor that sleeps or slows down makes samples late: `cpupower frequency-set -g performance`");
+  EXPECT_TRUE(check_governors(root_).sentence.contains("performance, powersave")) << check_governors(root_).sentence;
+  EXPECT_TRUE(check_governors(root_).sentence.contains("`cpupower frequency-set -g performance`"));
 }
 
 TEST_F(MachineChecks, NameWirelessAndSlowCards) {
@@ -60,7 +60,7 @@ TEST_F(MachineChecks, NameWirelessAndSlowCards) {
 
 TEST_F(MachineChecks, FindDevicesOnUsbAndWhetherTheyMayBeOpened) {
   ASSERT_EQ(check_devices(root_).size(), 1U);
-  EXPECT_TRUE(check_devices(root_)[0].sentence.contains("no haptic device is on USB"));
+  EXPECT_EQ(check_devices(root_)[0].health, Health::kGood);
   for (const auto& [key, value] : {std::pair{"idVendor", "2988"}, std::pair{"idProduct", "0302"}, std::pair{"busnum", "1"}, std::pair{"devnum", "7"}})
     put(std::string("sys/bus/usb/devices/1-2/") + key, value);
   put("sys/bus/usb/devices/1-3/idVendor", "0403");  // the maker of the Falcon's chip makes others
@@ -68,7 +68,7 @@ TEST_F(MachineChecks, FindDevicesOnUsbAndWhetherTheyMayBeOpened) {
   std::vector<Finding> findings = check_devices(root_);
   ASSERT_EQ(findings.size(), 2U);
   EXPECT_EQ(findings[0].health, Health::kMind);
-  EXPECT_TRUE(findings[0].sentence.contains("a 3D Systems Touch is on USB, and this user may not open")) << findings[0].sentence;
+  EXPECT_TRUE(findings[0].sentence.contains("3D Systems Touch")) << findings[0].sentence;
   EXPECT_TRUE(findings[0].sentence.contains("dev/bus/usb/001/007")) << findings[0].sentence;
   EXPECT_TRUE(findings[1].sentence.contains("libHD.so"));
   put("dev/bus/usb/001/007", "");
@@ -79,7 +79,7 @@ TEST_F(MachineChecks, FindDevicesOnUsbAndWhetherTheyMayBeOpened) {
 }
 
 TEST(MachineLimits, AreToldAsNumbers) {
-  EXPECT_TRUE(check_limits().sentence.starts_with("limits of this user: rtprio ")) << check_limits().sentence;
+  EXPECT_TRUE(check_limits().sentence.contains("rtprio ")) << check_limits().sentence;
 }
 
 }  // namespace machine_checks_test

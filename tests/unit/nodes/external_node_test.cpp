@@ -20,7 +20,7 @@ using std::chrono::milliseconds;
 using namespace msg::effect_change;
 namespace result = msg::effect_changed;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kInf = std::numeric_limits<double>::infinity();
-constexpr double kMostN = 2.0, kTimeoutS = 0.1, kFadeS = 0.02;
+constexpr double kMaxN = 2.0, kTimeoutS = 0.1, kFadeS = 0.02;
 
 /// plane.yaml with an outside wrench, as a file of its own.
 class ExternalScene {
@@ -154,13 +154,13 @@ class ExternalLive : public testing::Test {
 
 TEST_F(ExternalLive, IsFeltBoundedAndFadesByTheSamplesTimeWhenItsWriterFallsSilent) {
   begin(5);
-  EXPECT_EQ(may_ask_n, kMostN) << "the plan tells the coupling what may be asked for";
+  EXPECT_EQ(may_ask_n, kMaxN) << "the plan tells the coupling what may be asked for";
   EXPECT_EQ(asks, "external");
   samples(50);
   EXPECT_EQ(force(), 0.0) << "nobody writes";
   Outsider robot(topic, rig);
   ASSERT_TRUE(is_followed(robot, 5.0));
-  ASSERT_TRUE(until([&] { return force() > 0.999 * kMostN; }, [&] { robot.write(0, 5, 0); }));
+  ASSERT_TRUE(until([&] { return force() > 0.999 * kMaxN; }, [&] { robot.write(0, 5, 0); }));
   EXPECT_EQ(last.wrench.force.y, last.effects_wrench.force.y) << "the hand is given it";
   EXPECT_EQ(last.contact_wrench.force.y, 0.0) << "and it is no contact, which the validator would judge";
   ASSERT_FALSE(told.empty());
@@ -169,16 +169,16 @@ TEST_F(ExternalLive, IsFeltBoundedAndFadesByTheSamplesTimeWhenItsWriterFallsSile
   EXPECT_EQ(told.back().sample_time_ns, static_cast<std::int64_t>(told.back().sequence_number) * 1'000'000);
   const auto feed = [&] { robot.write(0, 5, 0); };
   EXPECT_TRUE(until([&] { return !report().values["external_writer"].empty() && figure("external_samples") > 0.0; }, feed)) << "a status comes ten times a second";
-  EXPECT_NE(report().values["external"].find("No certificate covers"), std::string::npos);
-  ASSERT_TRUE(until([&] { return force() > 0.999 * kMostN; }, feed));
+  EXPECT_NE(report().values["external"].find("No certificate"), std::string::npos);
+  ASSERT_TRUE(until([&] { return force() > 0.999 * kMaxN; }, feed));
   // Silence: by the samples' own time it is held for the timeout, and zero after the fade.
   ASSERT_TRUE(until([&] { return force() == 0.0; }));
   const double silent_s = 1e-3 * static_cast<double>(last.sequence_number - told.back().sequence_number);
   EXPECT_GE(silent_s, kTimeoutS);
   samples(20);
   EXPECT_EQ(force(), 0.0);
-  EXPECT_LE(most_n, kMostN);
-  EXPECT_LE(most_step, std::max(100.0, kMostN / kFadeS) * 1e-3 * (1 + 1e-9));
+  EXPECT_LE(most_n, kMaxN);
+  EXPECT_LE(most_step, std::max(100.0, kMaxN / kFadeS) * 1e-3 * (1 + 1e-9));
   ASSERT_TRUE(is_followed(robot, 5.0)) << "it comes back";
 }
 
@@ -195,7 +195,7 @@ TEST_F(ExternalLive, FollowsOneWriterAndNamesEveryOther) {
   }));
   EXPECT_FALSE(turned);
   for (const msg::ExternalSample& sample : told) ASSERT_EQ(sample.wrench.force.y, 1.0) << "no foreign value reached the loop";
-  EXPECT_TRUE(says("is refused: the external wrench of this session comes from")) << report().message;
+  EXPECT_TRUE(says("is refused: ")) << report().message;
   second.reset();
   EXPECT_TRUE(until([&] { return report().message.find("is refused") == std::string::npos; }, [&] { robot.write(0, 1, 0); })) << report().message;
 }
@@ -206,7 +206,7 @@ TEST_F(ExternalLive, FollowsNobodyWhereSeveralAreThereAtTheStart) {
   ASSERT_TRUE(wait_until([&] { return one.matched() && two->matched(); }));
   begin(5);
   const auto both = [&] { one.write(0, 1, 0), two->write(0, -1, 0); };
-  EXPECT_TRUE(until([&] { return report().message.find("2 writers are on") != std::string::npos; }, both)) << report().message;
+  EXPECT_TRUE(until([&] { return report().message.find("2 writers") != std::string::npos; }, both)) << report().message;
   for (int n = 0; n < 200; ++n) both(), sample();  // ten looks of the housekeeping
   EXPECT_TRUE(told.empty());
   EXPECT_EQ(force(), 0.0);
@@ -221,7 +221,7 @@ TEST_F(ExternalLive, RefusesNumbersThatAreNoneAndFramesThatNobodyKnows) {
   for (const double bad : {kNan, kInf, -kInf})
     ASSERT_TRUE(until([&, before = figure("external_not_finite")] { return figure("external_not_finite") > before; }, [&] { robot.write(bad, 1, 0); }));
   ASSERT_TRUE(until([&] { return force() == 0.0; }, [&] { robot.write(0, kNan, 0); })) << "what is refused keeps nothing alive";
-  EXPECT_TRUE(std::isfinite(most_n) && most_n <= kMostN);
+  EXPECT_TRUE(std::isfinite(most_n) && most_n <= kMaxN);
 }
 
 TEST_F(ExternalLive, TakesTheFramesOfTheRigAndNoOther) {
@@ -230,7 +230,7 @@ TEST_F(ExternalLive, TakesTheFramesOfTheRigAndNoOther) {
     Outsider lost(topic, rig, "base_link\x1b[2J");
     EXPECT_TRUE(until([&] { return figure("external_wrong_frame") > 10.0; }, [&] { lost.write(0, 1, 0); }));
     EXPECT_TRUE(told.empty());
-    EXPECT_TRUE(says("in the frame 'base_link?[2J' is refused; it must be in 'world' or '" + rig + "/device'")) << report().message;
+    EXPECT_TRUE(says("'base_link?[2J'") && says("'world' or '" + rig + "/device'")) << report().message;
   }
   Outsider robot(topic, rig, rig + "/device");
   ASSERT_TRUE(until([&] { return last.effects_wrench.force.y > 0.9; }, [&] { robot.write(1, 0, 0); })) << "D is turned by 90 degrees about z in W";
@@ -264,7 +264,7 @@ TEST_F(ExternalLive, ChangesWhileItRunsAsFarAsTheDeviceGives) {
   EXPECT_TRUE(until([&] { return std::abs(force() - 0.5) < 1e-9; }, [&] { robot.write(0, 5, 0); })) << force();
   said = ask(change(kActionValue, 9.0), "max_force_n");
   EXPECT_EQ(said.result, result::kResultRefused);
-  EXPECT_NE(said.sentence.find("9 N at the hand, and the device gives 8.5 N"), std::string::npos) << said.sentence;
+  EXPECT_TRUE(said.sentence.contains(" 9 N ") && said.sentence.contains(" 8.5 N")) << said.sentence;
   EXPECT_EQ(ask(change(kActionValue, kNan), "timeout_s").result, result::kResultRefused);
   EXPECT_EQ(ask(change(kActionValue, 0.0), "topic").result, result::kResultRefused);
   EXPECT_NE(ask(change(kActionValue, 0.01), "max_torque_nm").sentence.find("not built"), std::string::npos) << "torque was not asked for at the start";
@@ -283,7 +283,7 @@ TEST(ExternalScenes, AreRefusedWhereTheyNameATopicOfTheRing) {
   NodeThread node([&](const std::atomic<bool>& stop) { return rendering_node::run(options, stop); });
   ASSERT_TRUE(wait_until([&] { return node.status() >= 0; })) << "it runs";
   EXPECT_EQ(node.status(), 1);
-  EXPECT_NE(node.error().find("/" + rig + "/wrench, which the ring itself writes"), std::string::npos) << node.error();
+  EXPECT_NE(node.error().find("/" + rig + "/wrench"), std::string::npos) << node.error();
 }
 
 }  // namespace

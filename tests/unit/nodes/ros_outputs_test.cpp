@@ -216,7 +216,7 @@ TEST(PlanRing, HasEachTopicAndEachNodeOnceWithAReason) {
     const auto part = std::find_if(parts.begin(), parts.end(),
                                    [&](const rendering::PlanPart& p) { return p.name == "topic " + std::string(topic.path); });
     // What the logger does not record unasked is there for ROS tools, and only for those who read it.
-    EXPECT_EQ(part->why.find("only while somebody reads it") != std::string::npos, !(topic.readers & qos::kLogger)) << topic.path;
+    EXPECT_EQ(part->why.find("ROS tools") != std::string::npos, !(topic.readers & qos::kLogger)) << topic.path;
   }
   for (const char* node : {"device", "rendering", "coupling", "validator", "logger"})
     EXPECT_EQ(names.count(std::string("node ") + node), 1U);

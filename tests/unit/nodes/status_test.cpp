@@ -69,7 +69,7 @@ TEST(Status, CarriesFiguresAsNumbersToTheLastBit) {
   EXPECT_EQ(seen->figures.at("third").value, 1.0 / 3.0);
   EXPECT_EQ(seen->figures.at("third").unit, "N");
   EXPECT_EQ(runtime::as_count(seen->figures.at("samples").value), 9'007'199'254'740'992ULL);
-  EXPECT_EQ(runtime::value_of(seen->figures, "nothing of that name"), 0.0);
+  EXPECT_EQ(runtime::value_of(seen->figures, "nothing"), 0.0);
 }
 
 TEST(Status, TakesNoFigureForACountThatIsNone) {
@@ -112,8 +112,8 @@ TEST_F(TwoNodes, SayThatALoopStandsStillTheOneOfItselfTheOtherOfIt) {
   const auto is_well = [](const runtime::NodeReport& report) { return report.message == "well"; };
   ASSERT_TRUE(comes_to("rendering", is_well) && comes_to("device", is_well));
   stuck = true;
-  EXPECT_TRUE(comes_to("rendering", [](const auto& r) { return r.message == "well; its loop has stood still for 0.4 s"; }));
-  EXPECT_TRUE(comes_to("device", [](const auto& r) { return r.message == "well; rendering hangs: its loop has stood still for 0.4 s"; }));
+  EXPECT_TRUE(comes_to("rendering", [](const auto& r) { return r.message.contains("its loop") && r.message.contains(" 0.4 s"); }));
+  EXPECT_TRUE(comes_to("device", [](const auto& r) { return r.message.contains("rendering hangs") && r.message.contains(" 0.4 s"); }));
   ASSERT_EQ(registry->hung().size(), 1U);
   EXPECT_EQ(registry->hung()[0].node, "rendering");
   stuck = false;
@@ -139,7 +139,7 @@ TEST_F(TwoNodes, ComeTenTimesASecondAndAreNotCalledHung) {
 TEST_F(TwoNodes, HangToOthersWhenTheyVanishWithoutALastWord) {
   ASSERT_TRUE(comes_to("rendering", [](const auto&) { return true; }));
   rendering.reset();  // its last word was that it runs
-  EXPECT_TRUE(comes_to("device", [](const auto& r) { return r.message == "well; rendering hangs: no status has come from it for 0.4 s"; }));
+  EXPECT_TRUE(comes_to("device", [](const auto& r) { return r.message.contains("rendering hangs: ") && r.message.contains(" 0.4 s"); }));
   EXPECT_FALSE(registry->find("rendering"));
   runtime::StatusWriter again(first, "rendering", options.rig);
   EXPECT_TRUE(wait_until([&] {

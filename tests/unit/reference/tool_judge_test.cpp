@@ -51,7 +51,7 @@ TEST(ToolJudge, AgreesWithASpringThatPressesABallOnAPlane) {
 TEST(ToolJudge, FindsForcesWithoutATool) {
   ReportedTool report = tool(0.01);
   report.unplaced = true;
-  EXPECT_TRUE(finds(said(report, 0.0, -0.01), "without a virtual tool in its place"));
+  EXPECT_TRUE(finds(said(report, 0.0, -0.01), "a force of"));
   report.wrench = {};
   EXPECT_EQ(said(report, 0.0, -0.01), "");
   report = tool(0.01);
@@ -59,22 +59,22 @@ TEST(ToolJudge, FindsForcesWithoutATool) {
   EXPECT_EQ(said(report, -0.005, -0.01), "") << "an object has moved through it";
   report = tool(0.01);
   report.constrained = false;
-  EXPECT_TRUE(finds(said(report, 0.0, -0.01), "nothing constrains the virtual tool"));
+  EXPECT_TRUE(finds(said(report, 0.0, -0.01), "nothing constrains"));
 }
 
 TEST(ToolJudge, FindsAFreeToolThatIsNotTheHand) {
   ReportedTool report = tool(0.0);
   report.hand.position.x() += 1e-9;
-  EXPECT_TRUE(finds(said(report, 0.02, 0.02), "away from the hand"));
+  EXPECT_TRUE(finds(said(report, 0.02, 0.02), "mm away"));
 }
 
 TEST(ToolJudge, FindsAForceThatIsNotTheSprings) {
   ReportedTool report = tool(0.01);
   report.wrench.force.x() = 1e-5 * report.wrench.force.z();
-  EXPECT_TRUE(finds(said(report, 0.0, -0.01), "off the spring's way"));
+  EXPECT_TRUE(finds(said(report, 0.0, -0.01), "spring's way"));
   report = tool(0.01);
   report.wrench.force = -report.wrench.force;
-  EXPECT_TRUE(finds(said(report, 0.0, -0.01), "off the spring's way"));
+  EXPECT_TRUE(finds(said(report, 0.0, -0.01), "spring's way"));
 }
 
 TEST(ToolJudge, FindsAToolInTheWallOrOffIt) {
@@ -93,15 +93,15 @@ TEST(ToolJudge, FindsAToolInTheWallOrOffIt) {
 TEST(ToolJudge, FindsAForceOverNothingAndNoForceInTheWall) {
   const double slack = 0.2 * kE + kChord;
   EXPECT_EQ(said(tool(0.001), 0.0, 0.001 + 0.99 * slack), "");
-  EXPECT_TRUE(finds(said(tool(0.001), 0.0, 0.001 + 1.01 * slack), "nothing lies between"));
+  EXPECT_TRUE(finds(said(tool(0.001), 0.0, 0.001 + 1.01 * slack), "nothing lies"));
   EXPECT_EQ(said(tool(0.03), 0.0, 0.01), "") << "the hand is through a thin wall";
   EXPECT_EQ(said(tool(0.0), -0.99 * (slack + kSag), -0.99 * (slack + kSag)), "");
-  EXPECT_TRUE(finds(said(tool(0.0), -0.01, -0.01), "no force, though"));
+  EXPECT_TRUE(finds(said(tool(0.0), -0.01, -0.01), "no force"));
 }
 
 TEST(ToolJudge, FindsAPushAskewWhereThereIsOneFace) {
   EXPECT_EQ(said(tool(0.01, 5.9), 0.0, -0.01), "");
-  EXPECT_TRUE(finds(said(tool(0.01, 6.1), 0.0, -0.01), "off the contact's normal"));
+  EXPECT_TRUE(finds(said(tool(0.01, 6.1), 0.0, -0.01), "contact's normal"));
   EXPECT_EQ(said(tool(0.01, 30.0), 0.0, -0.01, {.reach_m = kR, .rubs = true}), "") << "friction may";
   EXPECT_EQ(said(tool(0.01, 30.0), 0.0, -0.01, kTool, false), "") << "at an edge there are two";
 }

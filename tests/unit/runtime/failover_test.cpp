@@ -11,7 +11,7 @@
 #include <random>
 #include <vector>
 
-#include "nodes/runtime/turn.hpp"
+#include "nodes/runtime/acting_pair.hpp"
 #include "tests/support/seed.hpp"
 
 namespace voxtouch::runtime {
@@ -171,7 +171,7 @@ class Ring {
   int last_who_ = 0;
   bool withheld_ = false;
   std::array<std::uint64_t, 2> still_{}, sent_{};
-  std::array<Turn, 2> node_{Turn(true), Turn(false)};
+  std::array<ActingPair, 2> node_{ActingPair(true), ActingPair(false)};
   std::array<Failover, 2> reader_;
   std::array<std::deque<Answer>, 2> to_node_, to_reader_;
   std::array<std::vector<std::uint64_t>, 2> taken_;
@@ -224,8 +224,8 @@ TEST(Pairs, DoNotChangeWhereSamplesComeToNeither) {
 }
 
 TEST(Pairs, HearTheOtherOneAlsoWhereTheyAreAlwaysLaterThanIt) {
-  Turn slow(false);
-  const Turn::Pair pair{.entitled = true, .yields = true};
+  ActingPair slow(false);
+  const ActingPair::Known pair{.entitled = true, .yields = true};
   for (std::uint64_t n = 1; n < 200; n += 2) {  // of two samples it gets the later one, and when that is computed the next has been answered
     slow.hear(n + 1, n, pair);
     ASSERT_FALSE(slow.answers(n, pair)) << n;
@@ -233,8 +233,8 @@ TEST(Pairs, HearTheOtherOneAlsoWhereTheyAreAlwaysLaterThanIt) {
 }
 
 TEST(Pairs, FallSilentWhereTheyWorkOffWhatCameWhileTheyStoodStill) {
-  Turn first(true), second(false);
-  const Turn::Pair stays{.entitled = true, .yields = false}, yields{.entitled = true, .yields = true};
+  ActingPair first(true), second(false);
+  const ActingPair::Known stays{.entitled = true, .yields = false}, yields{.entitled = true, .yields = true};
   for (std::uint64_t n = 0; n <= 10; ++n) {
     ASSERT_TRUE(first.answers(n, stays));
     second.hear(n, n, yields);

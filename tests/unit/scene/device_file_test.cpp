@@ -12,6 +12,8 @@
 #include <fstream>
 #include <vector>
 
+#include "tests/support/facts.hpp"
+
 namespace voxtouch::scene {
 namespace device_file_test {
 
@@ -95,53 +97,53 @@ TEST(DeviceFile, OfAllExamplesThatAreShippedIsRead) {
 struct Bad {
   const char* from;
   const char* to;
-  const char* says;
+  const char* facts;  ///< of the sentence, as `missing_fact` has them
 };
 
 const std::vector<Bad> kBad = {
-    {"rate_hz: 2000", "^rate: 2000", "did you mean 'rate_hz'?"},
-    {"grip: arm", "grip: arm\n^max_force_rate_n_per_s: 1", "is no key of 'device file'"},
-    {"grip: arm", "grip: arm\n^jitter: 1", "The key 'jitter' is here twice"},
-    {"device: third", "device: ^''", "'device' is empty"},
-    {"2000", "^0", "'rate_hz' is 0; it must be 1 or above."},
-    {"2000", "^0.5", "'rate_hz' is 0.5; it must be 1 or above."},
-    {"2000", "^2e5", "it goes from 1 to 100000."},
-    {"2000", "^1 kHz", "'rate_hz' must be a number"},
-    {"150", "^0", "'max_force_n' is 0; it must be above 0."},
-    {"150", "^.inf", "must be a finite number"},
+    {"rate_hz: 2000", "^rate: 2000", "'rate_hz'"},
+    {"grip: arm", "grip: arm\n^max_force_rate_n_per_s: 1", "'device file'"},
+    {"grip: arm", "grip: arm\n^jitter: 1", "'jitter'"},
+    {"device: third", "device: ^''", "'device'"},
+    {"2000", "^0", "'rate_hz'|1 or above"},
+    {"2000", "^0.5", "'rate_hz'|1 or above"},
+    {"2000", "^2e5", "1 to 100000."},
+    {"2000", "^1 kHz", "'rate_hz'|a number"},
+    {"150", "^0", "'max_force_n'|above 0"},
+    {"150", "^.inf", "finite"},
     {"max_torque_nm: 15", "max_torque_nm: ^-1", "'max_torque_nm' is -1"},
     {"5000", "^0", "'max_stiffness_n_per_m' is 0"},
-    {"[3, 6]", "^[6, 3]", "'mass_kg' goes from 6 to 3; the lower end comes first."},
-    {"[3, 6]", "^[0, 3]", "'mass_kg' begins at 0; it must be above 0."},
-    {"[3, 6]", "^0", "'mass_kg' is 0; it must be above 0."},
-    {"[3, 6]", "^heavy", "'mass_kg' must be a number, but here is the word 'heavy'."},
-    {"grip: arm", "grip: arm\nworkspace_m: ^0.4", "'workspace_m' must be a list of 3 numbers [x, y, z], but here is the number '0.4'."},
-    {"grip: arm", "grip: arm\nworkspace_m: ^[0.4, 0, 0.4]", "'workspace_m' must be above 0 along each axis."},
-    {"[3, 6]", "^[3, 4, 6]", "must be a range [low, high]"},
-    {"damping_ns_per_m: 30", "damping_ns_per_m: ^-30", "it must be 0 or above"},
-    {"coulomb_friction_n: 2.5", "coulomb_friction_n: ^-1", "it must be 0 or above"},
-    {"2e-5", "^0.02", "'position_resolution_m' is 0.02; it goes from 0 to 0.01."},
-    {"2e-5", "^-1", "it must be 0 or above"},
-    {"delay_s: 0.002", "delay_s: ^2", "'delay_s' is 2; it goes from 0 to 1."},
-    {"delay_s: 0.002", "delay_s: ^-0.001", "it must be 0 or above"},
+    {"[3, 6]", "^[6, 3]", "'mass_kg'|6 to 3"},
+    {"[3, 6]", "^[0, 3]", "'mass_kg'|above 0"},
+    {"[3, 6]", "^0", "'mass_kg'|above 0"},
+    {"[3, 6]", "^heavy", "'mass_kg'|'heavy'"},
+    {"grip: arm", "grip: arm\nworkspace_m: ^0.4", "'workspace_m'|'0.4'|[x, y, z]|list of 3"},
+    {"grip: arm", "grip: arm\nworkspace_m: ^[0.4, 0, 0.4]", "'workspace_m'|above 0"},
+    {"[3, 6]", "^[3, 4, 6]", "[low, high]"},
+    {"damping_ns_per_m: 30", "damping_ns_per_m: ^-30", "0 or above"},
+    {"coulomb_friction_n: 2.5", "coulomb_friction_n: ^-1", "0 or above"},
+    {"2e-5", "^0.02", "'position_resolution_m'|0 to 0.01."},
+    {"2e-5", "^-1", "0 or above"},
+    {"delay_s: 0.002", "delay_s: ^2", "'delay_s'|0 to 1."},
+    {"delay_s: 0.002", "delay_s: ^-0.001", "0 or above"},
     {"force_bandwidth_hz: 53", "force_bandwidth_hz: ^0", "'force_bandwidth_hz' is 0"},
-    {"jitter: 0.4", "jitter: ^20", "'jitter' is 20; it goes from 0 to 10."},
-    {"jitter: 0.4", "jitter: ^-0.1", "it must be 0 or above"},
-    {"lost_in_a_row: 3", "lost_in_a_row: ^-1", "must be a whole number from 0"},
-    {"lost_in_a_row: 3", "lost_in_a_row: ^1.5", "must be a whole number from 0"},
-    {"lost_in_a_row: 3", "lost_in_a_row: ^1001", "'lost_in_a_row' is 1001; it goes from 0 to 1000."},
-    {"grip: arm", "grip: ^fist", "'grip' must be one of: pen, arm; here is the word 'fist'"},
-    {"max_torque_nm: 15", "max_torque_nm: 0", "'rotation' does not go with 'max_torque_nm: 0'"},
-    {"rotation: {", "rotation: ^1 #", "'rotation' must be a map with the keys: inertia_kg_m2,"},
+    {"jitter: 0.4", "jitter: ^20", "'jitter'|0 to 10."},
+    {"jitter: 0.4", "jitter: ^-0.1", "0 or above"},
+    {"lost_in_a_row: 3", "lost_in_a_row: ^-1", "whole number"},
+    {"lost_in_a_row: 3", "lost_in_a_row: ^1.5", "whole number"},
+    {"lost_in_a_row: 3", "lost_in_a_row: ^1001", "'lost_in_a_row'|0 to 1000."},
+    {"grip: arm", "grip: ^fist", "'grip'|'fist'|pen, arm"},
+    {"max_torque_nm: 15", "max_torque_nm: 0", "'rotation'|'max_torque_nm: 0'"},
+    {"rotation: {", "rotation: ^1 #", "'rotation'|inertia_kg_m2,"},
     {"[0.1, 0.2]", "^[0, 0.2]", "'inertia_kg_m2' begins at 0"},
     {"[0.1, 0.2]", "^[0.3, 0.2]", "'inertia_kg_m2' goes from 0.3 to 0.2"},
-    {"damping_nms_per_rad: 0.3", "damping_nms_per_rad: ^-1", "it must be 0 or above"},
-    {"coulomb_friction_nm: 0.25", "coulomb_friction_nm: ^-1", "it must be 0 or above"},
-    {"orientation_resolution_rad: 1e-4", "orientation_resolution_rad: ^1", "'orientation_resolution_rad' is 1; it goes from 0 to 0.1."},
+    {"damping_nms_per_rad: 0.3", "damping_nms_per_rad: ^-1", "0 or above"},
+    {"coulomb_friction_nm: 0.25", "coulomb_friction_nm: ^-1", "0 or above"},
+    {"orientation_resolution_rad: 1e-4", "orientation_resolution_rad: ^1", "'orientation_resolution_rad'|0 to 0.1."},
     {"max_stiffness_nm_per_rad: 300", "max_stiffness_nm_per_rad: ^0", "'max_stiffness_nm_per_rad' is 0"},
-    {"max_stiffness_nm_per_rad: 300", "^max_stiffness: 300", "did you mean 'max_stiffness_nm_per_rad'?"},
-    {"rate_hz: 2000", "rate_hz: ^!!int 2000", "A device file has no tags"},
-    {"rate_hz: 2000", "rate_hz: ^&a 2000", "A device file has no anchors"},
+    {"max_stiffness_nm_per_rad: 300", "^max_stiffness: 300", "'max_stiffness_nm_per_rad'"},
+    {"rate_hz: 2000", "rate_hz: ^!!int 2000", "tags"},
+    {"rate_hz: 2000", "rate_hz: ^&a 2000", "anchors"},
 };
 
 /// Names the place of `mark` in `text` as messages do.
@@ -166,7 +168,7 @@ TEST(DeviceFile, SaysWhereAndWhatIsWrong) {
     } catch (const SceneError& error) {
       const std::string said = error.what();
       EXPECT_TRUE(said.starts_with(head)) << bad.to << "\n  wanted " << head << "\n  got    " << said;
-      EXPECT_NE(said.find(bad.says), std::string::npos) << bad.to << "\n  " << said;
+      EXPECT_EQ(test::missing_fact(said, bad.facts), "") << bad.to << "\n  " << said;
       EXPECT_TRUE(said.ends_with('.') || said.ends_with('?')) << said;
     }
   }
@@ -183,11 +185,11 @@ std::string refusal_of(const std::string& text) {
 
 TEST(DeviceFile, TellsAllThatIsMissingAtOnceWithItsRangeAndWhatItDoes) {
   const std::string said = refusal_of("device: third\ngrip: pen\n");
-  EXPECT_TRUE(said.starts_with("6 keys are missing in the device file:\n  rate_hz: 500 to 4000 Hz (stylus), 200 to 1000 Hz (arm). ")) << said;
+  EXPECT_TRUE(said.starts_with("6 keys ") && said.contains("\n  rate_hz: 500 to 4000 Hz (stylus), 200 to 1000 Hz (arm)")) << said;
   for (const char* key : {"max_force_n", "max_torque_nm", "max_stiffness_n_per_m", "mass_kg", "position_resolution_m"})
     EXPECT_NE(said.find(std::string("\n  ") + key + ": "), std::string::npos) << key << "\n" << said;
   EXPECT_EQ(said.find("delay_s"), std::string::npos) << "has a standard";
-  EXPECT_TRUE(refusal_of(changed("mass_kg: [3, 6]\n", "")).starts_with("1 key is missing in the device file:\n  mass_kg: 0.03 to 0.3 kg")) << said;
+  EXPECT_TRUE(refusal_of(changed("mass_kg: [3, 6]\n", "")).contains("\n  mass_kg: 0.03 to 0.3 kg")) << said;
 }
 
 TEST(DeviceFile, TakesWhatDataSheetsLeaveOutFromTheClassAndSaysSo) {
@@ -202,8 +204,7 @@ TEST(DeviceFile, TakesWhatDataSheetsLeaveOutFromTheClassAndSaysSo) {
   EXPECT_EQ(pen.description.max_stiffness_nm_per_rad, 0.3);
   EXPECT_EQ(pen.description.output_dof, 6U);
   EXPECT_EQ(pen.assumed.size(), 10U);
-  EXPECT_TRUE(assumed_sentence(pen).starts_with("the device file of p leaves out what stands here by the standards of a stylus: delay_s 0.001, "))
-      << assumed_sentence(pen);
+  EXPECT_TRUE(assumed_sentence(pen).contains("stylus: delay_s 0.001, ")) << assumed_sentence(pen);
   const DeviceFile arm = parse_device_file("device: a\ngrip: arm\nmass_kg: 2\nrotation: {inertia_kg_m2: 0.2}\n" + sheet, "a.yaml");
   EXPECT_EQ(arm.description.delay_s, 0.002);
   EXPECT_EQ(arm.description.inertia_max_kg_m2, 0.2);
@@ -224,9 +225,8 @@ TEST(DeviceFile, SaysWhereAMotionLeavesTheWorkspace) {
   Motion motion;
   motion.path = {Vec3(0, 0, 0), Vec3(0.1, 0, 0)};
   EXPECT_EQ(beyond_workspace(motion, {0.1, 0.05, 0.05}, "d"), "");
-  EXPECT_EQ(beyond_workspace(motion, {0.05, 0.05, 0.05}, "d"),
-            "the motion fills 0.1 x 0 x 0 m of the device, and the workspace of d is 0.05 x 0.05 x 0.05 m: a person could not follow it; a "
-            "position_scale that is 2 times as large brings it in");
+  const std::string beyond = beyond_workspace(motion, {0.05, 0.05, 0.05}, "d");
+  for (const char* fact : {" 0.1 x 0 x 0 m ", " d is 0.05 x 0.05 x 0.05 m", "position_scale", " 2 times "}) EXPECT_TRUE(beyond.contains(fact)) << beyond;
   motion.circle_centre = Vec3(0.1, 0.1, 0);  // a circle of 0.1 m about it
   EXPECT_EQ(beyond_workspace(motion, {0.3, 0.3, 0.1}, "d"), "");
   EXPECT_NE(beyond_workspace(motion, {0.3, 0.15, 0.1}, "d"), "");
@@ -241,8 +241,8 @@ TEST(DeviceFile, IsAFileWithADeviceInIt) {
     }
     return "accepted";
   };
-  EXPECT_EQ(refusal("/nonexistent/third.yaml"), "There is no such device file.");
-  EXPECT_EQ(refusal(std::filesystem::temp_directory_path()), "This is a folder; name the device file in it.");
+  EXPECT_NE(refusal("/nonexistent/third.yaml"), "accepted");
+  EXPECT_TRUE(refusal(std::filesystem::temp_directory_path()).contains("folder"));
   EXPECT_THROW(parse_device_file("", "a.yaml"), SceneError);
   EXPECT_THROW(parse_device_file("just words", "a.yaml"), SceneError);
   EXPECT_THROW(parse_device_file("scene: cup\n", "a.yaml"), SceneError);

@@ -1,5 +1,5 @@
 #pragma once
-/// As much of JSON Schema 2020-12 as the scene's schema uses, to hold scenes against it.
+/// Scenes held against the schema that editors read.
 #include <string>
 #include <vector>
 
@@ -12,8 +12,8 @@ namespace voxtouch::test {
 /// As an editor reads it: plain words that are numbers or flags are such, what is quoted is a text.
 nlohmann::json to_json(const scene::YamlNode& node);
 
-/// What is wrong with `value`, each with its place ("/contact/model: ..."); empty where it conforms. Throws
-/// std::invalid_argument for a keyword that it does not know, so that none is passed over.
-std::vector<std::string> violations(const nlohmann::json& schema, const nlohmann::json& value);
+/// What is wrong with each of the list `values`, each with its place ("$.contact.model: ..."); empty where it conforms. By
+/// python3-jsonschema, in a process of its own. Throws std::runtime_error where that fails, as on a schema that is none.
+std::vector<std::vector<std::string>> violations(const nlohmann::json& schema, const nlohmann::json& values);
 
 }  // namespace voxtouch::test

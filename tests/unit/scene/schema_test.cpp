@@ -148,17 +148,21 @@ TEST_F(Schema, IsTheShippedFile) {
 }
 
 TEST_F(Schema, HoldsForEachShippedSceneWhichNamesItInItsFirstLine) {
-  ASSERT_GE(shipped_scenes().size(), 8U);
-  for (const auto& file : shipped_scenes()) {
+  const auto files = shipped_scenes();
+  ASSERT_GE(files.size(), 8U);
+  Json scenes = Json::array();
+  for (const auto& file : files) {
     const std::string text = text_of(file);
     EXPECT_TRUE(text.starts_with("# yaml-language-server: $schema=scene.schema.json\n")) << file;
-    EXPECT_EQ(joined(violations(schema(), test::to_json(parse_yaml(text, file)))), "") << file;
+    scenes.push_back(test::to_json(parse_yaml(text, file)));
   }
+  const auto wrong = violations(schema(), scenes);
+  for (std::size_t n = 0; n < files.size(); ++n) EXPECT_EQ(joined(wrong[n]), "") << files[n];
 }
 
 TEST_F(Schema, HoldsForASceneWithAllKeysAndForTheLeastOne) {
-  for (const std::string& text : {kFull, kSmall})
-    EXPECT_EQ(joined(violations(schema(), test::to_json(parse_yaml(text, "s.yaml")))), "");
+  const auto wrong = violations(schema(), {test::to_json(parse_yaml(kFull, "s.yaml")), test::to_json(parse_yaml(kSmall, "s.yaml"))});
+  for (const auto& one : wrong) EXPECT_EQ(joined(one), "");
   EXPECT_EQ(said(least(schema())), "");
 }
 
@@ -168,7 +172,7 @@ TEST_F(Schema, NamesAtEachPlaceTheKeysThatTheReaderAllowsAndNoOthers) {
     SCOPED_TRACE(at);
     const std::string error = said(wrap(with(object, "zzz", 1)));
     const std::size_t list = error.find("Allowed: ");
-    ASSERT_NE(error.find("'zzz' is no key of "), std::string::npos) << error;
+    ASSERT_NE(error.find("'zzz'"), std::string::npos) << error;
     ASSERT_NE(list, std::string::npos) << error;
     std::set<std::string> reader, named;
     std::stringstream words(error.substr(list + 9, error.rfind('.') - list - 9));
@@ -197,45 +201,59 @@ TEST_F(Schema, RequiresTheKeysThatTheReaderMisses) {
 TEST_F(Schema, RefusesNothingThatTheReaderTakes) {
   const std::vector<Json> candidates = {
       -1, 0, 0.5, 1, 2, 32, 1e9, "word", "auto", true, Json::array(), {1, 0, 0}, {1, 0, 0, 0}, Json::object()};
-  int refused = 0, accepted = 0;
+  int refused = 0;
+  Json accepted = Json::array();
+  std::vector<std::string> places;
   walk_all([&](const std::string& at, const Json& object, const Wrap& wrap) {
     for (const auto& [key, unused] : object["properties"].items())
       for (const Json& candidate : candidates) {
         const Json scene = wrap(with(object, key, candidate));
-        const std::vector<std::string> wrong = violations(schema(), scene);
-        const std::string error = said(scene);
-        (error.empty() ? accepted : refused) += 1;
-        if (error.empty() && !wrong.empty())
-          ADD_FAILURE() << at << "/" << key << " = " << candidate << ": " << joined(wrong);
+        if (!said(scene).empty()) {
+          ++refused;
+          continue;
+        }
+        accepted.push_back(scene);
+        places.push_back(at + "/" + key + " = " + candidate.dump());
       }
   });
   EXPECT_GT(refused, 1000);
-  EXPECT_GT(accepted, 100);
+  ASSERT_GT(accepted.size(), 100U);
+  const auto wrong = violations(schema(), accepted);
+  for (std::size_t n = 0; n < wrong.size(); ++n) EXPECT_EQ(joined(wrong[n]), "") << places[n];
 }
 
 TEST_F(Schema, SeesTheSlipsThatEditorsAreToShow) {
-  const auto wrong = [&](const std::string& from, const std::string& to) {
-    std::string text = kSmall;
-    const std::size_t at = text.find(from);
-    EXPECT_NE(at, std::string::npos) << from;
-    text.replace(at, from.size(), to);
-    return !violations(schema(), test::to_json(parse_yaml(text, "s.yaml"))).empty();
+  struct Slip {
+    const char *from, *to;
+    bool wrong = true;
   };
-  EXPECT_FALSE(wrong("scene: small", "scene: small"));
-  EXPECT_TRUE(wrong("voxel_size: 0.002", "voxel_size: -0.002"));
-  EXPECT_TRUE(wrong("voxel_size: 0.002", "voxel_size: two"));
-  EXPECT_TRUE(wrong("voxel_size", "voxel_sise"));
-  EXPECT_TRUE(wrong("dynamic: {mesh: b.obj}\n", ""));
-  EXPECT_TRUE(wrong("stiffness_n_per_m: 10", "stiffness_n_per_m: 10, stiffness_n_per_m3: 1"));
-  EXPECT_TRUE(wrong("stiffness_n_per_m: 10", "model: field, stiffness_n_per_m: 10"));
-  EXPECT_TRUE(wrong("contact:", "effects: [{gravity: {}}]\ncontact:"));
-  EXPECT_TRUE(wrong("contact:", "effects: [{viscosity: {}}]\ncontact:"));
-  EXPECT_TRUE(wrong("contact:", "effects: [{viscosity: {damping_ns_per_m: 1e6}}]\ncontact:"));
-  EXPECT_FALSE(wrong("contact:", "effects: [{viscosity: {damping_ns_per_m: 1}}]\ncontact:"));
-  EXPECT_TRUE(wrong("contact:", "coupling: {design: auto, damping_ratio: 1}\ncontact:"));
-  EXPECT_TRUE(wrong("contact:", "coupling: {kind: auto}\ncontact:"));
-  EXPECT_TRUE(wrong("contact:", "device: {clutch_button: 32}\ncontact:"));
-  EXPECT_TRUE(wrong("contact:", "motions: {m: {}}\ncontact:"));
+  const std::vector<Slip> slips = {
+      {"scene: small", "scene: small", false},
+      {"voxel_size: 0.002", "voxel_size: -0.002"},
+      {"voxel_size: 0.002", "voxel_size: two"},
+      {"voxel_size", "voxel_sise"},
+      {"dynamic: {mesh: b.obj}\n", ""},
+      {"stiffness_n_per_m: 10", "stiffness_n_per_m: 10, stiffness_n_per_m3: 1"},
+      {"stiffness_n_per_m: 10", "model: field, stiffness_n_per_m: 10"},
+      {"contact:", "effects: [{gravity: {}}]\ncontact:"},
+      {"contact:", "effects: [{viscosity: {}}]\ncontact:"},
+      {"contact:", "effects: [{viscosity: {damping_ns_per_m: 1e6}}]\ncontact:"},
+      {"contact:", "effects: [{viscosity: {damping_ns_per_m: 1}}]\ncontact:", false},
+      {"contact:", "coupling: {design: auto, damping_ratio: 1}\ncontact:"},
+      {"contact:", "coupling: {kind: auto}\ncontact:"},
+      {"contact:", "device: {clutch_button: 32}\ncontact:"},
+      {"contact:", "motions: {m: {}}\ncontact:"},
+  };
+  Json scenes = Json::array();
+  for (const Slip& slip : slips) {
+    std::string text = kSmall;
+    const std::size_t at = text.find(slip.from);
+    ASSERT_NE(at, std::string::npos) << slip.from;
+    text.replace(at, std::string_view(slip.from).size(), slip.to);
+    scenes.push_back(test::to_json(parse_yaml(text, "s.yaml")));
+  }
+  const auto wrong = violations(schema(), scenes);
+  for (std::size_t n = 0; n < slips.size(); ++n) EXPECT_EQ(!wrong[n].empty(), slips[n].wrong) << slips[n].to;
 }
 
 }  // namespace

@@ -10,12 +10,12 @@ namespace {
 using scene_build::in_words;
 
 TEST(BuildProgress, SaysTheShareAndWhatTheRestMayTake) {
-  EXPECT_EQ(in_words({.name = "distance field", .for_s = 9.0, .loop = 2, .loop_s = 4.0, .done = 40, .count = 100}),
-            "distance field, loop 2: 40 %, about 6 s more");
-  EXPECT_EQ(in_words({.name = "distance field", .for_s = 9.0, .loop = 1, .loop_s = 4.0, .done = 999, .count = 1000}),
-            "distance field, loop 1: 99 %, about 1 s more");
+  EXPECT_EQ(in_words({.name = "field", .for_s = 9.0, .loop = 2, .loop_s = 4.0, .done = 40, .count = 100}),
+            "field, loop 2: 40 %, about 6 s more");
+  EXPECT_EQ(in_words({.name = "field", .for_s = 9.0, .loop = 1, .loop_s = 4.0, .done = 999, .count = 1000}),
+            "field, loop 1: 99 %, about 1 s more");
   EXPECT_EQ(in_words({.name = "voxmap", .for_s = 9.0, .loop = 1, .loop_s = 8.0, .done = 1000, .count = 1000}), "voxmap: 9 s so far") << "what follows the loop has no share";
-  EXPECT_EQ(in_words({.name = "reading the static meshes", .for_s = 3.1}), "reading the static meshes: 3 s so far");
+  EXPECT_EQ(in_words({.name = "meshes", .for_s = 3.1}), "meshes: 3 s so far");
   EXPECT_EQ(in_words({.name = "voxmap", .for_s = 2.0, .loop = 1, .loop_s = 1.0, .done = 0, .count = 10}), "voxmap: 2 s so far");
 }
 

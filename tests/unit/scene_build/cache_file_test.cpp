@@ -16,7 +16,7 @@ namespace {
 
 using scene_build::read_cache_file;
 
-constexpr std::uint64_t kMost = 1'000'000;
+constexpr std::uint64_t kMax = 1'000'000;
 const std::string kRecipe = "flour, water and salt";
 
 class CacheFile : public testing::Test {
@@ -31,7 +31,7 @@ class CacheFile : public testing::Test {
     return {std::istreambuf_iterator<char>(in), {}};
   }
   void put(const std::string& bytes) const { std::ofstream(file_, std::ios::binary | std::ios::trunc) << bytes; }
-  std::string why_not(const std::string& recipe = kRecipe, std::uint64_t most = kMost) const {
+  std::string why_not(const std::string& recipe = kRecipe, std::uint64_t most = kMax) const {
     try {
       EXPECT_TRUE(read_cache_file(file_, recipe, most).memory != nullptr);
       return {};
@@ -46,14 +46,14 @@ class CacheFile : public testing::Test {
 };
 
 TEST_F(CacheFile, GivesBackWhatWasWrittenAndIsThisUsersAlone) {
-  EXPECT_TRUE(read_cache_file(file_, kRecipe, kMost).content == content_);
+  EXPECT_TRUE(read_cache_file(file_, kRecipe, kMax).content == content_);
   struct stat is{};
   ASSERT_EQ(::stat(file_.c_str(), &is), 0);
   EXPECT_EQ(is.st_mode & 0777, 0600U);
   EXPECT_EQ(file_count(folder_.path()), 1U) << "nothing is left beside it";
 }
 
-TEST_F(CacheFile, ThatIsNotThereIsNoFault) { EXPECT_EQ(read_cache_file(folder_ / "none.scene", kRecipe, kMost).memory, nullptr); }
+TEST_F(CacheFile, ThatIsNotThereIsNoFault) { EXPECT_EQ(read_cache_file(folder_ / "none.scene", kRecipe, kMax).memory, nullptr); }
 
 TEST_F(CacheFile, IsRefusedWithAnyBitOfItChanged) {
   const std::string whole = bytes();

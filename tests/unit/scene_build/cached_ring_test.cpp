@@ -53,8 +53,8 @@ TEST_F(CachedRing, GivesTheSameBitsWhetherItsSceneWasBuiltOrFound) {
 
   std::filesystem::resize_file(kept().front(), std::filesystem::file_size(kept().front()) / 2);
   EXPECT_TRUE(run("cut", {}, &said) == without);
-  EXPECT_NE(said.find("up: the scene kept in " + kept().front().string() + " is not used ("), std::string::npos) << said;
-  EXPECT_EQ(said.find("rendering: the scene kept"), std::string::npos) << "it was mended by the first that met it: " << said;
+  EXPECT_NE(said.find(kept().front().string()), std::string::npos) << said;
+  EXPECT_EQ(said.find("rendering: the scene"), std::string::npos) << "it was mended by the first that met it: " << said;
 }
 
 TEST_F(CachedRing, LetsProgramsStartTogether) {
@@ -79,7 +79,7 @@ TEST_F(CachedRing, GoesOnWhereNothingCanBeKept) {
   Process program({VOXTOUCH_BIN "/voxtouch", "plan", shipped_scene("plane"), "--no-measure"});
   const Finished end = program.wait();
   EXPECT_EQ(end.status, 0) << end.err;
-  EXPECT_NE(end.err.find("plan: what was built cannot be kept in '"), std::string::npos) << end.err;
+  EXPECT_NE(end.err.find("--no-cache"), std::string::npos) << end.err;
 }
 
 }  // namespace

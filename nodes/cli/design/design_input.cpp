@@ -1,4 +1,4 @@
-#include "nodes/cli/design/design_request.hpp"
+#include "nodes/cli/design/design_input.hpp"
 
 #include <fmt/format.h>
 
@@ -17,45 +17,45 @@ std::string hand_text(const coupling::design::OperatorRange& hand, const std::st
                      h.may_release ? ", or nobody" : ", always held");
 }
 
-/// The request without a scene: whatever the device can show, or the stiffness given, in one contact that may be capped.
-coupling::design::DesignProblem request_for_device(const DesignRequest& o, const coupling::design::DeviceModel& device) {
+/// The problem without a scene: whatever the device can show, or the stiffness given, in one contact that may be capped.
+coupling::design::DesignProblem problem_for_device(const DesignInput& input, const coupling::design::DeviceModel& device) {
   scene::Scene scene;
   scene.voxel_size_m = 0.0;
   scene.design.emplace();
-  const double most = o.stiffness_n_per_m > 0 ? o.stiffness_n_per_m : device.translation.max_stiffness;
+  const double most = input.stiffness_n_per_m > 0 ? input.stiffness_n_per_m : device.translation.max_stiffness;
   const double most_rotation = device.gives_torque ? device.rotation.max_stiffness : 0.0;
   return fitting::design_problem(scene, device, {0.01 * most, most}, {0.01 * most_rotation, most_rotation});
 }
 
 /// What the command line says goes over what the scene says.
-void apply(const DesignRequest& o, const coupling::design::DeviceModel& device, coupling::design::DesignProblem& request,
+void apply(const DesignInput& input, const coupling::design::DeviceModel& device, coupling::design::DesignProblem& request,
            std::string& hand) {
-  if (!o.hand.empty()) {
+  if (!input.hand.empty()) {
     scene::DesignOptions options;
     coupling::design::Grip grip = device.grip;
-    if (o.hand == "any_passive")
+    if (input.hand == "any_passive")
       options.hand = scene::HandOption::kAnyPassive;
     else
-      coupling::design::parse_grip(o.hand, grip);
+      coupling::design::parse_grip(input.hand, grip);
     request.hand = scene::operator_range(options, grip);
-    hand = o.hand;
+    hand = input.hand;
   }
-  if (o.damping_floor) request.goals.floors = coupling::design::floors_of(*o.damping_floor);
-  if (o.held) request.hand.translation.may_release = request.hand.rotation.may_release = false;
-  if (o.no_damping) request.goals.allow_injected_damping = false;
+  if (input.damping_floor) request.goals.floors = coupling::design::floors_of(*input.damping_floor);
+  if (input.held) request.hand.translation.may_release = request.hand.rotation.may_release = false;
+  if (input.no_damping) request.goals.allow_injected_damping = false;
 }
 
 /// The problem that the command line and its scene pose, and the words for it: without what is found.
-DesignReport problem_of(const DesignRequest& o, const coupling::design::DeviceModel& device, const BuildScene& build) {
+DesignReport problem_of(const DesignInput& input, const coupling::design::DeviceModel& device, const BuildScene& build) {
   DesignReport out;
   out.device = device.name;
   std::string hand = std::string(coupling::design::name_of(device.grip));
-  if (o.scene.empty()) {
-    out.request = request_for_device(o, device);
+  if (input.scene.empty()) {
+    out.request = problem_for_device(input, device);
     out.contact =
         fmt::format("up to {:.4g} N/m, which the coupling may cap (no scene is given)", out.request.contact.all_points);
   } else {
-    const scene::Scene scene = scene::load_scene(o.scene);
+    const scene::Scene scene = scene::load_scene(input.scene);
     const auto built = build(scene);
     const rendering::Plan& plan = built->plan();
     out.request = fitting::design_problem(scene, device, plan.contact_n_per_m, plan.contact_nm_per_rad);
@@ -67,18 +67,18 @@ DesignReport problem_of(const DesignRequest& o, const coupling::design::DeviceMo
                     out.request.contact.one_point, out.request.contact.all_points, plan.shell_points);
     if (const effects::EffectSpec* external = effects::external_of(scene.effects)) out.contact += ". " + effects::no_certificate_sentence(external->name);
   }
-  if (o.scene.empty() || o.kind != "auto") out.request.goals.kind = o.kind;
-  if (o.scene.empty() || o.cutoff_hz != 5.0) out.request.goals.cutoff_hz = o.cutoff_hz;
-  if (o.scene.empty() || o.gain_margin != 2.0) out.request.goals.gain_margin = o.gain_margin;
-  apply(o, device, out.request, hand);
+  if (input.scene.empty() || input.kind != "auto") out.request.goals.kind = input.kind;
+  if (input.scene.empty() || input.cutoff_hz != 5.0) out.request.goals.cutoff_hz = input.cutoff_hz;
+  if (input.scene.empty() || input.gain_margin != 2.0) out.request.goals.gain_margin = input.gain_margin;
+  apply(input, device, out.request, hand);
   out.hand = hand_text(out.request.hand, hand);
   return out;
 }
 
 }  // namespace
 
-DesignReport work_out(const DesignRequest& request, const coupling::design::DeviceModel& device, const BuildScene& build) {
-  DesignReport report = problem_of(request, device, build);
+DesignReport work_out(const DesignInput& input, const coupling::design::DeviceModel& device, const BuildScene& build) {
+  DesignReport report = problem_of(input, device, build);
   report.design = coupling::design::design_coupling(report.request);
   report.paper = judge_paper_recipe(report.request);
   report.region = region_round(report.request, report.design);

@@ -10,17 +10,17 @@ namespace voxtouch::runtime {
 
 /// The loop's, of one node. It goes by the rule that its readers go by, and by what it was given to answer itself: where samples have not come
 /// to either of the two, nobody has left them out. Real-time safe.
-class Turn {
+class ActingPair {
  public:
   /// What the node knows of the pair beside the answers.
-  struct Pair {
+  struct Known {
     bool entitled = false;  ///< to take over: it has acted, or the acting one has named it
     bool yields = false;    ///< at once, where both answer; of two exactly one does
   };
   /// Whoever does not yield at once does so where the other one goes on: then that one is followed, and this node was away.
-  static constexpr int kMostBeside = 3;
+  static constexpr int kMaxBeside = 3;
 
-  explicit Turn(bool acts, std::uint64_t unanswered = Failover::kUnanswered) noexcept : failover_(acts ? kOwn : kOther, unanswered) {}
+  explicit ActingPair(bool acts, std::uint64_t unanswered = Failover::kUnanswered) noexcept : failover_(acts ? kOwn : kOther, unanswered) {}
 
   /// Another session.
   void begin() noexcept {
@@ -28,16 +28,16 @@ class Turn {
     ahead_.reset(), last_given_.reset(), beside_.reset();
   }
   /// The other one has answered `sequence`; `newest`: the last sample that this node has been given. What is ahead of it waits.
-  void hear(std::uint64_t sequence, std::uint64_t newest, const Pair& pair) noexcept {
-    heed_what_was_ahead(newest, pair);
+  void hear(std::uint64_t sequence, std::uint64_t newest, const Known& known) noexcept {
+    heed_what_was_ahead(newest, known);
     if (sequence > newest)
       ahead_ = sequence;
     else
-      heed(sequence, pair);
+      heed(sequence, known);
   }
   /// Whether this node's answer to `sequence` is to be sent.
-  bool answers(std::uint64_t sequence, const Pair& pair) noexcept {
-    heed_what_was_ahead(sequence, pair);
+  bool answers(std::uint64_t sequence, const Known& known) noexcept {
+    heed_what_was_ahead(sequence, known);
     const std::optional<std::uint64_t> given_before = std::exchange(last_given_, sequence);
     if (acts()) {
       failover_.hear(kOwn, sequence);
@@ -45,7 +45,7 @@ class Turn {
     }
     // The other one has had at least one sample, and a period for it; and it has answered none that is later.
     const bool waited = given_before && failover_.last() && *given_before > *failover_.last() && !ahead_;
-    if (!pair.entitled || !waited || failover_.hear(kOwn, sequence) != Failover::Verdict::kTakenOver) return false;
+    if (!known.entitled || !waited || failover_.hear(kOwn, sequence) != Failover::Verdict::kTakenOver) return false;
     ++takeovers_;
     return true;
   }
@@ -64,16 +64,16 @@ class Turn {
 
  private:
   /// It is of use once this node has been given its sample too.
-  void heed_what_was_ahead(std::uint64_t newest, const Pair& pair) noexcept {
-    if (ahead_ && *ahead_ <= newest) heed(*std::exchange(ahead_, std::nullopt), pair);
+  void heed_what_was_ahead(std::uint64_t newest, const Known& known) noexcept {
+    if (ahead_ && *ahead_ <= newest) heed(*std::exchange(ahead_, std::nullopt), known);
   }
-  void heed(std::uint64_t sequence, const Pair& pair) noexcept {
+  void heed(std::uint64_t sequence, const Known& known) noexcept {
     if (failover_.hear(kOther, sequence) != Failover::Verdict::kFenced || !failover_.last() || sequence + 1 < *failover_.last()) return;
     // Both answer: after a false alarm, or where this node woke up and works off what has come meanwhile.
     constexpr std::uint64_t kInARow = 8;
     times_beside_ = beside_ && sequence <= *beside_ + kInARow ? times_beside_ + 1 : 1;
     beside_ = sequence;
-    if (pair.yields || times_beside_ >= kMostBeside) step_back(sequence);
+    if (known.yields || times_beside_ >= kMaxBeside) step_back(sequence);
   }
 
   static constexpr Failover::Place kOwn = Failover::Place::kFirst, kOther = Failover::Place::kSecond;

@@ -11,8 +11,8 @@
 
 namespace voxtouch::cli {
 
-struct DesignRequest {
-  std::filesystem::path scene;   ///< whose contact and wishes are to be met; empty: whatever the device can show
+struct DesignInput {
+  std::filesystem::path scene;   ///< whose contact and design goals are to be met; empty: whatever the device can show
   std::string hand;              ///< pen, arm or any_passive; empty: the scene's, else how the device is held
   std::string kind = "auto";     ///< shaping_filter, spring_damper or direct
   double cutoff_hz = 5.0, gain_margin = 2.0;
@@ -25,6 +25,6 @@ struct DesignRequest {
 using BuildScene = std::function<std::unique_ptr<rendering::BuiltScene>(const scene::Scene&)>;
 
 /// Builds the scene, where there is one, and designs for it. Takes seconds. Throws what reading and building a scene throw.
-DesignReport work_out(const DesignRequest& request, const coupling::design::DeviceModel& device, const BuildScene& build);
+DesignReport work_out(const DesignInput& input, const coupling::design::DeviceModel& device, const BuildScene& build);
 
 }  // namespace voxtouch::cli
