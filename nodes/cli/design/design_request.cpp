@@ -42,6 +42,7 @@ void apply(const DesignRequest& o, const coupling::design::DeviceModel& device, 
   }
   if (o.damping_floor) request.goals.floors = coupling::design::floors_of(*o.damping_floor);
   if (o.held) request.hand.translation.may_release = request.hand.rotation.may_release = false;
+  if (o.velocity_windows) request.goals.velocity_windows = true;
   if (o.no_damping) request.goals.allow_injected_damping = false;
 }
 
