@@ -50,8 +50,7 @@ Crossing inner_crossing(const LoopPlant& bare, double velocity_filter_rad_per_s,
   const double resonance = resonance_of(p);
   if (swings_undamped(bare) && !goes_inwards(response, resonance)) return {0.0, resonance};
   const double filter = velocity_filter_rad_per_s > 0.0 && velocity_window == 0 ? 1.0 / velocity_filter_rad_per_s : 0.0;
-  const int span = window_span(velocity_window);
-  CrossingSearch search((transport(p) + filter) / p.period_s + span, plant.whole_delay + span);
+  CrossingSearch search((transport(p) + filter) / p.period_s + window_span(velocity_window), plant.whole_delay + window_last(velocity_window));
   search.stop_at(resonance);
   return search.find(response);
 }
@@ -104,8 +103,8 @@ CriticalStiffness critical_stiffness(const LoopPlant& plant, const LoopControlle
   };
   const double resonance = resonance_of(p);
   if (swings_undamped(plant) && c.injected_damping == 0.0 && !goes_inwards(response, resonance)) return {};
-  const int span = c.injected_damping > 0.0 ? window_span(c.velocity_window) : 0;
-  CrossingSearch search(slowness(p, c) / p.period_s, loop.plant().whole_delay + span);
+  const int late = c.injected_damping > 0.0 ? window_last(c.velocity_window) : 0;
+  CrossingSearch search(slowness(p, c) / p.period_s, loop.plant().whole_delay + late);
   search.stop_at(resonance);
   search.stop_at(inner.angle);
   if (c.law == Law::kShapingFilter) search.stop_at(2.0 * std::atan(0.5 * c.w0_rad_per_s * p.period_s));
