@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/coupling/velocity_window.hpp"
 #include "core/types/enum_name.hpp"
 
 namespace voxtouch::coupling {
@@ -20,6 +21,10 @@ class Findings {
     return rule(field, value, value >= 0.0 && std::isfinite(value), "0 or above");
   }
   bool cap(const char* field, double value) { return rule(field, value, value > 0.0, "above 0, infinity for no cap"); }
+  bool window(const char* field, std::uint32_t value) {
+    static_assert(kMaxVelocityWindow == 5);
+    return rule(field, value, value <= kMaxVelocityWindow, "a whole number from 0 to 5");
+  }
   bool limit(const char* field, double value) { return rule(field, value, value >= 0.0, "0 or above, infinity for no limit"); }
 
  private:
@@ -88,6 +93,7 @@ std::vector<CouplingIssue> validate(const CouplingSpec& spec, const CouplingLimi
   find.not_negative("injected_damping_ns_per_m", spec.injected_damping_ns_per_m);
   find.not_negative("injected_damping_nms_per_rad", spec.injected_damping_nms_per_rad);
   find.positive("velocity_filter_hz", spec.velocity_filter_hz);
+  find.window("velocity_window", spec.velocity_window);
   find.not_negative("passivity_damping_limit_ns_per_m", spec.passivity_damping_limit_ns_per_m);
   find.not_negative("passivity_damping_limit_nms_per_rad", spec.passivity_damping_limit_nms_per_rad);
   return out;

@@ -1,5 +1,6 @@
 #pragma once
 /// Which coupling is asked for, and what is wrong with the asking.
+#include <cstdint>
 #include <limits>
 #include <string>
 #include <vector>
@@ -21,10 +22,11 @@ struct CouplingSpec {
   double stiffness_cap_n_per_m = std::numeric_limits<double>::infinity();
   double stiffness_cap_nm_per_rad = std::numeric_limits<double>::infinity();
   /// All kinds. Damping against the tool's motion while in contact, along the directions that the contact pushes in, never
-  /// pulling; the velocity is a first-order filtered difference. >= 0.
+  /// pulling; of a velocity that is a first-order filtered difference or of a window (velocity_window.hpp). >= 0.
   double injected_damping_ns_per_m = 0.0;
   double injected_damping_nms_per_rad = 0.0;
-  double velocity_filter_hz = 100.0;          ///< > 0
+  double velocity_filter_hz = 100.0;          ///< > 0; not used behind a window
+  std::uint32_t velocity_window = 0;          ///< n of the window, 0 to kMaxVelocityWindow; 0: the first-order filter
   double passivity_damping_limit_ns_per_m = 0.0;      ///< most that the passivity controller may add; 0: it only observes
   double passivity_damping_limit_nms_per_rad = 0.0;
   bool operator==(const CouplingSpec&) const = default;

@@ -32,6 +32,9 @@
 /// down, by alpha_max v^2 each second of (b - alpha_max) v^2: a cycle becomes smaller and stays, and E is as low as the cycle
 /// makes it. Above, the controller itself chatters, at tens of W.
 ///
+/// On the velocity of a window v^ may be up to kWindowGain times the largest quotient, and W in this bound is as much larger; E >= -5 W with the W of
+/// before was seen to hold in the loops of the tests.
+///
 /// Sliding. A contact made of voxels gives energy on closed ways of its own: measured over the contact models, voxel sizes, depths
 /// and tilts (deploy/pictures/stability_map.png), at most s F L on a way L under the mean force F, s = kSlidingShare e / R for a
 /// ball of radius R under `original` and `adapted`, less under `field`. The steps are within W like any force, but they go on

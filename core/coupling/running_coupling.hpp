@@ -68,7 +68,7 @@ class RunningCoupling {
 
   /// Other parameters while running, also in contact, without a jump: cut-off and damping ratio at once (the filter's state
   /// cannot grow by it), the gain at kGainSlewPerS, the spring-damper's c and r and the caps over kDefaultRampS, injected damping
-  /// over `ramp_behind_filter_s`, velocity filter and controller limits at once. Another kind starts at the force that the old
+  /// over `ramp_behind_filter_s`, velocity estimate and controller limits at once. Another kind starts at the force that the old
   /// law gave and fades to its own. False, and nothing changed, where `validate` refuses. Between two steps of the loop:
   /// allocates only to word what validate finds.
   bool redesign(const CouplingSpec& spec);

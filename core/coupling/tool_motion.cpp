@@ -1,5 +1,6 @@
 #include "core/coupling/tool_motion.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -20,20 +21,56 @@ void blend(Vec3& mean, double old_share, const Vec3& sample) noexcept {
 
 }  // namespace
 
-ToolMotion::ToolMotion(double nominal_s, double velocity_filter_hz, const ToolSpeedLimits& limits) noexcept
+ToolMotion::ToolMotion(double nominal_s, double velocity_filter_hz, const ToolSpeedLimits& limits, int velocity_window) noexcept
     : nominal_s_(nominal_s), limits_(limits) {
-  set_filter(velocity_filter_hz);
+  set_filter(velocity_filter_hz, velocity_window);
+  forget_velocity();
 }
 
-void ToolMotion::set_filter(double velocity_filter_hz) noexcept {
+void ToolMotion::set_filter(double velocity_filter_hz, int velocity_window) noexcept {
   cutoff_rad_per_s_ = 2.0 * std::numbers::pi * velocity_filter_hz;
+  window_ = velocity_window;
 }
 
 void ToolMotion::forget() noexcept {
   anchored_ = false;
   elapsed_s_ = 0.0;
   step_ = {};
+  forget_velocity();
+}
+
+/// As of a tool that has rested.
+void ToolMotion::forget_velocity() noexcept {
   velocity_ = {};
+  ways_.fill({{}, nominal_s_});
+  known_ = 0;
+}
+
+void ToolMotion::remember(const Vec3& shift, const Vec3& turn) noexcept {
+  const int size = static_cast<int>(ways_.size()), parts = std::clamp(static_cast<int>(std::lround(elapsed_s_ / nominal_s_)), 1, size);
+  for (int i = 0; i < parts; ++i) {
+    newest_ = (newest_ + 1) % size;
+    ways_[newest_] = {{shift / parts, turn / parts}, elapsed_s_ / parts};
+  }
+  known_ = std::min(known_ + parts, size);
+}
+
+/// Way over time of `count` ways, the newest of them `from` ways ago.
+Twist ToolMotion::quotient(int from, int count) const noexcept {
+  const int size = static_cast<int>(ways_.size());
+  Way sum{{}, 0.0};
+  for (int ago = from; ago < from + count; ++ago) {
+    const Way& one = ways_[(newest_ + size - ago) % size];
+    sum.way.linear += one.way.linear, sum.way.angular += one.way.angular, sum.time_s += one.time_s;
+  }
+  return {sum.way.linear / sum.time_s, sum.way.angular / sum.time_s};
+}
+
+Twist ToolMotion::velocity_of_window() const noexcept {
+  const Twist last = quotient(0, window_last(window_));
+  if (known_ < window_span(window_)) return last;
+  const Twist before = quotient(window_last(window_), window_before(window_));
+  return {last.linear + kWindowLead * (last.linear - before.linear), last.angular + kWindowLead * (last.angular - before.angular)};
 }
 
 const ToolStep& ToolMotion::step(const Pose& tool, double dt_s) noexcept {
@@ -54,12 +91,17 @@ void ToolMotion::move_to(const Vec3& position, const Quat& orientation) noexcept
     const Vec3 shift = position - last_.position, turn = rotation_vector(last_.orientation, orientation);
     if (shift.norm() <= limits_.linear_m_per_s * elapsed_s_ && turn.norm() <= limits_.angular_rad_per_s * elapsed_s_) {
       step_ = {true, shift, turn};
-      const double old_share = std::exp(-cutoff_rad_per_s_ * elapsed_s_);
-      blend(velocity_.linear, old_share, shift / elapsed_s_);
-      blend(velocity_.angular, old_share, turn / elapsed_s_);
+      remember(shift, turn);
+      if (window_ > 0) {
+        velocity_ = velocity_of_window();
+      } else {
+        const double old_share = std::exp(-cutoff_rad_per_s_ * elapsed_s_);
+        blend(velocity_.linear, old_share, shift / elapsed_s_);
+        blend(velocity_.angular, old_share, turn / elapsed_s_);
+      }
     } else {
       ++jumps_;
-      velocity_ = {};
+      forget_velocity();
     }
   }
   last_ = {position, orientation};

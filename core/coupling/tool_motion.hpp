@@ -1,7 +1,9 @@
 #pragma once
 /// How the tool has moved since the last sample, and how fast, out of poses alone.
+#include <array>
 #include <cstdint>
 
+#include "core/coupling/velocity_window.hpp"
 #include "core/types/geometry.hpp"
 
 namespace voxtouch::coupling {
@@ -19,7 +21,7 @@ struct ToolStep {
   Vec3 turn = Vec3::Zero();   ///< rotation vector [rad], the shorter way round, W axes
 };
 
-/// Differences and filtered velocity. Real-time safe.
+/// Differences and the velocity that damping acts on. Real-time safe.
 ///
 ///     v^[n] = a v^[n-1] + (1 - a) (x[n] - x[n-1]) / dt,   a = exp(-w_v dt),
 ///
@@ -27,29 +29,46 @@ struct ToolStep {
 /// input policy's band, or no number: the nominal period. (Above the band a law must not trust dt, since its state would grow
 /// with it. Here a longer dt is the smaller velocity.) A sample without a usable pose leaves v^ as it is and its time counts
 /// towards the next; after a gap, and after a jump, v^ begins again at zero.
+///
+/// With a window v^ is the formula of velocity_window.hpp for periods as measured, u and w each a way over its time. The way of a longer time
+/// than a period, of samples that were lost, counts as that many differences. Until the window is full v^ is u, as if the tool had rested
+/// before the first.
 class ToolMotion {
  public:
   /// `nominal_s`: the sample time [s]; `limits`: a pose that would need a faster tool is a jump.
-  ToolMotion(double nominal_s, double velocity_filter_hz, const ToolSpeedLimits& limits) noexcept;
+  /// `velocity_window`: n, 0 to kMaxVelocityWindow; 0: the first-order filter with that cut-off.
+  ToolMotion(double nominal_s, double velocity_filter_hz, const ToolSpeedLimits& limits, int velocity_window = 0) noexcept;
 
   /// The way to `tool` (T in W) and the velocity there, `dt_s` [s] after the last sample. Valid until the next call.
   const ToolStep& step(const Pose& tool, double dt_s) noexcept;
-  /// Another cut-off of v^ [Hz], from the next sample on.
-  void set_filter(double velocity_filter_hz) noexcept;
+  /// Another cut-off of v^ [Hz] or another window, from the next sample on.
+  void set_filter(double velocity_filter_hz, int velocity_window = 0) noexcept;
   /// The next pose is the first: no way leads to it, and v^ begins at zero.
   void forget() noexcept;
   const Twist& velocity() const noexcept { return velocity_; }  ///< v^, W axes
   std::uint64_t jumps() const noexcept { return jumps_; }
 
  private:
+  struct Way {
+    Twist way;  ///< [m, rad]
+    double time_s;
+  };
+
   void move_to(const Vec3& position, const Quat& orientation) noexcept;
+  void remember(const Vec3& shift, const Vec3& turn) noexcept;
+  void forget_velocity() noexcept;
+  Twist quotient(int from, int count) const noexcept;
+  Twist velocity_of_window() const noexcept;
 
   double nominal_s_, cutoff_rad_per_s_ = 0.0, elapsed_s_ = 0.0;
+  int window_ = 0;
   ToolSpeedLimits limits_;
   bool anchored_ = false;
   Pose last_;
   ToolStep step_;
   Twist velocity_;
+  std::array<Way, window_span(kMaxVelocityWindow)> ways_;  ///< the last ones, a ring; for any window, so that another may be set
+  int newest_ = 0, known_ = 0;
   std::uint64_t jumps_ = 0;
 };
 

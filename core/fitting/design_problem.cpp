@@ -74,6 +74,7 @@ coupling::design::DesignProblem design_problem(const scene::Scene& scene, const 
   goals.floors = coupling::design::floors_of(options.damping_floor);
   if (!spring) goals.force_layer_depth_m = 0.5 * scene.voxel_size_m / scene.device.position_scale;
   goals.allow_injected_damping = options.inject_damping;
+  goals.velocity_windows = options.velocity_windows;
   goals.free_cap = scene.design && !options.stiffness_cap_n_per_m && !options.stiffness_cap_nm_per_rad;
   return request;
 }

@@ -42,7 +42,7 @@ coupling::design::DesignProblem design_problem(const scene::Scene& scene, const 
 double largest_spring_n_per_m(const scene::Scene& scene, const coupling::design::DeviceModel& device) noexcept;
 
 /// What runs in W for a design: its caps, injected damping and spring-damper brought there, and never above the scene's
-/// own caps, which the designer took as given. Gain, cut-off, damping ratio and velocity filter have no scale.
+/// own caps, which the designer took as given. Gain, cut-off, damping ratio and velocity estimate have no scale.
 coupling::CouplingSpec spec_W(const coupling::design::Design& design, const scene::Scene& scene) noexcept;
 
 /// The other way, for a coupling that is set by hand and to be judged at the hand.

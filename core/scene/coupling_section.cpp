@@ -75,6 +75,7 @@ DesignOptions read_ask(SceneSource& source, const YamlNode& node, const MapReade
   if (const YamlNode* hand = map.find("hand")) read_hand(source, *hand, map, options);
   map.read("released", options.released);
   map.read("inject_damping", options.inject_damping);
+  map.read("velocity_windows", options.velocity_windows);
   map.read("run_infeasible", options.run_infeasible);
   if (options.hand == HandOption::kAnyPassive && !options.released)
     source.fail(map.place_of("released"),
@@ -105,10 +106,10 @@ coupling::CouplingSpec read_by_hand(SceneSource& source, const YamlNode& node, c
   map.read("injected_damping_ns_per_m", spec.injected_damping_ns_per_m);
   map.read("injected_damping_nms_per_rad", spec.injected_damping_nms_per_rad);
   if (!map.has("injected_damping_ns_per_m") && !map.has("injected_damping_nms_per_rad"))
-    map.refuse("velocity_filter_hz",
-               "filters the velocity for injected damping; it goes with injected_damping_ns_per_m or "
-               "injected_damping_nms_per_rad.");
+    for (const auto key : {"velocity_filter_hz", "velocity_window"})
+      map.refuse(key, "is of the velocity for injected damping; it goes with injected_damping_ns_per_m or injected_damping_nms_per_rad.");
   map.read("velocity_filter_hz", spec.velocity_filter_hz);
+  map.read("velocity_window", spec.velocity_window);
   judge(source, node, map, spec);
   return spec;
 }

@@ -33,6 +33,7 @@ struct DesignOptions {
   std::optional<coupling::design::HandRange> given_rotation;  ///< for kGiven; none: the range of the device's grip
   bool released = true;                     ///< nobody holding the device is one of the cases
   bool inject_damping = true;               ///< damping while in contact is allowed
+  bool velocity_windows = false;            ///< also on the velocity of a window
   bool run_infeasible = false;              ///< run what was found even where the design is called infeasible
   bool operator==(const DesignOptions&) const = default;
 };

@@ -22,8 +22,10 @@ def design_figure(data):
     lowest = min([shown or 100.0] + [k for k in undamped if k])
     low = 10.0 ** math.floor(math.log10(min(max(lowest, 0.01), 100.0)))
     high = 2.0 * max(limit or 0.0, axis_design["critical_stiffness"] or 0.0, 100.0)
+    window = axis_design["velocity_window"]
+    velocity = f"velocity of a window of {3 * window} samples" if window else f"velocity filter {axis_design['velocity_filter_hz']:.3g} Hz"
     note = (f"{data['device']}; hand: {data['hand']}.\nWorst case of them{'' if law else f', damping ratio %.3g' % coupling['damping_ratio']}; injected damping "
-            f"{axis_design['injected_damping']:.3g} Ns/m, velocity filter {axis_design['velocity_filter_hz']:.3g} Hz.")
+            f"{axis_design['injected_damping']:.3g} Ns/m, {velocity}.")
     useful = f"are certified to be stable with a {LAWS.get(kind, kind)}" if data["status"] != "infeasible" else "hold, which is too little to be of use"
     figure, axes = new_figure(f"{shown:.4g} N/m at the hand {useful}" if shown else "No coupling holds here", note, 1, 2 if law else 1, sharey=True)
     axis = axes[0][0]

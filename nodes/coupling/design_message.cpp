@@ -43,6 +43,7 @@ msg::CouplingDesign design_numbers(const fitting::FittedCoupling& fitted, double
   m.injected_damping_ns_per_m = spec.injected_damping_ns_per_m;
   m.injected_damping_nms_per_rad = spec.injected_damping_nms_per_rad;
   m.velocity_filter_hz = spec.velocity_filter_hz;
+  m.velocity_window = spec.velocity_window;
   m.lag_s = coupling::lag_s(spec);
   m.sample_time_s = sample_time_s;
   m.wanted_stiffness_n_per_m = design.translation.wanted_stiffness;

@@ -71,7 +71,7 @@ void CouplingReplay::check(const fitting::FittedCoupling& fitted, std::size_t de
   const RecordedDesign& told = session_->designs[design];
   const auto made = numbers_of(coupling_node::design_numbers(fitted, device_.timing.period_s));
   constexpr std::string_view kNames[] = {"cutoff_hz", "damping_ratio", "gain", "stiffness_n_per_m", "damping_ns_per_m", "stiffness_cap_n_per_m",
-                                         "stiffness_cap_nm_per_rad", "injected_damping_ns_per_m", "injected_damping_nms_per_rad", "velocity_filter_hz", "sample_time_s"};
+                                         "stiffness_cap_nm_per_rad", "injected_damping_ns_per_m", "injected_damping_nms_per_rad", "velocity_filter_hz", "velocity_window", "sample_time_s"};
   if (told.kind != fitted.spec.kind) return notes_.push_back(fmt::format("Design {} was a {}, and is a {} now.", design + 1, told.kind, fitted.spec.kind));
   for (std::size_t n = 0; n < made.size(); ++n)
     if (std::memcmp(&made[n], &told.numbers[n], sizeof made[n]) != 0)

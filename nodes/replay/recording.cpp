@@ -220,9 +220,10 @@ class Collector {
 
 }  // namespace
 
-std::array<double, 11> numbers_of(const msg::CouplingDesign& d) noexcept {
+std::array<double, 12> numbers_of(const msg::CouplingDesign& d) noexcept {
   return {d.cutoff_hz, d.damping_ratio, d.gain, d.stiffness_n_per_m, d.damping_ns_per_m, d.stiffness_cap_n_per_m, d.stiffness_cap_nm_per_rad,
-          d.injected_damping_ns_per_m, d.injected_damping_nms_per_rad, d.velocity_filter_hz, d.sample_time_s};
+          d.injected_damping_ns_per_m, d.injected_damping_nms_per_rad, d.velocity_filter_hz,
+          static_cast<double>(d.velocity_window), d.sample_time_s};
 }
 
 Recording read_recording(const std::filesystem::path& path, const std::string& rig) {

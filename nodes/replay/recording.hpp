@@ -48,7 +48,7 @@ struct RecordedDesign {
   std::uint64_t session = 0;
   std::int64_t taken_ns = 0;  ///< by the recorder
   std::string kind{};
-  std::array<double, 11> numbers{};  ///< as `numbers_of`
+  std::array<double, 12> numbers{};  ///< as `numbers_of`
   std::vector<std::string> notes{};
 };
 
@@ -78,6 +78,6 @@ struct Recording {
 Recording read_recording(const std::filesystem::path& path, const std::string& rig);
 
 /// What a coupling does, in the order of RecordedDesign::numbers.
-std::array<double, 11> numbers_of(const msg::CouplingDesign& design) noexcept;
+std::array<double, 12> numbers_of(const msg::CouplingDesign& design) noexcept;
 
 }  // namespace voxtouch::replay

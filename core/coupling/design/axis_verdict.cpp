@@ -90,7 +90,7 @@ void find_faults(const AxisProblem& problem, const LoopController& law, const Co
   if (law.injected_damping <= 0.0) return;
   if (problem.hand.any_passive)
     fault("injected damping is asked for, which no rule covers where only passivity is known of the hand.");
-  if (const double most = damping_limit(problem, spec.velocity_filter_hz); law.injected_damping > most * kRounding)
+  if (const double most = damping_limit(problem, velocity_of(spec)); law.injected_damping > most * kRounding)
     fault(fmt::format(
         "the injected damping of {:.4g} {} is above {:.4g}, half of what the worst case bears, or what its noise "
         "allows.",
@@ -124,7 +124,7 @@ AxisVerdict judge_axis(const DesignProblem& request, const AxisProblem& problem,
   AxisVerdict verdict;
   AxisDesign& out = verdict.design;
   out.injected_damping = law.injected_damping;
-  out.velocity_filter_hz = law.injected_damping > 0.0 ? spec.velocity_filter_hz : 0.0;
+  if (law.injected_damping > 0.0) out.velocity = velocity_of(spec);
   out.wanted_stiffness = problem.wanted;
   out.shown_stiffness = shown.shown;
   find_margin(problem, spec, law, shown, out);

@@ -39,18 +39,18 @@ bool goes_inwards(const Response& response, double angle) {
 
 double transport(const LoopPlant& p) { return p.period_s + p.delay_s + p.effort_lag_s; }
 
-Crossing inner_crossing(const LoopPlant& bare, double velocity_filter_rad_per_s) {
+Crossing inner_crossing(const LoopPlant& bare, double velocity_filter_rad_per_s, int velocity_window) {
   const LoopPlant p = with_a_hair_of_damping(bare);
   const SampledPlant plant = sample_plant(p);
-  const VelocityResponse velocity(p.period_s, velocity_filter_rad_per_s);
+  const VelocityResponse velocity(p.period_s, velocity_filter_rad_per_s, velocity_window);
   const auto response = [&](const Phasor& at) {
     const Complex value = plant_response(plant, at) * velocity(at);
     return LoopSample{value, value};
   };
   const double resonance = resonance_of(p);
   if (swings_undamped(bare) && !goes_inwards(response, resonance)) return {0.0, resonance};
-  const double filter = velocity_filter_rad_per_s > 0.0 ? 1.0 / velocity_filter_rad_per_s : 0.0;
-  CrossingSearch search((transport(p) + filter) / p.period_s, plant.whole_delay);
+  const double filter = velocity_filter_rad_per_s > 0.0 && velocity_window == 0 ? 1.0 / velocity_filter_rad_per_s : 0.0;
+  CrossingSearch search((transport(p) + filter) / p.period_s + window_span(velocity_window), plant.whole_delay + window_last(velocity_window));
   search.stop_at(resonance);
   return search.find(response);
 }
@@ -66,7 +66,8 @@ double slowness(const LoopPlant& p, const LoopController& c) {
   }
   if (c.law == Law::kShapingFilter) sum += (1.0 + 2.0 * c.damping_ratio) / c.w0_rad_per_s;
   if (c.law == Law::kSpringDamper && c.stiffness > 0.0) sum += c.damping / c.stiffness;
-  if (c.injected_damping > 0.0 && c.velocity_filter_rad_per_s > 0.0) sum += 1.0 / c.velocity_filter_rad_per_s;
+  if (c.injected_damping > 0.0 && c.velocity_window > 0) sum += window_span(c.velocity_window) * p.period_s;
+  if (c.injected_damping > 0.0 && c.velocity_window == 0 && c.velocity_filter_rad_per_s > 0.0) sum += 1.0 / c.velocity_filter_rad_per_s;
   return sum;
 }
 
@@ -77,8 +78,8 @@ bool acts(const LoopController& c) {
 
 }  // namespace
 
-double critical_damping(const LoopPlant& plant, double velocity_filter_rad_per_s) {
-  return inner_crossing(plant, velocity_filter_rad_per_s).gain;
+double critical_damping(const LoopPlant& plant, double velocity_filter_rad_per_s, int velocity_window) {
+  return inner_crossing(plant, velocity_filter_rad_per_s, velocity_window).gain;
 }
 
 CriticalStiffness critical_stiffness(const LoopPlant& plant, const LoopController& c) {
@@ -89,7 +90,7 @@ CriticalStiffness critical_stiffness(const LoopPlant& plant, const LoopControlle
 
   Crossing inner;
   if (c.injected_damping > 0.0) {
-    inner = inner_crossing(plant, c.velocity_filter_rad_per_s);
+    inner = inner_crossing(plant, c.velocity_filter_rad_per_s, c.velocity_window);
     if (c.injected_damping >= inner.gain) return {};
   }
   if (!acts(c)) return {kInfinity, 0.0};
@@ -102,7 +103,8 @@ CriticalStiffness critical_stiffness(const LoopPlant& plant, const LoopControlle
   };
   const double resonance = resonance_of(p);
   if (swings_undamped(plant) && c.injected_damping == 0.0 && !goes_inwards(response, resonance)) return {};
-  CrossingSearch search(slowness(p, c) / p.period_s, loop.plant().whole_delay);
+  const int late = c.injected_damping > 0.0 ? window_last(c.velocity_window) : 0;
+  CrossingSearch search(slowness(p, c) / p.period_s, loop.plant().whole_delay + late);
   search.stop_at(resonance);
   search.stop_at(inner.angle);
   if (c.law == Law::kShapingFilter) search.stop_at(2.0 * std::atan(0.5 * c.w0_rad_per_s * p.period_s));

@@ -47,16 +47,16 @@ double own_ratio(const LoopPlant& p) {
 }
 
 /// The best that injected damping makes of the case in the softest useful contact.
-double best_ratio(const AxisProblem& problem, const DesignCase& one, bool may_damp) {
+double best_ratio(const AxisProblem& problem, const DesignCase& one, bool may_damp, bool windows) {
   const double contact = std::min(problem.useful, problem.target);
   LoopController law;
   law.law = LoopController::Law::kDirect;
   double best = ratio(one.plant, law, contact);
-  for (const double hz : kVelocityFilters)
+  for (const VelocityEstimate& velocity : velocity_estimates(windows))
     for (const double share : kDampingShares) {
       if (!may_damp || best >= one.least_damping_ratio) return best;
-      law.velocity_filter_rad_per_s = 2.0 * std::numbers::pi * hz;
-      law.injected_damping = share * damping_limit(problem, hz);
+      law.use(velocity);
+      law.injected_damping = share * damping_limit(problem, velocity);
       best = std::max(best, ratio(one.plant, law, contact));
     }
   return best;
@@ -101,7 +101,7 @@ std::string set_floors(const DesignProblem& request, std::vector<AxisProblem>& p
     for (DesignCase& one : problem.cases) {
       if (one.held != held) continue;
       one.least_damping_ratio = floor;
-      const double best = best_ratio(problem, one, may_damp);
+      const double best = best_ratio(problem, one, may_damp, request.goals.velocity_windows);
       all.emplace_back(&one, best);
       forbidden = forbidden || best < floor;
       if (best >= floor || best >= worst) continue;

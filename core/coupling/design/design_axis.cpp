@@ -43,10 +43,11 @@ AxisProblem problem(const DesignProblem& request, bool rotation) {
 }
 
 /// By how much a late, filtered difference may exceed the speed it is meant to be, in the mean square: a short period's
-/// average may be held for a long one.
-double stretch(const LoopTiming& timing) {
+/// average may be held for a long one. What sums differences with weights multiplies it by the sum of these without their signs (Young).
+double stretch(const LoopTiming& timing, int velocity_window) {
   if (timing.jitter >= 1.0) return kInfinity;
-  return std::sqrt((1.0 + timing.lost_in_a_row) * (1.0 + timing.jitter) / (1.0 - timing.jitter));
+  const double held = std::sqrt((1.0 + timing.lost_in_a_row) * (1.0 + timing.jitter) / (1.0 - timing.jitter));
+  return velocity_window > 0 ? kWindowGain * held : held;
 }
 
 bool stable_for_all(const AxisProblem& problem, const LoopController& law, double scale, double contact,
@@ -95,21 +96,25 @@ LoopController controller_of(const CouplingSpec& spec, const AxisProblem& proble
   law.stiffness = spec.stiffness_n_per_m * (rotation ? arm_squared_m2 : 1.0);
   law.damping = spec.damping_ns_per_m * (rotation ? arm_squared_m2 : 1.0);
   law.injected_damping = rotation ? spec.injected_damping_nms_per_rad : spec.injected_damping_ns_per_m;
-  law.velocity_filter_rad_per_s = 2.0 * std::numbers::pi * spec.velocity_filter_hz;
+  law.use(velocity_of(spec));
   return law;
 }
 
-double critical_damping(const AxisProblem& problem, double velocity_filter_hz) {
+double step_share(double velocity_filter_rad_per_s, int velocity_window, double period_s) {
+  return velocity_window > 0 ? window_step_share(velocity_window) : 1.0 - std::exp(-velocity_filter_rad_per_s * period_s);
+}
+
+double critical_damping(const AxisProblem& problem, const VelocityEstimate& velocity) {
   double least = kInfinity;
   for (const DesignCase& one : problem.cases)
-    least = std::min(least, critical_damping(one.plant, 2.0 * std::numbers::pi * velocity_filter_hz));
+    least = std::min(least, critical_damping(one.plant, velocity.filter_rad_per_s(), velocity.window));
   return least;
 }
 
-double damping_limit(const AxisProblem& problem, double velocity_filter_hz) {
-  const double stable = 0.5 * critical_damping(problem, velocity_filter_hz);
-  // One step of the encoder makes q/T of speed, of which the filter lets 1 - exp(-wv T) through at once.
-  const double passed = 1.0 - std::exp(-2.0 * std::numbers::pi * velocity_filter_hz * problem.timing.period_s);
+double damping_limit(const AxisProblem& problem, const VelocityEstimate& velocity) {
+  const double stable = 0.5 * critical_damping(problem, velocity);
+  // Steps of the encoder make up to q/T of speed.
+  const double passed = step_share(velocity.filter_rad_per_s(), velocity.window, problem.timing.period_s);
   const double speed = problem.model.resolution / problem.timing.period_s * passed;
   return speed > 0.0 ? std::min(stable, problem.noise_limit / speed) : stable;
 }
@@ -147,7 +152,7 @@ int whole_delay(const LoopTiming& timing, double effort_lag_s) {
 double passive_limit(const AxisProblem& problem, const LoopController& law) {
   const double lag = effort_lag_s(problem.model);
   const LoopTiming slow = slowest(problem.timing);
-  const double lost = law.injected_damping > 0.0 ? law.injected_damping * stretch(problem.timing) : 0.0;
+  const double lost = law.injected_damping > 0.0 ? law.injected_damping * stretch(problem.timing, law.velocity_window) : 0.0;
   const double damping = std::max(0.0, problem.model.damping - lost);
   switch (law.law) {
     case Law::kShapingFilter: {

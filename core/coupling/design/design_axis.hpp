@@ -55,11 +55,14 @@ double arm_squared(const DesignProblem& request);
 /// The law that `spec` gives to the problem's axis, of unit gain, with its injected damping.
 LoopController controller_of(const CouplingSpec& spec, const AxisProblem& problem, double arm_squared_m2);
 
-/// Largest injected damping with this velocity filter: half of what the inner loop bears in the worst case, and no more noise
+/// Largest error of the velocity estimate that positions off by up to q / 2 either way may make, in q / T: 1 - exp(-w_v T), which is also what a
+/// single step of the encoder makes; with a window `window_step_share`, of which a single step makes less.
+double step_share(double velocity_filter_rad_per_s, int velocity_window, double period_s);
+/// Largest injected damping on this velocity: half of what the inner loop bears in the worst case, and no more noise
 /// than allowed.
-double damping_limit(const AxisProblem& problem, double velocity_filter_hz);
+double damping_limit(const AxisProblem& problem, const VelocityEstimate& velocity);
 /// The least critical damping over the cases.
-double critical_damping(const AxisProblem& problem, double velocity_filter_hz);
+double critical_damping(const AxisProblem& problem, const VelocityEstimate& velocity);
 
 /// Where the worst case becomes unstable, exactly.
 struct WorstCase {

@@ -16,7 +16,7 @@ void set_cap(CouplingSpec& spec, std::size_t axis, double cap) {
 }
 
 void set_damping(CouplingSpec& spec, const FilterChoice& choice) {
-  spec.velocity_filter_hz = choice.velocity_filter_hz;
+  spec.velocity_filter_hz = choice.velocity.filter_hz, spec.velocity_window = static_cast<std::uint32_t>(choice.velocity.window);
   spec.injected_damping_ns_per_m = choice.damping[0];
   if (choice.damping.size() > 1) spec.injected_damping_nms_per_rad = choice.damping[1];
 }
@@ -27,7 +27,7 @@ std::vector<double> fitting(const std::vector<AxisProblem>& problems, const Filt
   for (std::size_t a = 0; a < problems.size(); ++a) {
     LoopController law = law_of(choice.shape);
     law.injected_damping = choice.damping[a];
-    law.velocity_filter_rad_per_s = 2.0 * std::numbers::pi * choice.velocity_filter_hz;
+    law.use(choice.velocity);
     out.push_back(damped_stiffness(problems[a], law, std::min(problems[a].target, certified_stiffness(problems[a], law))));
   }
   return out;
@@ -36,7 +36,8 @@ std::vector<double> fitting(const std::vector<AxisProblem>& problems, const Filt
 }  // namespace
 
 Proposal propose_filter(const DesignProblem& request, const std::vector<AxisProblem>& problems) {
-  const FilterChoice choice = search_filter(problems, filter_settings(request), request.goals.allow_injected_damping);
+  const FilterChoice choice = search_filter(problems, filter_settings(request), request.goals.allow_injected_damping,
+                                           request.goals.velocity_windows);
   const std::vector<double> fits = fitting(problems, choice);
   Proposal out{{}, choice.status};
   out.spec.kind = "shaping_filter";
@@ -58,7 +59,7 @@ Proposal propose_filter(const DesignProblem& request, const std::vector<AxisProb
 Proposal propose_direct(const DesignProblem& request, const std::vector<AxisProblem>& problems) {
   std::vector<AxisProblem> whole = problems;
   for (AxisProblem& axis : whole) axis.target = axis.wanted;
-  const FilterChoice choice = search_filter(whole, {{kInfinity, 1.0}}, request.goals.allow_injected_damping);
+  const FilterChoice choice = search_filter(whole, {{kInfinity, 1.0}}, request.goals.allow_injected_damping, request.goals.velocity_windows);
   const std::vector<double> fits = fitting(whole, choice);
   Proposal out{{}, choice.status};
   out.spec.kind = "direct";

@@ -115,14 +115,14 @@ class Remedies {
 
   void injection() {
     if (request_.goals.allow_injected_damping || design_.spec.kind != "shaping_filter") return;
-    const FilterChoice choice = search_filter(problems_, filter_settings(request_), true);
+    const FilterChoice choice = search_filter(problems_, filter_settings(request_), true, request_.goals.velocity_windows);
     std::string allowed, shown;
     bool helps = false;
     for (std::size_t a = 0; a < problems_.size(); ++a) {
       const AxisProblem& p = problems_[a];
       LoopController law = law_of(choice.shape);
       law.injected_damping = choice.damping[a];
-      law.velocity_filter_rad_per_s = 2.0 * std::numbers::pi * choice.velocity_filter_hz;
+      law.use(choice.velocity);
       helps = helps || choice.damping[a] > 0.0;
       allowed += fmt::format("{}{:.3g} {}", a == 0 ? "" : " and ", choice.damping[a], p.units->damping);
       shown += fmt::format("{}{:.3g} {}", a == 0 ? "" : " and ", std::min(p.target, certified_stiffness(p, law)),

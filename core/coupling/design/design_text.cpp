@@ -30,8 +30,8 @@ std::string shortfall(const AxisProblem& p, const AxisDesign& d) {
 
 std::string damping_reason(const AxisProblem& p, const AxisDesign& d) {
   return fmt::format(
-      "{}: without damping in contact less would hold; {:.3g} {} behind a filter of {:.3g} Hz are injected.",
-      p.units->name, d.injected_damping, p.units->damping, d.velocity_filter_hz);
+      "{}: without damping in contact less would hold; {:.3g} {} on the velocity of {} are injected.",
+      p.units->name, d.injected_damping, p.units->damping, describe(d.velocity));
 }
 
 /// What the goal's cut-off allows without injected damping, and what was chosen instead.
@@ -51,6 +51,11 @@ std::string cutoff_reason(const DesignProblem& request, const std::vector<AxisPr
 }
 
 }  // namespace
+
+std::string describe(const VelocityEstimate& velocity) {
+  return velocity.window > 0 ? fmt::format("a window of {} samples", window_span(velocity.window))
+                             : fmt::format("a filter of {:.3g} Hz", velocity.filter_hz);
+}
 
 std::string floors_cost(const std::vector<AxisProblem>& problems, const Design& design) {
   std::string of_axes;

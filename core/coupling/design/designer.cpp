@@ -44,7 +44,7 @@ Judged judged(const DesignProblem& request, const std::vector<AxisProblem>& prob
 /// What the passivity controller may add: half of what the worst case bears, less what is injected already.
 void allow_passivity_damping(const std::vector<AxisProblem>& problems, CouplingSpec& spec) {
   const auto left = [&](std::size_t axis, double injected) {
-    return std::max(0.0, 0.5 * critical_damping(problems[axis], spec.velocity_filter_hz) - injected);
+    return std::max(0.0, 0.5 * critical_damping(problems[axis], velocity_of(spec)) - injected);
   };
   spec.passivity_damping_limit_ns_per_m = left(0, spec.injected_damping_ns_per_m);
   if (problems.size() > 1) spec.passivity_damping_limit_nms_per_rad = left(1, spec.injected_damping_nms_per_rad);

@@ -26,6 +26,7 @@ struct DesignGoals {
   double force_layer_depth_m = 0.0;   ///< depth over which the contact's force grows; for the approach speed. 0: not asked
   DampingFloors floors{0.0, 0.0};     ///< they go before stiffness, down to the useful least; standard: none
   bool allow_injected_damping = true;
+  bool velocity_windows = false;      ///< injected damping may act on the velocity of a window too: stiffer, and so less damped
   bool free_cap = false;              ///< the designer may cap the contact's total stiffness instead of scaling all of it
 };
 
@@ -43,7 +44,8 @@ std::string_view name_of(DesignStatus status) noexcept;
 
 /// One kind of motion, translation or rotation, of a finished design.
 struct AxisDesign {
-  double injected_damping = 0.0, velocity_filter_hz = 0.0;   ///< while in contact
+  double injected_damping = 0.0;      ///< while in contact
+  VelocityEstimate velocity{0.0, 0};  ///< that it acts on; 0 Hz: none
   double wanted_stiffness = 0.0;      ///< min(contact's total, the device's limit)
   double shown_stiffness = 0.0;       ///< K k that is certified with the margin; <= wanted
   double critical_stiffness = 0.0;    ///< K k at which the worst case becomes unstable
@@ -93,6 +95,9 @@ struct Design {
   std::vector<std::string> reasons;   ///< what limits, one sentence each
   std::vector<std::string> remedies;  ///< what it would take to have the goal as it is: damping, delay, cap; empty if it is met
 };
+
+/// "a filter of 100 Hz", "a window of 12 samples", for a person.
+std::string describe(const VelocityEstimate& velocity);
 
 /// Pure arithmetic, some milliseconds to some tens; not for the loop. The same request gives the same bits. Throws
 /// std::invalid_argument with the first sentence of `check` for numbers that cannot be designed for.

@@ -28,27 +28,27 @@ struct Axis {
   const AxisProblem* problem;
   std::optional<LoopTable> table;  ///< none where rule P decides
   std::optional<LoopTable> swings;  ///< of the cases with a floor of the damping ratio; none where there is no such case
-  std::array<double, kVelocityFilters.size()> most_damping{};
+  std::array<double, kVelocityEstimates.size()> most_damping{};
   /// Where a floor is broken though the contact hardly acts: a hand that swings too long by itself needs some damping, and much is late.
-  std::array<std::array<bool, kLevels>, kVelocityFilters.size()> broken{};
-  double reference_damping = 0.0;  ///< the most over the velocity filters
+  std::array<std::array<bool, kLevels>, kVelocityEstimates.size()> broken{};
+  double reference_damping = 0.0;  ///< the most over the velocity estimates
 
-  double damping(std::size_t velocity_filter, std::size_t level) const {
-    return most_damping[velocity_filter] * static_cast<double>(level) / (kLevels - 1);
+  double damping(std::size_t velocity, std::size_t level) const {
+    return most_damping[velocity] * static_cast<double>(level) / (kLevels - 1);
   }
-  double share(std::size_t velocity_filter, std::size_t level) const {
-    return level == 0 ? 0.0 : damping(velocity_filter, level) / reference_damping;
+  double share(std::size_t velocity, std::size_t level) const {
+    return level == 0 ? 0.0 : damping(velocity, level) / reference_damping;
   }
 };
 
 /// A point of the search, with what it costs.
 struct Candidate {
-  std::size_t shape = 0, velocity_filter = 1;
+  std::size_t shape = 0, velocity = 1;
   std::vector<std::size_t> levels;
   double cost = 0.0, second_cost = 0.0;  ///< larger and summed share of injected damping
 
   auto order(const std::vector<FilterSetting>& shapes) const {
-    return std::tuple(cost, second_cost, shapes[shape].cutoff_hz, shape, velocity_filter);
+    return std::tuple(cost, second_cost, shapes[shape].cutoff_hz, shape, velocity);
   }
 };
 
@@ -56,12 +56,12 @@ bool has_floor(const DesignCase& one) { return one.least_damping_ratio > 0.0; }
 
 class Search {
  public:
-  Search(const std::vector<AxisProblem>& problems, const std::vector<FilterSetting>& shapes, bool allow_damping)
-      : shapes_(shapes), allow_damping_(allow_damping) {
+  Search(const std::vector<AxisProblem>& problems, const std::vector<FilterSetting>& shapes, bool allow_damping, bool windows)
+      : shapes_(shapes), allow_damping_(allow_damping), velocities_(velocity_estimates(windows)) {
     for (const AxisProblem& problem : problems) {
       Axis axis{&problem, std::nullopt, std::nullopt, {}, {}, 0.0};
-      if (!problem.hand.any_passive) axis.table.emplace(problem.cases, velocity_filters());
-      if (std::ranges::any_of(problem.cases, has_floor)) axis.swings.emplace(problem.cases, velocity_filters(), LoopLimit::kDamped);
+      if (!problem.hand.any_passive) axis.table.emplace(problem.cases, velocities_);
+      if (std::ranges::any_of(problem.cases, has_floor)) axis.swings.emplace(problem.cases, velocities_, LoopLimit::kDamped);
       axes_.push_back(std::move(axis));
     }
   }
@@ -77,20 +77,20 @@ class Search {
   }
 
  private:
-  static std::vector<double> velocity_filters() { return {kVelocityFilters.begin(), kVelocityFilters.end()}; }
   bool may_damp() const {
     return allow_damping_ && std::ranges::any_of(axes_, [](const Axis& a) { return a.table.has_value(); });
   }
 
-  /// Stiffness over target, by the table or by rule P.
-  double ratio(Axis& axis, std::size_t shape, std::size_t velocity_filter, std::size_t level) const {
+  /// Stiffness over target, by the table or by rule P; where it is below `enough`, some number below.
+  double ratio(Axis& axis, std::size_t shape, std::size_t velocity, std::size_t level, double enough) const {
     const AxisProblem& problem = *axis.problem;
-    const double critical = axis.table ? axis.table->critical(velocity_filter, axis.damping(velocity_filter, level))
+    const double whole = problem.margin * problem.target;
+    const double critical = axis.table ? axis.table->critical(velocity, axis.damping(velocity, level), enough * whole)
                                        : passive_limit(problem, law_of(shapes_[shape]));
-    const double stable = critical / (problem.margin * problem.target);
-    if (!axis.swings) return stable;
-    if (axis.broken[velocity_filter][level]) return 0.0;
-    return std::min(stable, axis.swings->critical(velocity_filter, axis.damping(velocity_filter, level)) / problem.target);
+    const double stable = critical / whole;
+    if (!axis.swings || stable < enough) return stable;
+    if (axis.broken[velocity][level]) return 0.0;
+    return std::min(stable, axis.swings->critical(velocity, axis.damping(velocity, level), enough * problem.target) / problem.target);
   }
   void use(std::size_t shape) {
     const FilterSetting s = shapes_[shape];
@@ -114,15 +114,15 @@ class Search {
   }
   LoopController law(const Candidate& candidate, std::size_t a) const {
     LoopController out = law_of(shapes_[candidate.shape]);
-    out.injected_damping = axes_[a].damping(candidate.velocity_filter, candidate.levels[a]);
-    out.velocity_filter_rad_per_s = 2.0 * std::numbers::pi * kVelocityFilters[candidate.velocity_filter];
+    out.injected_damping = axes_[a].damping(candidate.velocity, candidate.levels[a]);
+    out.use(velocities_[candidate.velocity]);
     return out;
   }
   FilterChoice chosen(const Candidate& candidate, DesignStatus status) const {
-    const std::size_t v = candidate.cost > 0.0 ? candidate.velocity_filter : kUnused;
-    FilterChoice out{shapes_[candidate.shape], kVelocityFilters[v], {}, status};
+    const std::size_t v = candidate.cost > 0.0 ? candidate.velocity : kUnused;
+    FilterChoice out{shapes_[candidate.shape], velocities_[v], {}, status};
     for (std::size_t a = 0; a < axes_.size(); ++a)
-      out.damping.push_back(axes_[a].damping(candidate.velocity_filter, candidate.levels[a]));
+      out.damping.push_back(axes_[a].damping(candidate.velocity, candidate.levels[a]));
     return out;
   }
 
@@ -132,7 +132,7 @@ class Search {
       use(s);
       const Candidate candidate{s, kUnused, std::vector<std::size_t>(axes_.size(), 0), 0.0, 0.0};
       bool likely = true;
-      for (Axis& axis : axes_) likely = likely && ratio(axis, s, 0, 0) >= kTableDoubt;
+      for (Axis& axis : axes_) likely = likely && ratio(axis, s, 0, 0, kTableDoubt) >= kTableDoubt;
       if (!likely || !confirmed(candidate)) continue;
       const bool requested = shapes_[s].cutoff_hz == shapes_.front().cutoff_hz;
       return chosen(candidate, requested ? DesignStatus::kAsRequested : DesignStatus::kBandwidthRaised);
@@ -143,8 +143,8 @@ class Search {
   void bound_damping() {
     for (Axis& axis : axes_) {
       if (!axis.table) continue;
-      for (std::size_t v = 0; v < kVelocityFilters.size(); ++v) {
-        axis.most_damping[v] = damping_limit(*axis.problem, kVelocityFilters[v]);
+      for (std::size_t v = 0; v < velocities_.size(); ++v) {
+        axis.most_damping[v] = damping_limit(*axis.problem, velocities_[v]);
         axis.reference_damping = std::max(axis.reference_damping, axis.most_damping[v]);
       }
     }
@@ -154,39 +154,52 @@ class Search {
     constexpr double kHardlyAny = 1e-3;  // of the target
     LoopController law = law_of({kInfinity, 1.0});
     for (Axis& axis : axes_)
-      for (std::size_t v = 0; axis.swings && v < kVelocityFilters.size(); ++v)
+      for (std::size_t v = 0; axis.swings && v < velocities_.size(); ++v)
         for (std::size_t level = 0; level < kLevels; ++level) {
-          law.velocity_filter_rad_per_s = 2.0 * std::numbers::pi * kVelocityFilters[v];
+          law.use(velocities_[v]);
           law.injected_damping = axis.damping(v, level);
           axis.broken[v][level] = !keeps_floors(*axis.problem, law, kHardlyAny * axis.problem->target);
         }
   }
 
-  /// All ratios of all points; [shape][velocity filter][axis][level].
+  /// All ratios of all points that the next steps may look at; [shape][velocity estimate][axis][level].
   void tabulate() {
     ratios_.assign(shapes_.size(), {});
+    double best = 0.0;  // of all axes together, on a filter's velocity
     for (std::size_t s = 0; s < shapes_.size(); ++s) {
       use(s);
-      for (std::size_t v = 0; v < kVelocityFilters.size(); ++v) {
+      for (std::size_t v = 0; v < velocities_.size(); ++v) {
         ratios_[s][v].resize(axes_.size());
-        for (std::size_t a = 0; a < axes_.size(); ++a)
+        const double enough = std::min(kTableDoubt, kAsGood * best);  // no step takes anything below
+        double joint = kInfinity;
+        for (std::size_t a = 0; a < axes_.size() && joint >= enough; ++a) {
           for (std::size_t level = 0; level < kLevels; ++level) {
             const bool same = level > 0 && axes_[a].damping(v, level) == 0.0;
-            ratios_[s][v][a][level] = same ? ratios_[s][v][a][0] : ratio(axes_[a], s, v, level);
+            ratios_[s][v][a][level] = same ? ratios_[s][v][a][0] : ratio(axes_[a], s, v, level, enough);
           }
+          joint = std::min(joint, *std::ranges::max_element(ratios_[s][v][a]));
+        }
+        if (velocities_[v].window == 0) best = std::max(best, joint);
       }
     }
   }
 
-  /// The gentlest point of each shape and velocity filter at which every axis reaches `least` of its target; gentlest first.
-  std::vector<Candidate> reaching(double least) const {
+  double ratio(const Candidate& candidate, std::size_t axis) const {
+    return ratios_[candidate.shape][candidate.velocity][axis][candidate.levels[axis]];
+  }
+
+  /// The gentlest point of each shape and velocity estimate at which every axis reaches `least` of its target, and what `no_less` shows of it;
+  /// gentlest first.
+  std::vector<Candidate> reaching(double least, bool windows = true, const Candidate* no_less = nullptr) const {
     std::vector<Candidate> out;
     for (std::size_t s = 0; s < shapes_.size(); ++s)
-      for (std::size_t v = 0; v < kVelocityFilters.size(); ++v) {
+      for (std::size_t v = 0; v < velocities_.size(); ++v) {
+        if (!windows && velocities_[v].window > 0) continue;
         Candidate candidate{s, v, {}, 0.0, 0.0};
         for (std::size_t a = 0; a < axes_.size(); ++a) {
           const auto& levels = ratios_[s][v][a];
-          const auto level = std::ranges::find_if(levels, [&](double r) { return r >= least; });
+          const double enough = no_less ? std::max(least, ratio(*no_less, a)) : least;
+          const auto level = std::ranges::find_if(levels, [&](double r) { return r >= enough; });
           if (level == levels.end()) break;
           candidate.levels.push_back(static_cast<std::size_t>(level - levels.begin()));
           const double share = axes_[a].share(v, candidate.levels.back());
@@ -208,23 +221,33 @@ class Search {
     return std::nullopt;
   }
 
-  /// Step 4.
-  FilterChoice stiffest() const {
+  /// What is as good as the best, of all velocity estimates or of the filters' alone.
+  double as_good(bool windows) const {
     double best = 0.0;
     for (const auto& shape : ratios_)
-      for (const auto& filter : shape) {
-        double joint = std::numeric_limits<double>::infinity();
-        for (const auto& levels : filter) joint = std::min(joint, *std::ranges::max_element(levels));
+      for (std::size_t v = 0; v < velocities_.size(); ++v) {
+        if (!windows && velocities_[v].window > 0) continue;
+        double joint = kInfinity;
+        for (const auto& levels : shape[v]) joint = std::min(joint, *std::ranges::max_element(levels));
         best = std::max(best, joint);
       }
-    return chosen(reaching(kAsGood * std::min(best, 1.0)).front(), DesignStatus::kStiffnessReduced);
+    return kAsGood * std::min(best, 1.0);
+  }
+
+  /// Step 4. No axis shows less on a window than with the filter that would be taken without it.
+  FilterChoice stiffest() const {
+    const Candidate filter = reaching(as_good(false), false).front();
+    for (const double least : {as_good(true), 0.0})
+      if (const auto found = reaching(least, true, &filter); !found.empty()) return chosen(found.front(), DesignStatus::kStiffnessReduced);
+    return chosen(filter, DesignStatus::kStiffnessReduced);
   }
 
   const std::vector<FilterSetting>& shapes_;
   bool allow_damping_;
+  std::span<const VelocityEstimate> velocities_;
   std::vector<Axis> axes_;
   using Levels = std::array<double, kLevels>;
-  std::vector<std::array<std::vector<Levels>, kVelocityFilters.size()>> ratios_;
+  std::vector<std::array<std::vector<Levels>, kVelocityEstimates.size()>> ratios_;
 };
 
 }  // namespace
@@ -255,8 +278,8 @@ std::vector<FilterSetting> filter_settings(const DesignProblem& request) {
 }
 
 FilterChoice search_filter(const std::vector<AxisProblem>& problems, const std::vector<FilterSetting>& shapes,
-                           bool allow_injected_damping) {
-  return Search(problems, shapes, allow_injected_damping).run();
+                           bool allow_injected_damping, bool velocity_windows) {
+  return Search(problems, shapes, allow_injected_damping, velocity_windows).run();
 }
 
 }  // namespace voxtouch::coupling::design

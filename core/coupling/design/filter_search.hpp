@@ -2,14 +2,20 @@
 /// Steps 1 to 4 of the design of a shaping filter, or of a coupling without any: which cut-off, damping ratio and injected
 /// damping give the goal with the least given up, or else the most stiffness.
 #include <array>
+#include <span>
 #include <vector>
 
 #include "core/coupling/design/design_axis.hpp"
 
 namespace voxtouch::coupling::design {
 
-/// Of the velocity that injected damping acts on [Hz].
-inline constexpr std::array kVelocityFilters{50.0, 100.0, 200.0};
+/// Velocities that injected damping is tried on, those of filters first.
+inline constexpr std::array<VelocityEstimate, 6> kVelocityEstimates{{{50.0}, {100.0}, {200.0}, {100.0, 3}, {100.0, 4}, {100.0, 5}}};
+
+/// All of them, or those of filters.
+constexpr std::span<const VelocityEstimate> velocity_estimates(bool windows) {
+  return std::span(kVelocityEstimates).first(windows ? kVelocityEstimates.size() : 3);
+}
 
 /// w0 / (2 pi) and d; a cut-off of infinity is no filter at all.
 struct FilterSetting {
@@ -25,15 +31,15 @@ std::vector<FilterSetting> filter_settings(const DesignProblem& request);
 
 struct FilterChoice {
   FilterSetting shape;
-  double velocity_filter_hz = 100.0;
+  VelocityEstimate velocity;
   std::vector<double> damping;  ///< injected, for each problem
   /// kAsRequested, kBandwidthRaised or kDampingAdded: the targets hold, exactly. kStiffnessReduced: they do not anywhere.
   DesignStatus status = DesignStatus::kStiffnessReduced;
 };
 
-/// Injected damping is tried behind velocity filters of 50, 100 and 200 Hz, 10 to 100 % of what each allows; the least that
-/// does, and among equals the lowest cut-off. With two axes "least" is the larger share of the most that the axis could have.
+/// Injected damping is tried on the velocity estimates, 10 to 100 % of what each allows; the least that
+/// does, and among equals the lowest cut-off. Where none does, the least that shows nine tenths of the best, and on no axis less than a filter would. With two axes "least" is the larger share of the most that the axis could have.
 FilterChoice search_filter(const std::vector<AxisProblem>& problems, const std::vector<FilterSetting>& shapes,
-                           bool allow_injected_damping);
+                           bool allow_injected_damping, bool velocity_windows);
 
 }  // namespace voxtouch::coupling::design

@@ -1,6 +1,7 @@
 #include "core/coupling/design/limit_cycle.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -25,8 +26,15 @@ class Steps {
         fresh_(law.velocity_filter_rad_per_s > 0.0 ? 1.0 - std::exp(-law.velocity_filter_rad_per_s * period_s) : 1.0) {}
 
   double effort(double position) {
-    velocity_ += fresh_ * ((position - last_) / period_ - velocity_);
+    const double difference = (position - last_) / period_;
     last_ = position;
+    if (law_.velocity_window > 0) {
+      std::shift_right(differences_.begin(), differences_.end(), 1);
+      differences_[0] = difference, velocity_ = 0.0;
+      for (int ago = 0; ago < window_span(law_.velocity_window); ++ago) velocity_ += window_weight(law_.velocity_window, ago) * differences_[ago];
+    } else {
+      velocity_ += fresh_ * (difference - velocity_);
+    }
     return law(position) + law_.injected_damping * velocity_;
   }
 
@@ -44,6 +52,7 @@ class Steps {
   Pt2Coefficients filter_;
   Pt2State state_;
   double fresh_, velocity_ = 0.0, last_ = 0.0, object_ = 0.0;
+  std::array<double, window_span(kMaxVelocityWindow)> differences_{};
 };
 
 }  // namespace
@@ -80,7 +89,7 @@ double limit_cycle_bound(const AxisProblem& problem, const LoopController& law, 
   const double q = problem.model.resolution;
   if (q == 0.0 || shown_stiffness == 0.0) return 0.0;
   const double shape = law.law == Law::kShapingFilter ? law.damping_ratio : 1.0;
-  const double passed = 1.0 - std::exp(-law.velocity_filter_rad_per_s * problem.timing.period_s);
+  const double passed = step_share(law.velocity_filter_rad_per_s, law.velocity_window, problem.timing.period_s);
   const double needed =
       limit_cycle_friction(shape, shown_stiffness, q) + law.injected_damping * q / problem.timing.period_s * passed;
   if (problem.model.coulomb_friction >= needed) return 0.0;

@@ -51,18 +51,22 @@ Complex plant_response(const SampledPlant& plant, const BasicPhasor<Angle>& p) n
   return plant.effort_unit * one_sample * std::exp(Complex(0.0, -plant.whole_delay) * p.angle);
 }
 
-/// V(z) = (1 - a)(1 - z^-1)/(T (1 - a z^-1)): the estimated velocity per position.
+/// V(z) = (1 - a)(1 - z^-1)/(T (1 - a z^-1)), or (1 - z^-1)/T times the window's weights: the estimated velocity per position.
 class VelocityResponse {
  public:
-  VelocityResponse(double period_s, double filter_rad_per_s) noexcept
-      : period_(period_s), fresh_(filter_rad_per_s > 0.0 ? -std::expm1(-filter_rad_per_s * period_s) : 1.0) {}
+  VelocityResponse(double period_s, double filter_rad_per_s, int window = 0) noexcept
+      : period_(period_s), fresh_(filter_rad_per_s > 0.0 ? -std::expm1(-filter_rad_per_s * period_s) : 1.0), window_(window) {}
   template <class Angle>
   Complex operator()(const BasicPhasor<Angle>& p) const noexcept {
-    return fresh_ / period_ * quotient(p.z_less_one, p.z_less_one + fresh_);
+    if (window_ == 0) return fresh_ / period_ * quotient(p.z_less_one, p.z_less_one + fresh_);
+    Complex sum = 0.0;
+    for (int ago = window_span(window_); ago-- > 0;) sum = sum * p.z_inverse + window_weight(window_, ago);
+    return sum * p.z_less_one * p.z_inverse / period_;
   }
 
  private:
   double period_, fresh_;
+  int window_;
 };
 
 /// H(z) of the shaping filter for K = 1: g^2/(r^2 + 2 d g r + g^2) with r = (z - 1)/(z + 1) = j tan(angle/2).
@@ -76,7 +80,7 @@ Complex filter_response(double g, double damping_ratio, const BasicPhasor<Angle>
 class LoopResponse {
  public:
   LoopResponse(const LoopPlant& p, const LoopController& c)
-      : plant_(sample_plant(p)), velocity_(p.period_s, c.velocity_filter_rad_per_s), c_(c), g_(0.5 * c.w0_rad_per_s * p.period_s),
+      : plant_(sample_plant(p)), velocity_(p.period_s, c.velocity_filter_rad_per_s, c.velocity_window), c_(c), g_(0.5 * c.w0_rad_per_s * p.period_s),
         period_(p.period_s) {}
 
   const SampledPlant& plant() const noexcept { return plant_; }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numbers>
 
@@ -22,24 +23,31 @@ std::vector<DecayingPhasor> grid(double period_s, double damping_ratio) {
 
 }  // namespace
 
-LoopTable::LoopTable(const std::vector<DesignCase>& cases, const std::vector<double>& velocity_filters_hz, LoopLimit limit) {
+LoopTable::LoopTable(const std::vector<DesignCase>& cases, std::span<const VelocityEstimate> velocities, LoopLimit limit) {
   for (const DesignCase& one : cases) {
     const double period = one.plant.period_s, ratio = limit == LoopLimit::kStable ? 0.0 : one.least_damping_ratio;
     if (limit == LoopLimit::kDamped && ratio <= 0.0) continue;
     auto timing = std::ranges::find_if(timings_, [&](const Timing& t) { return t.period_s == period && t.damping_ratio == ratio; });
-    if (timing == timings_.end()) timing = timings_.insert(timing, {period, ratio, grid(period, ratio)});
+    if (timing == timings_.end()) timing = timings_.insert(timing, timing_of(period, ratio, velocities));
     Case entry{static_cast<std::size_t>(timing - timings_.begin()), {}, {}, {}};
-    entry.damped.resize(velocity_filters_hz.size());
+    entry.damped.resize(velocities.size());
     const LoopResponse plant(one.plant, {.law = LoopController::Law::kDirect});
     for (const DecayingPhasor& at : timing->grid) add(entry.plant, plant.damped_plant(at));
-    for (std::size_t v = 0; v < velocity_filters_hz.size(); ++v) {
-      const VelocityResponse velocity(period, 2.0 * std::numbers::pi * velocity_filters_hz[v]);
+    for (std::size_t v = 0; v < velocities.size(); ++v)
       for (std::size_t i = 0; i < kPoints; ++i)
-        add(entry.damped[v], Complex(entry.plant.re[i], entry.plant.im[i]) * velocity(timing->grid[i]));
-    }
+        add(entry.damped[v], Complex(entry.plant.re[i], entry.plant.im[i]) * timing->velocities[v][i]);
     entry.loop = entry.plant;
     cases_.push_back(std::move(entry));
   }
+}
+
+LoopTable::Timing LoopTable::timing_of(double period_s, double damping_ratio, std::span<const VelocityEstimate> velocities) {
+  Timing out{period_s, damping_ratio, grid(period_s, damping_ratio), {}};
+  for (const VelocityEstimate& one : velocities) {
+    const VelocityResponse velocity(period_s, one.filter_rad_per_s(), one.window);
+    std::ranges::transform(out.grid, std::back_inserter(out.velocities.emplace_back()), velocity);
+  }
+  return out;
 }
 
 void LoopTable::add(Response& to, const Complex& value) {
@@ -60,9 +68,9 @@ void LoopTable::use(const LoopLaw& law) {
     }
 }
 
-double LoopTable::critical(const Case& one, std::size_t velocity_filter, double injected_damping) const {
+double LoopTable::critical(const Case& one, std::size_t velocity, double injected_damping) const {
   const bool damped = injected_damping > 0.0;
-  const Response& unit = damped ? one.damped[velocity_filter] : one.plant;
+  const Response& unit = damped ? one.damped[velocity] : one.plant;
   const double b = damped ? injected_damping : 0.0;
   // L = loop / (1 + B unit); its real and imaginary part, times |1 + B unit|^2 > 0, which spares the divisions.
   const auto re = [&](std::size_t i) {
@@ -91,10 +99,10 @@ double LoopTable::critical(const Case& one, std::size_t velocity_filter, double 
   return nyquist < 0.0 ? std::min(lowest, -1.0 / nyquist) : lowest;
 }
 
-double LoopTable::critical(std::size_t velocity_filter, double injected_damping, double enough) const {
+double LoopTable::critical(std::size_t velocity, double injected_damping, double enough) const {
   double lowest = std::numeric_limits<double>::infinity();
   for (const Case& one : cases_) {
-    lowest = std::min(lowest, critical(one, velocity_filter, injected_damping));
+    lowest = std::min(lowest, critical(one, velocity, injected_damping));
     if (lowest < enough) break;
   }
   return lowest;

@@ -2,6 +2,7 @@
 /// Frequency responses of all cases, tabulated once, so that thousands of couplings can be compared in some tens of
 /// milliseconds. Interpolated: good to about a percent. It proposes; `critical_stiffness` certifies.
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "core/coupling/design/design_cases.hpp"
@@ -15,17 +16,17 @@ enum class LoopLimit { kStable, kDamped };
 
 class LoopTable {
  public:
-  /// `velocity_filters_hz`: those that injected damping may have.
-  LoopTable(const std::vector<DesignCase>& cases, const std::vector<double>& velocity_filters_hz, LoopLimit limit = LoopLimit::kStable);
+  /// `velocities`: the estimates that injected damping may act on.
+  LoopTable(const std::vector<DesignCase>& cases, std::span<const VelocityEstimate> velocities, LoopLimit limit = LoopLimit::kStable);
 
   /// The law for the following questions: effort for a unit of position, at a point of a loop with period [s].
   using LoopLaw = std::function<Complex(const DecayingPhasor& at, double period_s)>;
   void use(const LoopLaw& law);
 
   /// Factor on the law at which the worst case passes the limit (for a law of unit stiffness: K k), with injected damping B
-  /// behind the filter of that index. Where a case lies below `enough`, the rest is not looked at. B has to keep the inner
+  /// on the velocity of that index. Where a case lies below `enough`, the rest is not looked at. B has to keep the inner
   /// loop stable. Infinity: no crossing.
-  double critical(std::size_t velocity_filter, double injected_damping, double enough = 0.0) const;
+  double critical(std::size_t velocity, double injected_damping, double enough = 0.0) const;
 
  private:
   struct Response {
@@ -34,15 +35,17 @@ class LoopTable {
   struct Case {
     std::size_t timing;
     Response plant, loop;
-    std::vector<Response> damped;  ///< plant times a unit of injected damping, for each velocity filter
+    std::vector<Response> damped;  ///< plant times a unit of injected damping, for each velocity estimate
   };
   static void add(Response& to, const Complex& value);
-  double critical(const Case& one, std::size_t velocity_filter, double injected_damping) const;
+  double critical(const Case& one, std::size_t velocity, double injected_damping) const;
 
   struct Timing {
     double period_s, damping_ratio;
     std::vector<DecayingPhasor> grid;
+    std::vector<std::vector<Complex>> velocities;  ///< V on the grid, for each estimate
   };
+  static Timing timing_of(double period_s, double damping_ratio, std::span<const VelocityEstimate> velocities);
   std::vector<Timing> timings_;
   std::vector<Case> cases_;
 };

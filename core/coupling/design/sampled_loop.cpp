@@ -24,16 +24,18 @@ class LoopMatrix {
   LoopMatrix(const LoopPlant& p, const LoopController& c, double contact_stiffness)
       : plant_(sample_plant(p)), past_(plant_.whole_delay + (plant_.splits_period() ? 1 : 0)) {
     const Index law_states = c.law == Law::kShapingFilter ? 2 : c.law == Law::kSpringDamper ? 1 : 0;
-    const Index estimator = c.injected_damping > 0.0 ? 2 : 0;
+    const bool damps = c.injected_damping > 0.0;
+    const Index estimator = !damps ? 0 : c.velocity_window > 0 ? window_span(c.velocity_window) : 2;
     const Index n = plant_.order + past_ + law_states + estimator;
     next_ = MatrixXd::Zero(n, n);
     const Index law_at = plant_.order + past_, estimator_at = law_at + law_states;
     Row command = -law(p, c, contact_stiffness, law_at);
-    if (estimator > 0) command -= damper(p, c, estimator_at);
+    const Index difference_at = c.velocity_window > 0 ? estimator_at : estimator_at + 1;
+    if (damps) command -= c.velocity_window > 0 ? window_damper(p, c, estimator_at) : damper(p, c, estimator_at);
     move(command);
-    // The estimator's second state is the last difference of the position, not the last position: a position that only adds
+    // The estimator's state is the last difference of the position, not the last position: a position that only adds
     // up then stands alone in the matrix (see without_integrators).
-    if (estimator > 0) next_.row(estimator_at + 1) = next_.row(0) - state(0);
+    if (damps) next_.row(difference_at) = next_.row(0) - state(0);
   }
   const MatrixXd& matrix() const { return next_; }
 
@@ -77,6 +79,16 @@ class LoopMatrix {
     const double fresh = w > 0.0 ? -std::expm1(-w * p.period_s) : 1.0;
     next_.row(at) = (1.0 - fresh) * state(at) + fresh * state(at + 1);
     return c.injected_damping / p.period_s * plant_.effort_unit * next_.row(at);
+  }
+
+  /// The same of a window: its states are the last differences, the newest first.
+  Row window_damper(const LoopPlant& p, const LoopController& c, Index at) {
+    Row sum = Row::Zero(next_.cols());
+    for (int ago = 0; ago < window_span(c.velocity_window); ++ago) {
+      sum += window_weight(c.velocity_window, ago) * state(at + ago);
+      if (ago > 0) next_.row(at + ago) = state(at + ago - 1);
+    }
+    return c.injected_damping / p.period_s * plant_.effort_unit * sum;
   }
 
   void move(const Row& command) {

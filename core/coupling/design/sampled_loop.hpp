@@ -3,14 +3,27 @@
 ///
 ///   (m + m_h) x'' + (b + b_h) x' + k_h x = f            continuous
 ///   f: zero-order hold of u[n] T, `delay_s` later (any fraction of T), then a first-order lag `effort_lag_s`
-///   u[n] = -(controller(k x)[n] + B v^[n]),   v^[n] = a v^[n-1] + (1 - a) (x[n] - x[n-1]) / T,   a = exp(-w_v T), 0 where w_v = 0
+///   u[n] = -(controller(k x)[n] + B v^[n]),   v^[n] = a v^[n-1] + (1 - a) (x[n] - x[n-1]) / T,   a = exp(-w_v T), 0 where w_v = 0;
+///     or, with a window, the sum of velocity_window.hpp
 ///
 /// Contact bilateral, nothing quantised. State-space by the matrix exponential.
 ///
 /// All functions are pure arithmetic for the time of designing, and may allocate. Numbers are taken as `check` (loop_parts.hpp) and
 /// `validate` (coupling_spec.hpp) leave them: finite, of the right sign.
+#include <numbers>
+
+#include "core/coupling/coupling_spec.hpp"
+#include "core/coupling/velocity_window.hpp"
 
 namespace voxtouch::coupling::design {
+
+/// A velocity that damping may act on.
+struct VelocityEstimate {
+  double filter_hz = 100.0;  ///< of the first-order filter, > 0; without a window
+  int window = 0;            ///< n of velocity_window.hpp; 0: the first-order filter
+  double filter_rad_per_s() const noexcept { return 2.0 * std::numbers::pi * filter_hz; }
+};
+inline VelocityEstimate velocity_of(const CouplingSpec& spec) noexcept { return {spec.velocity_filter_hz, static_cast<int>(spec.velocity_window)}; }
 
 /// What stands between contact and device, as a linear law.
 struct LoopController {
@@ -21,6 +34,8 @@ struct LoopController {
   double stiffness = 0.0, damping = 0.0;           ///< spring-damper: c and r, massless object, backward difference
   double injected_damping = 0.0;                   ///< B >= 0
   double velocity_filter_rad_per_s = 0.0;          ///< w_v; 0: the plain difference
+  int velocity_window = 0;                         ///< n of velocity_window.hpp; 0: the first-order filter
+  void use(const VelocityEstimate& v) noexcept { velocity_filter_rad_per_s = v.filter_rad_per_s(), velocity_window = v.window; }
 };
 
 /// One device in one hand with one timing. All >= 0; mass + hand_mass and period_s > 0.
@@ -57,6 +72,6 @@ struct CriticalStiffness {
 CriticalStiffness critical_stiffness(const LoopPlant& plant, const LoopController& controller);
 
 /// B up to which the inner loop (injected damping alone, no contact) is stable: stable for all 0 < B < result.
-double critical_damping(const LoopPlant& plant, double velocity_filter_rad_per_s);
+double critical_damping(const LoopPlant& plant, double velocity_filter_rad_per_s, int velocity_window = 0);
 
 }  // namespace voxtouch::coupling::design

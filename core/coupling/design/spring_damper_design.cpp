@@ -58,7 +58,7 @@ bool holds(const DesignProblem& request, const std::vector<AxisProblem>& problem
 /// The stiffest on the cases, by the table and then made sure of.
 SpringDamperPair ranged_pair(const DesignProblem& request, const std::vector<AxisProblem>& problems) {
   std::vector<LoopTable> tables;
-  for (const AxisProblem& axis : problems) tables.emplace_back(axis.cases, std::vector<double>{});
+  for (const AxisProblem& axis : problems) tables.emplace_back(axis.cases, std::span<const VelocityEstimate>{});
   SpringDamperPair best;
   for (const double lead : kLeads) {
     const double lead_s = lead * request.device.timing.period_s;

@@ -77,6 +77,7 @@ void add_design(CLI::App& app, Action& action) {
   verb->add_option("--stiffness", o->stiffness_n_per_m, "Without a scene: the contact's stiffness at the hand [N/m]")
       ->check(runtime::require_positive);
   verb->add_flag("--no-damping", o->no_damping, "No injected damping");
+  verb->add_flag("--velocity-windows", o->velocity_windows, "Injected damping may act on the velocity of a window of samples: more stiffness for the same noise");
   verb->add_option("--csv", o->csv, "Writes the stable region: critical and certified stiffness over the cut-off");
   verb->add_option("--plot", o->plot, "Draws the stable region with the chosen point, as .png, .svg or .pdf");
   verb->add_flag("--json", o->json, "One JSON object on stdout; all else goes to stderr");

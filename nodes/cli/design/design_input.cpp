@@ -42,6 +42,7 @@ void apply(const DesignInput& input, const coupling::design::DeviceModel& device
   }
   if (input.damping_floor) request.goals.floors = coupling::design::floors_of(*input.damping_floor);
   if (input.held) request.hand.translation.may_release = request.hand.rotation.may_release = false;
+  if (input.velocity_windows) request.goals.velocity_windows = true;
   if (input.no_damping) request.goals.allow_injected_damping = false;
 }
 

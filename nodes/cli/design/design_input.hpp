@@ -19,6 +19,7 @@ struct DesignInput {
   double stiffness_n_per_m = 0.0;  ///< without a scene: the contact's, at the hand; 0: the device's largest
   std::optional<double> damping_floor;  ///< with a hand; none: the scene's, or the standard
   bool held = false, no_damping = false;
+  bool velocity_windows = false;
 };
 
 /// How a scene is built.

@@ -51,8 +51,8 @@ std::string coupling_lines(const coupling::design::Design& design) {
   else
     text = fmt::format("direct, gain {:.3g}", s.gain);
   if (s.injected_damping_ns_per_m > 0)
-    text += fmt::format("\n                {:.3g} Ns/m of damping while in contact, velocity filtered at {:.3g} Hz",
-                        s.injected_damping_ns_per_m, s.velocity_filter_hz);
+    text += fmt::format("\n                {:.3g} Ns/m of damping while in contact, velocity of {}", s.injected_damping_ns_per_m,
+                        coupling::design::describe(coupling::design::velocity_of(s)));
   if (std::isfinite(s.stiffness_cap_n_per_m))
     text += fmt::format("\n                contact capped at {:.4g} N/m", s.stiffness_cap_n_per_m);
   return text;
@@ -152,7 +152,8 @@ nlohmann::ordered_json axis_json(const coupling::design::AxisDesign& a) {
           {"limit_cycle_bound", finite(a.limit_cycle_bound)},
           {"damping_required", finite(a.damping_required)},
           {"injected_damping", a.injected_damping},
-          {"velocity_filter_hz", a.velocity_filter_hz}};
+          {"velocity_filter_hz", a.velocity.filter_hz},
+          {"velocity_window", a.velocity.window}};
 }
 
 }  // namespace
@@ -175,7 +176,7 @@ coupling::design::StableRegion region_round(const coupling::design::DesignProble
   coupling::design::LoopController chosen;
   chosen.damping_ratio = design.spec.damping_ratio;
   chosen.injected_damping = design.translation.injected_damping;
-  chosen.velocity_filter_rad_per_s = 2.0 * std::numbers::pi * design.translation.velocity_filter_hz;
+  chosen.use(design.translation.velocity);
   const double high_hz = std::max(20.0, 0.6 / (2.0 * std::numbers::pi * device.timing.period_s));
   return coupling::design::stable_region(device.translation, device.timing, request.hand.translation, chosen, 1.0, high_hz, 64);
 }
@@ -248,7 +249,8 @@ nlohmann::ordered_json to_json(const DesignReport& r) {
                    {"damping_ns_per_m", s.damping_ns_per_m},
                    {"injected_damping_ns_per_m", s.injected_damping_ns_per_m},
                    {"injected_damping_nms_per_rad", s.injected_damping_nms_per_rad},
-                   {"velocity_filter_hz", s.velocity_filter_hz}};
+                   {"velocity_filter_hz", s.velocity_filter_hz},
+                   {"velocity_window", s.velocity_window}};
   if (std::isfinite(s.stiffness_cap_n_per_m)) j["coupling"]["stiffness_cap_n_per_m"] = s.stiffness_cap_n_per_m;
   if (std::isfinite(s.stiffness_cap_nm_per_rad)) j["coupling"]["stiffness_cap_nm_per_rad"] = s.stiffness_cap_nm_per_rad;
   j["lag_s"] = r.design.lag_s;

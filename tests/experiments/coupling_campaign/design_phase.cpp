@@ -15,7 +15,7 @@ using Law = coupling::design::LoopController::Law;
 coupling::design::LoopController controller_of(const coupling::CouplingSpec& spec) {
   coupling::design::LoopController out;
   out.injected_damping = spec.injected_damping_ns_per_m;
-  out.velocity_filter_rad_per_s = 2.0 * std::numbers::pi * spec.velocity_filter_hz;
+  out.use(coupling::design::velocity_of(spec));
   if (spec.kind == "shaping_filter") {
     out.w0_rad_per_s = coupling::cutoff_rad_per_s(spec), out.damping_ratio = spec.damping_ratio, out.gain = spec.gain;
   } else if (spec.kind == "spring_damper") {
@@ -38,6 +38,7 @@ coupling::design::DesignProblem request_for(const coupling_models::PopulationMem
   out.goals.cutoff_hz = std::min(out.goals.cutoff_hz, 0.5 / (2.0 * std::numbers::pi * member.device.timing.period_s));
   out.goals.allow_injected_damping = random.chance(0.8);
   out.goals.free_cap = random.chance(0.3);
+  out.goals.velocity_windows = random.chance(0.5);
   return out;
 }
 

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/coupling/design/filter_search.hpp"
 #include "tests/experiments/coupling_campaign/campaign.hpp"
 
 namespace voxtouch::campaign {
@@ -9,15 +10,15 @@ namespace {
 
 /// A filter that the ring would accept, half of the time with injected damping up to half of what the inner loop bears.
 coupling::design::LoopController draw_controller(const coupling::design::LoopPlant& plant, coupling_models::Random& random) {
-  constexpr std::array kRatios{0.577, 0.707, 1.0}, kVelocityFilters{50.0, 100.0, 200.0};
+  constexpr std::array kRatios{0.577, 0.707, 1.0};
   coupling::design::LoopController out;
   const double highest = std::min(200.0, 0.6 / (2.0 * std::numbers::pi * plant.period_s));
   out.w0_rad_per_s = 2.0 * std::numbers::pi * random.log_uniform(1.0, highest);
   out.damping_ratio = kRatios[random.below(3)];
   const double share = random.uniform(0.05, 0.5);
   const bool damped = random.chance(0.5);
-  out.velocity_filter_rad_per_s = 2.0 * std::numbers::pi * kVelocityFilters[random.below(3)];
-  if (damped) out.injected_damping = share * coupling::design::critical_damping(plant, out.velocity_filter_rad_per_s);
+  out.use(coupling::design::kVelocityEstimates[random.below(coupling::design::kVelocityEstimates.size())]);
+  if (damped) out.injected_damping = share * coupling::design::critical_damping(plant, out.velocity_filter_rad_per_s, out.velocity_window);
   return out;
 }
 

@@ -5,6 +5,7 @@
 #include <deque>
 #include <random>
 
+#include "core/coupling/design/design_axis.hpp"
 #include "tests/experiments/long_runs/loop_rig.hpp"
 #include "tests/support/seed.hpp"
 
@@ -125,11 +126,12 @@ INSTANTIATE_TEST_SUITE_P(
 
 // --- L1
 
-/// What one step of the encoder, there and back, does to the force through the injected damping: B q/T (1 - e^(-w T)).
+/// What the encoder does to the force through the injected damping, from the one extreme to the other: 2 B q/T (1 - e^(-w T)), or the share of a window.
 double encoder_step_n(const RigOptions& ask, const coupling::CouplingSpec& spec) {
-  const double period_s = 1.0 / ask.device.description.rate_hz, wv = 2.0 * 3.14159265358979 * spec.velocity_filter_hz;
+  const coupling::design::VelocityEstimate velocity = coupling::design::velocity_of(spec);
+  const double period_s = 1.0 / ask.device.description.rate_hz;
   return 2.0 * spec.injected_damping_ns_per_m * ask.device.description.position_resolution_m / period_s *
-         (1.0 - std::exp(-wv * period_s));
+         coupling::design::step_share(velocity.filter_rad_per_s(), velocity.window, period_s);
 }
 
 /// The scene is built anew, twice as stiff, and taken in while the tool is pressed into it. Quasi-statically the contact does the

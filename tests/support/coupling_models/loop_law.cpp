@@ -35,7 +35,22 @@ LoopLaw::LoopLaw(const NonlinearLoop& loop)
     filter_ = Pt2(controller_.w0_rad_per_s, controller_.damping_ratio, controller_.gain);
 }
 
-double LoopLaw::velocity(double position, double period_s) noexcept {
+/// Slope of the last n periods and half of what it is more than that of the 2 n before; at rest before the first.
+double LoopLaw::velocity_of_window(double position, double period_s) {
+  const std::size_t n = static_cast<std::size_t>(controller_.velocity_window);
+  if (past_.empty()) past_.assign(3 * n + 1, {last_position_, period_s});
+  past_.emplace_front(position, period_s);
+  past_.pop_back();
+  const auto slope = [&](std::size_t from, std::size_t to) {
+    double time = 0.0;
+    for (std::size_t i = from; i < to; ++i) time += past_[i].second;
+    return (past_[from].first - past_[to].first) / time;
+  };
+  return 1.5 * slope(0, n) - 0.5 * slope(n, 3 * n);
+}
+
+double LoopLaw::velocity(double position, double period_s) {
+  if (controller_.velocity_window > 0) return velocity_of_window(position, period_s);
   const double decay = measured_period_ && velocity_decay_ > 0.0
                            ? std::exp(-controller_.velocity_filter_rad_per_s * period_s)
                            : velocity_decay_;
@@ -58,7 +73,7 @@ double LoopLaw::coupled(double wall, double stiffness, double period_s) noexcept
   return wall - stiffness * offset_;
 }
 
-double LoopLaw::step(double position, double stiffness, double period_s) noexcept {
+double LoopLaw::step(double position, double stiffness, double period_s) {
   if (!started_) last_position_ = position, started_ = true;
   const double wall = wall_effort(wall_, stiffness, knee_, position);
   double effort = coupled(wall, stiffness, period_s);

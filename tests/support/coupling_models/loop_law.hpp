@@ -1,5 +1,8 @@
 #pragma once
 /// The sampled half of the simulated loop: wall, coupling, injected damping.
+#include <deque>
+#include <utility>
+
 #include "tests/support/coupling_models/pt2.hpp"
 #include "core/coupling/spring_damper.hpp"
 #include "tests/support/coupling_models/nonlinear_loop.hpp"
@@ -14,12 +17,13 @@ class LoopLaw {
  public:
   explicit LoopLaw(const NonlinearLoop& loop);
   /// The effort for the device, negative against a penetration. `position` as measured, or the last one where that was lost.
-  double step(double position, double stiffness, double period_s) noexcept;
+  double step(double position, double stiffness, double period_s);
   bool saturated() const noexcept { return saturated_; }  ///< in the last step
 
  private:
   double coupled(double wall, double stiffness, double period_s) noexcept;
-  double velocity(double position, double period_s) noexcept;
+  double velocity(double position, double period_s);
+  double velocity_of_window(double position, double period_s);
 
   coupling::design::LoopController controller_;
   WallLaw wall_;
@@ -29,6 +33,7 @@ class LoopLaw {
   coupling::UnilateralSpringDamper spring_damper_;
   double offset_ = 0.0;  ///< of the spring-damper's object, bilateral wall
   double last_position_ = 0.0, velocity_ = 0.0;
+  std::deque<std::pair<double, double>> past_;  ///< of a window: positions and the periods that led to them, the newest first
 };
 
 }  // namespace voxtouch::coupling_models

@@ -60,6 +60,11 @@ TEST(CouplingSpec, NamesWhatAllKindsShare) {
       EXPECT_EQ(refused(with(&CouplingSpec::stiffness_cap_nm_per_rad, bad, kind)), "stiffness_cap_nm_per_rad");
       EXPECT_EQ(refused(with(&CouplingSpec::velocity_filter_hz, bad, kind)), "velocity_filter_hz");
     }
+    CouplingSpec window = with(&CouplingSpec::velocity_filter_hz, 100.0, kind);
+    window.velocity_window = kMaxVelocityWindow;
+    EXPECT_EQ(refused(window), "");
+    ++window.velocity_window;
+    EXPECT_EQ(refused(window), "velocity_window");
     EXPECT_EQ(refused(with(&CouplingSpec::stiffness_cap_n_per_m, kInf, kind)), "");
     EXPECT_EQ(refused(with(&CouplingSpec::velocity_filter_hz, kInf, kind)), "velocity_filter_hz");
     for (const double bad : {kNan, kInf, -1.0}) {

@@ -33,6 +33,115 @@ TEST(ToolMotion, FiltersDifferencesAsItsFormulaSays) {
   }
 }
 
+TEST(ToolMotion, WeighsTheDifferencesOfAWindowAsItsFormulaSays) {
+  for (int window = 1; window <= kMaxVelocityWindow; ++window) {
+    double sum = 0.0, sizes = 0.0;
+    for (int ago = 0; ago < window_span(window); ++ago) sum += window_weight(window, ago), sizes += std::abs(window_weight(window, ago));
+    EXPECT_NEAR(sum, 1.0, 1e-15);
+    EXPECT_NEAR(sizes, kWindowGain, 1e-15);
+    ToolMotion motion(kT, 100, {}, window);
+    const auto x = [](int n) { return 1e-3 * std::sin(0.05 * n); };
+    for (int n = 0; n < 200; ++n) {
+      motion.step(at({x(n), 0, -x(n)}, Quat(Eigen::AngleAxisd(0.2 * x(n), Vec3::UnitY()))), kT);
+      if (n < window_span(window)) continue;
+      const double u = (x(n) - x(n - window)) / (window * kT), w = (x(n - window) - x(n - 3 * window)) / (2 * window * kT);
+      const double wanted = 1.5 * u - 0.5 * w;
+      EXPECT_NEAR(motion.velocity().linear.x(), wanted, 1e-12) << window << " " << n;
+      EXPECT_NEAR(motion.velocity().linear.z(), -wanted, 1e-12);
+      EXPECT_NEAR(motion.velocity().angular.y(), 0.2 * wanted, 1e-9);
+    }
+  }
+}
+
+/// What one step of the encoder makes of v^, for as long as the window is; and v^ is a quarter of n ahead of what accelerates.
+TEST(ToolMotion, AWindowShowsOneStepAsItsShareAndLooksAhead) {
+  constexpr double kStep = 3e-5;
+  for (int window = 1; window <= kMaxVelocityWindow; ++window) {
+    ToolMotion steps(kT, 100, {}, window), falls(kT, 100, {}, window);
+    for (int n = 0; n < 40; ++n) {
+      steps.step(at({n < 20 ? 0.0 : kStep, 0, 0}), kT);
+      falls.step(at({0.5 * n * n * kT * kT, 0, 0}), kT);
+      const double share = n < 20 ? 0.0 : n < 20 + window ? 1.5 : n < 20 + 3 * window ? -0.25 : 0.0;
+      EXPECT_NEAR(steps.velocity().linear.x(), share * kStep / (window * kT), 1e-12) << window << " " << n;
+      if (n >= window_span(window)) {
+        EXPECT_NEAR(falls.velocity().linear.x(), (n + 0.25 * window) * kT, 1e-12);
+      }
+    }
+  }
+}
+
+/// Where the positions are off by up to half a step, v^ is off by no more than the designer counts as noise; and by nearly as much where they
+/// are off as it bears least.
+TEST(ToolMotion, AnEncoderMakesNoMoreOfTheVelocityThanIsCounted) {
+  constexpr double kStep = 3e-5;
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> u(-0.5, 0.5);
+  for (const auto& [hz, window] : {std::pair{50.0, 0}, {200.0, 0}, {100.0, 1}, {100.0, 2}, {100.0, 4}}) {
+    const double share = window > 0 ? window_step_share(window) : 1 - std::exp(-2 * std::numbers::pi * hz * kT), most = share * kStep / kT;
+    ToolMotion shown(kT, hz, {}, window), real(kT, hz, {}, window);
+    double worst = 0.0, x = 0.0;
+    for (int n = 0; n < 20'000; ++n) {
+      x += 2e-4 * u(random);
+      shown.step(at({kStep * std::floor(x / kStep), 0, 0}), kT);
+      real.step(at({x, 0, 0}), kT);
+      if (n > 0) worst = std::max(worst, (shown.velocity().linear - real.velocity().linear).norm());
+    }
+    EXPECT_LE(worst, most * (1 + 1e-9)) << hz << " " << window;
+    // Between two neighbouring positions: down where the window's weights are against it, and up again.
+    ToolMotion between(kT, hz, {}, window);
+    double least = 0.0, highest = 0.0;
+    for (int n = 0; n < 400; ++n) {
+      const bool up = n >= 200 || (window > 0 && n <= 200 - window_span(window));
+      between.step(at({up ? kStep : 0.0, 0, 0}), kT);
+      least = std::min(least, between.velocity().linear.x()), highest = std::max(highest, between.velocity().linear.x());
+    }
+    EXPECT_NEAR(std::max(highest, -least), most, 1e-12);
+  }
+}
+
+/// A way of two periods, of a sample that was lost, is two differences: the window is no longer by it.
+TEST(ToolMotion, ALostSampleMakesAWindowNoLonger) {
+  ToolMotion motion(kT, 100, {}, 2);
+  for (int n = 0; n < 60; ++n) {
+    const bool lost = n == 50;
+    motion.step(at({lost ? kNan : 0.5 * n * n * kT * kT, 0, 0}), kT);
+    if (n >= 53 && n <= 55) {  // the two lie within w
+      EXPECT_NEAR(motion.velocity().linear.x(), (n + 0.5) * kT, 1e-12) << n;
+    }
+  }
+}
+
+TEST(ToolMotion, AJumpEmptiesTheWindow) {
+  for (int window = 1; window <= kMaxVelocityWindow; ++window) {
+    ToolMotion motion(kT, 100, {}, window);
+    for (int n = 0; n < 100; ++n) motion.step(at({1e-4 * n, 0, 0}), kT);
+    for (int n = 0; n < 20; ++n) {
+      motion.step(at({0.5, 0, 0}), kT);
+      EXPECT_TRUE(motion.velocity().linear.isZero(0.0)) << window << " " << n;
+    }
+  }
+}
+
+TEST(ToolMotion, AWindowBeginsAsIfTheToolHadRested) {
+  ToolMotion motion(kT, 100, {}, 2);
+  for (int n = 0; n < 20; ++n) {
+    motion.step(at({1e-4 * n, 0, 0}), kT);
+    EXPECT_NEAR(motion.velocity().linear.x(), 0.1 * std::min(1.0, n / 2.0), 1e-12) << n;
+  }
+}
+
+/// Another window, or the filter, from the next sample on: of a steady motion both say the same.
+TEST(ToolMotion, AWindowMayBeChangedOnTheWay) {
+  ToolMotion motion(kT, 100, {});
+  for (int n = 0; n < 300; ++n) {
+    if (n >= 100 && n % 10 == 0) motion.set_filter(100, n / 10 % (kMaxVelocityWindow + 1));
+    motion.step(at({1e-4 * n, 0, 0}), kT);
+    if (n >= 100) {
+      EXPECT_NEAR(motion.velocity().linear.x(), 0.1, 1e-9) << n;
+    }
+  }
+}
+
 TEST(ToolMotion, TurnsTheShorterWayWhicheverSignTheQuaternionHas) {
   const Vec3 axis = Vec3(1, -2, 2) / 3;
   for (const double rate : {0.5, -30.0}) {
@@ -51,57 +160,65 @@ TEST(ToolMotion, TurnsTheShorterWayWhicheverSignTheQuaternionHas) {
 
 /// A hand at 0.2 m/s whose samples come early, late, twice lost or with a clock that is no clock.
 TEST(ToolMotion, UnevenAndBrokenPeriodsMakeNoSpike) {
-  std::mt19937_64 random(3);
-  std::uniform_real_distribution<double> u(0, 1);
-  ToolMotion motion(kT, 100, {});
-  double x = 0, fastest = 0;
-  for (int n = 0; n < 20'000; ++n) {
-    double way = kT * (0.2 + 9.7 * u(random) * u(random)), said = way;
-    if (u(random) < 0.1) {
-      const double bad[] = {0.0, -1.0, kNan, 1e-9, -kT};
-      way = kT, said = bad[static_cast<std::size_t>(5 * u(random))];
-    } else if (u(random) < 0.01) {
-      way = said = 10.0;  // the loop stood still for ten seconds
+  for (int window = 0; window <= kMaxVelocityWindow; ++window) {
+    std::mt19937_64 random(3);
+    std::uniform_real_distribution<double> u(0, 1);
+    ToolMotion motion(kT, 100, {}, window);
+    double x = 0, fastest = 0;
+    for (int n = 0; n < 20'000; ++n) {
+      double way = kT * (0.2 + 9.7 * u(random) * u(random)), said = way;
+      if (u(random) < 0.1) {
+        const double bad[] = {0.0, -1.0, kNan, 1e-9, -kT};
+        way = kT, said = bad[static_cast<std::size_t>(5 * u(random))];
+      } else if (u(random) < 0.01) {
+        way = said = 10.0;  // the loop stood still for ten seconds
+      }
+      x += 0.2 * way;
+      motion.step(at({x, 0, 0}), said);
+      fastest = std::max(fastest, motion.velocity().linear.norm());
     }
-    x += 0.2 * way;
-    motion.step(at({x, 0, 0}), said);
-    fastest = std::max(fastest, motion.velocity().linear.norm());
+    EXPECT_LE(fastest, 0.2 * (1 + 1e-9));
+    EXPECT_GT(fastest, 0.19);
+    EXPECT_EQ(motion.jumps(), 0U);
   }
-  EXPECT_LE(fastest, 0.2 * (1 + 1e-9));
-  EXPECT_GT(fastest, 0.19);
-  EXPECT_EQ(motion.jumps(), 0U);
 }
 
 TEST(ToolMotion, ASampleThatIsNoPoseCountsTowardsTheNext) {
   for (const Pose& bad : {at({kNan, 0, 0}), at({1e13, 0, 0}), at({0, 0, 0}, Quat(0, 0, 0, 0)),
                           at({0, 0, 0}, Quat(2, 0, 0, 0)), at({0, 0, 0}, Quat(kNan, 0, 0, 0))}) {
-    ToolMotion motion(kT, 100, {});
-    for (int n = 0; n < 100; ++n) motion.step(at({2e-4 * n, 0, 0}), kT);
-    for (int n = 0; n < 3; ++n) EXPECT_FALSE(motion.step(bad, kT).known);
-    EXPECT_TRUE(motion.step(at({2e-4 * 103, 0, 0}), kT).known);
-    EXPECT_NEAR(motion.velocity().linear.x(), 0.2, 1e-9);
-    for (int n = 0; n < 11; ++n) motion.step(bad, kT);
-    EXPECT_TRUE(motion.velocity().linear.isZero(0.0)) << "after ten periods it is not known any more";
+    for (const int window : {0, 1, 4}) {
+      ToolMotion motion(kT, 100, {}, window);
+      for (int n = 0; n < 100; ++n) motion.step(at({2e-4 * n, 0, 0}), kT);
+      for (int n = 0; n < 3; ++n) EXPECT_FALSE(motion.step(bad, kT).known);
+      EXPECT_TRUE(motion.step(at({2e-4 * 103, 0, 0}), kT).known);
+      EXPECT_NEAR(motion.velocity().linear.x(), 0.2, 1e-9);
+      for (int n = 0; n < 11; ++n) motion.step(bad, kT);
+      EXPECT_TRUE(motion.velocity().linear.isZero(0.0)) << "after ten periods it is not known any more";
+    }
   }
 }
 
 TEST(ToolMotion, AJumpIsNoVelocity) {
-  ToolMotion motion(kT, 100, {});
-  for (int n = 0; n < 100; ++n) motion.step(at({1e-4 * n, 0, 0}), kT);
-  EXPECT_FALSE(motion.step(at({0.5, 0, 0}), kT).known);
-  EXPECT_TRUE(motion.velocity().linear.isZero(0.0));
-  EXPECT_FALSE(motion.step(at({0.5, 0, 0}, Quat(0, 1, 0, 0)), kT).known) << "half a turn in a millisecond";
-  EXPECT_EQ(motion.jumps(), 2U);
-  EXPECT_TRUE(motion.step(at({0.5001, 0, 0}, Quat(0, 1, 0, 0)), kT).known);
-  EXPECT_LT(motion.velocity().linear.x(), 0.1);
+  for (const int window : {0, 1, 4}) {
+    ToolMotion motion(kT, 100, {}, window);
+    for (int n = 0; n < 100; ++n) motion.step(at({1e-4 * n, 0, 0}), kT);
+    EXPECT_FALSE(motion.step(at({0.5, 0, 0}), kT).known);
+    EXPECT_TRUE(motion.velocity().linear.isZero(0.0));
+    EXPECT_FALSE(motion.step(at({0.5, 0, 0}, Quat(0, 1, 0, 0)), kT).known) << "half a turn in a millisecond";
+    EXPECT_EQ(motion.jumps(), 2U);
+    EXPECT_TRUE(motion.step(at({0.5001, 0, 0}, Quat(0, 1, 0, 0)), kT).known);
+    EXPECT_LT(motion.velocity().linear.x(), 0.1 + 1e-12);
+  }
 }
 
 TEST(ToolMotion, RestsAtExactlyZero) {
-  ToolMotion motion(kT, 100, {});
-  for (int n = 0; n < 100; ++n) motion.step(at({1e-4 * n, 0, 0}), kT);
-  EXPECT_GT(motion.velocity().linear.x(), 0.09);
-  for (int n = 0; n < 500; ++n) motion.step(at({99e-4, 0, 0}), kT);
-  EXPECT_TRUE(motion.velocity().linear.isZero(0.0));
+  for (const int window : {0, 1, 4}) {
+    ToolMotion motion(kT, 100, {}, window);
+    for (int n = 0; n < 100; ++n) motion.step(at({1e-4 * n, 0, 0}), kT);
+    EXPECT_GT(motion.velocity().linear.x(), 0.09);
+    for (int n = 0; n < 500; ++n) motion.step(at({99e-4, 0, 0}), kT);
+    EXPECT_TRUE(motion.velocity().linear.isZero(0.0));
+  }
 }
 
 /// A contact with one or two walls, held at a depth, felt through the direct coupling.

@@ -18,7 +18,7 @@ TEST(NoAllocation, AStepAResetAndACleanRedesignTakeNothingFromTheHeap) {
   spec.injected_damping_ns_per_m = 4, spec.injected_damping_nms_per_rad = 0.01;
   spec.passivity_damping_limit_ns_per_m = 5, spec.passivity_damping_limit_nms_per_rad = 0.02;
   CouplingSpec other = spec, third = spec;
-  other.kind = "spring_damper", third.kind = "direct";
+  other.kind = "spring_damper", third.kind = "direct", third.velocity_window = kMaxVelocityWindow;
   RunningCoupling coupling(spec, {8.5, 0.1}, 1e-3);
   EXPECT_EQ(test::heap_count_of([&] {
               for (int n = 0; n < 3000; ++n) {

@@ -178,7 +178,7 @@ TEST(DampingFloor, IsProposedByATableThatKnowsIt) {
   const FilterSetting shape{60.0, 0.707};
   LoopController law = law_of(shape);
   law.velocity_filter_rad_per_s = 2.0 * std::numbers::pi * 100.0;
-  LoopTable table(problems[0].cases, {100.0}, LoopLimit::kDamped);
+  LoopTable table(problems[0].cases, std::array{VelocityEstimate{100.0}}, LoopLimit::kDamped);
   table.use([&](const DecayingPhasor& at, double period) { return filter_response(0.5 * law.w0_rad_per_s * period, shape.damping_ratio, at); });
   for (const double damping : {60.0, 100.0, 140.0}) {
     law.injected_damping = damping;

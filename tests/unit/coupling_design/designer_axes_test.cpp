@@ -111,9 +111,9 @@ TEST(Design, LeavesThePassivityControllerHalfOfWhatTheLoopBears) {
   const Design d = designed(r);
   const std::vector<AxisProblem> problems = axis_problems(r);
   EXPECT_NEAR(d.spec.passivity_damping_limit_ns_per_m + d.spec.injected_damping_ns_per_m,
-              0.5 * critical_damping(problems[0], d.spec.velocity_filter_hz), 1e-9);
+              0.5 * critical_damping(problems[0], velocity_of(d.spec)), 1e-9);
   EXPECT_NEAR(d.spec.passivity_damping_limit_nms_per_rad + d.spec.injected_damping_nms_per_rad,
-              0.5 * critical_damping(problems[1], d.spec.velocity_filter_hz), 1e-9);
+              0.5 * critical_damping(problems[1], velocity_of(d.spec)), 1e-9);
   EXPECT_EQ(designed(stylus()).spec.passivity_damping_limit_nms_per_rad, 0.0);
 }
 

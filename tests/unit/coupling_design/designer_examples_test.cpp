@@ -81,5 +81,32 @@ TEST(PublishedExample, ALightlyDampedRobotGetsDamping) {
   EXPECT_EQ(d.spec.velocity_filter_hz, 100.0);
 }
 
+/// Of 45 g, with an encoder of 0.03 mm, 1 kHz and a delay of 1 ms: how much damping 0.05 N of noise leave decides. With the velocity of no first-order
+/// filter, however much damping, is it more than 500 N/m.
+TEST(Stylus, OfFortyFiveGramsShowsMoreOnTheVelocityOfAWindow) {
+  DesignProblem r = stylus();
+  r.device.translation.inertia_min = r.device.translation.inertia_max = 0.045;
+  r.device.timing.lost_in_a_row = 1;
+  r.goals.kind = "auto", r.goals.free_cap = r.goals.velocity_windows = true;
+  const Design d = designed(r);
+  EXPECT_EQ(d.spec.kind, "direct");
+  EXPECT_GE(d.translation.shown_stiffness, 650.0);
+  EXPECT_GE(d.translation.gain_margin, 2.0 * (1.0 - 1e-9));
+  ASSERT_GT(d.spec.velocity_window, 0U);
+  EXPECT_LE(d.spec.injected_damping_ns_per_m * 0.03 * window_step_share(static_cast<int>(d.spec.velocity_window)), 0.05 * (1.0 + 1e-9));
+  const AxisProblem axis = axis_problems(r)[0];
+  LoopController law{.law = LoopController::Law::kDirect};
+  double most = 0.0;
+  for (double hz = 20.0; hz < 600.0; hz *= 1.04)
+    for (const double share : {0.4, 0.6, 0.8, 0.9, 1.0}) {
+      law.use({hz});
+      law.injected_damping = share * damping_limit(axis, {hz});
+      most = std::max(most, certified_stiffness(axis, law, most));
+    }
+  std::printf("%.1f N/m on a window of %u, at most %.1f N/m behind a filter\n", d.translation.shown_stiffness, d.spec.velocity_window, most);
+  EXPECT_LT(most, 500.0);
+  EXPECT_GT(most, 490.0);
+}
+
 }  // namespace designer_examples_test
 }  // namespace voxtouch::coupling::design

@@ -51,7 +51,7 @@ TEST(Judge, RefusesDampingThatIsTooStrongOrTooNoisy) {
   EXPECT_NE(noisy.reasons.front().find("noise"), std::string::npos);
   r.device.translation.resolution = 0.0;
   EXPECT_EQ(judge_coupling(r, spec).status, DesignStatus::kAsRequested);
-  spec.injected_damping_ns_per_m = 1.01 * damping_limit(axis_problems(r)[0], spec.velocity_filter_hz);
+  spec.injected_damping_ns_per_m = 1.01 * damping_limit(axis_problems(r)[0], velocity_of(spec));
   EXPECT_EQ(judge_coupling(r, spec).status, DesignStatus::kInfeasible);
 }
 

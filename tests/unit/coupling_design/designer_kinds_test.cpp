@@ -122,9 +122,9 @@ TEST(LoopTable, IsWithinAPercentOfTheExactLimit) {
     if (law.damping_ratio < 0.5) law.damping_ratio = 0.577;
     law.velocity_filter_rad_per_s = 2.0 * std::numbers::pi * 100.0;
     if (random.chance(0.5))
-      law.injected_damping = random.uniform(0.0, 0.5) * critical_damping(axis_problems(r)[0], 100.0);
+      law.injected_damping = random.uniform(0.0, 0.5) * critical_damping(axis_problems(r)[0], {100.0});
     if (law.w0_rad_per_s * slowest(r.device.timing).period_s > 0.7) continue;
-    LoopTable table(cases, {100.0});
+    LoopTable table(cases, std::array{VelocityEstimate{100.0}});
     table.use([&](const DecayingPhasor& at, double period) {
       return filter_response(0.5 * law.w0_rad_per_s * period, law.damping_ratio, at);
     });

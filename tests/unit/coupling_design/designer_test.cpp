@@ -86,7 +86,8 @@ TEST(Design, IsStableBetweenTheCasesThatItLookedAt) {
   std::map<std::string, int> statuses;
   int loops = 0;
   for (int i = 0; i < 80; ++i) {
-    const DesignProblem r = random_request(random);
+    DesignProblem r = random_request(random);
+    r.goals.velocity_windows = i % 2 > 0;
     const Timed t = timed(r);
     ++statuses[std::string(name_of(t.design.status)) + " " + t.design.spec.kind];
     if (t.design.translation.shown_stiffness == 0.0) continue;
@@ -109,21 +110,44 @@ TEST(Design, IsStableBetweenTheCasesThatItLookedAt) {
   std::printf("%d loops\n", loops);
 }
 
+/// To a percent, which the tables that are searched are good to.
+TEST(Design, ShowsNoLessWhereItMayUseWindows) {
+  Random random(43);
+  int windows = 0;
+  double most = 0.0;
+  for (int i = 0; i < 60; ++i) {
+    DesignProblem r = random_request(random);
+    r.goals.kind = i % 2 ? "shaping_filter" : "direct";
+    if (i % 2 == 0) r.goals.free_cap = true;
+    const Design without = designed(r);
+    EXPECT_EQ(without.spec.velocity_window, 0U) << i;
+    r.goals.velocity_windows = true;
+    const Design with = designed(r);
+    EXPECT_GE(with.translation.shown_stiffness, 0.985 * without.translation.shown_stiffness) << i;
+    if (with.spec.velocity_window > 0) ++windows, most = std::max(most, with.translation.shown_stiffness / without.translation.shown_stiffness);
+  }
+  std::printf("%d designs on windows, up to %.2f times the stiffness\n", windows, most);
+  EXPECT_GT(windows, 10);
+}
+
 TEST(Design, InjectsNoMoreThanTheInnerLoopAndTheNoiseAllow) {
   Random random(41);
   int damped = 0;
   for (int i = 0; i < 60; ++i) {
-    const DesignProblem r = random_request(random);
+    DesignProblem r = random_request(random);
+    r.goals.velocity_windows = i % 2 > 0;
     const Design d = designed(r);
-    const double b = d.spec.injected_damping_ns_per_m, w = 2.0 * std::numbers::pi * d.spec.velocity_filter_hz;
+    const VelocityEstimate velocity = velocity_of(d.spec);
+    const double b = d.spec.injected_damping_ns_per_m, w = velocity.filter_rad_per_s();
     if (b == 0.0) continue;
     ++damped;
     EXPECT_TRUE(r.goals.allow_injected_damping);
     for (const LoopPlant& plant : finer_cases(axis_problems(r)[0], random, 30))
-      ASSERT_LE(b, 0.501 * critical_damping(plant, w)) << i;
-    // One step of the encoder, through the filter, at once.
+      ASSERT_LE(b, 0.501 * critical_damping(plant, w, velocity.window)) << i;
+    // One step of the encoder, through the filter, at once; or what steps may add up to in a window.
     const double period = r.device.timing.period_s;
-    const double noise = b * r.device.translation.resolution / period * (1.0 - std::exp(-w * period));
+    const double share = velocity.window > 0 ? window_step_share(velocity.window) : 1.0 - std::exp(-w * period);
+    const double noise = b * r.device.translation.resolution / period * share;
     EXPECT_LE(noise, std::max(0.05, 0.005 * r.device.translation.max_effort) * (1 + 1e-9));
   }
   EXPECT_GT(damped, 10);

@@ -271,6 +271,43 @@ TEST(NonlinearLoop, ADamperBoundedByAShareOfTheContactLosesTheCertificate) {
   EXPECT_FALSE(coupling_models::simulate(loop).stable);
 }
 
+/// A stylus of 45 g as it is designed, on the velocity of a window: with the encoder, uneven periods and lost samples, in every corner of the hands.
+TEST(NonlinearLoop, AStylusOnTheVelocityOfAWindowIsStable) {
+  coupling_models::NonlinearLoop loop;
+  loop.controller = {.law = LoopController::Law::kDirect, .injected_damping = 3.43, .velocity_window = 4};
+  const double shown = 684.0;
+  double most = 0.0;
+  int runs = 0;
+  for (const double mass : {0.0, 0.02, 0.2})
+    for (const double damping : {0.5, 8.0})
+      for (const double stiffness : {20.0, 800.0})
+        for (const int lost : {0, 1}) {
+          loop.plant = {.mass = 0.045, .damping = 0.005, .delay_s = 1e-3};
+          if (mass > 0.0) loop.plant.hand_mass = mass, loop.plant.hand_damping = damping, loop.plant.hand_stiffness = stiffness;
+          loop.contact_stiffness = shown, loop.wall = coupling_models::WallLaw::kUnilateral;
+          loop.resolution = 3e-5, loop.jitter = 0.2, loop.loss = 0.03, loop.most_lost_in_a_row = lost;
+          loop.damping_only_in_contact = runs % 3 > 0, loop.measured_period = runs % 2 > 0;
+          loop.push = 0.3, loop.start_speed = 0.2, loop.duration_s = 4.0, loop.seed = 40U + static_cast<unsigned>(++runs);
+          const coupling_models::NonlinearVerdict verdict = coupling_models::simulate(loop);
+          EXPECT_TRUE(verdict.stable) << mass << " " << damping << " " << stiffness << " " << lost << ": " << verdict.late_amplitude;
+          most = std::max(most, verdict.late_effort);
+          loop.contact_stiffness = 1.9 * shown, loop.jitter = loop.loss = 0.0, loop.measured_period = false;
+          EXPECT_TRUE(coupling_models::simulate(loop).stable) << mass << " " << damping << " " << stiffness << " at 1.9 times";
+        }
+  std::printf("%d runs, command at rest at most %.3f N peak to peak\n", runs, most);
+}
+
+TEST(NonlinearLoop, FindsTheLimitOfALoopOnTheVelocityOfAWindow) {
+  for (int window = 1; window <= kMaxVelocityWindow; ++window) {
+    coupling_models::NonlinearLoop loop;
+    loop.plant = {.mass = 0.08, .damping = 0.1, .delay_s = 1e-3};
+    loop.controller = {.law = LoopController::Law::kDirect, .injected_damping = 2.0, .velocity_window = window};
+    loop.wall = coupling_models::WallLaw::kBilateral, loop.start_speed = 1e-3, loop.duration_s = 2.0;
+    const double limit = critical_stiffness(loop.plant, loop.controller).stiffness;
+    EXPECT_NEAR(coupling_models::simulated_limit(loop, 0.5 * limit, 1e5, 0.01), limit, 0.03 * limit) << window;
+  }
+}
+
 TEST(NonlinearLoop, FindsTheLimitThatTheLinearModelHas) {
   coupling_models::NonlinearLoop loop = literal_recipe();
   loop.wall = coupling_models::WallLaw::kBilateral, loop.resolution = 0.0;

@@ -84,7 +84,7 @@ TEST(DesignProblem, IsAllAtTheHand) {
 
 TEST(DesignProblem, CarriesEveryWishOfTheScene) {
   scene::Scene s = scaled_scene();
-  s.design->kind = "direct", s.design->cutoff_hz = 300, s.design->gain_margin = 1.5, s.design->inject_damping = false;
+  s.design->kind = "direct", s.design->cutoff_hz = 300, s.design->gain_margin = 1.5, s.design->inject_damping = false, s.design->velocity_windows = true;
   s.design->hand = scene::HandOption::kAnyPassive;
   const coupling::design::DesignProblem r = design_problem(s, device(), {10, 4000}, {0.01, 8});
   EXPECT_EQ(r.goals.kind, "direct");
@@ -92,6 +92,7 @@ TEST(DesignProblem, CarriesEveryWishOfTheScene) {
   EXPECT_EQ(r.goals.max_cutoff_hz, 300) << "a wish is not above what is allowed";
   EXPECT_EQ(r.goals.gain_margin, 1.5);
   EXPECT_FALSE(r.goals.allow_injected_damping);
+  EXPECT_TRUE(r.goals.velocity_windows);
   EXPECT_TRUE(r.hand.translation.any_passive && r.hand.rotation.any_passive);
 }
 
@@ -126,7 +127,7 @@ TEST(DesignProblem, OfACouplingSetByHandIsForJudgingIt) {
 TEST(SpecInWorld, BringsTheDesignFromTheHandToTheWorld) {
   coupling::design::Design design;
   design.spec.cutoff_hz = 33, design.spec.gain = 0.5, design.spec.damping_ratio = 0.9,
-  design.spec.velocity_filter_hz = 50;
+  design.spec.velocity_filter_hz = 50, design.spec.velocity_window = 2;
   design.spec.stiffness_n_per_m = 600, design.spec.damping_ns_per_m = 4;
   design.spec.stiffness_cap_n_per_m = 800, design.spec.stiffness_cap_nm_per_rad = 2;
   design.spec.injected_damping_ns_per_m = 3, design.spec.injected_damping_nms_per_rad = 0.01;
@@ -142,6 +143,7 @@ TEST(SpecInWorld, BringsTheDesignFromTheHandToTheWorld) {
   EXPECT_EQ(spec.gain, 0.5);
   EXPECT_EQ(spec.damping_ratio, 0.9);
   EXPECT_EQ(spec.velocity_filter_hz, 50);
+  EXPECT_EQ(spec.velocity_window, 2U);
   const coupling::CouplingSpec back = spec_D(spec, scene.device);
   EXPECT_DOUBLE_EQ(back.stiffness_cap_nm_per_rad, 2);
   EXPECT_DOUBLE_EQ(back.injected_damping_nms_per_rad, 0.01);

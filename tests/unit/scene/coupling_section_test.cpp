@@ -14,7 +14,7 @@ class CouplingSection : public SceneFolder {
 TEST_F(CouplingSection, SetByHandMayCapAndDamp) {
   const Scene s = with(
       "kind: direct, stiffness_cap_n_per_m: 800, stiffness_cap_nm_per_rad: 2.5, injected_damping_ns_per_m: 3, "
-      "injected_damping_nms_per_rad: 0.01, velocity_filter_hz: 60");
+      "injected_damping_nms_per_rad: 0.01, velocity_filter_hz: 60, velocity_window: 3");
   EXPECT_FALSE(s.design);
   EXPECT_EQ(s.coupling.kind, "direct");
   EXPECT_EQ(s.coupling.stiffness_cap_n_per_m, 800);
@@ -22,6 +22,7 @@ TEST_F(CouplingSection, SetByHandMayCapAndDamp) {
   EXPECT_EQ(s.coupling.injected_damping_ns_per_m, 3);
   EXPECT_EQ(s.coupling.injected_damping_nms_per_rad, 0.01);
   EXPECT_EQ(s.coupling.velocity_filter_hz, 60);
+  EXPECT_EQ(s.coupling.velocity_window, 3U);
 }
 
 TEST_F(CouplingSection, CapsNothingAndDampsNothingUnlessAsked) {
@@ -40,6 +41,7 @@ TEST_F(CouplingSection, ADesignHasDefaultsForAllItsKeys) {
   EXPECT_FALSE(s.design->stiffness_cap_n_per_m || s.design->stiffness_cap_nm_per_rad);
   EXPECT_EQ(s.design->hand, HandOption::kAsDeviceIsHeld);
   EXPECT_TRUE(s.design->released && s.design->inject_damping);
+  EXPECT_FALSE(s.design->velocity_windows);
   EXPECT_FALSE(s.design->run_infeasible);
   EXPECT_TRUE(s.warnings.empty());
 }
@@ -47,7 +49,7 @@ TEST_F(CouplingSection, ADesignHasDefaultsForAllItsKeys) {
 TEST_F(CouplingSection, EveryKeyOfADesignArrives) {
   const Scene s = with(
       "design: auto, kind: shaping_filter, cutoff_hz: 7, gain_margin: 1, stiffness_cap_n_per_m: 700, "
-      "stiffness_cap_nm_per_rad: 0.25, hand: arm, released: false, inject_damping: false, run_infeasible: true");
+      "stiffness_cap_nm_per_rad: 0.25, hand: arm, released: false, inject_damping: false, velocity_windows: true, run_infeasible: true");
   ASSERT_TRUE(s.design);
   EXPECT_EQ(s.design->kind, "shaping_filter");
   EXPECT_EQ(s.design->cutoff_hz, 7);
@@ -56,6 +58,7 @@ TEST_F(CouplingSection, EveryKeyOfADesignArrives) {
   EXPECT_EQ(s.design->stiffness_cap_nm_per_rad, 0.25);
   EXPECT_EQ(s.design->hand, HandOption::kArm);
   EXPECT_FALSE(s.design->released || s.design->inject_damping);
+  EXPECT_TRUE(s.design->velocity_windows);
   EXPECT_TRUE(s.design->run_infeasible);
   EXPECT_EQ(with("design: auto, kind: spring_damper").design->kind, "spring_damper");
   EXPECT_EQ(with("design: auto, cutoff_hz: 150").warnings.size(), 1U) << "a wish near the sample rate is doubtful";

@@ -111,10 +111,12 @@ TEST_F(SceneFile, AKeyThatIsLeftOutMeansTheSameInTheTableOfKeysAndInTheValuesTha
   EXPECT_EQ(s.coupling.injected_damping_ns_per_m, coupling.injected_damping_ns_per_m);
   EXPECT_EQ(s.coupling.injected_damping_nms_per_rad, coupling.injected_damping_nms_per_rad);
   EXPECT_EQ(s.coupling.velocity_filter_hz, coupling.velocity_filter_hz);
+  EXPECT_EQ(s.coupling.velocity_window, coupling.velocity_window);
   const DesignOptions asked = *parse(kSmall + "coupling: {design: auto}\n").design, ask;
   EXPECT_EQ(asked.gain_margin, ask.gain_margin);
   EXPECT_EQ(asked.released, ask.released);
   EXPECT_EQ(asked.inject_damping, ask.inject_damping);
+  EXPECT_EQ(asked.velocity_windows, ask.velocity_windows);
   EXPECT_EQ(asked.run_infeasible, ask.run_infeasible);
   EXPECT_EQ(s.device.position_scale, WorkspaceMapping().position_scale);
   EXPECT_EQ(s.device.force_scale, WorkspaceMapping().force_scale);
