@@ -116,7 +116,7 @@ void StiffnessCap::follow(const Vec6& wrench, const Vec6& n, const Vec3& normal,
     along_ = now, stored_j_ = 0.0, turning_ = 1.0;
     return;
   }
-  stored_j_ = std::min(stored_j_ - given_ * work_on(along_, way), 0.5 * given_ * given_);
+  stored_j_ -= given_ * work_on(along_, way);
   const double followed = std::min(1.0, across(way.shift, normal) / kTurnWayM + way.turn.norm() / kTurnRad);
   Vec6 turned = followed * (now - along_);
   const double against = -beside_ * work_on(turned, way);
@@ -152,7 +152,7 @@ double StiffnessCap::share_of_wrench(const CouplingInput& input, const ToolStep&
   known_ = true, size_ = w, beside_ = 0.0;
   by_depth_ *= std::max(0.0, 1.0 - dt_s / kDefaultRampS);
   if (!(scale_ < 1.0) || !pushes) {
-    given_ = least, depth_m_ = depth, held_ = 0.0;
+    given_ = least, depth_m_ = depth, held_ = 0.0, stored_j_ = std::min(stored_j_, 0.5 * given_ * given_);
     if (depth > 0.0) by_depth_ = std::max(by_depth_, least);
     return scale_;
   }
@@ -189,6 +189,7 @@ double StiffnessCap::share_of_wrench(const CouplingInput& input, const ToolStep&
   }
   const double with_wrench = std::min(least + turning_ * (given_ - least), across_most);
   given_ = std::min(given_, std::max(with_wrench, std::sqrt(2.0 * std::max(stored_j_, 0.0)) + std::abs(work_on(along_, way))));
+  stored_j_ = std::min(stored_j_, 0.5 * given_ * given_);
   if (given_ > with_wrench) {
     const double agree = n.cwiseProduct(along_).dot(u);
     beside_ = (given_ - with_wrench) * smoothstep(kAgreeFrom, kAgreeTo, agree);
