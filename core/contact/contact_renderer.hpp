@@ -25,7 +25,7 @@ struct FrameBudget {
     return points / kShares < SphereTree::kLeafPoints ? SphereTree::kLeafPoints : points / kShares;
   }
   /// The least with which nothing that this promises is lost.
-  static constexpr std::uint32_t kLeastPoints = SphereTree::kLeafPoints * kLookups * (SphereTree::kLeafPoints + 1);
+  static constexpr std::uint32_t kMinPoints = SphereTree::kLeafPoints * kLookups * (SphereTree::kLeafPoints + 1);
 };
 
 /// What a rendering node holds for one tool in one scene. The voxmap must outlive it. One thread at a time: `render` and

@@ -19,11 +19,11 @@ struct Lookup {
 
 /// Leaves that are looked at together, ascending, and what was found in them.
 struct Leaves {
-  static constexpr std::size_t kMost = 64;
+  static constexpr std::size_t kMax = 64;
   std::size_t count = 0;
-  alignas(64) std::uint32_t leaf[kMost];
+  alignas(64) std::uint32_t leaf[kMax];
   /// One bit for each point of the leaf. The first two are good where `unsure` is not set.
-  alignas(64) std::uint8_t surface[kMost], interior[kMost], unsure[kMost];
+  alignas(64) std::uint8_t surface[kMax], interior[kMax], unsure[kMax];
 };
 
 /// Weight times normal and weight, frame T: point p is added to lane p mod 8, in the points' order.

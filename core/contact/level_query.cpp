@@ -19,7 +19,7 @@ void lower(double& weight, double by) noexcept { weight = std::max(0.0, weight -
 LevelQuery::LevelQuery(const pointshell::Pointshell& shell, pointshell::ShellLevels levels, const std::vector<double>& weight)
     : levels_(std::move(levels)) {
   if (levels_.empty()) return;
-  if (levels_.count() > Asked::kMost || levels_.ends.back() != shell.size() || levels_.stands_in.size() != shell.size())
+  if (levels_.count() > Asked::kMax || levels_.ends.back() != shell.size() || levels_.stands_in.size() != shell.size())
     throw std::invalid_argument("contact: the levels are not those of this pointshell; arrange it once more");
   std::size_t first = 0;
   for (const std::uint32_t end : levels_.ends) {

@@ -47,10 +47,10 @@ class LevelQuery {
  private:
   /// The levels that are asked: up to `solid` wholly, and from there to `last` with a share.
   struct Asked {
-    static constexpr std::size_t kMost = 64;
+    static constexpr std::size_t kMax = 64;
     std::size_t solid = 0, last = 0;
-    double share[kMost + 1] = {};  ///< of each level; 0 beyond the last
-    std::size_t leaves[kMost] = {}, work[kMost] = {};  ///< of each level and all before it: leaves near something, and what they cost in points
+    double share[kMax + 1] = {};  ///< of each level; 0 beyond the last
+    std::size_t leaves[kMax] = {}, work[kMax] = {};  ///< of each level and all before it: leaves near something, and what they cost in points
 
     /// What the level counts.
     double part(std::size_t level) const noexcept { return share[level] - share[level + 1]; }

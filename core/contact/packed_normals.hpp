@@ -13,7 +13,7 @@ namespace voxtouch::contact::packed_normals {
 inline constexpr double kStep = 1.0 / 511.0;
 inline constexpr double kWordStep = kStep / (1 << 22);  ///< of the word as a number
 /// A normal so read is off by no more than this: a step in each of its components.
-inline constexpr double kMostOff = kStep * 1.7321;
+inline constexpr double kMaxOff = kStep * 1.7321;
 
 inline std::uint32_t packed(double x, double y, double z) noexcept {
   const auto bits = [](double component) { return static_cast<std::uint32_t>(static_cast<std::int32_t>(std::floor(component / kStep))) & 1023U; };

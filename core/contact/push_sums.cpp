@@ -54,7 +54,7 @@ bool make_rough(const HitSource& source, const PushDirection& direction, RoughDi
   // A point's place is off by less than what `certain` leaves of half a voxel, in each axis; it is at most 0.87 voxels from the middle, with normals
   // that are off as packing has them. Some twenty roundings of numbers of about that size are less than the last.
   const double off = 0.5 - static_cast<double>(source.rough.certain);
-  rough.most = static_cast<float>((size + 2.0 * own) * off + 0.87 * own * packed_normals::kMostOff + 1e-5 * (size + own));
+  rough.most = static_cast<float>((size + 2.0 * own) * off + 0.87 * own * packed_normals::kMaxOff + 1e-5 * (size + own));
   return true;
 }
 

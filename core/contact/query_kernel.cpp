@@ -133,7 +133,7 @@ class Search {
 
   void add(std::uint32_t leaf) noexcept {
     leaves_.leaf[leaves_.count] = leaf;
-    if (++leaves_.count == Leaves::kMost) test();
+    if (++leaves_.count == Leaves::kMax) test();
   }
 
   void test() noexcept {

@@ -38,7 +38,7 @@ struct VirtualToolOptions {
   double edge_m = 0.0;       ///< voxel edge, the smallest of all objects
   double lever_m = 0.0;      ///< weighs turns against shifts; 0: `reach_m`
   double fade_s = 0.2;       ///< after the tool was placed the force comes in over this time
-  /// A frame ends before a query that would cost more than is left, reckoned as the last one; kLeastQueries are always made. No
+  /// A frame ends before a query that would cost more than is left, reckoned as the last one; kMinQueries are always made. No
   /// point is ever left out: the tool comes to its place later, and passes no wall.
   ToolWork work = {};
 };

@@ -119,7 +119,7 @@ std::string budget_sentence(const scene::Scene& scene, const BuildCounts& n) {
     return fmt::format(
         "Time budget of {:g} us: a virtual tool leaves out no point, so that it passes no wall. Where a frame would take longer as reckoned from its "
         "counts it makes fewer queries, at least {}, and the tool comes to its place in the frames that follow.",
-        *scene.budget_us, contact::limits::kLeastQueries);
+        *scene.budget_us, contact::limits::kMinQueries);
   contact::ContactModelKind model{};
   contact::parse_contact_model(scene.contact.model, model);
   const std::string points = fmt::format("Time budget of {:g} us: a frame tests at most {} of the {} with each object, {:g} ns each as reckoned on every machine",
@@ -252,7 +252,7 @@ void say_warnings(const scene::Scene& scene, const BuildCounts& n, Plan& plan) {
     plan.warnings.push_back(fmt::format(
         "The time budget of {:g} us is not kept at every pose: the {} queries that a virtual tool always makes take up to {:.0f} us with all {} near "
         "something, and leaving out points could let a wall pass. Use a larger voxel_size for fewer points.",
-        *scene.budget_us, contact::limits::kLeastQueries, 1e-3 * least_tool_ns(counted_work(n)), counted(n.shell_points, "point", "points")));
+        *scene.budget_us, contact::limits::kMinQueries, 1e-3 * least_tool_ns(counted_work(n)), counted(n.shell_points, "point", "points")));
   if (plan.expected_ns_per_frame > 1e6)
     plan.warnings.push_back(fmt::format("A frame with every point looked up takes about {:.1f} ms, longer than a period of 1 ms.",
                                         plan.expected_ns_per_frame / 1e6));

@@ -34,7 +34,7 @@ double ns_per_budget_point(contact::ContactModelKind model) noexcept {
 
 std::uint32_t points_within(double budget_us, const scene::Scene& scene, const FrameWork& work) {
   const double each = ns_per_budget_point(work.model) * static_cast<double>(work.objects), fixed = fixed_ns(scene, work);
-  const std::uint64_t least = std::min<std::uint64_t>(contact::FrameBudget::kLeastPoints, contact::FrameBudget::kLookups * work.shell_points);
+  const std::uint64_t least = std::min<std::uint64_t>(contact::FrameBudget::kMinPoints, contact::FrameBudget::kLookups * work.shell_points);
   const double points = std::floor((1e3 * budget_us - fixed) / each);
   if (!(points >= static_cast<double>(least)))
     throw std::invalid_argument(fmt::format(
@@ -50,7 +50,7 @@ double tool_ns_within(double budget_us, const scene::Scene& scene, const FrameWo
 
 double least_tool_ns(const FrameWork& work) noexcept {
   const double query = static_cast<double>(work.objects) * (kNsPerFrame + (kNsPerPoint + kNsPerFieldPoint) * static_cast<double>(work.shell_points));
-  return contact::limits::kLeastQueries * (query + contact::limits::kMaxIterations * kNsPerIteration);
+  return contact::limits::kMinQueries * (query + contact::limits::kMaxIterations * kNsPerIteration);
 }
 
 }  // namespace voxtouch::rendering

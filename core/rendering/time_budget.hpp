@@ -17,7 +17,7 @@ struct FrameWork {
 
 /// Points that a frame may test of each object within `budget_us`, by penalty: what is left of the time when all look-ups of a fast frame and all
 /// effects have had theirs at most, over what a point takes that is tested, touches and is weighed (ns_per_budget_point). Throws std::invalid_argument, a sentence
-/// with the least budget, where it is too little to keep what a budget promises (FrameBudget::kLeastPoints).
+/// with the least budget, where it is too little to keep what a budget promises (FrameBudget::kMinPoints).
 std::uint32_t points_within(double budget_us, const scene::Scene& scene, const FrameWork& work);
 
 /// What a look-up counts as beside its points [ns]: choosing levels, and what model and stage do once. Measured: 1.8 us at 51 points.

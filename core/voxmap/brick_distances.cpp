@@ -11,7 +11,7 @@
 // A triangle is left out where a lower bound of its distance is above an upper bound of what a node will get. Where q is the triangle's point
 // nearest to a middle c, all of the triangle is behind the plane through q across the way from q to c, for it is convex: so its distance
 // from p is at least |c - q| + (p - c) . (c - q) / |c - q|, and at most |p - q|. The first is a few operations, for many p at once; only what is
-// left is held against the nodes in full. So bounds decide what is worked out, and no bit of it.
+// left is compared with the nodes in full. So bounds decide what is worked out, and no bit of it.
 namespace voxtouch::voxmap {
 namespace {
 
@@ -20,7 +20,7 @@ static_assert(kBlocks == 16);
 /// From the middle of a brick's own nodes, or of a block's, to the farthest of them, and a little for rounding.
 constexpr double kBrickReach = 3.5 * 1.7320509, kBlockReach = 2.1794496;
 /// With more triangles near a brick than this its blocks ask the tree on their own, with more near a block its nodes.
-constexpr std::size_t kMostNear = 1024;
+constexpr std::size_t kMaxNear = 1024;
 /// Added to every bound [voxels]: far more than what rounds. Below `kTooShort` a way's direction says nothing.
 constexpr double kSlack = 1e-3, kTooShort = 0.05;
 
@@ -136,7 +136,7 @@ class BrickFill {
     const double most = *std::max_element(farthest_.begin(), farthest_.end()) + kBrickReach;
     // What is nearest to any node is within the middle's own distance and twice the way to that node.
     const double reach = std::min(tree_.nearest(middle_, most, place) + 2.0 * kBrickReach, most) + kSlack;
-    if (!tree_.within(middle_, reach, kMostNear, near_)) return each_block_asks(place);
+    if (!tree_.within(middle_, reach, kMaxNear, near_)) return each_block_asks(place);
     look_from_middle(reach);
     share_out();
     for (std::size_t block = 0; block < kBlocks; ++block) fill_block(block, std::span(shared_).subspan(first_[block], first_[block + 1] - first_[block]));
@@ -221,7 +221,7 @@ class BrickFill {
   void each_block_asks(std::uint32_t place) {
     for (std::size_t block = 0; block < kBlocks; ++block) {
       const double nearest = tree_.nearest(middle_of(block), farthest_[block] + kBlockReach, place);
-      if (tree_.within(middle_of(block), reach_of(block, nearest), kMostNear, near_))
+      if (tree_.within(middle_of(block), reach_of(block, nearest), kMaxNear, near_))
         fill_block(block, near_);
       else
         each_node_asks(block, place);

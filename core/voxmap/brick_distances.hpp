@@ -1,5 +1,5 @@
 #pragma once
-/// The nodes of one brick of a distance field, all at once: few triangles are near a brick, so each is held against many nodes instead of
+/// The nodes of one brick of a distance field, all at once: few triangles are near a brick, so each is compared with many nodes instead of
 /// each node against the whole tree.
 #include <array>
 

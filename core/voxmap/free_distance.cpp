@@ -87,7 +87,7 @@ std::uint8_t coarse_byte(std::uint8_t cells) noexcept {
 }  // namespace
 
 Occupancy::Occupancy(const std::array<std::int64_t, 3>& bricks, int shift)
-    : halvings_(shift - kLeastShift), n_{2 * cells_along(bricks[0], shift), 2 * cells_along(bricks[1], shift), 2 * cells_along(bricks[2], shift)},
+    : halvings_(shift - kMinShift), n_{2 * cells_along(bricks[0], shift), 2 * cells_along(bricks[1], shift), 2 * cells_along(bricks[2], shift)},
       words_((n_[2] + 63) >> 6),
       bits_(static_cast<std::size_t>(n_[0] * n_[1] * words_)) {}
 

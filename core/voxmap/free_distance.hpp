@@ -17,7 +17,7 @@ namespace voxtouch::voxmap {
 namespace free_distance {
 
 inline constexpr int kCellEdge = 4;  ///< steps
-inline constexpr int kLeastShift = 2, kMostShift = 12;  ///< log2 of a cell's edge [voxels]
+inline constexpr int kMinShift = 2, kMaxShift = 12;  ///< log2 of a cell's edge [voxels]
 inline constexpr std::size_t kFewBytes = std::size_t{1} << 20;
 
 /// Cells along an axis of that many bricks of 8 voxels.
@@ -29,12 +29,12 @@ constexpr std::size_t bytes_of(const std::array<std::int64_t, 3>& bricks, int sh
 /// log2 of the edge of the cells of such a table.
 constexpr int shift_for(const std::array<std::int64_t, 3>& bricks, std::size_t surface_voxels) noexcept {
   const std::size_t most = surface_voxels > kFewBytes ? surface_voxels : kFewBytes;
-  int shift = kLeastShift;
-  while (shift < kMostShift && bytes_of(bricks, shift) > most) ++shift;
+  int shift = kMinShift;
+  while (shift < kMaxShift && bytes_of(bricks, shift) > most) ++shift;
   return shift;
 }
 /// [voxels]
-constexpr float step_of(int shift) noexcept { return static_cast<float>(1 << (shift - kLeastShift)); }
+constexpr float step_of(int shift) noexcept { return static_cast<float>(1 << (shift - kMinShift)); }
 
 /// [steps]
 constexpr float steps(std::uint8_t byte) noexcept {
@@ -68,7 +68,7 @@ class Occupancy {
   std::uint64_t& word(std::int64_t x, std::int64_t y, std::int64_t z) noexcept {
     return bits_[static_cast<std::size_t>((x * n_[1] + y) * words_ + (z >> 6))];
   }
-  int halvings_;                   ///< shift - kLeastShift
+  int halvings_;                   ///< shift - kMinShift
   std::array<std::int64_t, 3> n_;  ///< halves of cells
   std::int64_t words_;             ///< of a row along z
   std::vector<std::uint64_t> bits_;

@@ -1,4 +1,4 @@
-/// Voxmaps and distance fields as bytes. What is read back may be anything: it is held against all that the lookups take for granted.
+/// Voxmaps and distance fields as bytes. What is read back may be anything: it is checked for all that the lookups take for granted.
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -29,11 +29,11 @@ void placement(Archive& archive, Grid& grid, Index& base, Cells& cells) {
 
 /// Throws unless a table may lie so.
 void require_table(const Grid& grid, const VoxelIndex& base, const std::array<std::int64_t, 3>& cells) {
-  constexpr std::int64_t kMost = std::int64_t{1} << 30;
+  constexpr std::int64_t kMax = std::int64_t{1} << 30;
   ByteReader::require(grid.origin.allFinite() && std::isfinite(grid.edge) && grid.edge > 0.0, "a grid that is none");
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const std::int64_t first = axis == 0 ? base.i : axis == 1 ? base.j : base.k;
-    ByteReader::require(first >= -2 * kMost && first % 8 == 0 && cells[axis] > 0 && cells[axis] < kMost && first + 8 * cells[axis] <= 2 * kMost,
+    ByteReader::require(first >= -2 * kMax && first % 8 == 0 && cells[axis] > 0 && cells[axis] < kMax && first + 8 * cells[axis] <= 2 * kMax,
                         "a table that lies beyond all voxels");
   }
   ByteReader::require(cells[0] * cells[1] <= Voxmap::kMaxTableCells / cells[2], "a table that is too large");
@@ -58,7 +58,7 @@ Voxmap Voxmap::take(ByteReader& in) {
   fields(in, map);
   require_table(map.grid_, map.base_, map.cells_);
   ByteReader::require(static_cast<std::int64_t>(map.blocks_.size()) == map.blocks_along(0) * map.blocks_along(1) * map.blocks_along(2), kAnotherSize);
-  ByteReader::require(map.near_shift_ >= free_distance::kLeastShift && map.near_shift_ <= free_distance::kMostShift &&
+  ByteReader::require(map.near_shift_ >= free_distance::kMinShift && map.near_shift_ <= free_distance::kMaxShift &&
                           map.near_.size() == free_distance::bytes_of(map.cells_, map.near_shift_),
                       "free distances for another table");
   ByteReader::require(map.bricks_.size() >= 2 && map.pages_.size() >= 2, kNoSuchBrick);

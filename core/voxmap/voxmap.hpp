@@ -175,7 +175,7 @@ class Voxmap {
   std::vector<std::int32_t> table_;
   std::vector<Brick, HugePages<Brick>> bricks_;
   std::vector<std::uint8_t> near_;        ///< free_distance bytes
-  int near_shift_ = free_distance::kLeastShift;
+  int near_shift_ = free_distance::kMinShift;
   std::size_t surface_count_ = 0, interior_count_ = 0;
 };
 

@@ -1,4 +1,4 @@
-// A bare ring of Cyclone DDS, for ours to be held against: the same three topics with their types, QoS and network settings, the same scheduling,
+// A bare ring of Cyclone DDS, for ours to be compared with: the same three topics with their types, QoS and network settings, the same scheduling,
 // and nothing that is computed or checked. Three processes, or three participants in one; nodes are woken by wait sets, as ours are, or answer in DDS's
 // own thread. Prints one JSON object. With --watch it prints the same of our ring. tests/bench/ring_turns.py runs it beside our ring, in turns.
 #include <sys/prctl.h>

@@ -81,7 +81,7 @@ TEST(Scale, DistancesGrowAsTheSurface) {
 /// In a table whose free distances are of larger cells, every kernel finds what doubles say of every point.
 TEST(Scale, TheHitsAreThoseOfAllPointsInALargeTable) {
   const voxmap::Voxmap map = map_of(1'000, 1024);
-  ASSERT_GT(map.arrays().free_shift, voxmap::free_distance::kLeastShift);
+  ASSERT_GT(map.arrays().free_shift, voxmap::free_distance::kMinShift);
   ASSERT_EQ(map.arrays().table, nullptr) << "bricks are found by pages";
   for (const Place place : kPlaces) {
     const contact::ContactQuery query(map, tool(place, kPoints));

@@ -4,7 +4,7 @@
 usage: check_readmes.py ROOT BIN       BIN: the build's folder of programs, with `voxtouch` in it
 
 Looks at every .md file below ROOT that is no build's. In code and in backticks, a word that begins with a folder of the top level is a path;
-`voxtouch VERB --option` and `build/bin/X --option` are held against --help; `build/bin/X` may also be a target that is not built yet.
+`voxtouch VERB --option` and `build/bin/X --option` are looked up in --help; `build/bin/X` may also be a target that is not built yet.
 Prints one sentence for each fault; exit status 1 where there is one.
 """
 import functools

@@ -208,7 +208,7 @@ TEST(Change, OfAnEffectInContactIsNoStepOfTheForceAndGivesTheSameBitsTwice) {
   std::printf("largest step of the command: %.5f N, without a change %.5f N; a ramp may add %.5f N\n", felt,
               felt_before, ramp);
   EXPECT_LE(felt, felt_before + ramp);
-  // Until the first change both runs are the same one, so its hundred samples can be held against each other, where the hand keeps its height: a step
+  // Until the first change both runs are the same one, so its hundred samples can be compared, where the hand keeps its height: a step
   // of its encoder, which one of the hands makes and the other not, is answered by the damping for some samples.
   std::size_t looked_at = 0;
   const double first = largest_resting_step(changed, commands(folder, "first"), 1500, 1600, looked_at);

@@ -1,5 +1,5 @@
 #pragma once
-/// How long the machine itself kept threads from running: what a late sample is held against.
+/// How long the machine itself kept threads from running: what a late sample is compared with.
 #include <atomic>
 #include <cstdint>
 #include <thread>

@@ -1,4 +1,4 @@
-"""What RViz and tf2 demand of the messages that they draw, held against every message as it comes.
+"""What RViz and tf2 demand of the messages that they draw, asked of every message as it comes.
 
 The rules are those of rviz_default_plugins (marker_common.cpp, marker_array_display.cpp, markers/*.cpp, validate_floats) and tf2 (buffer_core.cpp)
 as we know them, not compared with a release; nothing of voxtouch is in them: it knows no namespace, id or frame of this project.

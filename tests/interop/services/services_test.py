@@ -222,7 +222,7 @@ class InLockstep(Asked):
 
 
 class Arm(unittest.TestCase):
-    """A device that is an arm tells its joints, and itself; the arm's own kinematics are held against the description by `urdf_test`."""
+    """A device that is an arm tells its joints, and itself; the arm's own kinematics are compared with the description by `urdf_test`."""
 
     def test_tells_its_joints_and_itself(self):
         self.expect_joints("wire-lwr", ["A1", "A2", "E1", "A3", "A4", "A5", "A6"])

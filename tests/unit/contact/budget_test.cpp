@@ -108,7 +108,7 @@ TEST(Budget, NoFrameTestsMoreThanItMay) {
   SCOPED_TRACE(testing::seed_trace(seed));
   const Spike scene;
   for (const Kind kind : kKinds)
-    for (const std::uint32_t budget : {contact::FrameBudget::kLeastPoints, 2000U}) {
+    for (const std::uint32_t budget : {contact::FrameBudget::kMinPoints, 2000U}) {
       Tool tool(scene.ground, plate(60), kind, budget);
       std::uint32_t most = 0, left_out = 0;
       const std::vector<Pose> poses = tumbling(600, seed);
@@ -323,7 +323,7 @@ TEST(Budget, LetsAVirtualToolPassNoWall) {
       const virtual_tool::WallFigures f = virtual_tool::walls(
           {.thick_edges = thick, .askew = askew, .phase_edges = 0.3, .tries = 2, .work = {.most = 1.0, .per_query = 1.0}, .seed = testing::seed(17)});
       EXPECT_EQ(f.passed, 0) << thick << (askew ? " e, askew" : " e");
-      EXPECT_LE(f.queries_most, contact::limits::kLeastQueries + 1);
+      EXPECT_LE(f.queries_most, contact::limits::kMinQueries + 1);
       runs += f.runs, cut += f.cut_short;
     }
   std::printf("walls: 0 of %d passed; %d frames were cut short\n", runs, cut);

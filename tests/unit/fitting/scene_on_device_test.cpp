@@ -1,4 +1,4 @@
-// Whatever may change while a scene runs is held against the device by the code of the start.
+// Whatever may change while a scene runs is judged for the device by the code of the start.
 #include "core/fitting/scene_on_device.hpp"
 
 #include <gtest/gtest.h>

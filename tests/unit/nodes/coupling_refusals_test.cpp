@@ -14,7 +14,7 @@
 namespace voxtouch::test::around_coupling {
 namespace {
 
-/// The second line: whatever the rendering has taken, it is held against the device once more where the force is made.
+/// The second line: whatever the rendering has taken, it is judged for the device once more where the force is made.
 TEST(CouplingNode, CommandsNothingWhileTheEffectsAskMoreThanTheDeviceStands) {
   Around around("{design: auto, kind: shaping_filter}");
   around.describe(20.0);

@@ -37,7 +37,7 @@ TEST(SessionOfAnother, GoesOnWithTheEnergyThatTheOtherOneHasTold) {
 
 TEST(SessionOfAnother, IsFitOnlyWhileBothRenderTheSame) {
   SessionOfAnother session;
-  EXPECT_FALSE(session.agrees()) << "nothing has been held against the other one's";
+  EXPECT_FALSE(session.agrees()) << "nothing has been compared with the other one's";
   std::uint64_t n = 1;
   const auto both = [&](double own_n, double theirs_n) { session.note(contact(n, own_n), false), session.heed(contact(n, theirs_n)), ++n; };
   both(0.0, 1.0);

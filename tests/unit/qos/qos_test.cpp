@@ -118,7 +118,7 @@ TEST(Profiles, KeepTheStreamDeadlineAtThreePeriods) {
   }
 }
 
-/// The prediction is held against what Cyclone DDS does, for every pair.
+/// The prediction is compared with what Cyclone DDS does, for every pair.
 TEST(Profiles, MatchOverRealDdsExactlyWhereTheTableSaysSo) {
   const bus::Participant participant({71, "lo", "qos_test"});
   struct Pair {

@@ -1,5 +1,5 @@
 #pragma once
-/// Scenes held against the schema that editors read.
+/// Scenes checked by the schema that editors read.
 #include <string>
 #include <vector>
 

@@ -185,7 +185,7 @@ TEST(Voxmap, FreeDistanceTakesLongerCellsInALargeTable) {
     map.set(occupied.back(), n % 2 ? VoxelKind::kSurface : VoxelKind::kInterior);
   }
   map.finish();
-  ASSERT_GT(map.arrays().free_shift, free_distance::kLeastShift);
+  ASSERT_GT(map.arrays().free_shift, free_distance::kMinShift);
   const double step = free_distance::step_of(map.arrays().free_shift);
   EXPECT_LE(map.table_bytes(), static_cast<std::size_t>(map.cells()[0] * map.cells()[1] * map.cells()[2]) / 6 + 42 * sizeof(Voxmap::Page));
   EXPECT_LE(map.bytes(), map.table_bytes() + 42 * sizeof(Voxmap::Brick) + free_distance::kFewBytes);
