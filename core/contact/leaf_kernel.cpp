@@ -90,10 +90,22 @@ std::array<std::uint8_t, 3> classify(const Lookup& lookup, Leaves& leaves) noexc
   return any;
 }
 
-void add_normals(const HitSource& source, const Leaves& leaves, const std::uint8_t* chosen, NormalLanes& lanes) noexcept {
-  for (std::size_t n = 0; n < leaves.count; ++n)
+void append(const Leaves& leaves, const Chosen& chosen, FoundHits& found) noexcept {
+  std::uint32_t* out = found.points + found.count;
+  for (std::size_t c = 0; c < chosen.count; ++c) {
+    const std::size_t n = chosen.leaf[c];
+    const auto first = static_cast<std::uint32_t>(kRun * leaves.leaf[n]);
+    for (std::size_t k = 0; k < kRun; ++k) out[k] = first + kBitsOf.places[chosen.bits[n]][k];
+    out += kBitsOf.count[chosen.bits[n]];
+  }
+  found.count = static_cast<std::size_t>(out - found.points);
+}
+
+void add_normals(const HitSource& source, const Leaves& leaves, const Chosen& chosen, NormalLanes& lanes) noexcept {
+  for (std::size_t c = 0; c < chosen.count; ++c)
     for (std::size_t lane = 0; lane < kRun; ++lane) {
-      if ((chosen[n] >> lane & 1) == 0) continue;
+      const std::size_t n = chosen.leaf[c];
+      if ((chosen.bits[n] >> lane & 1) == 0) continue;
       const std::size_t p = kRun * leaves.leaf[n] + lane;
       const double weight = source.area != nullptr ? source.area[p] : 1.0;
       for (std::size_t axis = 0; axis < 3; ++axis) lanes.sum[axis][lane] += weight * source.normal[axis][p];
@@ -101,7 +113,7 @@ void add_normals(const HitSource& source, const Leaves& leaves, const std::uint8
     }
 }
 
-constexpr LeafKernel kPlain = {near_spheres, classify, add_normals};
+constexpr LeafKernel kPlain = {near_spheres, classify, append, add_normals};
 
 }  // namespace
 

@@ -200,6 +200,19 @@ std::array<std::uint8_t, 3> classify(const Lookup& lookup, Leaves& leaves) noexc
   return lookup.map.table != nullptr ? classify_by<TableOfBricks>(lookup, leaves) : classify_by<PagesOfBricks>(lookup, leaves);
 }
 
+void append(const Leaves& leaves, const Chosen& chosen, FoundHits& found) noexcept {
+  std::uint32_t* out = found.points + found.count;
+  for (std::size_t c = 0; c < chosen.count; ++c) {
+    const std::size_t n = chosen.leaf[c];
+    const unsigned bits = chosen.bits[n];
+    const __m256i first = _mm256_set1_epi32(static_cast<std::int32_t>(kRun * leaves.leaf[n]));
+    const __m256i places = _mm256_cvtepu8_epi32(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(kBitsOf.places[bits])));
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(out), _mm256_add_epi32(first, places));
+    out += kBitsOf.count[bits];
+  }
+  found.count = static_cast<std::size_t>(out - found.points);
+}
+
 /// Half a leaf: lanes whose bit is not set add zero.
 inline void add_half(const double* const (&normal)[3], const double* area, std::size_t first, __m256i chosen, __m256d (&sums)[4]) noexcept {
   const __m256d weight = area != nullptr ? _mm256_maskload_pd(area + first, chosen)
@@ -209,14 +222,14 @@ inline void add_half(const double* const (&normal)[3], const double* area, std::
   sums[3] = _mm256_add_pd(sums[3], weight);
 }
 
-void add_normals(const HitSource& source, const Leaves& leaves, const std::uint8_t* chosen, NormalLanes& lanes) noexcept {
+void add_normals(const HitSource& source, const Leaves& leaves, const Chosen& chosen, NormalLanes& lanes) noexcept {
   const __m256i low = _mm256_setr_epi64x(1, 2, 4, 8), high = _mm256_setr_epi64x(16, 32, 64, 128);
   __m256d first[4], second[4];
   for (std::size_t k = 0; k < 4; ++k) first[k] = _mm256_load_pd(lanes.sum[k]), second[k] = _mm256_load_pd(lanes.sum[k] + 4);
-  for (std::size_t n = 0; n < leaves.count; ++n) {
-    if (chosen[n] == 0) continue;
+  for (std::size_t c = 0; c < chosen.count; ++c) {
+    const std::size_t n = chosen.leaf[c];
     const std::size_t from = kRun * leaves.leaf[n];
-    const __m256i mask = _mm256_set1_epi64x(chosen[n]);
+    const __m256i mask = _mm256_set1_epi64x(chosen.bits[n]);
     add_half(source.normal, source.area, from, _mm256_cmpeq_epi64(_mm256_and_si256(mask, low), low), first);
     add_half(source.normal, source.area, from + 4, _mm256_cmpeq_epi64(_mm256_and_si256(mask, high), high), second);
   }
@@ -226,7 +239,7 @@ void add_normals(const HitSource& source, const Leaves& leaves, const std::uint8
 }  // namespace
 }  // namespace avx2
 
-const LeafKernel kLeafKernelAvx2 = {avx2::near_spheres, avx2::classify, avx2::add_normals};
+const LeafKernel kLeafKernelAvx2 = {avx2::near_spheres, avx2::classify, avx2::append, avx2::add_normals};
 
 }  // namespace voxtouch::contact
 #pragma GCC pop_options

@@ -202,13 +202,26 @@ std::array<std::uint8_t, 3> classify(const Lookup& lookup, Leaves& leaves) noexc
   return lookup.map.table != nullptr ? classify_by<TableOfBricks>(lookup, leaves) : classify_by<PagesOfBricks>(lookup, leaves);
 }
 
-void add_normals(const HitSource& source, const Leaves& leaves, const std::uint8_t* chosen, NormalLanes& lanes) noexcept {
+void append(const Leaves& leaves, const Chosen& chosen, FoundHits& found) noexcept {
+  const __m256i lanes = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+  std::uint32_t* out = found.points + found.count;
+  for (std::size_t c = 0; c < chosen.count; ++c) {
+    const std::size_t n = chosen.leaf[c];
+    const unsigned bits = chosen.bits[n];
+    const __m256i first = _mm256_set1_epi32(static_cast<std::int32_t>(kRun * leaves.leaf[n]));
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(out), _mm256_maskz_compress_epi32(static_cast<__mmask8>(bits), _mm256_add_epi32(first, lanes)));
+    out += kBitsOf.count[bits];
+  }
+  found.count = static_cast<std::size_t>(out - found.points);
+}
+
+void add_normals(const HitSource& source, const Leaves& leaves, const Chosen& chosen, NormalLanes& lanes) noexcept {
   __m512d sums[4];
   for (std::size_t k = 0; k < 4; ++k) sums[k] = _mm512_load_pd(lanes.sum[k]);
-  for (std::size_t n = 0; n < leaves.count; ++n) {
-    if (chosen[n] == 0) continue;
+  for (std::size_t c = 0; c < chosen.count; ++c) {
+    const std::size_t n = chosen.leaf[c];
     const std::size_t from = kRun * leaves.leaf[n];
-    const __mmask8 mask = chosen[n];
+    const __mmask8 mask = chosen.bits[n];
     const __m512d weight =
         source.area != nullptr ? _mm512_maskz_loadu_pd(mask, source.area + from) : _mm512_maskz_mov_pd(mask, _mm512_set1_pd(1.0));
     for (std::size_t axis = 0; axis < 3; ++axis)
@@ -221,7 +234,7 @@ void add_normals(const HitSource& source, const Leaves& leaves, const std::uint8
 }  // namespace
 }  // namespace avx512
 
-const LeafKernel kLeafKernelAvx512 = {avx512::near_spheres, avx512::classify, avx512::add_normals};
+const LeafKernel kLeafKernelAvx512 = {avx512::near_spheres, avx512::classify, avx512::append, avx512::add_normals};
 
 }  // namespace voxtouch::contact
 #pragma GCC pop_options

@@ -16,19 +16,6 @@ constexpr std::size_t kNodes = SphereTree::kFanOut;
 constexpr std::size_t kRun = SphereTree::kLeafPoints;
 static_assert(kRun == 8 && kLanes == kRun);
 
-/// Places of the bits that are set in a byte, and how many they are.
-struct BitsOf {
-  std::array<std::array<std::uint8_t, kRun>, 256> places{};
-  std::array<std::uint8_t, 256> count{};
-};
-constexpr BitsOf kBitsOf = [] {
-  BitsOf out;
-  for (std::size_t byte = 0; byte < 256; ++byte)
-    for (std::uint8_t bit = 0; bit < kRun; ++bit)
-      if ((byte >> bit & 1U) != 0) out.places[byte][out.count[byte]++] = bit;
-  return out;
-}();
-
 /// What doubles say, for the bits of `unsure`.
 void decide(const QueryData& data, const HitSource& s, Leaves& leaves) noexcept {
   for (std::size_t n = 0; n < leaves.count; ++n) {
@@ -47,20 +34,6 @@ void decide(const QueryData& data, const HitSource& s, Leaves& leaves) noexcept 
     }
     leaves.surface[n] = static_cast<std::uint8_t>(surface), leaves.interior[n] = static_cast<std::uint8_t>(interior);
   }
-}
-
-static_assert(Hits::kSpareRoom >= kRun);
-/// Writes the numbers of the points whose bits are set in `chosen`; eight places each time, which costs less than to ask how many.
-void append(const Leaves& leaves, const std::uint8_t* chosen, FoundHits& found) noexcept {
-  std::uint32_t* out = found.points + found.count;
-  for (std::size_t n = 0; n < leaves.count; ++n) {
-    const auto first = static_cast<std::uint32_t>(kRun * leaves.leaf[n]);
-    const unsigned bits = chosen[n];
-    const std::array<std::uint8_t, kRun> places = kBitsOf.places[bits];
-    for (std::size_t k = 0; k < kRun; ++k) out[k] = first + places[k];
-    out += kBitsOf.count[bits];
-  }
-  found.count = static_cast<std::size_t>(out - found.points);
 }
 
 void set_sums(const HitSource& s, const NormalLanes& lanes, FoundHits& found) noexcept {
@@ -158,8 +131,9 @@ class Search {
     leaves_.count = 0;
   }
 
-  void take(const std::uint8_t* chosen, FoundHits& found, NormalLanes& lanes) noexcept {
-    append(leaves_, chosen, found);
+  void take(const std::uint8_t* bits, FoundHits& found, NormalLanes& lanes) noexcept {
+    const Chosen chosen(leaves_, bits);
+    kernel_.append(leaves_, chosen, found);
     kernel_.add_normals(lookup_.frame.source, leaves_, chosen, lanes);
   }
 

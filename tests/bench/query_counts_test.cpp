@@ -118,11 +118,11 @@ TEST(QueryCounts, InstructionsStayWhatTheyAreWithAvx2) {
   if (!test::heap_is_counted()) GTEST_SKIP() << "the sanitiser's own would be among them";
   if (!__builtin_cpu_supports("avx2")) GTEST_SKIP() << "counted for a processor with AVX2";
   EXPECT_LE(instructions("near", 10'000, "find"), 2'300.0);
-  EXPECT_LE(instructions("light", 10'000, "find"), 34'000.0);
-  EXPECT_LE(instructions("heavy", 10'000, "find"), 235'000.0);
-  EXPECT_LE(instructions("light", 10'000, "adapted"), 51'500.0);
-  EXPECT_LE(instructions("heavy", 10'000, "adapted"), 350'000.0);
-  EXPECT_LE(instructions("light", 10'000, "field"), 81'000.0);
+  EXPECT_LE(instructions("light", 10'000, "find"), 31'000.0);
+  EXPECT_LE(instructions("heavy", 10'000, "find"), 222'000.0);
+  EXPECT_LE(instructions("light", 10'000, "adapted"), 48'500.0);
+  EXPECT_LE(instructions("heavy", 10'000, "adapted"), 339'000.0);
+  EXPECT_LE(instructions("light", 10'000, "field"), 78'000.0);
 }
 
 }  // namespace
