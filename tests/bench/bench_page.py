@@ -209,13 +209,15 @@ def new_plane(columns, title, note):
 
 def tick_at(axis, sizes):
     log_axis(axis, sizes[0] / 1.5, sizes[-1] * 1.5)
-    axis.set_ticks(sizes, labels=[f"{n:,}" for n in sizes])
+    axis.set_ticks(sizes, labels=[f"{n // 1000:,}k" for n in sizes])
 
 
 def draw_points(m, picture):
-    figure, (axis,) = new_plane(1, "What a frame costs by the number of shell points", machine(m.context) + "; CPU time, medians; hollow: find, filled: render (adapted)")
+    figure, (axis,) = new_plane(1, "What a frame costs by the number of shell points", machine(m.context) + "; CPU time, medians")
     sizes = m.sizes()
     axis.plot(sizes, [m.ns(READ, "", n) / 1e3 for n in sizes], "--", color=GREY, lw=2, label="reading 12 bytes a point")
+    if all(m.ns("flat loops", "heavy", n) for n in sizes):
+        axis.plot(sizes, [m.ns("flat loops", "heavy", n) / 1e3 for n in sizes], ":", color=GREY, lw=2, label="heavy, flat loops")
     for place, colour, mark in (("near", GREEN, "D"), ("light", BLUE, "o"), ("heavy", ORANGE, "^")):
         for what, face in (("find", "white"), ("render adapted", colour)):
             axis.plot(sizes, [m.ns(what, place, n) / 1e3 for n in sizes], "-", marker=mark, color=colour, mfc=face, ms=11, mew=2.2, lw=1.4,
@@ -226,7 +228,7 @@ def draw_points(m, picture):
     log_axis(axis.yaxis, 0.02, 4e4)
     axis.set_xlabel("shell points")
     axis.set_ylabel("CPU time of a frame [µs]")
-    axis.legend(loc="upper left", bbox_to_anchor=(1.005, 1.0))
+    axis.legend(loc="upper left", bbox_to_anchor=(1.005, 1.0), title="hollow: find; filled:\nrender, adapted", alignment="left")
     figure.savefig(picture, metadata={"Software": None})
 
 
