@@ -1,5 +1,6 @@
 #pragma once
 /// One run of a ring by `voxtouch up`: start, watch, stop in order, sum up.
+#include <chrono>
 #include <filesystem>
 #include <memory>
 #include <set>
@@ -67,6 +68,9 @@ class RingRun {
   void tell_trouble();
   /// A node that has failed but goes on, to say so, ends the run: without it there is no force.
   bool note_refusals();
+  /// After a loss the device's guard holds the last command and fades it; device and coupling record what they saw of it. Were the device stopped
+  /// at once, the force would end in a step and nobody would know of what.
+  void let_guard_act();
   /// A run in which a node was lost is not a good one, also where force went on.
   void note_loss(const std::string& name, const std::string& how);
   /// The other one of a rendering or coupling that has a standby; empty where it has none.
@@ -75,6 +79,8 @@ class RingRun {
   bool goes_on_without(const std::string& name);
 
   static constexpr unsigned kWatchPeriodUs = 20'000;
+  /// Three periods and 20 ms with a device of 1 kHz (devices/force_guard.hpp), and as long again on a busy machine.
+  static constexpr std::chrono::milliseconds kGuardActs{100};
   bool is_child(const runtime::NodeReport& report) const;
   bool is_running(const std::string& name);
   std::vector<std::string> names() const;

@@ -2,6 +2,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <thread>
 
 #include <fmt/format.h>
 
@@ -41,7 +42,7 @@ void RingRun::watch() {
         if (child->name() != "device" || *status != 0) note_end(child->name(), *status);
         over = true;
       }
-    if (over || note_refusals()) return;
+    if (over || note_refusals()) return let_guard_act();
     usleep(kWatchPeriodUs);  // ended at once by a signal: Ctrl-C, or that a node has died
   }
   // Where this process had to wait for its turn, a node may have been lost that it has not looked at since.
@@ -51,6 +52,10 @@ void RingRun::watch() {
   log::tell("stopping\n");
   if (const double duration_s = options_.ring.device.duration_s; duration_s > 0)
     summary_.problems.push_back(fmt::format("the run was stopped before its {} s were over", duration_s));
+}
+
+void RingRun::let_guard_act() {
+  if (is_running("device")) std::this_thread::sleep_for(kGuardActs);
 }
 
 void RingRun::listen() {
