@@ -43,14 +43,14 @@ struct CapShares {
 ///
 /// Across u the direction turns with the whole share, and that too must stay below the cap (share_across). Where g asks for more, the share goes back to s,
 /// and g - s w is given beside it, along a direction that does not turn with the contact: what is shown then is s A, along and across. That direction
-/// follows the contact's as the hand slides, over kTurnWayM, in a hollow no stiffer than kCapAcross leaves, and what is beside it fades
-/// where the two part (kAgreeFrom, kAgreeTo). It is only what the hand has put in: with E = the work of the hand against g along it, g <= sqrt(2 E), as of
+/// follows the contact's as the hand slides, over kTurnWayM, in a hollow no stiffer than kCapAcross leaves, and what is beside counts by the
+/// cosine between the two. It is only what the hand has put in: with E = the work of the hand against g along it, g <= sqrt(2 E), as of
 /// a spring as stiff as the cap, or what the share gives without it. Once g is below the bound again the share takes it back over kDefaultRampS.
 ///
 /// Where the model holds its depth (`depth_goes_on`) the wrench tells of the way in only by new points. There g follows s u'A(way) of the
-/// tool, in as far as w grows and out as far as w falls; and while the hand goes in g does not fall with w: what it has not fallen it
-/// does not rise by when w comes back, on the way on or out. Of a way only what is steeper than kSlope against the contact counts: sliding, along which
-/// the normals of such models lean to and fro, neither winds the force up nor lets it down. No depth told: s W.
+/// tool, by s dw at least and dw at most; and where w falls while the hand goes in, or rises while it goes out, g stays: what it has not fallen on the way in
+/// it does not rise by on the way out. Of a way only what is steeper than kSlope against the contact counts: sliding, along which
+/// the normals of such models lean to and fro, g goes by s dw. No depth told: s W.
 ///
 /// On the way out g falls as it rose, or by more where s lags: a cycle gives the hand no energy. A jump, a gap or a start is no way: the
 /// contact met there has s W, and grows from that.
@@ -68,21 +68,20 @@ class StiffnessCap {
   /// Nothing pushes: the next contact is scaled at once as it comes.
   void reset() noexcept { scale_ = 1.0, over_ = Ramp(1.0), forget_contact(); }
   /// What was given before is not gone on from: the next contact has s of its wrench, whatever its depth.
-  void forget_contact() noexcept { known_ = false, given_ = size_ = by_depth_ = held_ = stored_j_ = 0.0; }
+  void forget_contact() noexcept { known_ = false, given_ = size_ = by_depth_ = stored_j_ = 0.0; }
 
   /// tan of the least angle between a way and the contact's plane that counts as going in or out where depth is held: 20 degrees.
   static constexpr double kSlope = 0.364;
   /// Ways across the push [m], and turns [rad], over which what is given beside the share follows the contact's direction.
   static constexpr double kTurnWayM = 0.001, kTurnRad = 0.1;
-  /// Cosines between that direction and the contact's from which on, and up to which, it is given.
-  static constexpr double kAgreeFrom = 0.5, kAgreeTo = 0.85;
 
  private:
+  struct Push;
   double step_scale(const CouplingInput& input, double dt_s) noexcept;
   void change_units(double w) noexcept;
-  double hold(double steep, double grown, double more) noexcept;
-  void follow(const Vec6& wrench, const Vec6& n, const Vec3& normal, const ToolStep& way, bool went_on) noexcept;
-  double share_of_wrench(const CouplingInput& input, const ToolStep& way, double dt_s) noexcept;
+  void follow(const Push& push, const ToolStep& way, bool went_on) noexcept;
+  double growth(const Push& push, const CouplingInput& input, const ToolStep& way, double more) const noexcept;
+  double split(const Push& push, double least, double most, const ToolStep& way, double dt_s) noexcept;
 
   double rise_s_, per_cap_t_, per_cap_r_, scale_ = 1.0;
   double allowed_ = 1.0;  ///< s without its rise
@@ -92,7 +91,6 @@ class StiffnessCap {
   double given_ = 0.0, size_ = 0.0;  ///< g and w of the last sample
   double by_depth_ = 0.0;            ///< the bound by depth, as it was then
   double depth_m_ = 0.0;             ///< as told then
-  double held_ = 0.0;                ///< by how much the wrench has fallen while the hand went in, and g has not
   Vec6 along_ = Vec6::Zero();        ///< direction of what is given beside the share, of length one in units of the caps [1/sqrt(J)]
   double beside_ = 0.0;              ///< its size
   double turning_ = 1.0;             ///< part of g - s w that is given with the wrench and turns with it; the rest beside
