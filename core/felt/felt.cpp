@@ -71,8 +71,8 @@ std::string felt_of_penalty(const fitting::FittedCoupling& fitted, const couplin
   const double certified = fitted.design.translation.shown_stiffness, of_spring = std::min(certified * deepest.depth_m, limit);
   const bool lacks_depth = deepest.force_n < 0.9 * of_spring;
   if (lacks_depth) {
-    text += fmt::format(" What limits it: the {:.4g} N/m that hold here would give {:.2g} N, but the contact itself is as stiff as that only some way in, and a stiffer one sooner.", certified,
-                        of_spring);
+    text += fmt::format(" What limits it: the {:.4g} N/m that hold here would give {:.2g} N, but the contact itself is as stiff as that only "
+                        "some way in, and a stiffer one sooner.", certified, of_spring);
     changes.push_back(fmt::format("contact: {{model: field, rendering: virtual_tool}} with closed meshes, up to {:.2g} N.", of_spring));
   } else if (!fitted.design.reasons.empty()) {
     text += " What limits it: " + fitted.design.reasons.front();

@@ -61,7 +61,8 @@ std::string struck_plane(const TemporaryFolder& folder) {
   std::stringstream text;
   text << std::ifstream(shipped_scene("plane")).rdbuf();
   std::string scene = text.str();
-  for (const auto& [from, to] : {std::pair<std::string, std::string>{"../meshes", VOXTOUCH_DEPLOY "/meshes"}, {"speed_m_per_s: 0.2, hold_s: 2.6", "speed_m_per_s: 8, hold_s: 0.2"}})
+  for (const auto& [from, to] : {std::pair<std::string, std::string>{"../meshes", VOXTOUCH_DEPLOY "/meshes"},
+                                 {"speed_m_per_s: 0.2, hold_s: 2.6", "speed_m_per_s: 8, hold_s: 0.2"}})
     for (std::size_t at = 0; (at = scene.find(from, at)) != std::string::npos; at += to.size()) scene.replace(at, from.size(), to);
   const auto file = folder / "struck_plane.yaml";
   std::ofstream(file) << scene;
