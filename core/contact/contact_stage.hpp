@@ -13,10 +13,7 @@ struct StageResult {
   ContactResult contact;  ///< the model's result, with blended directions and the retained points' push added
   bool retained = false;      ///< points have gone through (or just came back): remembered depths push
   bool fast = false;      ///< some point may have moved more than half a voxel since the last pose
-  /// ContactRenderer: a wall was crossed faster than that. `contact` is the one on the side it was entered from, at the pose where it
-  /// stood most against the motion; it stays until the tool is back or out of reach.
-  bool crossed = false;
-  bool missed = false;    ///< ContactRenderer: faster than what is walked in sub-poses, or a crossed wall was let go of: walls in between are not seen
+  bool missed = false;    ///< ContactRenderer: so fast beside the scene that something may have been passed unseen
 };
 
 /// How a stage is set up.
@@ -74,8 +71,6 @@ class ContactStage {
 
   /// Bound of every point's way from the last pose to `pose` [m]; 0 where there is no last pose. Real-time safe.
   double motion_to(const Pose& pose) const noexcept { return has_last_pose_ ? motion_bound(pose) : 0.0; }
-  const Pose& last_pose() const noexcept { return last_pose_; }
-  const StageConfig& config() const noexcept { return config_; }
 
   /// Forgets everything, also the last pose.
   void reset() noexcept;

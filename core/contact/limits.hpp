@@ -30,18 +30,9 @@ inline constexpr double kFadePerMetre = 1.0;
 inline constexpr double kAgreeFrom = 0.0;
 inline constexpr double kAgreeTo = 0.5;
 
-/// A point that moved more than this between two poses may have jumped the surface layer's force zone.
+/// A point that moved more than this between two poses may have jumped the surface layer's force zone: the layer is a voxel thick wherever a
+/// triangle passes, however thin the wall, and the half of it behind the centre is where `original` and `adapted` push.
 inline constexpr double kFastEdges = 0.5;
-
-/// A motion above `kFastEdges` a frame is walked in sub-poses between which no point moves more than this: the surface layer is a
-/// voxel thick wherever a triangle passes, however thin the wall, and the half of it behind the centre is where `original` and `adapted` push.
-inline constexpr double kSubStepEdges = 0.5;
-/// No frame walks more sub-poses than this. What they reach at most, `kMaxSubPoses * kSubStepEdges` edges a frame, is the speed up
-/// to which no wall is crossed unseen.
-inline constexpr int kMaxSubPoses = 8;
-/// A contact stands against a motion where its power is below minus this share of |F| |v| + |M| |w|: 60 degrees about straight on.
-/// Flatter, and a tool that slides fast over a bump would be taken for one that goes through.
-inline constexpr double kAgainstShare = 0.5;
 
 /// `field`, see ContactResult::saturated: where the distance changes more slowly than this the point is near the middle of a body, and its push grows no
 /// more. Two faces that meet at a right angle keep 0.71 on the plane between them, three 0.58.

@@ -139,7 +139,8 @@ Wrench RunningCoupling::run_law(const CouplingInput& input, const PolicedSample&
     const CapShares shares = cap_.step(input, way_, sample.dt_s);
     out.scale = shares.wrench;
     contact_ = input;
-    contact_.contact.force *= shares.wrench, contact_.contact.torque *= shares.wrench;
+    contact_.contact.force = shares.wrench * input.contact.force + shares.beside.force;
+    contact_.contact.torque = shares.wrench * input.contact.torque + shares.beside.torque;
     contact_.contact_stiffness_n_per_m *= shares.stiffness;
     contact_.contact_stiffness *= shares.stiffness;
     out.capped = out.scale < 1.0 && pushes(input);

@@ -23,6 +23,7 @@ double cap_scale(const Mat6& stiffness, double bound, double per_cap_t, double p
 struct CapShares {
   double wrench = 1.0;     ///< of force and torque alike, from `stiffness` to 1
   double stiffness = 1.0;  ///< of the stiffness matrix: s
+  Wrench beside = {};      ///< given beside that share, along the push [N, Nm]: what a larger share would give, but would show across the push too
 };
 
 /// The cap in time. Real-time safe.
@@ -39,11 +40,17 @@ struct CapShares {
 ///
 ///     s w <= g <= w                    never less than the wrench scaled by s, never more than the wrench itself
 ///     g <= s u'Au (depth told)         what that depth stands for; let go of over kDefaultRampS where the depth told falls without the wrench
-///     g / w <= share_across            across u the direction turns with the whole share: that too stays below the cap, see below
+///
+/// Across u the direction turns with the whole share, and that too must stay below the cap (share_across). Where g asks for more, the share goes back to s,
+/// and g - s w is given beside it, along a direction that does not turn with the contact: what is shown then is s A, along and across. That direction
+/// follows the contact's as the hand slides, over kTurnWayM, in a hollow no stiffer than kCapAcross leaves, and what is beside counts by the
+/// cosine between the two. It is only what the hand has put in: with E = the work of the hand against g along it, g <= sqrt(2 E), as of
+/// a spring as stiff as the cap, or what the share gives without it. Once g is below the bound again the share takes it back over kDefaultRampS.
 ///
 /// Where the model holds its depth (`depth_goes_on`) the wrench tells of the way in only by new points. There g follows s u'A(way) of the
-/// tool, in as far as w grows and out as far as w falls. Of a way only what is steeper than kSlope against the contact counts: sliding, along which
-/// the normals of such models lean to and fro, neither winds the force up nor lets it down. No depth told: s W.
+/// tool, by s dw at least and dw at most; and where w falls while the hand goes in, or rises while it goes out, g stays: what it has not fallen on the way in
+/// it does not rise by on the way out. Of a way only what is steeper than kSlope against the contact counts: sliding, along which
+/// the normals of such models lean to and fro, g goes by s dw. No depth told: s W.
 ///
 /// On the way out g falls as it rose, or by more where s lags: a cycle gives the hand no energy. A jump, a gap or a start is no way: the
 /// contact met there has s W, and grows from that.
@@ -61,15 +68,20 @@ class StiffnessCap {
   /// Nothing pushes: the next contact is scaled at once as it comes.
   void reset() noexcept { scale_ = 1.0, over_ = Ramp(1.0), forget_contact(); }
   /// What was given before is not gone on from: the next contact has s of its wrench, whatever its depth.
-  void forget_contact() noexcept { known_ = false, given_ = size_ = by_depth_ = 0.0; }
+  void forget_contact() noexcept { known_ = false, given_ = size_ = by_depth_ = stored_j_ = 0.0; }
 
   /// tan of the least angle between a way and the contact's plane that counts as going in or out where depth is held: 20 degrees.
   static constexpr double kSlope = 0.364;
+  /// Ways across the push [m], and turns [rad], over which what is given beside the share follows the contact's direction.
+  static constexpr double kTurnWayM = 0.001, kTurnRad = 0.1;
 
  private:
+  struct Push;
   double step_scale(const CouplingInput& input, double dt_s) noexcept;
   void change_units(double w) noexcept;
-  double share_of_wrench(const CouplingInput& input, const ToolStep& way, double dt_s) noexcept;
+  void follow(const Push& push, const ToolStep& way, bool went_on) noexcept;
+  double growth(const Push& push, const CouplingInput& input, const ToolStep& way, double more) const noexcept;
+  double split(const Push& push, double least, double most, const ToolStep& way, double dt_s) noexcept;
 
   double rise_s_, per_cap_t_, per_cap_r_, scale_ = 1.0;
   double allowed_ = 1.0;  ///< s without its rise
@@ -79,6 +91,10 @@ class StiffnessCap {
   double given_ = 0.0, size_ = 0.0;  ///< g and w of the last sample
   double by_depth_ = 0.0;            ///< the bound by depth, as it was then
   double depth_m_ = 0.0;             ///< as told then
+  Vec6 along_ = Vec6::Zero();        ///< direction of what is given beside the share, of length one in units of the caps [1/sqrt(J)]
+  double beside_ = 0.0;              ///< its size
+  double turning_ = 1.0;             ///< part of g - s w that is given with the wrench and turns with it; the rest beside
+  double stored_j_ = 0.0;            ///< what the hand has put in along it since the contact began, and not got back
 };
 
 /// The largest share of the wrench that may be given across `along`, the wrench's direction, where s of `stiffness` (both in units of the

@@ -57,7 +57,7 @@ std::string felt_of_grip(const fitting::FittedCoupling& fitted, const scene::Sce
   return text + told(fitted.design.remedies, share);
 }
 
-std::string felt_of_penalty(const fitting::FittedCoupling& fitted, const scene::Scene& scene, const coupling::design::DeviceModel& device,
+std::string felt_of_penalty(const fitting::FittedCoupling& fitted, const coupling::design::DeviceModel& device,
                             const std::vector<Pressed>& pressed) {
   if (pressed.empty() || !fitted.refusal.empty()) return {};
   const Pressed& deepest = pressed.back();
@@ -71,10 +71,8 @@ std::string felt_of_penalty(const fitting::FittedCoupling& fitted, const scene::
   const double certified = fitted.design.translation.shown_stiffness, of_spring = std::min(certified * deepest.depth_m, limit);
   const bool lacks_depth = deepest.force_n < 0.9 * of_spring;
   if (lacks_depth) {
-    text += fmt::format(" What limits it: the {:.4g} N/m that hold here would give {:.2g} N, but {}.", certified, of_spring,
-                        scene.contact.model == "field" || scene.contact.model == "adapted"
-                            ? std::string("the contact itself is as stiff as that only some way in, and a stiffer one sooner")
-                            : fmt::format("the cap on stiffness scales the whole force of the model '{}'", scene.contact.model));
+    text += fmt::format(" What limits it: the {:.4g} N/m that hold here would give {:.2g} N, but the contact itself is as stiff as that only "
+                        "some way in, and a stiffer one sooner.", certified, of_spring);
     changes.push_back(fmt::format("contact: {{model: field, rendering: virtual_tool}} with closed meshes, up to {:.2g} N.", of_spring));
   } else if (!fitted.design.reasons.empty()) {
     text += " What limits it: " + fitted.design.reasons.front();
@@ -88,7 +86,7 @@ std::string felt_sentence(const fitting::FittedCoupling& fitted, const scene::Sc
   if (const rendering::StiffnessBounds bounds{built.plan().contact_n_per_m, built.plan().contact_nm_per_rad}; rendering::is_spring(bounds))
     return felt_of_spring(fitted, scene, device, bounds);
   if (built.effect_ground().body) return felt_of_grip(fitted, scene, device, built.plan().contact_n_per_m.one_point);
-  return felt_of_penalty(fitted, scene, device, press(built, scene, fitted, device, motion));
+  return felt_of_penalty(fitted, device, press(built, scene, fitted, device, motion));
 }
 
 std::string felt_sentence(const fitting::FittedCoupling& fitted, const scene::Scene& scene, const coupling::design::DeviceModel& device,

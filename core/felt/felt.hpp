@@ -24,7 +24,7 @@ std::string felt_of_spring(const fitting::FittedCoupling& fitted, const scene::S
 std::string felt_of_grip(const fitting::FittedCoupling& fitted, const scene::Scene& scene, const coupling::design::DeviceModel& device,
                          double grip_n_per_m);
 /// Of forces that contact gives at the hand's pose. `pressed` as `press` returns it.
-std::string felt_of_penalty(const fitting::FittedCoupling& fitted, const scene::Scene& scene, const coupling::design::DeviceModel& device,
+std::string felt_of_penalty(const fitting::FittedCoupling& fitted, const coupling::design::DeviceModel& device,
                             const std::vector<Pressed>& pressed);
 
 }  // namespace voxtouch::felt

@@ -62,7 +62,6 @@ class Hand {
 std::vector<Pressed> press(rendering::BuiltScene& built, const scene::Scene& scene, const fitting::FittedCoupling& fitted,
                            const coupling::design::DeviceModel& device, const Motion& motion) {
   rendering::SceneRenderer& renderer = built.scene_renderer();
-  const contact::ContactModelKind model = built.renderer().model();
   const double step_m = 0.5 * scene.voxel_size_m;
   renderer.aim_for_spring(fitting::spring_n_per_m(fitted, scene, device, {built.plan().contact_n_per_m, built.plan().contact_nm_per_rad}));
   std::vector<Pressed> out;
@@ -84,9 +83,9 @@ std::vector<Pressed> press(rendering::BuiltScene& built, const scene::Scene& sce
     for (int n = 0; n < frames; ++n) {
       tool.pose.position += depth_step_m / frames * touch->onward;
       frame = renderer.render(tool, time_s += period_s);
-      running.step(fitting::coupling_input(frame, model, tool.pose), period_s);
+      running.step(fitting::coupling_input(frame, tool.pose), period_s);
     }
-    const coupling::CouplingInput input = fitting::coupling_input(frame, model, tool.pose);
+    const coupling::CouplingInput input = fitting::coupling_input(frame, tool.pose);
     Wrench returned;
     for (double t = 0.0; t < kSettlesInS; t += period_s) returned = running.step(input, period_s).wrench;
     out.push_back({kDepthStepM * depth, scene.device.force_scale * returned.force.norm()});

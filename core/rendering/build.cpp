@@ -52,8 +52,7 @@ contact::FrameBudget budget_of(const PartsRequest& request, BuiltParts& parts) {
                         : points_within(*request.scene.budget_us, request.scene, work_of(request, parts));
   BuildCounts& counts = parts.counts;
   counts.budget_points = budget.points;
-  const std::uint64_t most = std::uint64_t{contact::FrameBudget::kLookups} * parts.shell.size();
-  if (most <= budget.points) return budget;
+  if (parts.shell.size() <= budget.points) return budget;
   budget.levels = arrange_in_levels(parts.shell, contact::FrameBudget::coarsest_of(budget.points));
   counts.level_points.assign(budget.levels.ends.begin(), budget.levels.ends.end());
   counts.level_gap_m = budget.levels.covering_m;

@@ -127,8 +127,8 @@ std::string budget_sentence(const scene::Scene& scene, const BuildCounts& n) {
   if (n.level_points.empty()) return points + "; that is enough for all of them always, so none is left out.";
   return fmt::format(
       "{}. Where culling leaves more, coarser levels are asked, of so many points (farthest of a point that is left out from the one that stands for it, "
-      "which bounds how much deeper it may be): {}. A frame that walks a fast motion has a tenth of the points for each of its sub-poses. What "
-      "touched in the frame before is not lost.",
+      "which bounds how much deeper it may be): {}. What touched in the frame before is "
+      "not lost.",
       points, levels_text(n));
 }
 
@@ -139,10 +139,11 @@ void say_forces_of_depth(const scene::Scene& scene, Plan& plan) {
                                          scene.contact.stiffness_n_per_m3)
                            : fmt::format("Contact model '{}' with {:g} N/m per shell point.", scene.contact.model,
                                          scene.contact.stiffness_n_per_m));
+  const double unseen_mm = 1e3 * contact::limits::kFastEdges * scene.voxel_size_m;
   plan.built.push_back(fmt::format(
-      "Fast motion: no wall is crossed unseen up to {:.3g} mm a sample ({:.3g} m/s at 1 kHz); beyond half a voxel, {:.3g} m/s, a "
-      "frame costs up to {} times as much. What is faster is flagged.",
-      1e3 * plan.swept_m, 1e3 * plan.swept_m, 1e3 * contact::limits::kFastEdges * scene.voxel_size_m, contact::limits::kMaxSubPoses + 2));
+      "Fast motion: beside the scene the tool may pass a wall unseen where it moves more than half a voxel a sample, {:.3g} mm ({:.3g} m/s at 1 kHz). "
+      "Such samples are flagged, and a run that has any is not a good one.",
+      unseen_mm, unseen_mm));
   plan.built.push_back(fmt::format(
       "{} in W, at most: {:.6g} N/m and {:.6g} Nm/rad about the tool's origin by one point, {:.6g} N/m and {:.6g} Nm/rad {}.",
       effects::needs_of(scene.effects).body ? "Stiffness of the grip on the body" : "Contact stiffness", plan.contact_n_per_m.one_point,
@@ -183,7 +184,7 @@ void say_built(const scene::Scene& scene, const BuildCounts& n, Plan& plan) {
         "counts with a lever of {:g} mm. At most {} queries and {} steps of {} iterations a frame; no wall is passed at any speed, and {:.3g} "
         "mm a sample are followed without lag.",
         1e3 * n.virtual_tool_lever_m, contact::limits::kMaxQueries, contact::limits::kMaxQueries, contact::limits::kMaxIterations,
-        1e3 * plan.swept_m));
+        1e3 * contact::limits::kMaxQueries * contact::limits::kToolStepEdges * scene.voxel_size_m));
   else
     say_forces_of_depth(scene, plan);
   if (scene.budget_us && (n.budget_points > 0 || n.virtual_tool_lever_m > 0.0)) plan.built.push_back(budget_sentence(scene, n));
@@ -283,7 +284,6 @@ Plan make_plan(const scene::Scene& scene, const BuildCounts& counts) {
   Plan plan;
   plan.scene = scene.name, plan.scene_hash = scene.hash, plan.contact_model = scene.contact.model;
   plan.voxel_size_m = scene.voxel_size_m;
-  plan.swept_m = contact::limits::kMaxSubPoses * contact::limits::kSubStepEdges * scene.voxel_size_m;
   plan.shell_points = counts.shell_points;
   plan.budget_us = scene.budget_us.value_or(0.0);
   if (!counts.level_points.empty()) plan.budget_points = counts.objects * counts.budget_points;

@@ -78,7 +78,6 @@ StiffnessBounds with_effects(const StiffnessBounds& contact, std::span<const eff
 struct Plan {
   std::string scene, scene_hash, contact_model;
   double voxel_size_m = 0.0;
-  double swept_m = 0.0;                     ///< way of any point of the tool within a sample for which no wall is crossed unseen
   std::uint64_t shell_points = 0, surface_voxels = 0, interior_voxels = 0;
   double budget_us = 0.0;                   ///< of a frame of the rendering [us]; 0: none
   std::uint64_t budget_points = 0;          ///< that a frame may test of all objects; 0: none is ever left out

@@ -12,9 +12,9 @@ namespace {
 
 constexpr const char* kRendering = "rendering";
 /// What the stage behind the contact model may remember of a point: that it was in the surface layer, and thrice the depth it is retained
-/// with; now, and where a fast motion met a wall. `field` remembers nothing.
+/// with. `field` remembers nothing.
 std::uint64_t stage_bytes_per_point(std::string_view contact_model) {
-  return contact_model == "original" || contact_model == "adapted" ? 104 : 0;
+  return contact_model == "original" || contact_model == "adapted" ? 52 : 0;
 }
 
 PlanPart effect_part(const effects::EffectSpec& effect, const BuildCounts& n) {

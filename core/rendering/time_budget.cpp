@@ -21,9 +21,9 @@ double effects_ns(const scene::Scene& scene, const FrameWork& work) {
   return ns;
 }
 
-/// Of a frame beside its points: every look-up of every object, and the effects.
+/// Of a frame beside its points: the look-up of every object, and the effects.
 double fixed_ns(const scene::Scene& scene, const FrameWork& work) {
-  return static_cast<double>(work.objects * contact::FrameBudget::kLookups) * kNsPerLookup + effects_ns(scene, work);
+  return static_cast<double>(work.objects) * kNsPerLookup + effects_ns(scene, work);
 }
 
 }  // namespace
@@ -34,7 +34,7 @@ double ns_per_budget_point(contact::ContactModelKind model) noexcept {
 
 std::uint32_t points_within(double budget_us, const scene::Scene& scene, const FrameWork& work) {
   const double each = ns_per_budget_point(work.model) * static_cast<double>(work.objects), fixed = fixed_ns(scene, work);
-  const std::uint64_t least = std::min<std::uint64_t>(contact::FrameBudget::kMinPoints, contact::FrameBudget::kLookups * work.shell_points);
+  const std::uint64_t least = std::min<std::uint64_t>(contact::FrameBudget::kMinPoints, work.shell_points);
   const double points = std::floor((1e3 * budget_us - fixed) / each);
   if (!(points >= static_cast<double>(least)))
     throw std::invalid_argument(fmt::format(

@@ -15,7 +15,7 @@ struct FrameWork {
   std::uint64_t tool_points = 0;  ///< that effects look round from
 };
 
-/// Points that a frame may test of each object within `budget_us`, by penalty: what is left of the time when all look-ups of a fast frame and all
+/// Points that a frame may test of each object within `budget_us`, by penalty: what is left of the time when the look-ups of all objects and all
 /// effects have had theirs at most, over what a point takes that is tested, touches and is weighed (ns_per_budget_point). Throws std::invalid_argument, a sentence
 /// with the least budget, where it is too little to keep what a budget promises (FrameBudget::kMinPoints).
 std::uint32_t points_within(double budget_us, const scene::Scene& scene, const FrameWork& work);

@@ -16,8 +16,8 @@ MOST_STRETCHES = 6  # of one fault that are told one by one
 CONTACT_FAULTS = {
     "FLAG_REFUSED_SAMPLE": "the device's sample was not usable; the last good one was kept",
     "FLAG_FAST": "the tool moved more than half a voxel a sample",
-    "FLAG_CROSSED": "a wall was crossed in one sample; the tool was pushed back to where it came from",
-    "FLAG_MISSED": "the tool was too fast to be followed: a contact may have been missed",
+    "FLAG_CROSSED": "a wall was crossed in one sample; the tool was pushed back to where it came from (recorded by a release of before)",
+    "FLAG_MISSED": "the tool was so fast beside the scene that a contact may have been missed",
     "FLAG_LAG": "the virtual tool did not reach its place within the frame",
     "FLAG_UNPLACED": "there was no place for the virtual tool: nothing was felt"}
 COMMAND_FAULTS = {

@@ -4,7 +4,6 @@
 #include <cstdint>
 
 #include "core/coupling/running_coupling.hpp"
-#include "core/fitting/coupling_input.hpp"
 #include "nodes/runtime/convert.hpp"
 #include "nodes/runtime/stamps.hpp"
 
@@ -18,7 +17,7 @@ inline coupling::CouplingInput coupling_input(const msg::ContactState& contact) 
   input.contact_stiffness = runtime::from_msg(contact.stiffness);
   input.tool = runtime::from_msg(contact.tool_pose);
   input.supplied_energy_j = contact.supplied_energy_j;
-  if (fitting::depth_counts(static_cast<contact::ContactModelKind>(contact.model))) input.contact_depth_m = contact.deepest_depth_m;
+  input.contact_depth_m = contact.deepest_depth_m;
   input.depth_goes_on = (contact.flags & msg::contact_state::kFlagHeld) != 0;
   return input;
 }

@@ -67,7 +67,7 @@ msg::ContactState SampleRenderer::message(const msg::DeviceState& state, bool go
       (c.fallback ? msg::contact_state::kFlagFallback : 0U) | (touch.retained ? msg::contact_state::kFlagHeld : 0U) |
       (touch.fast ? msg::contact_state::kFlagFast : 0U) | (good ? 0U : msg::contact_state::kFlagRefusedSample) |
       (c.saturated ? msg::contact_state::kFlagSaturated : 0U) | (fading ? msg::contact_state::kFlagFading : 0U) |
-      (touch.crossed ? msg::contact_state::kFlagCrossed : 0U) | (touch.missed ? msg::contact_state::kFlagMissed : 0U) |
+      (touch.missed ? msg::contact_state::kFlagMissed : 0U) |
       (mapping_.tool().clutched ? msg::contact_state::kFlagClutched : 0U) |
       (frame_.tool.constrained ? msg::contact_state::kFlagConstrained : 0U) | (frame_.tool.lag ? msg::contact_state::kFlagLag : 0U) |
       (frame_.tool.unplaced ? msg::contact_state::kFlagUnplaced : 0U);

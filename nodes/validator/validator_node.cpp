@@ -191,11 +191,10 @@ class ValidatorNode {
     publish_counts();
   }
 
-  /// Flags of a contact that cannot be judged. While one scene fades into another, what is felt is neither's; behind a wall crossed too fast it is
-  /// of where that was entered. A virtual tool that is told of a refused sample is that of another one.
+  /// Flags of a contact that cannot be judged. While one scene fades into another, what is felt is neither's. A virtual tool that
+  /// is told of a refused sample is that of another one.
   std::uint32_t unlike() const {
-    return msg::contact_state::kFlagFading | msg::contact_state::kFlagCrossed |
-           (scene_.virtual_tool() ? msg::contact_state::kFlagRefusedSample : 0U);
+    return msg::contact_state::kFlagFading | (scene_.virtual_tool() ? msg::contact_state::kFlagRefusedSample : 0U);
   }
 
   void write_report(const msg::ContactState& contact, const reference::GapResult& gap, const reference::Judgement& judgement) {

@@ -34,7 +34,6 @@ constexpr Words kContactWords[] = {{msg::contact_state::kFlagHeld, "held"},
                                    {msg::contact_state::kFlagRefusedSample, "sample refused"},
                                    {msg::contact_state::kFlagSaturated, "saturated"},
                                    {msg::contact_state::kFlagFading, "fading"},
-                                   {msg::contact_state::kFlagCrossed, "crossed"},
                                    {msg::contact_state::kFlagMissed, "missed"},
                                    {msg::contact_state::kFlagClutched, "clutch"},
                                    {msg::contact_state::kFlagFallback, "fallback"}};

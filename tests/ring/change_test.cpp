@@ -60,10 +60,7 @@ class Asker {
   bool find() {
     return until([&] { return changes_.matched_count() > 0 && answers_.matched_count() > 0; });
   }
-  void send(const Change& w) {
-    asked_.push_back(w);
-    send(w, ++sent_);
-  }
+  void send(const Change& w) { send(w, ++sent_); }
   void send(const Change& w, std::uint64_t request) {
     msg::EffectChange m{};
     m.request = request;
@@ -74,23 +71,19 @@ class Asker {
     m.effect = runtime::lend(w.effect), m.parameter = runtime::lend(w.parameter), m.model = runtime::lend(w.model);
     changes_.write(m);
   }
-  /// Whether all that was sent was done.
-  bool all_done() {
-    std::map<std::uint64_t, std::uint32_t> results;
-    std::set<std::uint64_t> heard;
-    int looks = 0;
-    until([&] {
-      for (std::uint64_t request = 1; looks % 50 == 49 && request <= sent_; ++request)
-        if (!heard.contains(request)) send(asked_[request - 1], request);
-      ++looks;
-      answers_.take_each([&](const msg::EffectChanged& a) {
-        heard.insert(a.request);
-        if (a.result == msg::effect_changed::kResultRefused) problems += std::string(a.sentence) + "\n";
-        if (a.result != msg::effect_changed::kResultWaiting) results[a.request] = a.result;
+  /// Whether all of `changes` were made. Each is sent, and sent again ten times a second, until it has an answer, and the next one only then: the
+  /// ring makes changes in order, and its reader may find this writer later than the writer has found the reader.
+  bool make(const std::vector<Change>& changes) {
+    for (const Change& change : changes) {
+      const std::uint64_t request = ++sent_;
+      int looks = 0;
+      until([&] {
+        if (looks++ % 50 == 0) send(change, request);
+        return take_answers(), heard_.contains(request);
       });
-      return results.size() == sent_;
-    });
-    return results.size() == sent_ && problems.empty();
+    }
+    until([&] { return take_answers(), made_.size() == sent_ || !problems.empty(); });
+    return made_.size() == sent_ && problems.empty();
   }
   std::string problems;
 
@@ -102,8 +95,15 @@ class Asker {
   bus::Participant participant_;
   bus::Writer<msg::EffectChange> changes_;
   bus::Reader<msg::EffectChanged> answers_;
+  void take_answers() {
+    answers_.take_each([&](const msg::EffectChanged& a) {
+      heard_.insert(a.request);
+      if (a.result == msg::effect_changed::kResultRefused) problems += std::string(a.sentence) + "\n";
+      if (a.result == msg::effect_changed::kResultDone) made_.insert(a.request);
+    });
+  }
   std::uint64_t sent_ = 0;
-  std::vector<Change> asked_;
+  std::set<std::uint64_t> heard_, made_;
 };
 
 /// A lockstep run of `scene` with `changes`, recorded under `name`.
@@ -113,8 +113,7 @@ void lockstep(const TemporaryFolder& folder, const std::string& name, const std:
   Asker asker;
   Process up(up_arguments(oily_plane(folder, smooth), more));
   ASSERT_TRUE(asker.find());
-  for (const Change& change : changes) asker.send(change);
-  EXPECT_TRUE(asker.all_done()) << asker.problems;
+  EXPECT_TRUE(asker.make(changes)) << asker.problems;
   const Finished end = up.wait(std::chrono::seconds(120));
   ASSERT_EQ(end.status, 0) << end.err << end.out;
   const auto summary = parse_summary(end.out);
@@ -212,7 +211,7 @@ TEST(Change, OfAnEffectInContactIsNoStepOfTheForceAndGivesTheSameBitsTwice) {
   // of its encoder, which one of the hands makes and the other not, is answered by the damping for some samples.
   std::size_t looked_at = 0;
   const double first = largest_resting_step(changed, commands(folder, "first"), 1500, 1600, looked_at);
-  EXPECT_GT(looked_at, 30U);
+  EXPECT_GE(looked_at, 20U);
   EXPECT_LE(first, largest_step(commands(folder, "plain"), 1500, 1600, kForce) + ramp);
   const auto once = hashes(folder / "first"), second = hashes(folder / "second");
   for (const auto& [topic, hash] : once) EXPECT_TRUE(hash == second.at(topic)) << topic;

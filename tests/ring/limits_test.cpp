@@ -1,6 +1,9 @@
 // `voxtouch up` that is given too little, or numbers and names that are none: a sentence, no signal, nothing left behind.
 #include <gtest/gtest.h>
 
+#include <fstream>
+#include <sstream>
+
 #include "tests/ring/ring_run.hpp"
 
 namespace voxtouch::test {
@@ -51,6 +54,30 @@ TEST(Options, ThatAreNoneAreRefusedAtOnce) {
       EXPECT_LT(end.err.size(), 20'000U) << option;
       EXPECT_EQ(end.err.find('\x1b'), std::string::npos) << option;
     }
+}
+
+/// plane.yaml, whose hand `hit`s at 8 m/s: up to some voxels a sample.
+std::string struck_plane(const TemporaryFolder& folder) {
+  std::stringstream text;
+  text << std::ifstream(shipped_scene("plane")).rdbuf();
+  std::string scene = text.str();
+  for (const auto& [from, to] : {std::pair<std::string, std::string>{"../meshes", VOXTOUCH_DEPLOY "/meshes"},
+                                 {"speed_m_per_s: 0.2, hold_s: 2.6", "speed_m_per_s: 8, hold_s: 0.2"}})
+    for (std::size_t at = 0; (at = scene.find(from, at)) != std::string::npos; at += to.size()) scene.replace(at, from.size(), to);
+  const auto file = folder / "struck_plane.yaml";
+  std::ofstream(file) << scene;
+  return file.string();
+}
+
+TEST(Missed, ARunInWhichAWallMayHaveBeenPassedUnseenIsNoGoodOne) {
+  const TemporaryFolder folder;
+  const RingResult run = run_ring(struck_plane(folder), {"--motion", "hit", "--duration", "2", "--lockstep", "--no-record"});
+  EXPECT_EQ(run.process.status, 1);
+  EXPECT_GT(run.summary["missed_samples"], 10);
+  EXPECT_GT(run.summary["fast_samples"], run.summary["missed_samples"]) << "above the plane nothing can have been passed";
+  bool told = false;
+  for (const auto& problem : run.summary["problems"]) told |= problem.get<std::string>().find("passed something unseen") != std::string::npos;
+  EXPECT_TRUE(told) << run.process.out;
 }
 
 }  // namespace

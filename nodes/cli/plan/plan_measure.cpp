@@ -139,7 +139,7 @@ class Measurement {
     rendering::SceneFrame all;
     samples_.frame.push_back(watch_.ns([&] { all = built_.scene_renderer().render(tool, time_s += kDefaultS); }));
     if (coupling_) {
-      const coupling::CouplingInput input = fitting::coupling_input(all, built_.renderer().model(), tool.pose);
+      const coupling::CouplingInput input = fitting::coupling_input(all, tool.pose);
       samples_.coupling.push_back(watch_.ns([&] { coupling_->step(input, kDefaultS); }));
     }
   }

@@ -25,6 +25,8 @@ constexpr Limit kLimits[] = {
      "for three periods and more no command came"},
     {"clamped_share", "1", false, 0.001, true, "the share of commands that the guard cut",
      "the scene asks for more than the device may give: less stiffness or gain"},
+    {"missed_samples", "samples", false, 0.0, true, "the number of samples in which the tool may have passed something unseen",
+     "it moved more than half a voxel a sample beside the scene: a slower hand, larger voxels, or contact: {rendering: virtual_tool}, which passes no wall"},
     {"energy_debt", "1", false, 1.0, true, "the energy that the coupling gave away, over what its observer may show of a sound contact,",
      "the contact was not passive: less stiffness or gain, or let the coupling be designed (coupling: {design: auto})"},
     {"first_validation_s", "s", false, 5.0, true, "the time to the first validated sample",
@@ -94,6 +96,7 @@ Measured measure(std::string_view name, const RunFigures& run) {
   if (name == "overrun_share") return {run.overruns / (run.samples + run.overruns), ""};
   if (name == "deadline_miss_share") return {run.deadline_misses / run.samples, ""};
   if (name == "clamped_share") return {run.clamped / run.samples, ""};
+  if (name == "missed_samples") return {run.missed, ""};
   if (name == "energy_debt") return energy_debt(run);
   if (name == "first_validation_s") return {due(run) > 0.0 ? seconds_to(run, run.first_judged) : 0.0, ""};
   if (name == "validated_share") return {share(run.judged, due(run) - run.excused), ""};

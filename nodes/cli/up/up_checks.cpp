@@ -76,8 +76,6 @@ struct SampleNote {
 constexpr SampleNote kSampleNotes[] = {
     {"buried_samples", 100,
      "the tool was wholly inside a static object, where there is no direction to push: does the motion start inside?"},
-    {"crossed_samples", 0, "the tool was behind a wall that it had crossed in one sample: it was pushed back to where it came from"},
-    {"missed_samples", 0, "the tool was too fast to be followed, or let go of behind a wall: what lay in between was not felt"},
     {"unplaced_samples", 100,
      "there was no virtual tool, for the hand was inside a static object since it came in without one: nothing was felt"},
     {"lag_samples", 0, "the hand was too fast for the virtual tool, or an object moved more than half a voxel"},

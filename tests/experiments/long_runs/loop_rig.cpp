@@ -48,7 +48,7 @@ Wrench RigFront::answer(const devices::DeviceSample& sample) noexcept {
   last_ns_ = sample.time_ns;
   const rendering::ToolState& tool = mapping_.update(sample.pose, sample.twist, sample.buttons);
   frame_ = live_.render(tool, static_cast<double>(sample.time_ns - *begin_ns_) * 1e-9);
-  out_ = coupling_.step(fitting::coupling_input(frame_, live_.dominant().renderer().model(), tool.pose), dt_s);
+  out_ = coupling_.step(fitting::coupling_input(frame_, tool.pose), dt_s);
   return rendering::wrench_to_device(device_, out_.wrench, tool.pose.orientation);
 }
 

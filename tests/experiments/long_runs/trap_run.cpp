@@ -214,7 +214,7 @@ void shake(const Case& c, const TrapRunOptions& ask, std::uint64_t frames, Dice&
       const devices::DeviceSample& sample = shaken.next(dt_s);
       const rendering::ToolState& tool = mapping.update(sample.pose, sample.twist, sample.buttons);
       const rendering::SceneFrame frame = built->scene_renderer().render(tool, static_cast<double>(sample.time_ns) * 1e-9);
-      const coupling::CouplingOutput answer = coupling.step(fitting::coupling_input(frame, built->renderer().model(), tool.pose), dt_s);
+      const coupling::CouplingOutput answer = coupling.step(fitting::coupling_input(frame, tool.pose), dt_s);
       const Wrench force = guard.pass(devices::GuardInput{rendering::wrench_to_device(c.scene.device, answer.wrench, tool.pose.orientation),
                                                  sample.time_ns + 5'000'000},
                                       sample.time_ns);

@@ -35,9 +35,7 @@ void tell_thrown(std::uint64_t seed) {
   using voxtouch::contact::ContactModelKind;
   const std::pair<const char*, Holder> holders[] = {
       {"original", {ContactModelKind::kOriginal}}, {"original, nothing held", {ContactModelKind::kOriginal, false}},
-      {"original, nothing walked", {ContactModelKind::kOriginal, true, false}},
-      {"adapted", {ContactModelKind::kAdapted}},   {"adapted, nothing walked", {ContactModelKind::kAdapted, true, false}},
-      {"adapted, nothing held", {ContactModelKind::kAdapted, false}},
+      {"adapted", {ContactModelKind::kAdapted}},   {"adapted, nothing held", {ContactModelKind::kAdapted, false}},
       {"field", {ContactModelKind::kField}},       {"field, nothing held", {ContactModelKind::kField, false}},
       {"virtual tool", {std::nullopt}}};
   for (const auto& [name, holder] : holders)

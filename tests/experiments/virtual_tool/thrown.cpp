@@ -31,16 +31,10 @@ ThrowFigures thrown(const ThrowOptions& o) {
   const pointshell::Pointshell shell = ball_shell(o.edge);
   Rig rig(wall_mesh(o), o.edge, shell);
   contact::ContactRenderer renderer = rig.ground.renderer(shell, o.holder.model.value_or(contact::ContactModelKind::kAdapted));
-  contact::ContactStage stage({.points = shell.size(),
-                               .reach_m = renderer.query().reach_m(),
-                               .edge_m = o.edge,
-                               .stiffness = test::kPressure,
-                               .model = renderer.model()});
   const auto force_at = [&](const Pose& pose) -> Vec3 {
     if (!o.holder.model) return rig.frame(pose).wrench(kStiffness).force;
-    if (o.holder.remembers && o.holder.walks) return capped(renderer.render(pose).contact);
-    const contact::ContactResult plain = renderer.probe(pose);
-    return capped(o.holder.remembers ? stage.apply(renderer.hits(), plain).contact : plain);
+    if (o.holder.remembers) return capped(renderer.render(pose).contact);
+    return capped(renderer.probe(pose));
   };
   const Quat turn = o.askew ? tilt() : Quat::Identity();
   const double half = 0.5 * o.thick_edges * o.edge;
@@ -53,7 +47,7 @@ ThrowFigures thrown(const ThrowOptions& o) {
       Vec3 x = turn * Vec3(uniform(random, -0.01, 0.01), uniform(random, -0.01, 0.01), 0.0) + (kBall + half + o.edge) * normal;
       Vec3 v = speed * (0.1 * (turn * Vec3(uniform(random, -1, 1), uniform(random, -1, 1), 0.0)) - normal).normalized();
       const Quat orientation(Eigen::AngleAxisd(uniform(random, 0, 3), random_direction(random)));
-      renderer.reset(), stage.reset();
+      renderer.reset();
       if (!o.holder.model && !rig.place({x, orientation})) continue;
       ++figures.runs;
       bool met = false;

@@ -12,7 +12,6 @@ namespace voxtouch::virtual_tool {
 struct Holder {
   std::optional<contact::ContactModelKind> model;  ///< none: the virtual tool
   bool remembers = true;       ///< depths that are held; else the model alone
-  bool walks = true;           ///< fast ways too, where it remembers
 };
 
 /// A ball of 10 mm on a mass of 0.15 kg (stylus and hand) with 1 Ns/m, thrown at a wall at 0.02 to 3 m/s up to 8 degrees askew, and pulled on

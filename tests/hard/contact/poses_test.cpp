@@ -114,7 +114,7 @@ TEST(F7PosesThatAreNone, AreRefusedByTheContactItselfAndLeaveItAsItWas) {
   const pointshell::Pointshell shell = exact_shell(ball.mesh, kEdge);
   for (const contact::ContactModelKind kind : kModels) {
     contact::ContactRenderer disturbed = ground.renderer(shell, kind), clean = ground.renderer(shell, kind);
-    // Fast frames and a crossing among them: what is walked begins at the last good pose.
+    // Fast frames among them: how far the tool has moved counts from the last good pose.
     for (const double z :
          {16.0, 14.5, 12.0, 9.0, 6.0, 0.0, -6.0, -12.0, -18.0, -24.0, -20.0, -14.0, -6.0, 2.0, 10.0, 10.1, 9.9}) {
       const Pose good = ball.posed(Vec3(0.001, 0.002, 1e-3 * z), Quat::Identity());
@@ -127,7 +127,7 @@ TEST(F7PosesThatAreNone, AreRefusedByTheContactItselfAndLeaveItAsItWas) {
       }
       const contact::StageResult a = disturbed.render(good), b = clean.render(good);
       EXPECT_EQ(a.contact.wrench.force, b.contact.wrench.force) << contact::name_of(kind) << " at " << z;
-      EXPECT_TRUE(a.crossed == b.crossed && a.missed == b.missed && a.fast == b.fast && a.retained == b.retained);
+      EXPECT_TRUE(a.missed == b.missed && a.fast == b.fast && a.retained == b.retained);
     }
   }
 }
@@ -149,7 +149,7 @@ TEST(F7PosesThatAreNone, AQuaternionAndItsNegativeAreOneOrientationToTheBit) {
       EXPECT_EQ(x.contact.wrench.force, y.contact.wrench.force) << contact::name_of(kind) << " " << n;
       EXPECT_EQ(x.contact.wrench.torque, y.contact.wrench.torque);
       EXPECT_EQ(x.fast, y.fast);
-      EXPECT_FALSE(x.missed || y.missed);
+      EXPECT_EQ(x.missed, y.missed);
       fast += x.fast;
     }
     EXPECT_GT(fast, 10);

@@ -9,6 +9,7 @@
 #include "core/coupling/running_coupling.hpp"
 #include "tests/experiments/stability_map/sliding_loop.hpp"
 #include "tests/support/seed.hpp"
+#include "tests/unit/contact/field_scenes.hpp"
 
 namespace voxtouch::sliding {
 namespace {
@@ -110,6 +111,76 @@ TEST(F2SlidingOverVoxelBorders, StaysWithinWhatTheObserverIsPromisedFromACentime
         }
   }
   std::printf("most debt beyond five periods with the controller: %.2f F e; only observed: %.4f F L\n", worst, -least);
+}
+
+/// A ball of five voxels and a ground with an axis along z, touched from outside or from within at `radius_m`; capped at 300 N/m as for a stylus.
+struct Round {
+  static constexpr double kEdge = 2e-3, kBall = 0.01, kPeriod = 1e-3, kStep = 5e-5;
+  Round(const mesh::TriangleMesh& mesh, double radius_m, contact::ContactModelKind model)
+      : radius(radius_m), ground(mesh, kEdge), contact(ground.renderer(test::exact_shell(ball.mesh, kEdge), model)), coupling(spec(), {.max_force_n = 1e4, .max_torque_nm = 1e3}, kPeriod, 0.0) {}
+  static coupling::CouplingSpec spec() {
+    coupling::CouplingSpec s;
+    s.kind = "direct", s.stiffness_cap_n_per_m = 300.0;
+    return s;
+  }
+  /// To the angle and depth given, in small steps; the force that is held does its work on each.
+  void go(double to_angle, double to_depth) {
+    const double way = std::hypot(radius * (to_angle - angle), to_depth - depth);
+    const int steps = std::max(1, static_cast<int>(std::ceil(way / kStep)));
+    const double from_angle = angle, from_depth = depth;
+    for (int n = 1; n <= steps; ++n) {
+      angle = from_angle + (to_angle - from_angle) * n / steps, depth = from_depth + (to_depth - from_depth) * n / steps;
+      const double r = radius > 0.03 ? radius - kBall + depth : radius + kBall - depth;  // the larger one is a hollow
+      const Pose pose = ball.posed(Vec3(r * std::cos(angle), r * std::sin(angle), 0.4e-3), Quat::Identity());
+      const contact::StageResult result = contact.render(pose);
+      if (known) given_j += force.dot(pose.position - last), way_n_m += force.norm() * (pose.position - last).norm();
+      coupling::CouplingInput in;
+      in.contact.force = result.contact.wrench.force;
+      in.contact_stiffness.topLeftCorner<3, 3>() = result.contact.stiffness.topLeftCorner<3, 3>();
+      in.contact_stiffness_n_per_m = result.contact.stiffness_bound_n_per_m;
+      in.contact_depth_m = result.contact.deepest_depth_m, in.depth_goes_on = result.retained, in.tool = pose;
+      const coupling::CouplingOutput out = coupling.step(in, kPeriod);
+      lowest_j = std::min(lowest_j, out.energy_j);
+      force = out.wrench.force, last = pose.position, known = true;
+      most_n = std::max(most_n, force.norm());
+    }
+  }
+  double radius;
+  test::Ball ball{kBall, 3};
+  test::Ground ground;
+  contact::ContactRenderer contact;
+  coupling::RunningCoupling coupling;
+  double angle = 0.1, depth = -1e-3, given_j = 0.0, way_n_m = 0.0, lowest_j = 0.0, most_n = 0.0;
+  Vec3 force = Vec3::Zero(), last = Vec3::Zero();
+  bool known = false;
+};
+
+/// What the cap gives beyond the scaled wrench is the hand's own work: pushed in, slid and pulled out, and in rounds that never leave the contact, the hand
+/// gets no more than sliding over voxels gives in any case.
+TEST(F2SlidingOverVoxelBorders, GivesNoMoreWhereTheForceIsHeldWhileTheHandGoesIn) {
+  mesh::TriangleMesh hollow = test::joined(test::cylinder_mesh(0.05, 0.08, 192), test::inside_out(test::cylinder_mesh(0.04, 0.06, 192)));
+  double most = 0.0;
+  for (const bool within : {false, true})
+    for (const contact::ContactModelKind model : kModels)
+      for (const double deep : {2e-3, 6e-3})
+        for (const bool leaves : {true, false}) {
+          Round round(within ? hollow : test::cylinder_mesh(0.02, 0.06, 192), within ? 0.04 : 0.02, model);
+          const double slide = 0.01 / round.radius, between = leaves ? -1e-3 : 0.5 * deep;
+          for (int n = 0; n < 10; ++n) {
+            round.go(0.1, deep);
+            round.go(0.1 + slide, deep);
+            round.go(0.1 + slide, between);
+            round.go(0.1, between);
+          }
+          round.go(0.1, -1e-3);
+          const double share = round.given_j / round.way_n_m;
+          std::printf("%s %s, %g mm deep, %s: up to %.3f N, given %+.2e J, %+.4f of force times way, observer's lowest %+.2e J\n", within ? "hollow" : "cylinder",
+                      std::string(contact::name_of(model)).c_str(), 1e3 * deep, leaves ? "pulled out" : "never out", round.most_n, round.given_j, share, round.lowest_j);
+          EXPECT_LE(share, coupling::kSlidingShare / 5.0) << contact::name_of(model);
+          EXPECT_GE(round.lowest_j, -5.0 * round.most_n * Round::kStep - round.most_n * Round::kEdge - coupling::kSlidingShare / 5.0 * round.way_n_m);
+          most = std::max(most, share);
+        }
+  std::printf("most given over force times way %.4f\n", most);
 }
 
 }  // namespace

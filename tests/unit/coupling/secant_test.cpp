@@ -231,7 +231,7 @@ TEST(Secant, ShowsNoMoreThanTheCapInAnyDirectionOfSpaceAndTurn) {
       const CouplingInput in = points_at(points, begin, 30.0, Vec3(0, 0, -end) + way.head<3>(), way.tail<3>());
       const CapShares shares = from_here.step(in, {true, way.head<3>(), way.tail<3>()}, 1e-9);
       largest_gain = std::max(largest_gain, shares.wrench / shares.stiffness);
-      return Vec6(shares.wrench * (Vec6() << in.contact.force, in.contact.torque).finished());
+      return Vec6(shares.wrench * (Vec6() << in.contact.force, in.contact.torque).finished() + (Vec6() << shares.beside.force, shares.beside.torque).finished());
     };
     cap.step(points_at(points, begin, 30.0, Vec3(0, 0, -end), {0, 0, 0}), {}, 1e-9);
     const int axes = trial % 2 ? 6 : 3;
@@ -266,7 +266,7 @@ TEST(Secant, ShowsNoMoreThanTheCapToASecondWallMetFromTheSide) {
     at += way;
     const CouplingInput in = points_at(points, begin, 30.0, at, {0, 0, 0});
     shares = cap.step(in, {true, way, {0, 0, 0}}, kT);
-    return Vec3(shares.wrench * in.contact.force);
+    return Vec3(shares.wrench * in.contact.force + shares.beside.force);
   };
   for (int n = 0; n < 400; ++n) go(Vec3(0, 0, -1e-5));
   EXPECT_GT(shares.wrench, 1.6 * shares.stiffness) << "or nothing is tried";
@@ -277,6 +277,83 @@ TEST(Secant, ShowsNoMoreThanTheCapToASecondWallMetFromTheSide) {
     before = now;
   }
   EXPECT_LT(before.x(), -0.9 * kCap * 1e-3);
+}
+
+/// A contact whose normals cancel deep in: from 4 mm on it gives way, by half at 8 mm; `saw`: with a step at each voxel of 1 mm.
+CouplingInput giving_way(double depth, double saw) {
+  CouplingInput in = ball(depth, 20.0, 1e-3);
+  in.contact.force *= (1.0 - 0.5 * std::clamp((depth - 0.004) / 0.004, 0.0, 1.0)) * (1.0 + saw * (1e3 * depth - std::floor(1e3 * depth)));
+  return in;
+}
+
+TEST(Secant, DoesNotFallWhileTheHandGoesInAndGivesNoMoreOutWhereTheContactGivesWay) {
+  for (const double saw : {0.0, 0.02}) {
+    RunningCoupling coupling = running();
+    press(coupling, {});
+    double before = 0.0, last = 0.0, given_j = 0.0, most = 0.0;
+    const auto go = [&](double from, double to) {
+      const int steps = static_cast<int>(std::lround(std::abs(to - from) / kStep));
+      for (int n = 1; n <= steps; ++n) {
+        const double depth = from + (to - from) * n / steps, force = press(coupling, giving_way(depth, saw));
+        if (to > from) {
+          ASSERT_GE(force, before * (1 - 1e-3)) << depth;
+          ASSERT_LE(force, kCap * depth * 1.01) << depth;
+        }
+        given_j += 0.5 * (before + force) * (last - depth);
+        before = force, last = depth, most = std::max(most, force);
+      }
+    };
+    go(0.0, 0.008);
+    EXPECT_GT(before, 0.95 * kCap * 0.004);
+    for (int n = 0; n < 20; ++n) go(0.008, 0.002), go(0.002, 0.008);
+    go(0.008, 0.0);
+    std::printf("gives way, saw %g: up to %.3f N, given %.2e J in 21 rounds\n", saw, most, given_j);
+    EXPECT_LE(given_j, 0.0);
+  }
+}
+
+/// A ball whose points push along their own normals is as stiff across as along. Its secant is the cap all the same, a push across shows
+/// no more than the cap, and rounds in, across and out give nothing.
+TEST(Secant, IsTheCapWhereTheContactIsAsStiffAcross) {
+  std::vector<std::array<Vec3, 2>> points;
+  std::vector<double> begin;
+  for (int ring = 0; ring < 40; ++ring)
+    for (int n = 0; n < 2 * ring + 1; ++n) {
+      const double angle = 1.2 * (ring + 0.5) / 40, round = 2.0 * std::numbers::pi * n / (2 * ring + 1);
+      points.push_back({Vec3::Zero(), Vec3(std::sin(angle) * std::cos(round), std::sin(angle) * std::sin(round), std::cos(angle))});
+      begin.push_back(-0.002 * (1.0 - std::cos(angle)));
+    }
+  RunningCoupling coupling = running();
+  coupling.step({}, kT);
+  Vec3 at = Vec3::Zero(), force = Vec3::Zero();
+  double given_j = 0.0, stiffest = 0.0;
+  const auto go = [&](const Vec3& to) {
+    const Vec3 from = at;
+    const int steps = static_cast<int>(std::lround((to - from).norm() / kStep));
+    for (int n = 1; n <= steps; ++n) {
+      const Vec3 next = from + (to - from) * n / steps;
+      CouplingInput in = points_at(points, begin, 30.0, next, Vec3::Zero());
+      in.tool.position = next;
+      const Vec3 now = coupling.step(in, kT).wrench.force;
+      given_j += 0.5 * (force + now).dot(next - at);
+      if (std::abs(to.x() - from.x()) > 0.0) stiffest = std::max(stiffest, (force - now).dot((to - from).normalized()) / kStep);
+      force = now, at = next;
+    }
+  };
+  go(Vec3(0, 0, -0.005));
+  EXPECT_GE(force.z(), 0.95 * kCap * 0.005);
+  EXPECT_LE(force.z(), kCap * 0.005);
+  EXPECT_LE(force.head<2>().norm(), 1e-3 * force.z());
+  for (int n = 0; n < 20; ++n) {
+    go(Vec3(0.001, 0, -0.005));
+    go(Vec3(0.001, 0, -0.002));
+    go(Vec3(0, 0, -0.002));
+    go(Vec3(0, 0, -0.005));
+  }
+  go(Vec3(0, 0, 0.001));
+  std::printf("as stiff across: %.3f of the cap at most across, given %.2e J in 21 rounds\n", stiffest / kCap, given_j);
+  EXPECT_LE(stiffest, 1.03 * kCap);
+  EXPECT_LE(given_j, 0.0);
 }
 
 /// Pressed to 5 mm; then `event` happens and the hand rests for a second. The largest step of the force, and the force at the end.

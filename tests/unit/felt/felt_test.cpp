@@ -134,10 +134,10 @@ TEST(Felt, OfABodyIsItsGrip) {
 
 TEST(Felt, NamesTheDeepestAndTheLargestForceAndAsManyChangesAsAreNeeded) {
   const Scene s("adapted");
-  const std::string little = felt_of_penalty(s.fitted, s.scene, stylus(), {{0.005, 0.5}, {0.010, 0.3}});
+  const std::string little = felt_of_penalty(s.fitted, stylus(), {{0.005, 0.5}, {0.010, 0.3}});
   expect_parts(little, {"0.3 N with the hand 10 mm deep, 4 % of", "at most 0.5 N, 5 mm deep", "only some way in", "More:", "Or:"});
   const double certified_n = 0.010 * s.fitted.design.translation.shown_stiffness;
-  const std::string much = felt_of_penalty(s.fitted, s.scene, stylus(), {{0.005, 0.5 * certified_n}, {0.010, certified_n}});
+  const std::string much = felt_of_penalty(s.fitted, stylus(), {{0.005, 0.5 * certified_n}, {0.010, certified_n}});
   EXPECT_EQ(much.find("Or:"), std::string::npos) << much;
   EXPECT_EQ(much.find("virtual_tool"), std::string::npos) << much;
 }

@@ -39,7 +39,7 @@ std::string all_of(BuiltScene& built) {
   const rendering::Plan& plan = built.plan();
   for (const auto* sentences : {&plan.built, &plan.left_out, &plan.warnings}) out(*sentences);
   for (const rendering::PlanPart& part : plan.parts) out(part.name), out(part.why), out(part.bytes), out(part.expected_ns);
-  out(plan.scene), out(plan.scene_hash), out(plan.contact_model), out(plan.voxel_size_m), out(plan.swept_m), out(plan.shell_points), out(plan.surface_voxels);
+  out(plan.scene), out(plan.scene_hash), out(plan.contact_model), out(plan.voxel_size_m), out(plan.shell_points), out(plan.surface_voxels);
   out(plan.interior_voxels), out(plan.bytes), out(plan.expected_ns_per_frame);
   for (const auto* range : {&plan.contact_n_per_m, &plan.contact_nm_per_rad, &plan.of_contact_alone.translation, &plan.of_contact_alone.rotation})
     out(range->one_point), out(range->all_points);
