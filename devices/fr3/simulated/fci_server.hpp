@@ -14,7 +14,7 @@
 
 namespace voxtouch::fr3_sim {
 
-using Line = arm_sim::Line<fr3::fci::State, FaultSchedule, kFaultKinds>;
+using Line = arm_sim::Line<fr3::fci::State>;
 
 struct ServerConfig {
   std::string address = "127.0.0.1";  ///< own, dotted
