@@ -14,7 +14,7 @@
 namespace voxtouch::arm_sim {
 
 /// Measurements on their way, ordered by when they leave. Random decisions come from one generator a kind of fault, so that one fault
-/// does not change another's dice; the same seed and calls give the same decisions. Real-time safe after construction.
+/// does not change another's; the same seed and calls give the same decisions. Real-time safe after construction.
 template <class Payload>
 class Line {
  public:
@@ -22,7 +22,7 @@ class Line {
     for (std::size_t i = 0; i < kFaultKinds; ++i) {
       std::seed_seq mixed{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32),
                           static_cast<std::uint32_t>(i)};
-      dice_[i].seed(mixed);
+      random_[i].seed(mixed);
     }
     waiting_.reserve(kCapacity);
   }
@@ -79,7 +79,7 @@ class Line {
   static constexpr std::size_t kCapacity = 2048;  // a second late at 1 kHz, twice
 
   double uniform(FaultKind kind) noexcept {
-    return static_cast<double>(dice_[static_cast<std::size_t>(kind)]() >> 11) * 0x1p-53;
+    return static_cast<double>(random_[static_cast<std::size_t>(kind)]() >> 11) * 0x1p-53;
   }
   bool happens(FaultKind kind, double now_s) noexcept {
     const auto share = faults_.active(kind, now_s);
@@ -94,7 +94,7 @@ class Line {
 
   FaultSchedule faults_;
   double period_s_;
-  std::array<std::mt19937_64, kFaultKinds> dice_;
+  std::array<std::mt19937_64, kFaultKinds> random_;
   std::vector<Packet> waiting_;  // by due time; capacity fixed
   Packet taken_;
   bool reordering_ = false;

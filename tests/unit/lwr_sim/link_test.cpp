@@ -130,7 +130,7 @@ TEST(Line, LosesItsShareAndTheSameWithTheSameSeed) {
   EXPECT_NEAR(static_cast<double>(out.size()), 4000.0, 120.0);
   EXPECT_EQ(out, leaves({parse_fault("loss@0:inf:0.2", kFaults)}, 5000));
   EXPECT_NE(out, leaves({parse_fault("loss@0:inf:0.2", kFaults)}, 5000, 2));
-  // Another fault's dice do not change which are lost.
+  // Another fault's random numbers do not change which are lost.
   EXPECT_EQ(out, leaves({parse_fault("loss@0:inf:0.2", kFaults), parse_fault("jitter@0:inf:0.0005", kFaults)}, 5000));
 }
 
