@@ -12,7 +12,6 @@
 #include "devices/phantom/counterpart.hpp"
 #include "devices/recorded/recorded_device.hpp"
 #include "devices/settings.hpp"
-#include "devices/sim/described.hpp"
 #include "devices/sim/simulated_device.hpp"
 
 namespace voxtouch::devices {

@@ -18,9 +18,9 @@ constexpr double kTouchShare = 1e-7;  ///< of the tool's reach: a gap this small
 constexpr double kClear = 1.02;       ///< the tool starts this many reaches away
 
 /// The same numbers with every standard library.
-class Dice {
+class RandomNumbers {
  public:
-  explicit Dice(std::uint64_t seed) : engine_(seed) {}
+  explicit RandomNumbers(std::uint64_t seed) : engine_(seed) {}
   double uniform() { return static_cast<double>(engine_() >> 11) * 0x1p-53; }
   /// Shoemake 1992: uniform over all rotations.
   Quat rotation() {
@@ -50,10 +50,10 @@ class Surface {
   struct Aim {
     Vec3 point, normal;
   };
-  Aim aim(Dice& dice) const {
-    const auto found = std::upper_bound(sums_.begin(), sums_.end(), area_ * dice.uniform());
+  Aim aim(RandomNumbers& random) const {
+    const auto found = std::upper_bound(sums_.begin(), sums_.end(), area_ * random.uniform());
     const Triangle& t = triangles_[static_cast<std::size_t>(std::min(found, sums_.end() - 1) - sums_.begin())];
-    const double r = std::sqrt(dice.uniform()), v = dice.uniform();
+    const double r = std::sqrt(random.uniform()), v = random.uniform();
     return {(1.0 - r) * t[0] + r * (1.0 - v) * t[1] + r * v * t[2], normal(t).normalized()};
   }
 
@@ -110,11 +110,11 @@ std::vector<ContactPlace> contact_places(const scene::Scene& scene, std::uint32_
   const reference::ReferenceScene reference(by_triangles);
   const Surface surface(scene);
   const Tool tool(scene);
-  Dice dice(seed);
+  RandomNumbers random(seed);
   std::vector<ContactPlace> places;
   for (std::uint32_t trial = 0; trial < kTrialsPerPlace * count && places.size() < count; ++trial) {
-    const Surface::Aim aim = surface.aim(dice);
-    const Quat turn = dice.rotation();
+    const Surface::Aim aim = surface.aim(random);
+    const Quat turn = random.rotation();
     if (const auto place = approach(reference, tool, aim, turn)) places.push_back(*place);
     if (progress) progress(std::max(static_cast<double>(places.size()) / count, static_cast<double>(trial) / (kTrialsPerPlace * static_cast<double>(count))));
   }

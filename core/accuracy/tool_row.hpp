@@ -1,7 +1,6 @@
 #pragma once
 /// A virtual tool pressed into the places of a measurement; its truth is the exact ball drawn to the same hand (true_forces.hpp).
 #include <functional>
-#include <vector>
 
 #include "core/accuracy/contact_places.hpp"
 #include "core/rendering/build.hpp"

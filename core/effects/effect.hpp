@@ -1,7 +1,6 @@
 #pragma once
 /// One interface for all effects: what one sample gives, and what an effect adds to the wrench.
 #include <cstdint>
-#include <memory>
 #include <span>
 
 #include "core/contact/contact_model.hpp"

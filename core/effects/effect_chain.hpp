@@ -1,8 +1,6 @@
 #pragma once
 /// The scene's effects in the order of its list: each behind its region and gain, all summed.
 #include <memory>
-#include <span>
-#include <string>
 #include <vector>
 
 #include "core/coupling/ramp.hpp"

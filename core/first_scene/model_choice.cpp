@@ -1,6 +1,5 @@
 #include "core/first_scene/model_choice.hpp"
 
-#include <algorithm>
 
 #include <fmt/format.h>
 

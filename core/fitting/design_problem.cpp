@@ -58,15 +58,15 @@ coupling::design::DesignProblem design_problem(const scene::Scene& scene, const 
   const scene::DesignOptions options = scene.design.value_or(scene::DesignOptions{});
   const HandScales scales = hand_scales(scene.device);
   const Caps caps = caps_of(scene);
-  coupling::design::DesignProblem request;
-  request.device = device;
-  request.hand = scene::operator_range(options, device.grip);
+  coupling::design::DesignProblem problem;
+  problem.device = device;
+  problem.hand = scene::operator_range(options, device.grip);
   rendering::StiffnessBounds bounds{translation_W, rotation_W};
   const bool spring = rendering::is_spring(bounds);
   if (spring) bounds = of_spring(scene, device, bounds);
-  request.contact = range_D(bounds.translation, caps.n_per_m, scales.translation);
-  request.contact_rotation = range_D(bounds.rotation, caps.nm_per_rad, scales.rotation);
-  coupling::design::DesignGoals& goals = request.goals;
+  problem.contact = range_D(bounds.translation, caps.n_per_m, scales.translation);
+  problem.contact_rotation = range_D(bounds.rotation, caps.nm_per_rad, scales.rotation);
+  coupling::design::DesignGoals& goals = problem.goals;
   goals.kind = options.kind;
   goals.cutoff_hz = options.cutoff_hz;
   goals.max_cutoff_hz = std::max(goals.max_cutoff_hz, options.cutoff_hz);
@@ -76,7 +76,7 @@ coupling::design::DesignProblem design_problem(const scene::Scene& scene, const 
   goals.allow_injected_damping = options.inject_damping;
   goals.velocity_windows = options.velocity_windows;
   goals.free_cap = scene.design && !options.stiffness_cap_n_per_m && !options.stiffness_cap_nm_per_rad;
-  return request;
+  return problem;
 }
 
 double largest_spring_n_per_m(const scene::Scene& scene, const coupling::design::DeviceModel& device) noexcept {

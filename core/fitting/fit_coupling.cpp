@@ -34,13 +34,13 @@ FittedCoupling fit_coupling(const scene::Scene& scene, const coupling::design::D
   FittedCoupling out;
   out.designed = scene.design.has_value();
   try {
-    const coupling::design::DesignProblem request = design_problem(scene, device, bounds.translation, bounds.rotation);
+    const coupling::design::DesignProblem problem = design_problem(scene, device, bounds.translation, bounds.rotation);
     if (out.designed) {
-      out.design = coupling::design::design_coupling(request);
+      out.design = coupling::design::design_coupling(problem);
       out.spec = spec_W(out.design, scene);
       out.impossible = refusal_of(out.design, scene, device);
     } else {
-      out.design = coupling::design::judge_coupling(request, spec_D(scene.coupling, scene.device));
+      out.design = coupling::design::judge_coupling(problem, spec_D(scene.coupling, scene.device));
       out.spec = scene.coupling;
       // The controller is a safety net for every coupling; how much it may add is the device's matter, not the scene's.
       const coupling::CouplingSpec judged = spec_W(out.design, scene);

@@ -51,7 +51,7 @@ struct ObjectMesh {
 };
 
 /// What all parts of a scene are built with.
-struct Kit {
+struct BuildContext {
   const scene::Scene& scene;
   const ParallelFor& parallel_for;
   const BuildChoices& choices;
@@ -64,15 +64,15 @@ struct Kit {
   }
 };
 
-ObjectMesh import_object(const Kit& kit, std::uint32_t object) {
-  const scene::Scene& scene = kit.scene;
-  BuildCounts& counts = kit.counts;
+ObjectMesh import_object(const BuildContext& context, std::uint32_t object) {
+  const scene::Scene& scene = context.scene;
+  BuildCounts& counts = context.counts;
   ObjectMesh all;
   for (const scene::MeshSpec& spec : scene.static_meshes) {
     if (spec.object != object) continue;
     if (const auto n = &spec - scene.static_meshes.data(); n > 0)
-      kit.step(fmt::format("reading mesh {} of {}", n + 1, scene.static_meshes.size()));
-    const mesh::ImportedMesh imported = import(spec, scene, kit.choices.read);
+      context.step(fmt::format("reading mesh {} of {}", n + 1, scene.static_meshes.size()));
+    const mesh::ImportedMesh imported = import(spec, scene, context.choices.read);
     warn(counts, spec, imported);
     counts.closed = counts.closed && imported.report.closed;
     if (!imported.report.closed) counts.open_meshes.push_back(spec.path.filename().string()), ++all.open;
@@ -97,12 +97,12 @@ auto with_hints(const BuildCounts& counts, Build&& build) {
 }
 
 /// Only a body with an inside can push by depth.
-voxmap::DistanceField build_field(const Kit& kit, const ObjectMesh& fixed, const voxmap::Voxmap& voxmap) {
-  const scene::Scene& scene = kit.scene;
-  BuildCounts& counts = kit.counts;
-  const ParallelFor& parallel_for = kit.parallel_for;
+voxmap::DistanceField build_field(const BuildContext& context, const ObjectMesh& fixed, const voxmap::Voxmap& voxmap) {
+  const scene::Scene& scene = context.scene;
+  BuildCounts& counts = context.counts;
+  const ParallelFor& parallel_for = context.parallel_for;
   voxmap::DistanceFieldOptions options;
-  options.depth_voxels = kit.choices.field_depth_voxels.value_or(options.depth_voxels);
+  options.depth_voxels = context.choices.field_depth_voxels.value_or(options.depth_voxels);
   const voxmap::ClosedMesh closed(fixed.mesh, voxmap.grid());
   voxmap::DistanceField field =
       with_hints(counts, [&] { return voxmap::build_distance_field(closed, voxmap, options, parallel_for); });
@@ -142,74 +142,74 @@ effects::BodyShape body_shape(const scene::Scene& scene, const mesh::TriangleMes
 }
 
 /// What is made of the dynamic mesh.
-void build_tool(const Kit& kit, BuiltParts& parts) {
-  const scene::Scene& scene = kit.scene;
-  kit.step("reading the dynamic mesh");
-  const mesh::ImportedMesh moving = import(scene.dynamic_mesh, scene, kit.choices.read);
-  warn(kit.counts, scene.dynamic_mesh, moving);
-  kit.counts.dynamic_triangles = moving.mesh.triangles.size();
-  kit.step("pointshell of " + std::to_string(moving.mesh.triangles.size()) + " triangles");
-  const voxmap::Grid grid = voxmap::default_grid(moving.mesh, kit.choices.shell_voxel_m.value_or(scene.voxel_size_m));
+void build_tool(const BuildContext& context, BuiltParts& parts) {
+  const scene::Scene& scene = context.scene;
+  context.step("reading the dynamic mesh");
+  const mesh::ImportedMesh moving = import(scene.dynamic_mesh, scene, context.choices.read);
+  warn(context.counts, scene.dynamic_mesh, moving);
+  context.counts.dynamic_triangles = moving.mesh.triangles.size();
+  context.step("pointshell of " + std::to_string(moving.mesh.triangles.size()) + " triangles");
+  const voxmap::Grid grid = voxmap::default_grid(moving.mesh, context.choices.shell_voxel_m.value_or(scene.voxel_size_m));
   const std::vector<pointshell::ShellPoint> points =
-      with_hints(kit.counts, [&] { return pointshell::shell_points(moving.mesh, grid, kit.parallel_for); });
+      with_hints(context.counts, [&] { return pointshell::shell_points(moving.mesh, grid, context.parallel_for); });
   parts.largest_gap_m = pointshell::largest_gap_m(points);
   parts.shell =
       scene.shell == scene::ShellKind::kExact ? pointshell::make_exact_shell(points, grid) : pointshell::make_naive_shell(points, grid);
-  kit.counts.shell_points = parts.shell.size();
+  context.counts.shell_points = parts.shell.size();
   if (effects::needs_of(scene.effects).body) parts.body = body_shape(scene, moving.mesh);
 }
 
 /// The voxel grid of an object, written down for the plan.
-voxmap::Grid place_grid(const Kit& kit, std::uint32_t id, const std::string& name, const mesh::TriangleMesh& mesh) {
-  const double edge = kit.scene.voxel_size_m;
+voxmap::Grid place_grid(const BuildContext& context, std::uint32_t id, const std::string& name, const mesh::TriangleMesh& mesh) {
+  const double edge = context.scene.voxel_size_m;
   const Vec3 at_multiples = voxmap::default_grid(mesh, edge).origin;
-  const std::optional<Vec3>& given = id == 0 ? kit.scene.grid_origin : kit.scene.objects[id - 1].grid_origin;
+  const std::optional<Vec3>& given = id == 0 ? context.scene.grid_origin : context.scene.objects[id - 1].grid_origin;
   const voxmap::Grid grid = given ? voxmap::Grid{*given, edge} : voxmap::object_grid(mesh, edge);
-  kit.counts.grids.push_back({name, grid.origin, at_multiples, given.has_value()});
+  context.counts.grids.push_back({name, grid.origin, at_multiples, given.has_value()});
   return grid;
 }
 
 /// Voxmap, and what else the contact model looks up. Null for the ground where no mesh lies on it.
-std::unique_ptr<StaticObject> build_object(const Kit& kit, std::uint32_t id, const ObjectMesh& fixed) {
-  const scene::Scene& scene = kit.scene;
+std::unique_ptr<StaticObject> build_object(const BuildContext& context, std::uint32_t id, const ObjectMesh& fixed) {
+  const scene::Scene& scene = context.scene;
   if (fixed.specs.empty()) return nullptr;
   const std::string name = id == 0 ? "ground" : scene.objects[id - 1].name;
-  kit.step("voxmap of " + std::to_string(fixed.mesh.triangles.size()) + " triangles");
-  const voxmap::Grid grid = place_grid(kit, id, name, fixed.mesh);
+  context.step("voxmap of " + std::to_string(fixed.mesh.triangles.size()) + " triangles");
+  const voxmap::Grid grid = place_grid(context, id, name, fixed.mesh);
   auto object = std::make_unique<StaticObject>(
       StaticObject{.id = id,
                    .name = name,
-                   .voxmap = with_hints(kit.counts, [&] { return voxmap::voxelise(fixed.mesh, grid, kit.parallel_for); }),
+                   .voxmap = with_hints(context.counts, [&] { return voxmap::voxelise(fixed.mesh, grid, context.parallel_for); }),
                    .field = {},
                    .moves = id == 0 ? std::nullopt : scene.objects[id - 1].moves,
                    .renderer = {}});
-  kit.counts.surface_voxels += object->voxmap.surface_count();
-  kit.counts.interior_voxels += object->voxmap.interior_count();
-  kit.counts.voxmap_bytes += object->voxmap.bytes();
-  if (kit.model == contact::ContactModelKind::kField) {
-    kit.step("distance field");
-    object->field = build_field(kit, fixed, object->voxmap);
+  context.counts.surface_voxels += object->voxmap.surface_count();
+  context.counts.interior_voxels += object->voxmap.interior_count();
+  context.counts.voxmap_bytes += object->voxmap.bytes();
+  if (context.model == contact::ContactModelKind::kField) {
+    context.step("distance field");
+    object->field = build_field(context, fixed, object->voxmap);
   }
   return object;
 }
 
 /// What `needs` asks for round the ground; the shell's points are where the tool is looked at.
-void build_proximity(const Kit& kit, const effects::EffectNeeds& needs, const ObjectMesh& fixed, BuiltParts& parts) {
-  const scene::Scene& scene = kit.scene;
-  BuildCounts& counts = kit.counts;
+void build_proximity(const BuildContext& context, const effects::EffectNeeds& needs, const ObjectMesh& fixed, BuiltParts& parts) {
+  const scene::Scene& scene = context.scene;
+  BuildCounts& counts = context.counts;
   if (fixed.open == fixed.specs.size())
     throw std::invalid_argument(fmt::format(
         "{}: the effect 'proximity' asks for distances to the static meshes of the ground, but {}, and only a closed "
         "mesh has an outside. Close it or leave the effect out.",
         scene.file.string(), fixed.specs.empty() ? "all of them belong to objects" : "none of them is closed"));
-  kit.step("distances round the static meshes");
+  context.step("distances round the static meshes");
   ToolPoints& tool = parts.tool_points = spread_tool_points(parts.shell);
   if (tool.reach_m > needs.lever_m)
     throw std::invalid_argument(fmt::format(
         "{}: 'lever_m' of the effect 'proximity' is {:g} m, but the tool reaches {:.4g} m from its origin. Say at least that.",
         scene.file.string(), needs.lever_m, tool.reach_m));
   with_hints(counts, [&] {
-    parts.proximity.emplace(fixed.mesh, parts.objects.front()->voxmap, needs.proximity_m, needs.smoothing_m, kit.parallel_for);
+    parts.proximity.emplace(fixed.mesh, parts.objects.front()->voxmap, needs.proximity_m, needs.smoothing_m, context.parallel_for);
     return true;
   });
   counts.proximity_bytes = parts.proximity->bytes() + tool.points.size() * sizeof(effects::ToolPoint);
@@ -224,17 +224,17 @@ BuiltParts build_parts(const PartsRequest& request, const ParallelFor& parallel_
   const scene::Scene& scene = request.scene;
   const effects::EffectNeeds needs = effects::needs_of(scene.effects);
   BuiltParts parts;
-  const Kit kit{scene, parallel_for, request.choices, progress, request.model, parts.counts};
+  const BuildContext context{scene, parallel_for, request.choices, progress, request.model, parts.counts};
   ObjectMesh ground;  // the other meshes are not needed once their object is built
   for (std::uint32_t id = 0; id <= scene.objects.size(); ++id) {
-    kit.step(id == 0 ? "reading the static meshes" : "reading the meshes of '" + scene.objects[id - 1].name + "'");
-    ObjectMesh fixed = import_object(kit, id);
-    if (auto object = build_object(kit, id, fixed)) parts.objects.push_back(std::move(object));
+    context.step(id == 0 ? "reading the static meshes" : "reading the meshes of '" + scene.objects[id - 1].name + "'");
+    ObjectMesh fixed = import_object(context, id);
+    if (auto object = build_object(context, id, fixed)) parts.objects.push_back(std::move(object));
     if (id == 0 && needs.proximity_m > 0.0) ground = std::move(fixed);
   }
   parts.counts.objects = parts.objects.size();
-  build_tool(kit, parts);
-  if (needs.proximity_m > 0.0) build_proximity(kit, needs, ground, parts);
+  build_tool(context, parts);
+  if (needs.proximity_m > 0.0) build_proximity(context, needs, ground, parts);
   return parts;
 }
 

@@ -22,6 +22,26 @@ contact::VirtualToolOptions options_of(const ObjectContacts& objects, double lev
   return options;
 }
 
+/// A frame as a contact, with a spring of `k` [N/m]. Real-time safe.
+contact::ContactResult contact_of(const contact::VirtualToolFrame& frame, double k, bool felt) noexcept {
+  contact::ContactResult contact;
+  contact.pose_status = frame.pose_status;
+  contact.surface_hits = frame.surface_hits, contact.interior_hits = frame.interior_hits;
+  contact.points_tested = frame.points_tested;
+  if (frame.constrained) {
+    contact.deepest_point = frame.contact_point, contact.deepest_depth_m = frame.worst_depth_m;
+    contact.mean_normal = frame.contact_normal;
+    contact.coherence = frame.contact_normal.isZero(0.0) ? 0.0 : 1.0;
+    contact.saturated = frame.saturated;
+  }
+  if (felt) {
+    contact.wrench = frame.wrench(k);
+    contact.stiffness = frame.stiffness(k);
+    contact.stiffness_bound_n_per_m = k;
+  }
+  return contact;
+}
+
 }  // namespace
 
 ConstrainedTool::ConstrainedTool(ObjectContacts& objects, double lever_m, const contact::ToolWork& work)
@@ -66,27 +86,13 @@ contact::ContactResult ConstrainedTool::render(const Pose& hand, double time_s, 
           .residual_m = frame_.residual_m,
           .queries = static_cast<std::uint32_t>(std::max(frame_.queries, 0))};
   if (frame_.unplaced) frame_.tool = hand;
-  const double k = spring_.advance(dt_s), felt = k * frame_.share;
-  contact::ContactResult contact;
-  contact.pose_status = frame_.pose_status;
-  contact.surface_hits = frame_.surface_hits, contact.interior_hits = frame_.interior_hits;
-  contact.points_tested = frame_.points_tested;
   if (frame_.pose_status == contact::PoseStatus::kUsable) {
     hand_ = hand;
     fresh_ = false;
   }
+  const double k = spring_.advance(dt_s), felt = k * frame_.share;
   const bool felt_at_all = frame_.constrained && felt > 0.0;
-  if (frame_.constrained) {
-    contact.deepest_point = frame_.contact_point, contact.deepest_depth_m = frame_.worst_depth_m;
-    contact.mean_normal = frame_.contact_normal;
-    contact.coherence = frame_.contact_normal.isZero(0.0) ? 0.0 : 1.0;
-    contact.saturated = frame_.saturated;
-  }
-  if (felt_at_all) {
-    contact.wrench = frame_.wrench(k);
-    contact.stiffness = frame_.stiffness(k);
-    contact.stiffness_bound_n_per_m = k;
-  }
+  contact::ContactResult contact = contact_of(frame_, k, felt_at_all);
   if (!contact.wrench.finite() || !contact.stiffness.allFinite()) {  // nothing that is no number goes on from here
     contact.wrench = {}, contact.stiffness.setZero(), contact.stiffness_bound_n_per_m = 0.0;
     tool_.reset();

@@ -151,7 +151,8 @@ void say_forces_of_depth(const scene::Scene& scene, Plan& plan) {
       scene.effects.empty() ? "by all points" : "by all that may push at once"));
 }
 
-void say_built(const scene::Scene& scene, const BuildCounts& n, Plan& plan) {
+/// What is built from the meshes.
+void say_parts(const scene::Scene& scene, const BuildCounts& n, Plan& plan) {
   const std::size_t meshes = scene.static_meshes.size();
   plan.built.push_back(fmt::format("Voxmap of {} ({}) at {:g} m: {}, {}, {}; every contact model asks it.",
                                    counted(meshes, "static mesh", "static meshes"),
@@ -178,6 +179,10 @@ void say_built(const scene::Scene& scene, const BuildCounts& n, Plan& plan) {
                                    counted(n.dynamic_triangles, "triangle", "triangles"),
                                    counted(n.shell_points, "point", "points"), bytes_text(n.shell_bytes),
                                    scene.shell == scene::ShellKind::kExact ? "exact" : "naive"));
+}
+
+void say_built(const scene::Scene& scene, const BuildCounts& n, Plan& plan) {
+  say_parts(scene, n, plan);
   if (n.virtual_tool_lever_m > 0.0)
     plan.built.push_back(fmt::format(
         "Virtual tool, which stays outside what it touches; its spring to the hand is as stiff as the coupling is certified for, and a turn "

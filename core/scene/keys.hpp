@@ -1,7 +1,6 @@
 #pragma once
 /// The keys of scene and device files: one table that the reader, its schema and the manual are made from. What a kind of effect takes
 /// stands in the effects' own table, core/effects/effect_kind.hpp.
-#include <array>
 #include <cstdint>
 #include <limits>
 #include <span>

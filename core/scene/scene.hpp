@@ -1,6 +1,5 @@
 #pragma once
 /// What a scene file asks for, as values. scene_file.hpp reads it; plan.hpp says what is built for it.
-#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <map>

@@ -1,7 +1,6 @@
 #include "core/voxmap/brick_range.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "core/types/clones.hpp"
 #include "core/voxmap/brick_distances.hpp"

@@ -92,9 +92,4 @@ ThinnestWall thinnest_wall(const ClosedMesh& mesh, const Grid& grid, const Paral
   return out;
 }
 
-ThinnestWall thinnest_wall(const mesh::TriangleMesh& mesh, const Grid& grid, const ParallelFor& parallel_for,
-                           std::size_t most_rays) {
-  return thinnest_wall(ClosedMesh(mesh, grid), grid, parallel_for, most_rays);
-}
-
 }  // namespace voxtouch::voxmap

@@ -21,7 +21,5 @@ struct ThinnestWall {
 /// n-th is looked at; an estimate for people, no bound: a place thinner than its triangles are wide may be missed.
 ThinnestWall thinnest_wall(const ClosedMesh& mesh, const Grid& grid, const ParallelFor& parallel_for,
                            std::size_t most_rays = 50'000);
-ThinnestWall thinnest_wall(const mesh::TriangleMesh& mesh, const Grid& grid, const ParallelFor& parallel_for,
-                           std::size_t most_rays = 50'000);
 
 }  // namespace voxtouch::voxmap

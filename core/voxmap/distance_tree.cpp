@@ -145,11 +145,6 @@ double DistanceTree::square_distance(const Node& node, const Vec3& p) noexcept {
   return (node.low - p).cwiseMax(p - node.high).cwiseMax(0.0).squaredNorm();
 }
 
-double DistanceTree::nearest(const Vec3& p, double bound) const noexcept {
-  std::uint32_t place = kNoPlace;
-  return nearest(p, bound, place);
-}
-
 double DistanceTree::nearest(const Vec3& p, double bound, std::uint32_t& place) const noexcept {
   if (nodes_.empty()) return bound;
   struct Entry {

@@ -16,10 +16,8 @@ class DistanceTree {
 
   /// Distance [voxels] from `p` to the nearest triangle, or `bound` if none is nearer than that. The triangle's nearest point
   /// is its plane's where that lies within all three edges, else the nearest of the edges that `p` lies beyond; a triangle
-  /// without area is its edges.
-  double nearest(const Vec3& p, double bound) const noexcept;
-  /// The same, starting from the triangle that was nearest to a place close by, which makes it faster and changes nothing.
-  /// `place`: of that triangle in this tree, kNoPlace at first; then of the one found.
+  /// without area is its edges. `place`: where in this tree the triangle is that was nearest to a place close by, which makes it
+  /// faster and changes nothing, kNoPlace at first; then of the one found.
   double nearest(const Vec3& p, double bound, std::uint32_t& place) const noexcept;
   static constexpr std::uint32_t kNoPlace = 0xffffffff;
 

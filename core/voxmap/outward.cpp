@@ -1,7 +1,6 @@
 #include "core/voxmap/outward.hpp"
 
 #include <algorithm>
-#include <array>
 #include <optional>
 #include <utility>
 

@@ -75,14 +75,9 @@ void split_bricks(const SurfaceBits& surface, const ParallelFor& parallel_for, V
   }
 }
 
-}  // namespace
-
-VoxelGroups group_voxels(const SurfaceBits& surface, const ParallelFor& parallel_for) {
-  VoxelGroups groups;
-  split_bricks(surface, parallel_for, groups);
+/// Joins what touches across a face. Nodes of `sets`: the cells, then the pieces of bricks.
+void join_cells(const SurfaceBits& surface, const VoxelGroups& groups, UnionFind& sets) {
   const std::size_t cells = surface.brick_of.size();
-  UnionFind sets(cells + groups.pieces.size());
-
   // Calls f(node, face bits) for everything on one face of a cell.
   const auto on_face = [&](std::size_t cell, int axis, int side, auto&& f) {
     const std::int32_t brick = surface.brick_of[cell];
@@ -110,8 +105,11 @@ VoxelGroups group_voxels(const SurfaceBits& surface, const ParallelFor& parallel
         if (y > 0) join_across(cell - nz, cell, 1);
         if (x > 0) join_across(cell - ny * nz, cell, 0);
       }
+}
 
-  // Groups are numbered in order of their lowest node; node 0 is a cell of the border, so group 0 is outside.
+/// In order of their lowest node; node 0 is a cell of the border, so group 0 is outside.
+void number_groups(const SurfaceBits& surface, UnionFind& sets, VoxelGroups& groups) {
+  const std::size_t cells = surface.brick_of.size();
   groups.group.assign(cells + groups.pieces.size(), 0);
   for (std::uint32_t node = 0; node < groups.group.size(); ++node) {
     if (node < cells && surface.brick_of[node] >= 0) continue;
@@ -124,6 +122,16 @@ VoxelGroups group_voxels(const SurfaceBits& surface, const ParallelFor& parallel
     groups.representative.push_back(node < cells ? surface.first_voxel(node)
                                          : first_of(groups.pieces[node - cells], surface));
   }
+}
+
+}  // namespace
+
+VoxelGroups group_voxels(const SurfaceBits& surface, const ParallelFor& parallel_for) {
+  VoxelGroups groups;
+  split_bricks(surface, parallel_for, groups);
+  UnionFind sets(surface.brick_of.size() + groups.pieces.size());
+  join_cells(surface, groups, sets);
+  number_groups(surface, sets, groups);
   return groups;
 }
 

@@ -148,11 +148,11 @@ std::string design(const std::string& device, const std::string& scene, const st
     throw std::invalid_argument(fmt::format("stiffness_n_per_m is {}, and has to be 0 or more", stiffness_n_per_m));
   const bool is_file = device.ends_with(".yaml") || device.ends_with(".yml");
   const DeviceDescription description = is_file ? scene::load_device_file(device).description : devices::describe_device(device);
-  cli::DesignInput request;
-  request.scene = scene, request.hand = hand, request.kind = kind, request.cutoff_hz = cutoff_hz, request.gain_margin = gain_margin;
-  request.stiffness_n_per_m = stiffness_n_per_m, request.held = held, request.no_damping = !damping;
+  cli::DesignInput input;
+  input.scene = scene, input.hand = hand, input.kind = kind, input.cutoff_hz = cutoff_hz, input.gain_margin = gain_margin;
+  input.stiffness_n_per_m = stiffness_n_per_m, input.held = held, input.no_damping = !damping;
   const auto build = [&](const scene::Scene& wanted) { return rendering::build_scene(wanted, serial_for(), {.read = reader(program)}); };
-  return cli::to_json(cli::work_out(request, coupling::design::model_of(description), build)).dump();
+  return cli::to_json(cli::work_out(input, coupling::design::model_of(description), build)).dump();
 }
 
 }  // namespace

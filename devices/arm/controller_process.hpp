@@ -2,7 +2,6 @@
 /// A simulated controller as a child process that lives no longer than whoever started it.
 #include <sys/types.h>
 
-#include <chrono>
 #include <mutex>
 #include <optional>
 #include <string>

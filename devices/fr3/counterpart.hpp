@@ -18,7 +18,7 @@ DeviceDescription describe_fr3_device(const devices::DeviceOptions& options);
 
 /// Starts voxtouch_fci_robot, which stands beside the running program, on the loopback and a free port; it ends with the driver.
 /// Settings: rest, tool as above, server_version (10) of the robot, and, as often as wanted, fault: KIND@START[:DURATION[:VALUE]] as in
-/// devices/fr3/simulated/faults.hpp. The hand moves in D. In lockstep time is virtual: the same options give the same bits. Throws
+/// devices/arm/simulated/faults.hpp. The hand moves in D. In lockstep time is virtual: the same options give the same bits. Throws
 /// DeviceOpenError.
 std::unique_ptr<devices::Driver> open_wire_fr3(const devices::DeviceOptions& options);
 DeviceDescription describe_wire_fr3(const devices::DeviceOptions& options);

@@ -18,7 +18,7 @@ DeviceDescription describe_lwr_device(const devices::DeviceOptions& options);
 
 /// Starts voxtouch_fri_controller, which stands beside the running program, on the loopback and a free port; it ends with the
 /// driver. Settings: period_ms (1), rest, tool, capture as above, trace (CSV of the controller's every period), and, as often as
-/// wanted, fault: KIND@START[:DURATION[:VALUE]] as in devices/lwr/simulated/faults.hpp. The hand moves in D. In lockstep time is
+/// wanted, fault: KIND@START[:DURATION[:VALUE]] as in devices/arm/simulated/faults.hpp. The hand moves in D. In lockstep time is
 /// virtual: the same options give the same bits. Throws DeviceOpenError.
 std::unique_ptr<devices::Driver> open_wire_lwr(const devices::DeviceOptions& options);
 DeviceDescription describe_wire_lwr(const devices::DeviceOptions& options);

@@ -7,7 +7,6 @@
 #include <chrono>
 #include <cmath>
 #include <thread>
-#include <vector>
 
 namespace voxtouch::phantom {
 namespace {

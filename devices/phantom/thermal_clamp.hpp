@@ -1,7 +1,6 @@
 #pragma once
 /// Less force while motors are warm, so that the device need not drop it.
 #include <algorithm>
-#include <cmath>
 #include <span>
 
 namespace voxtouch::phantom {

@@ -24,4 +24,9 @@ SimParameters sim_phantom();
 /// an arm.
 SimParameters sim_lwr();
 
+/// A device that is known by its description alone. What that does not say is assumed: the mass is the largest along x of D and the
+/// least along z, where most scenes press; a device without torque turns like its class; the twist passes 50 Hz; the hand is that of
+/// `sim-phantom` or `sim-lwr`, by the grip.
+SimParameters simulated(const DeviceDescription& description);
+
 }  // namespace voxtouch::sim

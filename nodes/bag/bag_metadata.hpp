@@ -3,7 +3,6 @@
 /// what it needs.
 #include <cstdint>
 #include <string>
-#include <string_view>
 #include <vector>
 
 namespace voxtouch::bag {

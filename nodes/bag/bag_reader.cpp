@@ -1,6 +1,5 @@
 #include "nodes/bag/bag_reader.hpp"
 
-#include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>

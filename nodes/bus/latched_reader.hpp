@@ -1,7 +1,6 @@
 #pragma once
 /// A reader of a latched control topic: it keeps the last value of each of several writers until it is known whose is needed.
 #include <algorithm>
-#include <array>
 #include <memory>
 #include <vector>
 

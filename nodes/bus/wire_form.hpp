@@ -2,7 +2,6 @@
 /// The wire form of a type, as Cyclone DDS itself writes and reads it, without a network between: what bags hold.
 #include <dds/dds.h>
 
-#include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>

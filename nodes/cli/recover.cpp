@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <chrono>
-#include <map>
 #include <thread>
 
 #include <CLI/CLI.hpp>

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <map>
 #include <memory>
-#include <set>
 #include <thread>
 
 #include <fmt/format.h>

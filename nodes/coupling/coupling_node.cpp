@@ -1,7 +1,6 @@
 #include "nodes/coupling/coupling_node.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <mutex>
 #include <optional>
 

@@ -277,7 +277,7 @@ void DeviceLoop::note(const Wrench& force) noexcept {
 std::unique_ptr<Faults> make_faults(const std::filesystem::path& folder, const std::string& rig, double rate_hz) {
   const std::string ns = "/" + rig + "/";
   auto faults = std::make_unique<Faults>(
-      folder, faults::FaultStory{"device", rig, {}},
+      folder, faults::FaultContext{"device", rig, {}},
       std::vector{faults::topic_of<msg::DeviceState>(ns + "device/state"), faults::topic_of<msg::ForceCommand>(ns + "coupling/command"),
                   faults::topic_of<msg::ForceCommand>(ns + "device/given")},
       [](const std::vector<SampleSeen>& rows) {

@@ -28,17 +28,17 @@ std::filesystem::path next_name(const std::filesystem::path& folder, const std::
 
 }  // namespace
 
-std::filesystem::path write_fault_bag(const std::filesystem::path& folder, const FaultStory& story, const std::vector<FaultTopic>& topics,
+std::filesystem::path write_fault_bag(const std::filesystem::path& folder, const FaultContext& context, const std::vector<FaultTopic>& topics,
                                       const std::vector<FaultMessage>& messages) {
-  const std::filesystem::path path = next_name(folder, story.node);
+  const std::filesystem::path path = next_name(folder, context.node);
   bag::BagWriter writer = good(bag::BagWriter::create(path));
   std::vector<bag::TopicId> ids;
   for (const FaultTopic& topic : topics)
     ids.push_back(good(writer.add_topic({.name = topic.name, .type = std::string(topic.type), .offered_qos = {}, .type_hash = std::string(topic.hash)})));
   for (const FaultMessage& message : messages) good(writer.append(ids[message.topic], message.time_ns, message.bytes));
-  const nlohmann::ordered_json json{{"node", story.node},
-                                    {"rig", story.rig},
-                                    {"reason", story.reason},
+  const nlohmann::ordered_json json{{"node", context.node},
+                                    {"rig", context.rig},
+                                    {"reason", context.reason},
                                     {"first_time_ns", messages.empty() ? 0 : messages.front().time_ns},
                                     {"last_time_ns", messages.empty() ? 0 : messages.back().time_ns}};
   good(bag::write_atomically(path / "fault.json", json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n", bag::Flush::kNo));

@@ -37,13 +37,13 @@ FaultMessage message_of(std::size_t topic, std::int64_t time_ns, const T& messag
   return out;
 }
 
-struct FaultStory {
+struct FaultContext {
   std::string node, rig, reason;
 };
 
 /// Makes FOLDER/NODE_N, the next N that is not there, with the messages and fault.json, and says where. Throws a sentence where the disk
 /// refuses. Blocks for the disk.
-std::filesystem::path write_fault_bag(const std::filesystem::path& folder, const FaultStory& story, const std::vector<FaultTopic>& topics,
+std::filesystem::path write_fault_bag(const std::filesystem::path& folder, const FaultContext& context, const std::vector<FaultTopic>& topics,
                                       const std::vector<FaultMessage>& messages);
 
 /// A sentence for each record in FOLDER, by name; nothing where it is not there.

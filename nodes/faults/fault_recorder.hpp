@@ -50,8 +50,8 @@ class FaultRecorder {
   /// How the rows become messages; called by the thread that writes.
   using Messages = std::function<std::vector<FaultMessage>(const std::vector<Row>&)>;
 
-  FaultRecorder(std::filesystem::path folder, FaultStory story, std::vector<FaultTopic> topics, Messages messages)
-      : folder_(std::move(folder)), story_(std::move(story)), topics_(std::move(topics)), messages_(std::move(messages)) {
+  FaultRecorder(std::filesystem::path folder, FaultContext context, std::vector<FaultTopic> topics, Messages messages)
+      : folder_(std::move(folder)), context_(std::move(context)), topics_(std::move(topics)), messages_(std::move(messages)) {
     if (!folder_.empty()) thread_ = std::jthread([this](const std::stop_token& stop) { write_as_they_come(stop); });
   }
 
@@ -89,14 +89,14 @@ class FaultRecorder {
 
   void write(const char* reason, const std::vector<Row>& rows) {
     if (++written_ > kMaxRecords) return;
-    story_.reason = reason;
+    context_.reason = reason;
     std::string where, trouble;
     try {
-      where = write_fault_bag(folder_, story_, topics_, messages_(rows)).string();
-      log::tell("{}: what it saw before {} is in {}\n", story_.node, reason, where);
+      where = write_fault_bag(folder_, context_, topics_, messages_(rows)).string();
+      log::tell("{}: what it saw before {} is in {}\n", context_.node, reason, where);
     } catch (const std::exception& error) {
       trouble = fmt::format("what it saw before {} is not on the disk: {}", reason, error.what());
-      log::tell("warning: {}: {}\n", story_.node, trouble);
+      log::tell("warning: {}: {}\n", context_.node, trouble);
     }
     const std::lock_guard lock(mutex_);
     if (!where.empty()) last_ = std::move(where);
@@ -104,7 +104,7 @@ class FaultRecorder {
   }
 
   std::filesystem::path folder_;
-  FaultStory story_;
+  FaultContext context_;
   std::vector<FaultTopic> topics_;
   Messages messages_;
   RecentRows<Row> rows_;

@@ -47,29 +47,8 @@ class LoggerNode {
           [this](runtime::NodeRegistry& registry, runtime::NodeReport& report) { look(registry, report); },
           {{"its loop", [this] { return heartbeat_.sign(); }},
            {"its disk", [this] { return recorder_.disk_steps() + closing_.sign(); }}});
-      std::int64_t last_discovery = 0;
-      while (!stop.load(std::memory_order_relaxed) && !housekeeping.peer_lost()) {
-        heartbeat_.beat();
-        wait_set_.wait(20'000'000);
-        descriptions_.take([this](const msg::DeviceDescription& d) {
-          session_.begin(d.session_id);
-          session_in_bag_.store(d.session_id, std::memory_order_relaxed);
-        });
-        topics_.drain();
-        if (const std::int64_t now = runtime::monotonic_ns(); now - last_discovery > 50'000'000) {
-          last_discovery = now;
-          for (const std::string& sentence : topics_.discover()) log::tell("warning: logger: {}\n", sentence);
-        }
-      }
-      // Whatever the others wrote before they stopped has been acknowledged by our readers: it is here, or on its way (best effort).
-      // Not for ever: others may go on writing, a ring that this logger only listens to or a robot whose topics it was told.
-      // Quiet is counted in waits and not by the clock: a machine that lets this process wait lets DDS's threads in it wait as well.
-      const std::int64_t end = runtime::monotonic_ns() + kMaxStopNs;
-      for (int quiet = 0; quiet < 5 && runtime::monotonic_ns() < end; quiet = wait_set_.wait(20'000'000) ? 0 : quiet + 1) {
-        heartbeat_.beat();
-        descriptions_.take([](const msg::DeviceDescription&) {});
-        topics_.drain();
-      }
+      record(stop, housekeeping);
+      record_what_is_on_its_way();
       topics_.end();
       lost_peer_ = housekeeping.peer_lost();
       constexpr std::int64_t kMaxCloseNs = 20'000'000'000;  // as long as `up` waits for it
@@ -77,21 +56,52 @@ class LoggerNode {
       final_ = recorder_.stop();
       session_.stop();  // what is final is in place
     }
-    const std::uint64_t lost = final_.total(&bag::TopicReport::dropped) + final_.total(&bag::TopicReport::lost);
     for (const std::string& error : final_.errors) log::tell("error: logger: {}\n", error);
     for (const bag::TopicReport& t : final_.topics)
       if (t.dropped + t.lost > 0)
-        log::tell(
-                   "warning: logger: {} of {} messages of {} are not in the bag: the disk was too slow or full\n",
-                   t.dropped + t.lost, t.received, t.name);
-    return lost == 0 && final_.errors.empty() && !lost_peer_ ? 0 : 1;
+        log::tell("warning: logger: {} of {} messages of {} are not in the bag: the disk was too slow or full\n", t.dropped + t.lost, t.received, t.name);
+    return lost_messages(final_) == 0 && final_.errors.empty() && !lost_peer_ ? 0 : 1;
   }
 
  private:
+  /// Until it is asked to stop, or in lockstep a peer is lost.
+  void record(const std::atomic<bool>& stop, const runtime::Housekeeping& housekeeping) {
+    std::int64_t last_discovery = 0;
+    while (!stop.load(std::memory_order_relaxed) && !housekeeping.peer_lost()) {
+      heartbeat_.beat();
+      wait_set_.wait(20'000'000);
+      descriptions_.take([this](const msg::DeviceDescription& d) {
+        session_.begin(d.session_id);
+        session_in_bag_.store(d.session_id, std::memory_order_relaxed);
+      });
+      topics_.drain();
+      if (const std::int64_t now = runtime::monotonic_ns(); now - last_discovery > 50'000'000) {
+        last_discovery = now;
+        for (const std::string& sentence : topics_.discover()) log::tell("warning: logger: {}\n", sentence);
+      }
+    }
+  }
+
+  /// Whatever the others wrote before they stopped has been acknowledged by our readers: it is here, or on its way (best effort).
+  /// Not for ever: others may go on writing, a ring that this logger only listens to or a robot whose topics it was told.
+  /// Quiet is counted in waits and not by the clock: a machine that lets this process wait lets DDS's threads in it wait as well.
+  void record_what_is_on_its_way() {
+    const std::int64_t end = runtime::monotonic_ns() + kMaxStopNs;
+    for (int quiet = 0; quiet < 5 && runtime::monotonic_ns() < end; quiet = wait_set_.wait(20'000'000) ? 0 : quiet + 1) {
+      heartbeat_.beat();
+      descriptions_.take([](const msg::DeviceDescription&) {});
+      topics_.drain();
+    }
+  }
+
+  static std::uint64_t lost_messages(const bag::RecordingReport& report) {
+    return report.total(&bag::TopicReport::dropped) + report.total(&bag::TopicReport::lost);
+  }
+
   void look(runtime::NodeRegistry& registry, runtime::NodeReport& report) {
     const bool finished = session_.stopped();
     const bag::RecordingReport now = finished ? final_ : recorder_.report();
-    const std::uint64_t lost = now.total(&bag::TopicReport::dropped) + now.total(&bag::TopicReport::lost);
+    const std::uint64_t lost = lost_messages(now);
     report.message = !now.errors.empty() ? now.errors.front()
                      : lost              ? "the disk is too slow: messages are being dropped"
                      : finished          ? "the bag is closed"

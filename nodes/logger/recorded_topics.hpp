@@ -1,7 +1,6 @@
 #pragma once
 /// The readers of a recording: those of the ring from the start, others as their writers appear.
 #include <deque>
-#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>

@@ -110,7 +110,7 @@ ListedParameters list_parameters(std::span<const RosParameter> all, std::span<co
   return listed;
 }
 
-msg::EffectChange ParameterWish::message() const {
+msg::EffectChange ParameterChange::message() const {
   msg::EffectChange m{};
   m.action = action;
   m.effect = runtime::lend(effect), m.parameter = runtime::lend(parameter), m.model = const_cast<char*>("");
@@ -118,7 +118,7 @@ msg::EffectChange ParameterWish::message() const {
   return m;
 }
 
-std::expected<ParameterWish, std::string> wish_of(std::span<const RosParameter> all, const msg::rcl_interfaces_Parameter& asked) {
+std::expected<ParameterChange, std::string> change_of(std::span<const RosParameter> all, const msg::rcl_interfaces_Parameter& asked) {
   const std::string name = asked.name ? asked.name : "";
   const RosParameter* const known = find_parameter(all, name);
   const std::size_t dot = name.rfind('.');
@@ -126,25 +126,25 @@ std::expected<ParameterWish, std::string> wish_of(std::span<const RosParameter> 
     if (known) return std::unexpected(fmt::format("'{}' is of the scene and cannot change while running; `voxtouch change --reload` reads another", name));
     return std::unexpected(fmt::format("there is no parameter '{}'; parameters are called as EFFECT.on, EFFECT.gain or EFFECT.PARAMETER", effects::quotable(name)));
   }
-  ParameterWish wish{.action = kActionValue, .effect = known ? known->effect : name.substr(0, dot),
-                     .parameter = known ? known->parameter : name.substr(dot + 1)};
-  const bool is_switch = known ? std::holds_alternative<bool>(known->value) : wish.parameter == "on";
-  if (is_switch || (known ? known->parameter.empty() : wish.parameter == "gain")) {
-    wish.action = is_switch ? kActionSwitch : kActionGain;
-    wish.parameter.clear();
+  ParameterChange change{.action = kActionValue, .effect = known ? known->effect : name.substr(0, dot),
+                         .parameter = known ? known->parameter : name.substr(dot + 1)};
+  const bool is_switch = known ? std::holds_alternative<bool>(known->value) : change.parameter == "on";
+  if (is_switch || (known ? known->parameter.empty() : change.parameter == "gain")) {
+    change.action = is_switch ? kActionSwitch : kActionGain;
+    change.parameter.clear();
   }
-  if (wish.action == kActionSwitch) {
+  if (change.action == kActionSwitch) {
     if (asked.value.type != kBool) return std::unexpected(fmt::format("'{}' takes true or false", effects::quotable(name)));
-    wish.value[0] = asked.value.bool_value ? 1.0 : 0.0;
-    return wish;
+    change.value[0] = asked.value.bool_value ? 1.0 : 0.0;
+    return change;
   }
-  if (known && known->read_only) return wish;  // judged, and refused, by whoever makes changes
+  if (known && known->read_only) return change;  // judged, and refused, by whoever makes changes
   const std::vector<double> numbers = numbers_of(asked.value);
-  const std::size_t wanted = known && std::holds_alternative<std::vector<double>>(known->value) ? 3 : 1;
-  if (known && numbers.size() != wanted)
-    return std::unexpected(fmt::format("'{}' takes {}", name, wanted == 3 ? "three numbers" : "a number"));
-  std::copy_n(numbers.begin(), std::min<std::size_t>(numbers.size(), 3), wish.value);
-  return wish;
+  const std::size_t count = known && std::holds_alternative<std::vector<double>>(known->value) ? 3 : 1;
+  if (known && numbers.size() != count)
+    return std::unexpected(fmt::format("'{}' takes {}", name, count == 3 ? "three numbers" : "a number"));
+  std::copy_n(numbers.begin(), std::min<std::size_t>(numbers.size(), 3), change.value);
+  return change;
 }
 
 std::uint8_t type_of(const ParameterValue& value) noexcept {

@@ -40,16 +40,16 @@ struct ListedParameters {
 ListedParameters list_parameters(std::span<const RosParameter> all, std::span<const std::string> prefixes, std::uint64_t depth);
 
 /// A change that setting a parameter asks for, in the words of EffectChange. Keeps the texts that `message` lends.
-struct ParameterWish {
+struct ParameterChange {
   std::uint32_t action = 0;
   std::string effect, parameter;
   double value[3] = {};
-  /// Lends its texts from this wish, which outlives it.
+  /// Lends its texts from this change, which outlives it.
   msg::EffectChange message() const;
 };
 /// What `asked` means, or a sentence where its type or number of values is none that the parameter takes. Whether the change can be made is
 /// judged by whoever makes it, who also has the sentence for a name that there is not.
-std::expected<ParameterWish, std::string> wish_of(std::span<const RosParameter> all, const msg::rcl_interfaces_Parameter& asked);
+std::expected<ParameterChange, std::string> change_of(std::span<const RosParameter> all, const msg::rcl_interfaces_Parameter& asked);
 
 /// rcl_interfaces' number of a value's type.
 std::uint8_t type_of(const ParameterValue& value) noexcept;

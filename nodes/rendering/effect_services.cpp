@@ -44,8 +44,8 @@ msg::rcl_interfaces_SetParametersResult message_of(const Results::One& result) {
 
 }  // namespace
 
-EffectServices::EffectServices(const bus::Participant& participant, const std::string& rig, ChangeDoor door)
-    : node_("/" + rig + "/rendering"), door_(std::move(door)),
+EffectServices::EffectServices(const bus::Participant& participant, const std::string& rig, ChangeHandler handler)
+    : node_("/" + rig + "/rendering"), handler_(std::move(handler)),
       change_(Server<msg::ChangeEffect>::make<change_fits>(participant, qos::kChangeEffect, rig, "rendering")),
       list_(Server<msg::rcl_interfaces_ListParameters>::make<prefixes_fit>(participant, qos::kListParameters, rig, "rendering")),
       get_(Server<msg::rcl_interfaces_GetParameters>::make<names_fit>(participant, qos::kGetParameters, rig, "rendering")),
@@ -53,7 +53,7 @@ EffectServices::EffectServices(const bus::Participant& participant, const std::s
       describe_(Server<msg::rcl_interfaces_DescribeParameters>::make<names_fit>(participant, qos::kDescribeParameters, rig, "rendering")),
       set_(Server<msg::rcl_interfaces_SetParameters>::make<parameters_fit>(participant, qos::kSetParameters, rig, "rendering")),
       set_together_(Server<msg::rcl_interfaces_SetParametersAtomically>::make<parameters_fit>(participant, qos::kSetParametersAtomically, rig, "rendering")),
-      events_(participant, qos::kParameterEvents, rig, qos::profile(qos::kParameterEvents.profile)), told_(door_.parameters()) {}
+      events_(participant, qos::kParameterEvents, rig, qos::profile(qos::kParameterEvents.profile)), told_(handler_.parameters()) {}
 
 void EffectServices::attach_to(bus::WaitSet& wait_set) {
   for (const dds_entity_t condition : {change_.condition(), list_.condition(), get_.condition(), types_.condition(), describe_.condition(), set_.condition(),
@@ -91,7 +91,7 @@ void EffectServices::each(Server<S>& server, F&& f) {
 void EffectServices::serve(bool answers) {
   answers_ = answers;
   each(list_, [this](const auto& request, const bus::Caller& caller) {
-    ListedParameters listed = list_parameters(door_.parameters(), texts_of(request.prefixes), request.depth);
+    ListedParameters listed = list_parameters(handler_.parameters(), texts_of(request.prefixes), request.depth);
     list_.reply(caller, [listed = std::move(listed)](auto& response, const auto& send) {
       runtime::LentStrings names(listed.names), prefixes(listed.prefixes);
       names.into(response.result.names), prefixes.into(response.result.prefixes);
@@ -106,7 +106,7 @@ void EffectServices::serve(bool answers) {
 
 template <class Names>
 std::vector<RosParameter> EffectServices::named(const Names& names) const {
-  const std::vector<RosParameter> all = door_.parameters();
+  const std::vector<RosParameter> all = handler_.parameters();
   std::vector<RosParameter> found;
   for (const char* name : all_of(names)) {
     const RosParameter* const known = find_parameter(all, name);
@@ -159,15 +159,15 @@ void EffectServices::set(const msg::rcl_interfaces_SetParameters::Request& reque
     if (--results->open == 0) reply();
   };
   if (asked.empty()) return reply();
-  const std::vector<RosParameter> known = door_.parameters();
+  const std::vector<RosParameter> known = handler_.parameters();
   for (std::size_t n = 0; n < asked.size(); ++n) {
-    const auto wish = wish_of(known, asked[n]);
-    if (!wish) {
-      tell(n, false, wish.error());
+    const auto wanted = change_of(known, asked[n]);
+    if (!wanted) {
+      tell(n, false, wanted.error());
       continue;
     }
-    const msg::EffectChange message = wish->message();
-    door_.ask(std::span(&message, 1), false, [n, tell](std::size_t, bool done, std::uint64_t, const std::string& sentence) { tell(n, done, sentence); });
+    const msg::EffectChange message = wanted->message();
+    handler_.ask(std::span(&message, 1), false, [n, tell](std::size_t, bool done, std::uint64_t, const std::string& sentence) { tell(n, done, sentence); });
   }
 }
 
@@ -178,18 +178,18 @@ void EffectServices::set_together(const msg::rcl_interfaces_SetParametersAtomica
       send();
     });
   };
-  const std::vector<RosParameter> known = door_.parameters();
-  std::vector<ParameterWish> wishes;
+  const std::vector<RosParameter> known = handler_.parameters();
+  std::vector<ParameterChange> changes;
   for (const auto& parameter : all_of(request.parameters)) {
-    auto wish = wish_of(known, parameter);
-    if (!wish) return reply({false, wish.error()});
-    wishes.push_back(std::move(*wish));
+    auto wanted = change_of(known, parameter);
+    if (!wanted) return reply({false, wanted.error()});
+    changes.push_back(std::move(*wanted));
   }
-  if (wishes.empty()) return reply({true, {}});
+  if (changes.empty()) return reply({true, {}});
   std::vector<msg::EffectChange> messages;
-  for (const ParameterWish& wish : wishes) messages.push_back(wish.message());
+  for (const ParameterChange& wanted : changes) messages.push_back(wanted.message());
   const auto open = std::make_shared<std::size_t>(messages.size());
-  door_.ask(messages, true, [open, reply](std::size_t, bool done, std::uint64_t, const std::string& sentence) {
+  handler_.ask(messages, true, [open, reply](std::size_t, bool done, std::uint64_t, const std::string& sentence) {
     if (--*open == 0) reply({done, sentence});
   });
 }
@@ -200,7 +200,7 @@ void EffectServices::change(const msg::ChangeEffect::Request& request, const bus
   message.effect = request.effect, message.parameter = request.parameter, message.model = request.model;
   std::ranges::copy(request.value, message.value);
   message.voxel_size_m = request.voxel_size_m;
-  door_.ask(std::span(&message, 1), false, [this, caller](std::size_t, bool done, std::uint64_t from_sample, const std::string& sentence) {
+  handler_.ask(std::span(&message, 1), false, [this, caller](std::size_t, bool done, std::uint64_t from_sample, const std::string& sentence) {
     change_.reply(caller, [done, from_sample, sentence](auto& response, const auto& send) {
       response.done = done, response.from_sample = from_sample;
       response.sentence = runtime::lend(sentence);
@@ -210,7 +210,7 @@ void EffectServices::change(const msg::ChangeEffect::Request& request, const bus
 }
 
 void EffectServices::parameters_changed() {
-  std::vector<RosParameter> before = std::exchange(told_, door_.parameters());
+  std::vector<RosParameter> before = std::exchange(told_, handler_.parameters());
   if (!answers_ || events_.matched_count() == 0) return;  // of two that play one role the acting one tells
   std::vector<msg::rcl_interfaces_Parameter> came, changed, gone;
   for (const RosParameter& now : told_) {

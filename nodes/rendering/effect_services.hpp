@@ -20,7 +20,7 @@ namespace voxtouch::rendering_node {
 using ChangeTold = std::function<void(std::size_t which, bool done, std::uint64_t from_sample, const std::string& sentence)>;
 
 /// The way of every change, as the services need it. Both are called from the thread that calls `serve`.
-struct ChangeDoor {
+struct ChangeHandler {
   /// Each by itself, or `together` all in one sample or none. `told` is called once for each, at once or later.
   std::function<void(std::span<const msg::EffectChange> changes, bool together, ChangeTold told)> ask;
   std::function<std::vector<RosParameter>()> parameters;  ///< as they are set now
@@ -32,13 +32,13 @@ class EffectServices {
  public:
   static constexpr int kMaxPerSecond = 200;
 
-  EffectServices(const bus::Participant& participant, const std::string& rig, ChangeDoor door);
+  EffectServices(const bus::Participant& participant, const std::string& rig, ChangeHandler handler);
   void attach_to(bus::WaitSet& wait_set);
   /// Answers what has come, and what waited for its client. Does not block. Where not `answers` another rendering that acts does: what has come is dropped.
   void serve(bool answers);
   /// Replies wait for their client's reader: `serve` soon.
   bool waits() const noexcept;
-  /// Parameters may have changed, by whatever door: tells `/parameter_events` what did.
+  /// Parameters may have changed, by whatever way: tells `/parameter_events` what did.
   void parameters_changed();
   /// Requests that were beyond what a second takes. Any thread.
   std::uint64_t refused() const noexcept { return refused_.load(std::memory_order_relaxed); }
@@ -60,7 +60,7 @@ class EffectServices {
 
   std::string node_;  ///< "/haptic/rendering"
   bool answers_ = true;
-  ChangeDoor door_;
+  ChangeHandler handler_;
   Server<msg::ChangeEffect> change_;
   Server<msg::rcl_interfaces_ListParameters> list_;
   Server<msg::rcl_interfaces_GetParameters> get_;

@@ -47,7 +47,7 @@ SceneUpdateServer::SceneUpdateServer(const bus::Participant& participant, const 
       made_(participant, qos::kEffectMade, options.rig, qos::profile_in(qos::kEffectMade, options.mode())),
       plans_(participant, qos::kScenePlan, options.rig, qos::profile_in(qos::kScenePlan, options.mode())),
       wait_set_(participant), scene_(scene), settled_(scene.effects), reach_(effects::at_rest(settled_)), begun_(std::move(begun)),
-      services_(participant, options.rig, door()), speaks_(!options.standby.is_standby), spoke_(!options.standby.is_standby) {
+      services_(participant, options.rig, handler()), speaks_(!options.standby.is_standby), spoke_(!options.standby.is_standby) {
   set_plan(*first);
   sum_up();
   scenes_.push_back(std::move(first));
@@ -89,7 +89,7 @@ void SceneUpdateServer::cycle() {
   services_.serve(spoke_);
 }
 
-ChangeDoor SceneUpdateServer::door() {
+ChangeHandler SceneUpdateServer::handler() {
   return {[this](std::span<const msg::EffectChange> asked, bool together, const ChangeTold& told) { ask_for(asked, together, told); },
           [this] { return parameters_of(scene_, settled_); }};
 }

@@ -97,7 +97,7 @@ class SceneUpdateServer {
 
   void run();
   void cycle();
-  ChangeDoor door();
+  ChangeHandler handler();
   void ask_for(std::span<const msg::EffectChange> asked, bool together, const ChangeTold& told);
   void receive(const msg::EffectChange& m, Request request);
   std::string why_not(const msg::EffectChange& m) const;

@@ -1,7 +1,6 @@
 #pragma once
 /// A recorded run through rendering and coupling once more, and what comes of it beside what was recorded.
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <vector>
 

@@ -1,6 +1,5 @@
 #include "nodes/replay/scene_replay.hpp"
 
-#include <fmt/format.h>
 
 #include "core/rendering/reload_check.hpp"
 #include "core/scene/scene_file.hpp"

@@ -4,7 +4,6 @@
 #include <atomic>
 #include <memory>
 #include <string>
-#include <vector>
 
 #include "nodes/bus/followed_reader.hpp"
 #include "nodes/runtime/acting_pair.hpp"

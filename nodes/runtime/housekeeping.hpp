@@ -3,7 +3,6 @@
 /// hangs: another node, or its own loop, and tells ROS tools state and sentences of the node.
 #include <atomic>
 #include <functional>
-#include <mutex>
 #include <set>
 #include <thread>
 

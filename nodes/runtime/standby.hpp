@@ -1,6 +1,5 @@
 #pragma once
 /// How two that play one role know of each other, by their statuses: who acts names its standby, and everybody follows these two.
-#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>

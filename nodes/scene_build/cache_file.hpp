@@ -2,7 +2,6 @@
 /// One file of the cache: head, recipe, content, and a checksum over all of it. What a file holds is not trusted before that is right.
 #include <cstdint>
 #include <filesystem>
-#include <memory>
 #include <string>
 #include <string_view>
 

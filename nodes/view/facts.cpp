@@ -1,6 +1,5 @@
 #include "nodes/view/facts.hpp"
 
-#include <cmath>
 
 #include <fmt/format.h>
 

@@ -4,7 +4,6 @@
 #include <deque>
 #include <map>
 #include <string>
-#include <vector>
 
 #include <nlohmann/json.hpp>
 

@@ -1,6 +1,5 @@
 #pragma once
 /// Serves the page's files and one WebSocket on one address, by libwebsockets, in a thread of its own.
-#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>

@@ -5,7 +5,6 @@
 #include <deque>
 #include <map>
 #include <optional>
-#include <vector>
 
 #include <nlohmann/json.hpp>
 

@@ -1,8 +1,6 @@
 #pragma once
 /// A plane through the voxels of a scene, for people: what the contact models ask is seen, and not only the mesh that it was made from.
 #include <cstdint>
-#include <optional>
-#include <string>
 
 #include <nlohmann/json_fwd.hpp>
 

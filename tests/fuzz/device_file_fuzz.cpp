@@ -33,9 +33,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     FUZZ_REQUIRE(timing.jitter >= 0.0 && timing.jitter <= 10.0 && timing.lost_in_a_row >= 0);
     scene::Scene scene;
     scene.voxel_size_m = 0.002;
-    const coupling::design::DesignProblem request = fitting::design_problem(scene, device, {10.0, 1000.0}, {0.1, 1.0});
+    const coupling::design::DesignProblem problem = fitting::design_problem(scene, device, {10.0, 1000.0}, {0.1, 1.0});
     try {
-      coupling::design::refuse_impossible(request);
+      coupling::design::refuse_impossible(problem);
     } catch (const std::invalid_argument&) {  // a sentence, too
     }
   } catch (const scene::SceneError& refused) {

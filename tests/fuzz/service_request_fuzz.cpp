@@ -48,23 +48,23 @@ class Rendering {
 
   void set(const msg::rcl_interfaces_Parameter& asked) {
     const std::vector<RosParameter> all = parameters();
-    const auto wish = wish_of(all, asked);
-    if (!wish) return require_sentence(wish.error());
-    const msg::EffectChange message = wish->message();
+    const auto wanted = change_of(all, asked);
+    if (!wanted) return require_sentence(wanted.error());
+    const msg::EffectChange message = wanted->message();
     const RosParameter* known = find_parameter(all, view(asked.name));
     if (change(std::span(&message, 1))) FUZZ_REQUIRE(known && !known->read_only);
   }
 
   void set_together(std::span<const msg::rcl_interfaces_Parameter> asked) {
     const std::vector<RosParameter> all = parameters();
-    std::vector<ParameterWish> wishes;
+    std::vector<ParameterChange> changes;
     for (const auto& parameter : asked) {
-      auto wish = wish_of(all, parameter);
-      if (!wish) return require_sentence(wish.error());
-      wishes.push_back(std::move(*wish));
+      auto wanted = change_of(all, parameter);
+      if (!wanted) return require_sentence(wanted.error());
+      changes.push_back(std::move(*wanted));
     }
     std::vector<msg::EffectChange> messages;
-    for (const ParameterWish& wish : wishes) messages.push_back(wish.message());
+    for (const ParameterChange& wanted : changes) messages.push_back(wanted.message());
     if (!change(messages)) FUZZ_REQUIRE(parameters() == all);  // all of them or none
   }
 

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
 
@@ -11,6 +13,33 @@ namespace voxtouch::arm_sim {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+struct FaultRow {
+  std::string_view name;
+  double usual, least, most;  ///< of the value
+  bool whole;
+};
+
+/// In the order of FaultKind.
+constexpr std::array<FaultRow, kFaultKinds> kRows{{
+    {"loss", 1.0, 0.0, 1.0, false},
+    {"answer_loss", 1.0, 0.0, 1.0, false},
+    {"late", 0.003, 0.0, 1.0, false},
+    {"jitter", 0.0005, 0.0, 1.0, false},
+    {"reorder", 1.0, 0.0, 1.0, false},
+    {"duplicate", 1.0, 0.0, 1.0, false},
+    {"nan", 1.0, 1.0, 8.0, true},
+    {"silent", 0.0, 0.0, 0.0, false},
+    {"drives_off", 127.0, 1.0, 127.0, true},
+    {"drive_error", 127.0, 1.0, 127.0, true},
+    {"estop", 0.0, 0.0, 0.0, false},
+    {"quality", 1.0, 0.0, 2.0, true},
+    {"user_stop", 0.0, 0.0, 0.0, false},
+    {"guiding", 0.0, 0.0, 0.0, false},
+    {"reflex", 7.0, 0.0, 40.0, true},
+    {"not_ready", 0.0, 0.0, 0.0, false},
+    {"closed", 0.0, 0.0, 0.0, false},
+}};
 
 [[noreturn]] void refuse(std::string_view text, std::string_view why) {
   throw std::runtime_error(
@@ -33,14 +62,16 @@ std::string_view split_off_part(std::string_view& rest) {
 
 }  // namespace
 
-Fault<std::size_t> parse_fault(std::string_view text, std::span<const FaultRow> rows) {
+Fault parse_fault(std::string_view text, const ControllerFaults& known) {
   const std::size_t at = text.find('@');
   if (at == std::string_view::npos) refuse(text, "it has no '@'");
-  std::size_t kind = 0;
-  while (kind < rows.size() && rows[kind].name != text.substr(0, at)) ++kind;
-  if (kind == rows.size()) refuse(text, fmt::format("there is no fault '{}'", text.substr(0, at)));
-  const FaultRow& row = rows[kind];
-  Fault<std::size_t> fault{kind, 0.0, kInfinity, row.usual};
+  const std::string_view name = text.substr(0, at);
+  const auto found = std::ranges::find(kRows, name, &FaultRow::name);
+  if (found == kRows.end() || !fmt::format(" {} ", known.kinds).contains(fmt::format(" {} ", name)))
+    refuse(text, fmt::format("there is no fault '{}'", name));
+  FaultRow row = *found;
+  Fault fault{static_cast<FaultKind>(found - kRows.begin()), 0.0, kInfinity, row.usual};
+  if (fault.kind == FaultKind::kNan) row.most = known.most_nan;
   std::string_view rest = text.substr(at + 1);
   fault.start_s = number(text, split_off_part(rest), "start in seconds");
   if (!(fault.start_s >= 0.0 && fault.start_s < kInfinity)) refuse(text, "the start has to be 0 or more");

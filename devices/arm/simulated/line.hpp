@@ -13,19 +13,16 @@
 
 namespace voxtouch::arm_sim {
 
-/// Measurements on their way, ordered by when they leave. `Kind` of the schedule has kLoss, kAnswerLoss, kLate, kJitter, kReorder,
-/// kDuplicate and kSilent. Random decisions come from one generator a kind of fault, so that one fault does not change another's
-/// dice; the same seed and calls give the same decisions. Real-time safe after construction.
-template <class Payload, class Schedule, std::size_t kKinds>
+/// Measurements on their way, ordered by when they leave. Random decisions come from one generator a kind of fault, so that one fault
+/// does not change another's; the same seed and calls give the same decisions. Real-time safe after construction.
+template <class Payload>
 class Line {
  public:
-  using Kind = typename Schedule::Kind;
-
-  Line(Schedule faults, double period_s, std::uint64_t seed) : faults_(std::move(faults)), period_s_(period_s) {
-    for (std::size_t i = 0; i < kKinds; ++i) {
+  Line(FaultSchedule faults, double period_s, std::uint64_t seed) : faults_(std::move(faults)), period_s_(period_s) {
+    for (std::size_t i = 0; i < kFaultKinds; ++i) {
       std::seed_seq mixed{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32),
                           static_cast<std::uint32_t>(i)};
-      dice_[i].seed(mixed);
+      random_[i].seed(mixed);
     }
     waiting_.reserve(kCapacity);
   }
@@ -41,20 +38,20 @@ class Line {
 
   /// A measurement made at `now_s`.
   void put(const Payload& msr, double now_s) noexcept {
-    if (happens(Kind::kLoss, now_s)) {
+    if (happens(FaultKind::kLoss, now_s)) {
       ++counts_.lost;
       return;
     }
-    double delay = faults_.active(Kind::kLate, now_s).value_or(0.0);
-    if (const auto most = faults_.active(Kind::kJitter, now_s)) delay += *most * uniform(Kind::kJitter);
+    double delay = faults_.active(FaultKind::kLate, now_s).value_or(0.0);
+    if (const auto most = faults_.active(FaultKind::kJitter, now_s)) delay += *most * uniform(FaultKind::kJitter);
     if (delay > 0.0) ++counts_.delayed;
-    reordering_ = !reordering_ && happens(Kind::kReorder, now_s);
+    reordering_ = !reordering_ && happens(FaultKind::kReorder, now_s);
     if (reordering_) {
       ++counts_.reordered;
       delay += 1.05 * period_s_;  // just after its successor
     }
     queue(msr, now_s, delay);
-    if (!happens(Kind::kDuplicate, now_s)) return;
+    if (!happens(FaultKind::kDuplicate, now_s)) return;
     ++counts_.duplicated;
     queue(msr, now_s, delay);
   }
@@ -71,20 +68,20 @@ class Line {
   }
   /// Does an answer that arrives now get lost?
   bool loses_answer(double now_s) noexcept {
-    if (!happens(Kind::kAnswerLoss, now_s)) return false;
+    if (!happens(FaultKind::kAnswerLoss, now_s)) return false;
     ++counts_.answers_lost;
     return true;
   }
-  bool silent(double now_s) const noexcept { return faults_.active(Kind::kSilent, now_s).has_value(); }
+  bool silent(double now_s) const noexcept { return faults_.active(FaultKind::kSilent, now_s).has_value(); }
   const Counts& counts() const noexcept { return counts_; }
 
  private:
   static constexpr std::size_t kCapacity = 2048;  // a second late at 1 kHz, twice
 
-  double uniform(Kind kind) noexcept {
-    return static_cast<double>(dice_[static_cast<std::size_t>(kind)]() >> 11) * 0x1p-53;
+  double uniform(FaultKind kind) noexcept {
+    return static_cast<double>(random_[static_cast<std::size_t>(kind)]() >> 11) * 0x1p-53;
   }
-  bool happens(Kind kind, double now_s) noexcept {
+  bool happens(FaultKind kind, double now_s) noexcept {
     const auto share = faults_.active(kind, now_s);
     return share && uniform(kind) < *share;
   }
@@ -95,9 +92,9 @@ class Line {
     waiting_.insert(later, Packet{due, now_s, msr});
   }
 
-  Schedule faults_;
+  FaultSchedule faults_;
   double period_s_;
-  std::array<std::mt19937_64, kKinds> dice_;
+  std::array<std::mt19937_64, kFaultKinds> random_;
   std::vector<Packet> waiting_;  // by due time; capacity fixed
   Packet taken_;
   bool reordering_ = false;

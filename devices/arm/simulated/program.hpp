@@ -28,21 +28,20 @@ struct ProgramOptions {
     return pose;
   }
   /// Throws std::runtime_error that names the fault that cannot be read.
-  template <class Kind>
-  FaultSchedule<Kind> schedule(Fault<Kind> (&parse)(std::string_view)) const {
-    std::vector<Fault<Kind>> all;
-    for (const std::string& text : faults) all.push_back(parse(text));
-    return FaultSchedule<Kind>(std::move(all));
+  FaultSchedule schedule(const ControllerFaults& known) const {
+    std::vector<Fault> all;
+    for (const std::string& text : faults) all.push_back(parse_fault(text, known));
+    return FaultSchedule(std::move(all));
   }
 };
 
-/// The options that every controller has. `kinds`: names of its faults.
-inline void declare(CLI::App& app, ProgramOptions& o, bool& virtual_time, double& patience_s, const std::string& kinds) {
+/// The options that every controller has.
+inline void declare(CLI::App& app, ProgramOptions& o, bool& virtual_time, double& patience_s, const ControllerFaults& known) {
   app.add_flag("--virtual-time", virtual_time, "Time moves on with each answer of the remote side, not with the clock");
   app.add_option("--patience", patience_s, "Virtual time: seconds to wait for an answer")->capture_default_str()->check(CLI::PositiveNumber);
   app.add_option("--hand", o.hand_file, "YAML file with motion and grip of the operator (keys: devices/operator/hand_file.hpp); else nobody holds the arm");
   app.add_option("--tool", o.tool_m, "Tool's origin in the flange's frame, x y z [m]")->expected(3);
-  app.add_option("--fault", o.faults, "KIND@START[:DURATION[:VALUE]], seconds; many may be given. Kinds: " + kinds);
+  app.add_option("--fault", o.faults, "KIND@START[:DURATION[:VALUE]], seconds; many may be given. Kinds: " + std::string(known.kinds));
 }
 
 /// What an arm's drag is at the tool, for a hand that has learned it: residual friction over a forearm's lever; assumed.

@@ -6,11 +6,14 @@
 #include <span>
 
 #include "devices/arm/simulated/control_laws.hpp"
+#include "devices/arm/simulated/faults.hpp"
 #include "devices/fr3/fci_codec.hpp"
-#include "devices/fr3/simulated/faults.hpp"
 #include "devices/fr3/simulated/fr3_plant.hpp"
 
 namespace voxtouch::fr3_sim {
+
+using arm_sim::Fault, arm_sim::FaultKind, arm_sim::FaultSchedule;
+inline constexpr arm_sim::ControllerFaults kFaults{"loss answer_loss late jitter reorder duplicate nan user_stop guiding reflex not_ready silent closed", 7.0};
 
 inline constexpr double kTick = 1e-3;  ///< [s]
 inline constexpr int kSubsteps = 4;

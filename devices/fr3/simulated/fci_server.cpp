@@ -25,7 +25,7 @@ using fr3::fci::Outcome;
 using fr3::fci::Request;
 
 constexpr std::int64_t kMillisecond = 1'000'000;
-constexpr std::int64_t kGlance = 50 * kMillisecond;  // a stop is noticed after this, at the latest
+constexpr std::int64_t kPollPeriod = 50 * kMillisecond;  // a stop is noticed after this, at the latest
 
 std::int64_t now_ns() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(Clock::now().time_since_epoch()).count();
@@ -54,63 +54,63 @@ FciServer::FciServer(const ServerConfig& config, FciRobot& robot, Line line)
 }
 
 FciServer::~FciServer() {
-  hang_up();
+  close_connection();
   close(listener_);
 }
 
-void FciServer::hang_up() noexcept {
-  if (guest_ >= 0) close(guest_);
-  guest_ = -1;
+void FciServer::close_connection() noexcept {
+  if (client_ >= 0) close(client_);
+  client_ = -1;
   remote_ = {};
   motion_.reset();
   robot_.abandoned();
 }
 
-void FciServer::look_for_guests() noexcept {
+void FciServer::accept_clients() noexcept {
   for (;;) {
     sockaddr_in from{};
     socklen_t size = sizeof from;
     const int file = accept4(listener_, reinterpret_cast<sockaddr*>(&from), &size, SOCK_CLOEXEC | SOCK_NONBLOCK);
     if (file < 0) return;
-    if (guest_ >= 0) {
+    if (client_ >= 0) {
       close(file);
       continue;
     }
     const int on = 1;
     setsockopt(file, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
-    guest_ = file;
+    client_ = file;
     remote_ = {ntohl(from.sin_addr.s_addr), 0};
     reader_ = std::make_unique<fr3::fci::StreamReader>();
     ++counts_.connections;
   }
 }
 
-void FciServer::say(const fr3::fci::Message& message) noexcept {
-  if (guest_ >= 0) (void)::send(guest_, message.span().data(), message.size, MSG_DONTWAIT | MSG_NOSIGNAL);
+void FciServer::send_message(const fr3::fci::Message& message) noexcept {
+  if (client_ >= 0) (void)::send(client_, message.span().data(), message.size, MSG_DONTWAIT | MSG_NOSIGNAL);
 }
 
 /// Who has gone is noticed before who comes: one program after the other is not two at a time.
-void FciServer::hear_channel() noexcept {
-  hear_guest();
-  look_for_guests();
-  hear_guest();
+void FciServer::read_channel() noexcept {
+  read_client();
+  accept_clients();
+  read_client();
 }
 
-void FciServer::hear_guest() noexcept {
+void FciServer::read_client() noexcept {
   if (robot_.faults().active(FaultKind::kClosed, robot_.time_s())) {
-    if (!std::exchange(closed_done_, true)) hang_up();
+    if (!std::exchange(closed_done_, true)) close_connection();
   }
-  while (guest_ >= 0) {
+  while (client_ >= 0) {
     if (const auto message = reader_->next()) {
       handle(*message);
       continue;
     }
     const std::span<std::byte> room = reader_->room();
-    const ssize_t got = recv(guest_, room.data(), room.size(), MSG_DONTWAIT);
+    const ssize_t got = recv(client_, room.data(), room.size(), MSG_DONTWAIT);
     if (got > 0)
       reader_->took(static_cast<std::size_t>(got));
     else if (got == 0 || (errno != EAGAIN && errno != EINTR) || reader_->broken())
-      return hang_up();
+      return close_connection();
     else if (errno == EAGAIN)
       return;
   }
@@ -125,16 +125,16 @@ void FciServer::handle(const fr3::fci::Received& message) noexcept {
     std::memcpy(&version, &message.body[0], sizeof version);
     std::memcpy(&port, &message.body[2], sizeof port);
     const bool accepted = version == dialect.version;
-    say(fr3::fci::connect_answer(message.id, accepted, dialect.version));
-    if (!accepted) return hang_up();
+    send_message(fr3::fci::connect_answer(message.id, accepted, dialect.version));
+    if (!accepted) return close_connection();
     remote_.port = port;
     return;
   }
   const Outcome outcome = robot_.request(*request, message);
   if (*request == Request::kMove && outcome == Outcome::kStarted) motion_ = message.id;
-  say(fr3::fci::answer(dialect, *request, message.id, outcome));
+  send_message(fr3::fci::answer(dialect, *request, message.id, outcome));
   if (const auto ended = robot_.motion_ended(); ended && motion_) {
-    say(fr3::fci::answer(dialect, Request::kMove, *motion_, *ended));
+    send_message(fr3::fci::answer(dialect, Request::kMove, *motion_, *ended));
     motion_.reset();
   }
 }
@@ -173,29 +173,29 @@ bool FciServer::take_commands(std::optional<std::uint64_t> awaited) noexcept {
   return found;
 }
 
-void FciServer::wait_for_anything(std::int64_t ns) noexcept {
-  std::array<pollfd, 2> files{{{listener_, POLLIN, 0}, {guest_, POLLIN, 0}}};
+void FciServer::wait_for_input(std::int64_t ns) noexcept {
+  std::array<pollfd, 2> files{{{listener_, POLLIN, 0}, {client_, POLLIN, 0}}};
   // The UDP socket waits for itself; the channel is looked at often enough beside it.
   if (serving()) {
     socket_.wait(std::chrono::nanoseconds(std::min(ns, kMillisecond)));
   } else {
     const timespec limit{ns / 1'000'000'000, ns % 1'000'000'000};
-    ppoll(files.data(), guest_ >= 0 ? 2 : 1, &limit, nullptr);
+    ppoll(files.data(), client_ >= 0 ? 2 : 1, &limit, nullptr);
   }
 }
 
 bool FciServer::virtual_period(const std::atomic<bool>& stop, Ending& ending) {
   while (!serving()) {
     if (stop.load(std::memory_order_relaxed)) return false;
-    if (guest_ < 0 && counts_.connections > 0) {  // after the last one has gone the arm's time goes on by the clock
+    if (client_ < 0 && counts_.connections > 0) {  // after the last one has gone the arm's time goes on by the clock
       const timespec pause{0, kMillisecond};
       nanosleep(&pause, nullptr);
-      hear_channel();
-      if (guest_ < 0) return robot_.measure(), true;
+      read_channel();
+      if (client_ < 0) return robot_.measure(), true;
       continue;
     }
-    wait_for_anything(kGlance);
-    hear_channel();
+    wait_for_input(kPollPeriod);
+    read_channel();
   }
   const double now = robot_.time_s(), until = now + kTick * (1.0 - 1e-6);
   const bool silent = line_.silent(now);
@@ -204,24 +204,24 @@ bool FciServer::virtual_period(const std::atomic<bool>& stop, Ending& ending) {
     const timespec pause{0, kMillisecond};
     nanosleep(&pause, nullptr);
     take_commands(std::nullopt);
-    hear_channel();
+    read_channel();
     return true;
   }
   line_.put(state, now);
-  if (!send_due(until)) return hear_channel(), true;
+  if (!send_due(until)) return read_channel(), true;
   const auto patience = Clock::now() + std::chrono::duration<double>(config_.patience_s);
   while (serving() && !take_commands(newest_)) {
     if (stop.load(std::memory_order_relaxed)) return false;
     if (Clock::now() > patience) return ending = Ending::kNoAnswer, false;
-    hear_channel();
-    if (serving()) wait_for_anything(kGlance);
+    read_channel();
+    if (serving()) wait_for_input(kPollPeriod);
   }
-  hear_channel();  // what was asked for before the command was sent
+  read_channel();  // what was asked for before the command was sent
   return true;
 }
 
 void FciServer::real_period(std::int64_t deadline_ns) {
-  hear_channel();
+  read_channel();
   const double now = robot_.time_s();
   const std::int64_t start_ns = now_ns();
   const fr3::fci::State& state = robot_.measure();
@@ -254,7 +254,7 @@ Ending FciServer::run(const std::atomic<bool>& stop) {
     }
     robot_.advance();
     if (const auto ended = robot_.motion_ended(); ended && motion_) {
-      say(fr3::fci::answer(robot_.dialect(), Request::kMove, *motion_, *ended));
+      send_message(fr3::fci::answer(robot_.dialect(), Request::kMove, *motion_, *ended));
       motion_.reset();
     }
     if (!robot_.finite()) return Ending::kDiverged;

@@ -14,7 +14,7 @@
 
 namespace voxtouch::fr3_sim {
 
-using Line = arm_sim::Line<fr3::fci::State, FaultSchedule, kFaultKinds>;
+using Line = arm_sim::Line<fr3::fci::State>;
 
 struct ServerConfig {
   std::string address = "127.0.0.1";  ///< own, dotted
@@ -57,24 +57,24 @@ class FciServer {
   const Line& line() const noexcept { return line_; }
 
  private:
-  void look_for_guests() noexcept;
-  void hear_channel() noexcept;
-  void hear_guest() noexcept;
+  void accept_clients() noexcept;
+  void read_channel() noexcept;
+  void read_client() noexcept;
   void handle(const fr3::fci::Received& message) noexcept;
-  void hang_up() noexcept;
+  void close_connection() noexcept;
   bool send_due(double until_s) noexcept;
   bool take_commands(std::optional<std::uint64_t> awaited) noexcept;
   bool virtual_period(const std::atomic<bool>& stop, Ending& ending);
   void real_period(std::int64_t deadline_ns);
-  void wait_for_anything(std::int64_t ns) noexcept;
-  void say(const fr3::fci::Message& message) noexcept;
-  bool serving() const noexcept { return guest_ >= 0 && remote_.port != 0; }
+  void wait_for_input(std::int64_t ns) noexcept;
+  void send_message(const fr3::fci::Message& message) noexcept;
+  bool serving() const noexcept { return client_ >= 0 && remote_.port != 0; }
 
   ServerConfig config_;
   FciRobot& robot_;
   Line line_;
   arm::UdpSocket socket_;
-  int listener_ = -1, guest_ = -1;
+  int listener_ = -1, client_ = -1;
   std::uint16_t port_ = 0;
   arm::UdpEndpoint remote_;
   std::unique_ptr<fr3::fci::StreamReader> reader_;

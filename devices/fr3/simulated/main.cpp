@@ -18,8 +18,7 @@ void declare(CLI::App& app, Options& o) {
   app.add_option("--address", o.server.address, "Own address")->capture_default_str();
   app.add_option("--port", o.server.port, "TCP port to listen on; 0: any free one")->capture_default_str();
   app.add_option("--server-version", o.robot.version, "Version that the server speaks: 10, 9, 6 or 5")->capture_default_str();
-  arm_sim::declare(app, o, o.server.virtual_time, o.server.patience_s,
-                   "loss answer_loss late jitter reorder duplicate nan user_stop guiding reflex not_ready silent closed");
+  arm_sim::declare(app, o, o.server.virtual_time, o.server.patience_s, kFaults);
 }
 
 hand::Hand make_hand(Options& o) {
@@ -51,7 +50,7 @@ void tell_counts(const FciServer& server, const FciRobot& robot) {
 
 void run(Options& o, const std::atomic<bool>& stop) {
   o.robot.plant = fr3_plant(o.tool());
-  const FaultSchedule schedule = o.schedule(parse_fault);
+  const FaultSchedule schedule = o.schedule(kFaults);
   hand::Hand hand = make_hand(o);
   FciRobot robot(o.robot, std::move(hand), schedule);
   FciServer server(o.server, robot, Line(schedule, kTick, o.robot.seed));

@@ -7,15 +7,18 @@
 #include <random>
 #include <span>
 
+#include "devices/arm/simulated/faults.hpp"
 #include "devices/lwr/fri_codec.hpp"
 #include "devices/lwr/simulated/command_path.hpp"
-#include "devices/lwr/simulated/faults.hpp"
 #include "devices/lwr/simulated/krl_script.hpp"
 #include "devices/lwr/simulated/link_quality.hpp"
 #include "devices/lwr/simulated/lwr_plant.hpp"
 #include "devices/lwr/simulated/safety.hpp"
 
 namespace voxtouch::lwr_sim {
+
+using arm_sim::Fault, arm_sim::FaultKind, arm_sim::FaultSchedule;
+inline constexpr arm_sim::ControllerFaults kFaults{"loss answer_loss late jitter reorder duplicate nan drives_off drive_error estop quality silent", 8.0};
 
 inline constexpr double kTick = 1e-3;  ///< [s] the controller's fine cycle
 inline constexpr int kSubsteps = 4;    ///< torque loop and mechanics in one tick

@@ -31,8 +31,7 @@ void declare(CLI::App& app, Options& o) {
   app.add_option("--address", o.session.address, "Own address")->capture_default_str();
   app.add_option("--port", o.session.port, "Own port; 0: any free one")->capture_default_str();
   app.add_option("--period-ms", o.period_ms, "Period of measurements, 1 to 100 ms")->capture_default_str();
-  arm_sim::declare(app, o, o.controller.virtual_time, o.session.patience_s,
-                   "loss answer_loss late jitter reorder duplicate nan drives_off drive_error estop quality silent");
+  arm_sim::declare(app, o, o.controller.virtual_time, o.session.patience_s, kFaults);
   app.add_option("--duration", o.duration_s, "Seconds of the controller's time, then end; 0: until SIGTERM");
   app.add_option("--posture-deg", o.posture_deg, "Joints A1 A2 E1 A3 A4 A5 A6 to start at, or near with --hand")
       ->expected(7);
@@ -113,7 +112,7 @@ void run(Options& o, const std::atomic<bool>& stop) {
   o.controller.plant = lwr_plant(o.torque_feedback_gain);
   o.controller.plant.pose_FT = o.tool();
   if (o.duration_s > 0.0) o.session.duration_s = o.duration_s;
-  const FaultSchedule schedule = o.schedule(parse_fault);
+  const FaultSchedule schedule = o.schedule(kFaults);
   hand::Hand hand = make_hand(o);
   FriController controller(o.controller, std::move(hand), schedule);
   std::unique_ptr<Trace> trace;

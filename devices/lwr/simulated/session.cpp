@@ -7,7 +7,6 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
-#include <limits>
 #include <thread>
 #include <utility>
 
@@ -22,10 +21,10 @@ std::int64_t now_ns() { return std::chrono::duration_cast<nanoseconds>(Clock::no
 nanoseconds seconds_as_ns(double s) { return nanoseconds(std::llround(1e9 * s)); }
 
 /// A stop is noticed after this, at the latest.
-constexpr nanoseconds kGlance = milliseconds(50);
+constexpr nanoseconds kPollPeriod = milliseconds(50);
 
 /// Virtual time: a measurement that nobody has answered for so long may have gone to a side that was just being restarted.
-constexpr nanoseconds kForgotten = milliseconds(200);
+constexpr nanoseconds kRepeatAfter = milliseconds(200);
 
 }  // namespace
 
@@ -78,7 +77,7 @@ Session::Wait Session::await_answer(std::uint16_t send_seq, const lwr::fri::MsrP
     if (left <= nanoseconds(0)) return Wait::kTimeout;
     // The remote side may not be there yet, or not there again: the same packet goes out once more. One that has it already
     // takes it for what it is, a duplicate.
-    if (!socket_.wait(std::min(left, kGlance)) && repeat && (!heard_ || Clock::now() - begin > kForgotten)) send(*repeat);
+    if (!socket_.wait(std::min(left, kPollPeriod)) && repeat && (!heard_ || Clock::now() - begin > kRepeatAfter)) send(*repeat);
   }
   return Wait::kStopped;
 }

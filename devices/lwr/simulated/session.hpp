@@ -6,11 +6,13 @@
 #include <optional>
 #include <string>
 
+#include "devices/arm/simulated/line.hpp"
 #include "devices/arm/udp_socket.hpp"
 #include "devices/lwr/simulated/fri_controller.hpp"
-#include "devices/lwr/simulated/line.hpp"
 
 namespace voxtouch::lwr_sim {
+
+using Line = arm_sim::Line<lwr::fri::MsrPacket>;
 
 struct SessionConfig {
   std::string address = "127.0.0.1";         ///< own, dotted

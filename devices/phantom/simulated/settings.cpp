@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <array>
-#include <cmath>
 #include <stdexcept>
 
 #include "core/types/number.hpp"

@@ -18,7 +18,7 @@ struct AccuracyReport {
   double depth_edges = 0.0;
   accuracy::AccuracyGoal goal;
   std::vector<accuracy::AccuracyRow> rows;
-  accuracy::AccuracyAdvice advice;  ///< of these rows and this wish
+  accuracy::AccuracyAdvice advice;  ///< of these rows and this goal
   Machine machine;
   double load_before = -1.0, load_after = -1.0;  ///< load average of a minute; negative: not known
 };

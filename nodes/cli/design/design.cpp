@@ -1,6 +1,5 @@
 #include <memory>
 
-#include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
@@ -10,6 +9,7 @@
 #include "nodes/cli/output_file.hpp"
 #include "nodes/cli/plot_tool.hpp"
 #include "nodes/cli/verbs.hpp"
+#include "nodes/log/tell.hpp"
 #include "nodes/runtime/options.hpp"
 #include "nodes/runtime/scene_argument.hpp"
 #include "nodes/scene_build/build_here.hpp"

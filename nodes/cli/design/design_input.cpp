@@ -28,7 +28,7 @@ coupling::design::DesignProblem problem_for_device(const DesignInput& input, con
 }
 
 /// What the command line says goes over what the scene says.
-void apply(const DesignInput& input, const coupling::design::DeviceModel& device, coupling::design::DesignProblem& request,
+void apply(const DesignInput& input, const coupling::design::DeviceModel& device, coupling::design::DesignProblem& problem,
            std::string& hand) {
   if (!input.hand.empty()) {
     scene::DesignOptions options;
@@ -37,13 +37,13 @@ void apply(const DesignInput& input, const coupling::design::DeviceModel& device
       options.hand = scene::HandOption::kAnyPassive;
     else
       coupling::design::parse_grip(input.hand, grip);
-    request.hand = scene::operator_range(options, grip);
+    problem.hand = scene::operator_range(options, grip);
     hand = input.hand;
   }
-  if (input.damping_floor) request.goals.floors = coupling::design::floors_of(*input.damping_floor);
-  if (input.held) request.hand.translation.may_release = request.hand.rotation.may_release = false;
-  if (input.velocity_windows) request.goals.velocity_windows = true;
-  if (input.no_damping) request.goals.allow_injected_damping = false;
+  if (input.damping_floor) problem.goals.floors = coupling::design::floors_of(*input.damping_floor);
+  if (input.held) problem.hand.translation.may_release = problem.hand.rotation.may_release = false;
+  if (input.velocity_windows) problem.goals.velocity_windows = true;
+  if (input.no_damping) problem.goals.allow_injected_damping = false;
 }
 
 /// The problem that the command line and its scene pose, and the words for it: without what is found.
@@ -52,27 +52,27 @@ DesignReport problem_of(const DesignInput& input, const coupling::design::Device
   out.device = device.name;
   std::string hand = std::string(coupling::design::name_of(device.grip));
   if (input.scene.empty()) {
-    out.request = problem_for_device(input, device);
+    out.problem = problem_for_device(input, device);
     out.contact =
-        fmt::format("up to {:.4g} N/m, which the coupling may cap (no scene is given)", out.request.contact.all_points);
+        fmt::format("up to {:.4g} N/m, which the coupling may cap (no scene is given)", out.problem.contact.all_points);
   } else {
     const scene::Scene scene = scene::load_scene(input.scene);
     const auto built = build(scene);
     const rendering::Plan& plan = built->plan();
-    out.request = fitting::design_problem(scene, device, plan.contact_n_per_m, plan.contact_nm_per_rad);
+    out.problem = fitting::design_problem(scene, device, plan.contact_n_per_m, plan.contact_nm_per_rad);
     if (scene.design) hand = std::string(scene::name_of(scene.design->hand));
     const bool spring = rendering::is_spring({plan.contact_n_per_m, plan.contact_nm_per_rad});
     out.contact = spring ? fmt::format("scene {}: the spring of a virtual tool, up to the {:.4g} N/m that the device can show, at the hand",
-                                       scene.name, out.request.contact.all_points)
+                                       scene.name, out.problem.contact.all_points)
                          : fmt::format("scene {}: {:.4g} N/m of one point, up to {:.4g} N/m of all {} points, at the hand", scene.name,
-                    out.request.contact.one_point, out.request.contact.all_points, plan.shell_points);
+                    out.problem.contact.one_point, out.problem.contact.all_points, plan.shell_points);
     if (const effects::EffectSpec* external = effects::external_of(scene.effects)) out.contact += ". " + effects::no_certificate_sentence(external->name);
   }
-  if (input.scene.empty() || input.kind != "auto") out.request.goals.kind = input.kind;
-  if (input.scene.empty() || input.cutoff_hz != 5.0) out.request.goals.cutoff_hz = input.cutoff_hz;
-  if (input.scene.empty() || input.gain_margin != 2.0) out.request.goals.gain_margin = input.gain_margin;
-  apply(input, device, out.request, hand);
-  out.hand = hand_text(out.request.hand, hand);
+  if (input.scene.empty() || input.kind != "auto") out.problem.goals.kind = input.kind;
+  if (input.scene.empty() || input.cutoff_hz != 5.0) out.problem.goals.cutoff_hz = input.cutoff_hz;
+  if (input.scene.empty() || input.gain_margin != 2.0) out.problem.goals.gain_margin = input.gain_margin;
+  apply(input, device, out.problem, hand);
+  out.hand = hand_text(out.problem.hand, hand);
   return out;
 }
 
@@ -80,10 +80,10 @@ DesignReport problem_of(const DesignInput& input, const coupling::design::Device
 
 DesignReport work_out(const DesignInput& input, const coupling::design::DeviceModel& device, const BuildScene& build) {
   DesignReport report = problem_of(input, device, build);
-  report.design = coupling::design::design_coupling(report.request);
-  report.paper = judge_paper_recipe(report.request);
-  report.region = region_round(report.request, report.design);
-  report.law = region_of_law(report.request, report.design);
+  report.design = coupling::design::design_coupling(report.problem);
+  report.paper = judge_paper_recipe(report.problem);
+  report.region = region_round(report.problem, report.design);
+  report.law = region_of_law(report.problem, report.design);
   return report;
 }
 

@@ -80,7 +80,7 @@ std::string damping_lines(const DesignReport& r) {
   for (const auto& [who, ratio, where] : {std::tuple("released", least.released, &least.released_where), {"held", least.held, &least.held_where}})
     if (!where->empty()) text += fmt::format("{}{:.2g} {} ({})", text.empty() ? "" : "\n                ", ratio, who, *where);
   if (text.empty()) return "nothing swings";
-  const cd::DampingFloors& floors = r.request.goals.floors;
+  const cd::DampingFloors& floors = r.problem.goals.floors;
   const bool kept = r.design.floors.released + r.design.floors.held > 0.0;
   if (floors.released + floors.held > 0.0)
     text += fmt::format("\n                floors of {:.2g} released and {:.2g} held {}", floors.released, floors.held, kept ? "kept" : "not kept");
@@ -115,7 +115,7 @@ struct RegionColumn {
 
 std::vector<RegionColumn> region_columns(const DesignReport& r) {
   std::vector<double> certified = r.region.critical;
-  for (double& k : certified) k /= r.request.goals.gain_margin;
+  for (double& k : certified) k /= r.problem.goals.gain_margin;
   return {{"cutoff_hz", r.region.cutoff_hz},
           {"critical_n_per_m", r.region.critical},
           {"certified_n_per_m", certified},
@@ -124,8 +124,8 @@ std::vector<RegionColumn> region_columns(const DesignReport& r) {
 }
 
 nlohmann::ordered_json region_json(const DesignReport& r) {
-  nlohmann::ordered_json j{{"gain_margin", r.request.goals.gain_margin},
-                           {"device_limit_n_per_m", finite(r.request.device.translation.max_stiffness)}};
+  nlohmann::ordered_json j{{"gain_margin", r.problem.goals.gain_margin},
+                           {"device_limit_n_per_m", finite(r.problem.device.translation.max_stiffness)}};
   for (const RegionColumn& column : region_columns(r)) {
     j[column.key] = nlohmann::ordered_json::array();
     for (const double value : column.values) j[column.key].push_back(finite(value));
@@ -135,7 +135,7 @@ nlohmann::ordered_json region_json(const DesignReport& r) {
       {"kind", r.design.spec.kind}, {"over", r.law.over}, {"unit", r.law.unit}, {"chosen", r.law.chosen}, {"x", r.law.x}};
   for (const double critical : r.law.critical) {
     law["critical_n_per_m"].push_back(finite(critical));
-    law["certified_n_per_m"].push_back(finite(critical / r.request.goals.gain_margin));
+    law["certified_n_per_m"].push_back(finite(critical / r.problem.goals.gain_margin));
   }
   return j;
 }
@@ -158,12 +158,12 @@ nlohmann::ordered_json axis_json(const coupling::design::AxisDesign& a) {
 
 }  // namespace
 
-PaperRecipe judge_paper_recipe(const coupling::design::DesignProblem& request) {
+PaperRecipe judge_paper_recipe(const coupling::design::DesignProblem& problem) {
   PaperRecipe out;
-  const coupling::design::AxisModel& axis = request.device.translation;
-  out.stiffness = std::min(request.contact.all_points, axis.max_stiffness);
+  const coupling::design::AxisModel& axis = problem.device.translation;
+  out.stiffness = std::min(problem.contact.all_points, axis.max_stiffness);
   out.critical_released = out.critical_held = std::numeric_limits<double>::quiet_NaN();
-  for (const coupling::design::DesignCase& one : coupling::design::design_cases(axis, request.device.timing, request.hand.translation)) {
+  for (const coupling::design::DesignCase& one : coupling::design::design_cases(axis, problem.device.timing, problem.hand.translation)) {
     const double critical = coupling::design::critical_stiffness(one.plant, paper_controller()).stiffness;
     double& worst = one.held ? out.critical_held : out.critical_released;
     worst = std::isnan(worst) ? critical : std::min(worst, critical);
@@ -171,22 +171,22 @@ PaperRecipe judge_paper_recipe(const coupling::design::DesignProblem& request) {
   return out;
 }
 
-coupling::design::StableRegion region_round(const coupling::design::DesignProblem& request, const coupling::design::Design& design) {
-  const coupling::design::DeviceModel& device = request.device;
+coupling::design::StableRegion region_round(const coupling::design::DesignProblem& problem, const coupling::design::Design& design) {
+  const coupling::design::DeviceModel& device = problem.device;
   coupling::design::LoopController chosen;
   chosen.damping_ratio = design.spec.damping_ratio;
   chosen.injected_damping = design.translation.injected_damping;
   chosen.use(design.translation.velocity);
   const double high_hz = std::max(20.0, 0.6 / (2.0 * std::numbers::pi * device.timing.period_s));
-  return coupling::design::stable_region(device.translation, device.timing, request.hand.translation, chosen, 1.0, high_hz, 64);
+  return coupling::design::stable_region(device.translation, device.timing, problem.hand.translation, chosen, 1.0, high_hz, 64);
 }
 
-LawRegion region_of_law(const coupling::design::DesignProblem& request, const coupling::design::Design& design) {
+LawRegion region_of_law(const coupling::design::DesignProblem& problem, const coupling::design::Design& design) {
   namespace cd = coupling::design;
   constexpr int kCount = 64;
-  const cd::AxisProblem axis = cd::axis_problems(request).front();
-  cd::LoopController law = cd::controller_of(design.spec, axis, cd::arm_squared(request));
-  const double cap = design.spec.stiffness_cap_n_per_m, contact = std::min(request.contact.all_points, cap);
+  const cd::AxisProblem axis = cd::axis_problems(problem).front();
+  cd::LoopController law = cd::controller_of(design.spec, axis, cd::arm_squared(problem));
+  const double cap = design.spec.stiffness_cap_n_per_m, contact = std::min(problem.contact.all_points, cap);
   const bool spring = law.law == cd::LoopController::Law::kSpringDamper;
   LawRegion out;
   if (law.law == cd::LoopController::Law::kShapingFilter || (spring && law.stiffness <= 0.0)) return out;
@@ -214,12 +214,12 @@ std::string to_text(const DesignReport& r) {
     text += fmt::format("  {:<13} {}\n", name, value);
   };
   row("device", r.device);
-  text += fmt::format("                {}\n", device_lines(r.request.device));
+  text += fmt::format("                {}\n", device_lines(r.problem.device));
   row("hand", r.hand);
   row("contact", r.contact);
   row("coupling", coupling_lines(d));
   row("stiffness", axis_lines(d.translation, "N/m"));
-  if (r.request.device.gives_torque) row("rotation", axis_lines(d.rotation, "Nm/rad"));
+  if (r.problem.device.gives_torque) row("rotation", axis_lines(d.rotation, "Nm/rad"));
   row("damping", damping_lines(r));
   row("encoder", d.translation.limit_cycle_bound > 0 ? fmt::format("its steps may leave up to {:.3g} mm peak to peak",
                                                                    d.translation.limit_cycle_bound * 1e3)
@@ -228,7 +228,7 @@ std::string to_text(const DesignReport& r) {
     row("approach",
         fmt::format(
             "up to {:.2g} m/s stays within the layer that pushes ({:.2g} mm); faster goes deeper, and is held there",
-            d.max_approach_m_per_s, r.request.goals.force_layer_depth_m * 1e3));
+            d.max_approach_m_per_s, r.problem.goals.force_layer_depth_m * 1e3));
   row("paper's way", paper_line(r.paper));
   return text + list("What limits:", d.reasons) + list("What would help:", d.remedies);
 }
@@ -256,12 +256,12 @@ nlohmann::ordered_json to_json(const DesignReport& r) {
   j["lag_s"] = r.design.lag_s;
   j["max_approach_m_per_s"] = r.design.max_approach_m_per_s;
   j["translation"] = axis_json(r.design.translation);
-  if (r.request.device.gives_torque) j["rotation"] = axis_json(r.design.rotation);
+  if (r.problem.device.gives_torque) j["rotation"] = axis_json(r.design.rotation);
   const coupling::design::SlowestSwing& swing = r.design.swing;
   const coupling::design::FloorsKept& floors = r.design.floors;
   j["slowest_swing"] = {{"released_damping_ratio", swing.released}, {"released", swing.released_where},
                         {"held_damping_ratio", swing.held}, {"held", swing.held_where},
-                        {"floor_released", r.request.goals.floors.released}, {"floor_held", r.request.goals.floors.held},
+                        {"floor_released", r.problem.goals.floors.released}, {"floor_held", r.problem.goals.floors.held},
                         {"floors_kept", floors.released + floors.held > 0.0}, {"out_of_reach", floors.out_of_reach},
                         {"cost_of_floors_n_per_m", floors.cost_n_per_m}, {"cost_of_floors_nm_per_rad", floors.cost_nm_per_rad}};
   j["paper_recipe"] = {{"cutoff_hz", kPaperCutoffHz}, {"damping_ratio", 1.0}, {"stiffness_n_per_m", r.paper.stiffness}};

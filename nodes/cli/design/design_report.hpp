@@ -17,9 +17,9 @@ struct PaperRecipe {
   double critical_held = 0.0;      ///< worst of the hands
 };
 /// The paper's own 5 Hz filter (Renz et al. 2001) on the problem's device and hands, by the exact loop.
-PaperRecipe judge_paper_recipe(const coupling::design::DesignProblem& request);
+PaperRecipe judge_paper_recipe(const coupling::design::DesignProblem& problem);
 /// Stiffness at the hand over the filter's cut-off, from 1 Hz on: where the loop is stable with the damping that was chosen.
-coupling::design::StableRegion region_round(const coupling::design::DesignProblem& request, const coupling::design::Design& design);
+coupling::design::StableRegion region_round(const coupling::design::DesignProblem& problem, const coupling::design::Design& design);
 
 /// Stiffness at the hand over the one number that a law without a cut-off has: injected damping of `direct`, damper over spring of
 /// `spring_damper`.
@@ -30,10 +30,10 @@ struct LawRegion {
   std::vector<double> critical;  ///< the worst case becomes unstable here [N/m]
 };
 /// Stiffness over the one number of the law that the design chose, by the exact loop of the problem's worst case.
-LawRegion region_of_law(const coupling::design::DesignProblem& request, const coupling::design::Design& design);
+LawRegion region_of_law(const coupling::design::DesignProblem& problem, const coupling::design::Design& design);
 
 struct DesignReport {
-  coupling::design::DesignProblem request;
+  coupling::design::DesignProblem problem;
   coupling::design::Design design;
   PaperRecipe paper;
   coupling::design::StableRegion region;                ///< of the chosen damping, over the cut-off

@@ -3,7 +3,6 @@
 #include <cstring>
 #include <fstream>
 #include <memory>
-#include <set>
 #include <thread>
 
 #include <fmt/format.h>

@@ -1,7 +1,6 @@
 #include "nodes/cli/plan/plan_measure.hpp"
 
 #include <algorithm>
-#include <array>
 #include <random>
 
 #include "core/effects/body.hpp"

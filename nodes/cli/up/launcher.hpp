@@ -1,6 +1,5 @@
 #pragma once
 /// The nodes that `up` runs, as processes or as threads of this process; one interface for both.
-#include <atomic>
 #include <chrono>
 #include <memory>
 #include <optional>

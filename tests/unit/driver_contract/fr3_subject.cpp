@@ -126,7 +126,7 @@ class Fr3Subject final : public Subject {
     if (fault_) {
       const std::string_view kind = fault_->text.substr(0, fault_->text.find(':')), value = fault_->text.substr(kind.size());
       faults.push_back(
-          fr3_sim::parse_fault(fmt::format("{}@{}:{}{}", kind, fault_start_s(*this), fault_lasts_s(*this, *fault_), value)));
+          parse_fault(fmt::format("{}@{}:{}{}", kind, fault_start_s(*this), fault_lasts_s(*this, *fault_), value), fr3_sim::kFaults));
     }
     fr3_sim::RobotConfig config;
     config.version = version_;

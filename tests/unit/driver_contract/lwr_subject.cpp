@@ -78,7 +78,7 @@ class Ears {
 std::vector<Fault> schedule(const Subject& subject, const FaultCase& fault, double period_s) {
   const std::string_view kind = fault.text.substr(0, fault.text.find(':')), value = fault.text.substr(kind.size());
   Fault parsed =
-      parse_fault(fmt::format("{}@{}:{}{}", kind, fault_start_s(subject), fault_lasts_s(subject, fault), value));
+      parse_fault(fmt::format("{}@{}:{}{}", kind, fault_start_s(subject), fault_lasts_s(subject, fault), value), kFaults);
   if (parsed.kind == FaultKind::kLate || parsed.kind == FaultKind::kJitter) parsed.value *= period_s / 1e-3;
   return {parsed};
 }

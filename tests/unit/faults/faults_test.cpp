@@ -67,7 +67,7 @@ struct Row {
 };
 
 std::unique_ptr<FaultRecorder<Row>> recorder_in(const std::filesystem::path& folder) {
-  auto recorder = std::make_unique<FaultRecorder<Row>>(folder, FaultStory{"device", "left", {}}, std::vector{topic_of<msg::DeviceState>("/left/device/state")},
+  auto recorder = std::make_unique<FaultRecorder<Row>>(folder, FaultContext{"device", "left", {}}, std::vector{topic_of<msg::DeviceState>("/left/device/state")},
                                                        [](const std::vector<Row>& rows) {
                                                          std::vector<FaultMessage> messages;
                                                          for (const Row& row : rows) messages.push_back(message_of(0, row.state.sample_time_ns, row.state));

@@ -19,7 +19,7 @@ class Robot {
  public:
   explicit Robot(std::uint16_t version = 10, std::vector<std::string> faults = {}, const Vec3& ee_in_flange = Vec3::Zero()) {
     std::vector<fr3_sim::Fault> parsed;
-    for (const std::string& text : faults) parsed.push_back(fr3_sim::parse_fault(text));
+    for (const std::string& text : faults) parsed.push_back(parse_fault(text, fr3_sim::kFaults));
     fr3_sim::RobotConfig config;
     config.version = version;
     config.ee_in_flange = ee_in_flange;

@@ -42,6 +42,13 @@ struct Rig {
 
 const arm::Joints kZero = arm::Joints::Zero();
 
+TEST(Faults, AreThoseOfThisRobot) {
+  EXPECT_EQ(parse_fault("reflex@1", kFaults).value, 7.0);
+  EXPECT_THROW(parse_fault("estop@1", kFaults), std::runtime_error);
+  EXPECT_EQ(parse_fault("nan@1:1:7", kFaults).value, 7.0);
+  EXPECT_THROW(parse_fault("nan@1:1:8", kFaults), std::runtime_error);
+}
+
 TEST(FciRobot, HoldsTheArmStillWithoutAMotionAndFloatsInOne) {
   Rig rig;
   for (int i = 0; i < 100; ++i) rig.period(std::nullopt);
@@ -106,7 +113,7 @@ TEST(FciRobot, EndsAMotionWhenItIsToldInTheCommandOrOverTheChannel) {
 }
 
 TEST(FciRobot, AUserStopIsAStopAndRefusesAMotion) {
-  Rig rig({parse_fault("user_stop@0.01:0.01")});
+  Rig rig({parse_fault("user_stop@0.01:0.01", kFaults)});
   rig.move();
   for (int i = 0; i < 12; ++i) rig.period(kZero);
   EXPECT_EQ(rig.robot.mode(), RobotMode::kUserStopped);

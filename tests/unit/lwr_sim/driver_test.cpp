@@ -21,7 +21,7 @@ class RunningController {
   RunningController(std::uint16_t remote_port, hand::Hand hand, const std::vector<std::string>& faults = {},
                     bool first_start_keeps_strategy = false) {
     std::vector<Fault> parsed;
-    for (const std::string& text : faults) parsed.push_back(parse_fault(text));
+    for (const std::string& text : faults) parsed.push_back(parse_fault(text, kFaults));
     ControllerConfig config;
     config.virtual_time = true;
     config.first_start_keeps_strategy = first_start_keeps_strategy;

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "devices/lwr/fri_codec.hpp"
-#include "devices/lwr/simulated/line.hpp"
 #include "devices/lwr/simulated/link_quality.hpp"
+#include "devices/lwr/simulated/session.hpp"
 
 namespace voxtouch::lwr_sim {
 namespace {
@@ -74,28 +74,29 @@ TEST(LinkQuality, ReportsTheLastHundred) {
 }
 
 TEST(Faults, AreReadFromTheirText) {
-  const Fault late = parse_fault("late@2.0:0.1");
+  const Fault late = parse_fault("late@2.0:0.1", kFaults);
   EXPECT_EQ(late.kind, FaultKind::kLate);
   EXPECT_EQ(late.start_s, 2.0);
   EXPECT_EQ(late.duration_s, 0.1);
   EXPECT_EQ(late.value, 0.003);
-  const Fault loss = parse_fault("loss@0:inf:0.02");
+  const Fault loss = parse_fault("loss@0:inf:0.02", kFaults);
   EXPECT_TRUE(std::isinf(loss.duration_s));
   EXPECT_EQ(loss.value, 0.02);
-  EXPECT_TRUE(std::isinf(parse_fault("silent@1.5").duration_s));
-  EXPECT_EQ(parse_fault("nan@1:0.001:3").value, 3.0);
+  EXPECT_TRUE(std::isinf(parse_fault("silent@1.5", kFaults).duration_s));
+  EXPECT_EQ(parse_fault("nan@1:0.001:3", kFaults).value, 3.0);
 }
 
 TEST(Faults, RefuseWhatIsNone) {
   for (const char* text :
        {"",          "late",        "late@",     "late@x",        "late@-1",        "late@nan",     "late@inf",
         "lat@1",     "late@1:0",    "late@1:-1", "late@1:x",      "late@1:1:2",     "loss@1:1:1.5", "nan@1:1:0",
-        "nan@1:1:9", "nan@1:1:1.5", "late@1:",   "quality@1:1:3", "late@1:1:0.1:3", "late@1 "})
-    EXPECT_THROW(parse_fault(text), std::runtime_error) << text;
+        "nan@1:1:9", "nan@1:1:1.5", "late@1:",   "quality@1:1:3", "late@1:1:0.1:3", "late@1 ",
+        "reflex@1",  "loss late@1"})
+    EXPECT_THROW(parse_fault(text, kFaults), std::runtime_error) << text;
 }
 
 TEST(Faults, ActFromTheirStartToTheirEnd) {
-  const FaultSchedule schedule({parse_fault("late@1:0.5:0.01"), parse_fault("late@2:0.5:0.02")});
+  const FaultSchedule schedule({parse_fault("late@1:0.5:0.01", kFaults), parse_fault("late@2:0.5:0.02", kFaults)});
   EXPECT_FALSE(schedule.active(FaultKind::kLate, 0.999));
   EXPECT_EQ(schedule.active(FaultKind::kLate, 1.0), 0.01);
   EXPECT_EQ(schedule.active(FaultKind::kLate, 1.499), 0.01);
@@ -125,34 +126,34 @@ TEST(Line, WithoutFaultsEverythingLeavesAtOnce) {
 }
 
 TEST(Line, LosesItsShareAndTheSameWithTheSameSeed) {
-  const auto out = leaves({parse_fault("loss@0:inf:0.2")}, 5000);
+  const auto out = leaves({parse_fault("loss@0:inf:0.2", kFaults)}, 5000);
   EXPECT_NEAR(static_cast<double>(out.size()), 4000.0, 120.0);
-  EXPECT_EQ(out, leaves({parse_fault("loss@0:inf:0.2")}, 5000));
-  EXPECT_NE(out, leaves({parse_fault("loss@0:inf:0.2")}, 5000, 2));
-  // Another fault's dice do not change which are lost.
-  EXPECT_EQ(out, leaves({parse_fault("loss@0:inf:0.2"), parse_fault("jitter@0:inf:0.0005")}, 5000));
+  EXPECT_EQ(out, leaves({parse_fault("loss@0:inf:0.2", kFaults)}, 5000));
+  EXPECT_NE(out, leaves({parse_fault("loss@0:inf:0.2", kFaults)}, 5000, 2));
+  // Another fault's random numbers do not change which are lost.
+  EXPECT_EQ(out, leaves({parse_fault("loss@0:inf:0.2", kFaults), parse_fault("jitter@0:inf:0.0005", kFaults)}, 5000));
 }
 
 TEST(Line, LatePacketsLeaveThatMuchLater) {
-  const auto out = leaves({parse_fault("late@0.003:0.002:0.0035")}, 12);
+  const auto out = leaves({parse_fault("late@0.003:0.002:0.0035", kFaults)}, 12);
   ASSERT_EQ(out.size(), 12u);
   for (const auto& [sequence, period] : out) EXPECT_EQ(period - sequence, sequence == 3 || sequence == 4 ? 3 : 0);
 }
 
 TEST(Line, ReorderedPacketsLeaveAfterTheirSuccessors) {
-  const auto out = leaves({parse_fault("reorder@0.002:0.004")}, 8);
+  const auto out = leaves({parse_fault("reorder@0.002:0.004", kFaults)}, 8);
   const std::vector<std::pair<int, int>> expected = {{0, 0}, {1, 1}, {3, 3}, {2, 3}, {5, 5}, {4, 5}, {6, 6}, {7, 7}};
   EXPECT_EQ(out, expected);
 }
 
 TEST(Line, DuplicatesLeaveTwice) {
-  const auto out = leaves({parse_fault("duplicate@0.001:0.001")}, 3);
+  const auto out = leaves({parse_fault("duplicate@0.001:0.001", kFaults)}, 3);
   const std::vector<std::pair<int, int>> expected = {{0, 0}, {1, 1}, {1, 1}, {2, 2}};
   EXPECT_EQ(out, expected);
 }
 
 TEST(Line, JitterStaysWithinItsBound) {
-  Line line(FaultSchedule({parse_fault("jitter@0:inf:0.0004")}), 1e-3, 1);
+  Line line(FaultSchedule({parse_fault("jitter@0:inf:0.0004", kFaults)}), 1e-3, 1);
   lwr::fri::MsrPacket msr = lwr::fri::empty_msr();
   double least = 1.0, most = 0.0;
   for (int i = 0; i < 1000; ++i) {

@@ -71,7 +71,7 @@ Outcome virtual_run(const std::vector<std::string>& faults, double duration_s, s
   Client client;
   client.answers_left = answers;
   std::vector<Fault> parsed;
-  for (const std::string& text : faults) parsed.push_back(parse_fault(text));
+  for (const std::string& text : faults) parsed.push_back(parse_fault(text, kFaults));
   ControllerConfig config;
   config.script_pause_s = 0.002;
   config.virtual_time = true;
@@ -291,7 +291,7 @@ TEST(Session, ASilentControllerHearsNothing) {
   for (const bool silent : {false, true}) {
     arm::UdpSocket remote("127.0.0.1", 0);
     std::vector<Fault> faults;
-    if (silent) faults = {parse_fault("silent@0")};
+    if (silent) faults = {parse_fault("silent@0", kFaults)};
     ControllerConfig config;
     FriController controller(config, test::nobody(), FaultSchedule(faults));
     SessionConfig network;

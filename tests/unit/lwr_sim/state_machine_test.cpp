@@ -278,7 +278,7 @@ TEST(StateMachine, ASecondAnswerWithANewerCountTakesTheFirstOnesPlace) {
 }
 
 TEST(StateMachine, AnEmergencyStopTakesThePowerAndTheBrakesStayUntilTheNextStart) {
-  Rig rig(quick(), test::arm_at(Vec3(0.1, 0.0, 0.0)), {parse_fault("estop@0.5:0.2")});
+  Rig rig(quick(), test::arm_at(Vec3(0.1, 0.0, 0.0)), {parse_fault("estop@0.5:0.2", kFaults)});
   ASSERT_TRUE(rig.start());
   while (rig.controller.time_s() < 0.4995) rig.period();
   EXPECT_EQ(rig.controller.state(), lwr::fri::State::kCmd);
@@ -300,14 +300,14 @@ TEST(StateMachine, AnEmergencyStopTakesThePowerAndTheBrakesStayUntilTheNextStart
 }
 
 TEST(StateMachine, DrivesThatGoOffShowWhichAndADriveErrorShowsAsOne) {
-  Rig off(quick(), test::nobody(), {parse_fault("drives_off@0.2:0.1:4")});
+  Rig off(quick(), test::nobody(), {parse_fault("drives_off@0.2:0.1:4", kFaults)});
   ASSERT_TRUE(off.start());
   while (off.controller.time_s() < 0.2005) off.period();
   EXPECT_EQ(test::power(off.period()), 0x7B);
   EXPECT_EQ(test::error(off.period()), 0);
   EXPECT_EQ(off.controller.state(), lwr::fri::State::kMon);
   EXPECT_EQ(off.reason(), Reason::kDrivesOff);
-  Rig error(quick(), test::nobody(), {parse_fault("drive_error@0.2:0.1:4")});
+  Rig error(quick(), test::nobody(), {parse_fault("drive_error@0.2:0.1:4", kFaults)});
   ASSERT_TRUE(error.start());
   while (error.controller.time_s() < 0.2005) error.period();
   EXPECT_EQ(test::error(error.period()), 4);
@@ -315,7 +315,7 @@ TEST(StateMachine, DrivesThatGoOffShowWhichAndADriveErrorShowsAsOne) {
 }
 
 TEST(StateMachine, AForcedQualityShowsAndEndsCommandMode) {
-  Rig rig(quick(), test::nobody(), {parse_fault("quality@0.2:0.1:2"), parse_fault("quality@0.4:0.1:1")});
+  Rig rig(quick(), test::nobody(), {parse_fault("quality@0.2:0.1:2", kFaults), parse_fault("quality@0.4:0.1:1", kFaults)});
   ASSERT_TRUE(rig.start());
   while (rig.controller.time_s() < 0.2005) rig.period();
   EXPECT_EQ(test::quality(rig.period()), 2);
@@ -327,7 +327,7 @@ TEST(StateMachine, AForcedQualityShowsAndEndsCommandMode) {
 }
 
 TEST(StateMachine, AMeasurementWithoutNumbersIsSentAsTheScheduleSays) {
-  Rig rig(quick(), test::nobody(), {parse_fault("nan@0.1:0.002:3"), parse_fault("nan@0.2:0.001:8")});
+  Rig rig(quick(), test::nobody(), {parse_fault("nan@0.1:0.002:3", kFaults), parse_fault("nan@0.2:0.001:8", kFaults)});
   rig.remote.run = 0;
   int bad_joint = 0, bad_time = 0;
   for (int i = 0; i < 300; ++i) {

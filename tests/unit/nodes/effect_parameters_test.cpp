@@ -26,14 +26,14 @@ std::vector<effects::EffectSpec> one_of_each_kind() {
 
 class EffectParameters : public ::testing::Test {
  protected:
-  std::expected<ParameterWish, std::string> set(const std::string& name, std::uint8_t type, const std::function<void(msg::rcl_interfaces_ParameterValue&)>& fill) {
+  std::expected<ParameterChange, std::string> set(const std::string& name, std::uint8_t type, const std::function<void(msg::rcl_interfaces_ParameterValue&)>& fill) {
     msg::rcl_interfaces_Parameter asked{};
     asked.name = runtime::lend(name);
     asked.value.type = type;
     static char none[] = "";
     asked.value.string_value = none;
     fill(asked.value);
-    return wish_of(all_, asked);
+    return change_of(all_, asked);
   }
   const scene::Scene scene_ = scene::load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml");
   const std::vector<effects::EffectSpec> effects_ = one_of_each_kind();

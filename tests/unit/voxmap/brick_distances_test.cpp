@@ -51,7 +51,8 @@ int different(const Soup& soup, std::mt19937_64& random, int bricks) {
     bool same = true;
     for (int at = 0; at < 512; ++at) {
       const int x = at % 8, y = at / 8 % 8, z = at / 64;
-      const double most = limit[voxmap::own_node(x, y, z)], distance = tree.nearest(first + Vec3(x, y, z), std::abs(most));
+      std::uint32_t place = DistanceTree::kNoPlace;
+      const double most = limit[voxmap::own_node(x, y, z)], distance = tree.nearest(first + Vec3(x, y, z), std::abs(most), place);
       same = same && std::bit_cast<std::uint32_t>(static_cast<float>(most < 0.0 ? -distance : distance)) ==
                          std::bit_cast<std::uint32_t>(brick[voxmap::node_of_brick(x, y, z)]);
     }
@@ -128,7 +129,8 @@ TEST(BrickDistances, SquaresOfManyPointsAreThoseThatOneIsComparedBy) {
     DistanceTree::Squares squares;
     alone.squares(0, points, squares);
     for (std::size_t n = 0; n < squares.size(); ++n) {
-      const double one = alone.nearest(Vec3(points.x[n], points.y[n], points.z[n]), 1e3);
+      std::uint32_t found = DistanceTree::kNoPlace;
+      const double one = alone.nearest(Vec3(points.x[n], points.y[n], points.z[n]), 1e3, found);
       ASSERT_EQ(std::bit_cast<std::uint64_t>(one), std::bit_cast<std::uint64_t>(std::sqrt(squares[n]))) << t;
     }
   }

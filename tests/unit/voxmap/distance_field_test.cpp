@@ -8,6 +8,7 @@
 #include <random>
 #include <thread>
 
+#include "core/voxmap/closed_mesh.hpp"
 #include "core/voxmap/distance_thickness.hpp"
 #include "core/voxmap/voxelise.hpp"
 #include "tests/unit/contact/field_scenes.hpp"
@@ -340,7 +341,8 @@ TEST(DistanceField, RefusesWhatItCannotHold) {
 
 TEST(ThinnestWall, IsFoundThroughTheSolidOnly) {
   const auto thinnest = [](const mesh::TriangleMesh& mesh) {
-    return voxmap::thinnest_wall(mesh, voxmap::default_grid(mesh, kEdge), serial_for()).thickness_m;
+    const voxmap::Grid grid = voxmap::default_grid(mesh, kEdge);
+    return voxmap::thinnest_wall(voxmap::ClosedMesh(mesh, grid), grid, serial_for()).thickness_m;
   };
   const Pose askew{Vec3(0.4, 0.3, 0.2), turned(0.8)};
   EXPECT_NEAR(thinnest(box_mesh(Vec3(0.05, 0.04, 0.007), askew)), 0.007, 1e-12);
@@ -355,7 +357,8 @@ TEST(ThinnestWall, IsFoundThroughTheSolidOnly) {
   const mesh::TriangleMesh thick = box_mesh(Vec3(0.05, 0.05, 0.03)),
                      thin = box_mesh(Vec3(0.05, 0.05, 0.002), {Vec3(0, 0, 0.1), Quat::Identity()});
   const mesh::TriangleMesh both = joined(thick, thin);
-  const voxmap::ThinnestWall wall = voxmap::thinnest_wall(both, voxmap::default_grid(both, kEdge), serial_for());
+  const voxmap::Grid grid = voxmap::default_grid(both, kEdge);
+  const voxmap::ThinnestWall wall = voxmap::thinnest_wall(voxmap::ClosedMesh(both, grid), grid, serial_for());
   EXPECT_NEAR(wall.thickness_m, 0.002, 1e-12);
   EXPECT_GE(wall.triangle, 12U);
   mesh::TriangleMesh open = box_mesh(Vec3(0.02, 0.02, 0.02));
