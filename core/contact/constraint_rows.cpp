@@ -61,7 +61,8 @@ VOXTOUCH_CLONES void choose(const RowBlock& __restrict rows, double tilt, Chosen
 
 /// What each hit of a block gives.
 struct Screened {
-  /// 1: a row, if its gap is not too wide; 2: one of the wall's face, if there is one; 3: of that, else of the field.
+  static constexpr double kOfFace = 4.0;
+  /// 1: a row, if its gap is not too wide; 2: one of the wall's face, if there is one; 3: of that, else of the field; kOfFace: it is of that.
   alignas(64) double kind[HitBlock::kHits];
 };
 
@@ -86,7 +87,7 @@ VOXTOUCH_CLONES void find_levers(const HitBlock& __restrict block, const FieldPl
 
 Vec3 taken(const double (&columns)[3][HitBlock::kHits], std::size_t n) noexcept { return {columns[0][n], columns[1][n], columns[2][n]}; }
 
-/// Where a hit of a bent field has a wall's face, the plane is that face's, and the hit's kind 1; where not, it is what the field makes of it.
+/// Where a hit of a bent field has a wall's face, the plane is that face's, and the hit's kind kOfFace; where not, it is what the field makes of it.
 void take_wall_faces(const HitBlock& block, const voxmap::DistanceField& field, const RowFrame& frame, Screened& screened, FieldPlanes& planes) noexcept {
   WallFaces faces;
   std::array<std::size_t, WallFaces::kPoints> whose;
@@ -94,7 +95,7 @@ void take_wall_faces(const HitBlock& block, const voxmap::DistanceField& field, 
     find_wall_faces(field, faces);
     for (std::size_t k = 0; k < faces.count; ++k) {
       const std::size_t n = whose[k];
-      screened.kind[n] = faces.found[k] || screened.kind[n] == 3.0 ? 1.0 : 0.0;
+      screened.kind[n] = faces.found[k] ? Screened::kOfFace : screened.kind[n] == 3.0 ? 1.0 : 0.0;
       if (!faces.found[k]) continue;
       for (std::size_t axis = 0; axis < 3; ++axis) planes.normal[axis][n] = faces.normal[k][static_cast<Eigen::Index>(axis)];
       planes.gap_m[n] = faces.gap_m[k];
@@ -129,7 +130,7 @@ void add_rows(const Hits& hits, bool in_surface, const voxmap::DistanceField& fi
     if (in_surface) take_wall_faces(block, field, frame, screened, planes);
     find_levers(block, planes, frame.lever_m, levers);
     for (std::size_t n = 0; n < block.count; ++n) {
-      if (!(screened.kind[n] == 1.0 && planes.gap_m[n] <= widest)) continue;
+      if (!(screened.kind[n] > 0.0 && planes.gap_m[n] <= widest)) continue;
       ConstraintRow& row = rows.emplace_back();
       for (std::size_t axis = 0; axis < 3; ++axis) {
         const auto at = static_cast<Eigen::Index>(axis);
@@ -138,7 +139,20 @@ void add_rows(const Hits& hits, bool in_surface, const voxmap::DistanceField& fi
       row.gap_m = planes.gap_m[n];
       row.point = hits.point(begin + n);
       row.object = frame.object;
+      row.of_face = screened.kind[n] == Screened::kOfFace;
     }
+  }
+}
+
+void smooth_normals(const voxmap::DistanceField& field, const RowFrame& frame, std::span<ConstraintRow> rows) noexcept {
+  const double widest = limits::kSmoothGapEdges * field.grid().edge;
+  for (ConstraintRow& row : rows) {
+    if (row.object != frame.object || row.of_face || row.gap_m > widest) continue;
+    const Vec3 gradient = field.smooth_gradient((frame.local + row.arm) / field.grid().edge);
+    const double steepness = gradient.norm();
+    if (!(steepness >= limits::kSmoothGradient)) continue;
+    row.jacobian.head<3>() = gradient / steepness;
+    row.jacobian.tail<3>() = row.arm.cross(row.normal()) / frame.lever_m;
   }
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 /// What keeps the virtual tool out of the static scene: one linear constraint a shell point near it, from the signed distance.
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/contact/contact_query.hpp"
@@ -15,6 +16,7 @@ struct ConstraintRow {
   double gap_m = 0.0;            ///< below zero: so deep is the point inside
   std::uint32_t point = 0;       ///< index into the shell
   std::uint32_t object = 0;      ///< whose wall it is
+  bool of_face = false;          ///< of a thin wall's own face, not of the field
 
   Vec3 normal() const noexcept { return jacobian.head<3>(); }  ///< u: unit, out of the static object, W
 };
@@ -34,6 +36,10 @@ struct RowFrame {
 /// gap are those of the wall's face on the tool's side, which the point's own normal names, fitted to the corners' distances (wall_faces.hpp).
 /// Where tool and wall are both thinner than a voxel, the normals of the tool's far side name the wrong face. Real-time safe.
 void add_rows(const Hits& hits, bool in_surface, const voxmap::DistanceField& field, const RowFrame& frame, std::vector<ConstraintRow>& rows) noexcept;
+
+/// Of the rows of `frame`'s object that are about to push (limits::kSmoothGapEdges) and whose plane is the field's, the normal becomes that of the
+/// gradient which does not jump from voxel to voxel, where that is no shorter than beside an even surface (limits::kSmoothGradient). Gaps stay. Real-time safe.
+void smooth_normals(const voxmap::DistanceField& field, const RowFrame& frame, std::span<ConstraintRow> rows) noexcept;
 
 /// Leaves at most kMaxRows of them. Of the rows in each of 42 directions (direction_bins.hpp) the one of least gap stays, and those that a tilt
 /// of `tilt` [rad] towards one of eight sides would bring deepest: the corners of a flat contact, however many points

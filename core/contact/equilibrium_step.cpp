@@ -1,8 +1,8 @@
 #include "core/contact/equilibrium_step.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "core/contact/limits.hpp"
 #include "core/types/clones.hpp"
@@ -12,6 +12,8 @@ namespace {
 
 constexpr double kRho = limits::kRowStiffness;
 using OfRows = std::array<double, limits::kMaxRows>;
+constexpr std::size_t kWide = 8;  ///< rows or columns that are looked at together
+static_assert(limits::kMaxRows % kWide == 0);
 
 /// 1 for each row that pushes, else 0.
 struct Active {
@@ -21,7 +23,7 @@ struct Active {
   bool operator==(const Active& other) const noexcept { return std::equal(pushes.begin(), pushes.begin() + count, other.pushes.begin()); }
 };
 
-/// Gaps of all rows at one place, and how they change along the direction of search.
+/// Gaps of all rows at one place, and how they change along the direction of search; beyond the rows there are some that never push.
 struct Gaps {
   alignas(64) OfRows gap, slope;
   std::size_t count = 0;
@@ -32,11 +34,61 @@ VOXTOUCH_CLONES void find_active(const Gaps& __restrict gaps, double s, Active& 
   for (std::size_t n = 0; n < gaps.count; ++n) active.pushes[n] = gaps.gap[n] + s * gaps.slope[n] < 0.0 ? 1.0 : 0.0;
 }
 
+using WideRow = double[kWide];
+
 /// The rows' jacobians as structure of arrays.
 struct Jacobians {
   alignas(64) std::array<OfRows, 6> column;
   std::size_t count = 0;
 };
+
+/// What the rows that push add: the identity and rho sum J'J, and `start` less rho sum gap J; row after row. Columns beyond the sixth are zeros.
+struct Sums {
+  alignas(64) WideRow square[6], pull;
+};
+VOXTOUCH_CLONES void sum_up(const Jacobians& __restrict rows, const Active& __restrict active, const Gaps& __restrict gaps, const WideRow& __restrict start,
+                            Sums& __restrict sums) noexcept {
+  for (std::size_t i = 0; i < 6; ++i)
+    for (std::size_t j = 0; j < kWide; ++j) sums.square[i][j] = i == j ? 1.0 : 0.0;
+  for (std::size_t j = 0; j < kWide; ++j) sums.pull[j] = start[j];
+  for (std::size_t n = 0; n < gaps.count; ++n) {
+    if (!(active.pushes[n] > 0.0)) continue;
+    alignas(64) WideRow row = {rows.column[0][n], rows.column[1][n], rows.column[2][n], rows.column[3][n], rows.column[4][n], rows.column[5][n], 0.0, 0.0};
+    const double pull = kRho * gaps.gap[n];
+    for (std::size_t i = 0; i < 6; ++i) {
+      const double along = kRho * row[i];
+      for (std::size_t j = 0; j < kWide; ++j) sums.square[i][j] += along * row[j];
+    }
+    for (std::size_t j = 0; j < kWide; ++j) sums.pull[j] -= pull * row[j];
+  }
+}
+
+/// Solves a positive definite system by Cholesky's factors. Unrolled: six numbers are too few for a library's loops.
+Vec6 solved(const Mat6& system, const Vec6& right) noexcept {
+  double l[6][6], over[6], x[6];
+  for (int j = 0; j < 6; ++j) {
+    double diagonal = system(j, j);
+    for (int k = 0; k < j; ++k) diagonal -= l[j][k] * l[j][k];
+    over[j] = 1.0 / std::sqrt(diagonal);
+    for (int i = j + 1; i < 6; ++i) {
+      double below = system(i, j);
+      for (int k = 0; k < j; ++k) below -= l[i][k] * l[j][k];
+      l[i][j] = below * over[j];
+    }
+  }
+  for (int i = 0; i < 6; ++i) {
+    x[i] = right[i];
+    for (int k = 0; k < i; ++k) x[i] -= l[i][k] * x[k];
+    x[i] *= over[i];
+  }
+  for (int i = 5; i >= 0; --i) {
+    for (int k = i + 1; k < 6; ++k) x[i] -= l[k][i] * x[k];
+    x[i] *= over[i];
+  }
+  Vec6 out;
+  for (int i = 0; i < 6; ++i) out[i] = x[i];
+  return out;
+}
 
 /// All rows times one step, added as in a dot product of six numbers.
 VOXTOUCH_CLONES void multiply(const Jacobians& __restrict rows, const std::array<double, 6>& __restrict v, OfRows& __restrict out) noexcept {
@@ -47,22 +99,29 @@ VOXTOUCH_CLONES void multiply(const Jacobians& __restrict rows, const std::array
 
 std::array<double, 6> numbers_of(const Vec6& v) noexcept { return {v[0], v[1], v[2], v[3], v[4], v[5]}; }
 
+/// What the rows add to slope and curvature of the energy at `s` of the direction: each eighth row is summed up on its own.
+struct LineSums {
+  alignas(64) WideRow slope, curvature;
+};
+VOXTOUCH_CLONES void sum_line(const Gaps& __restrict gaps, double s, LineSums& __restrict sums) noexcept {
+  for (std::size_t j = 0; j < kWide; ++j) sums.slope[j] = sums.curvature[j] = 0.0;
+  for (std::size_t begin = 0; begin < gaps.count; begin += kWide)
+    for (std::size_t j = 0; j < kWide; ++j) {
+      const double slope = gaps.slope[begin + j], at = gaps.gap[begin + j] + s * slope, steep = at < 0.0 ? kRho * slope : 0.0;
+      sums.slope[j] += steep * at, sums.curvature[j] += steep * slope;
+    }
+}
+
+double added(const WideRow& of) noexcept { return ((of[0] + of[1]) + (of[2] + of[3])) + ((of[4] + of[5]) + (of[6] + of[7])); }
+
 /// The root of the energy's slope along the direction: `linear` + s `square` are the spring's part. The slope rises with s and is straight
 /// between the places where rows begin or cease to push: Newton's method, kept between the bounds.
-double line_minimum(const Gaps& all, double linear, double square) noexcept {
-  Gaps gaps;  // a row without depth that gets none on the way never pushes
-  for (std::size_t k = 0; k < all.count; ++k) {
-    gaps.gap[gaps.count] = all.gap[k], gaps.slope[gaps.count] = all.slope[k];
-    gaps.count += static_cast<std::size_t>((all.gap[k] < 0.0) | (all.slope[k] < 0.0));
-  }
+double line_minimum(const Gaps& gaps, double linear, double square) noexcept {
+  LineSums sums;
   double low = 0.0, high = -1.0, s = 1.0;
   for (int n = 0; n < limits::kMaxLineEvaluations; ++n) {
-    double slope = linear + s * square, curvature = square;
-    for (std::size_t k = 0; k < gaps.count; ++k)
-      if (const double at = gaps.gap[k] + s * gaps.slope[k]; at < 0.0) {
-        slope += kRho * at * gaps.slope[k];
-        curvature += kRho * gaps.slope[k] * gaps.slope[k];
-      }
+    sum_line(gaps, s, sums);
+    const double slope = (linear + s * square) + added(sums.slope), curvature = square + added(sums.curvature);
     if (slope == 0.0) return s;
     (slope < 0.0 ? low : high) = s;
     double next = s - slope / curvature;
@@ -89,26 +148,30 @@ EquilibriumStep equilibrium_step(std::span<const ConstraintRow> rows, const Vec6
     multiply(jacobians, numbers_of(delta), gaps.gap);
     for (std::size_t n = 0; n < gaps.count; ++n) gaps.gap[n] = rows[n].gap_m + gaps.gap[n];
   };
-  const auto assemble = [&](const Active& set) noexcept {
-    step.hessian.setIdentity();
-    for (std::size_t n = 0; n < gaps.count; ++n)
-      if (set.pushes[n] > 0.0) step.hessian.noalias() += (kRho * rows[n].jacobian) * rows[n].jacobian.transpose();
+  Sums sums;
+  Active summed;  // the rows of `sums`
+  const auto sum_up_at = [&](const Active& set) noexcept {
+    const Vec6 stretched = spring - step.delta;
+    alignas(64) const WideRow start = {stretched[0], stretched[1], stretched[2], stretched[3], stretched[4], stretched[5], 0.0, 0.0};
+    sum_up(jacobians, set, gaps, start, sums);
+    for (int i = 0; i < 6; ++i)
+      for (int j = 0; j < 6; ++j) step.hessian(i, j) = sums.square[i][j];
+    summed = set;
   };
   gaps.slope.fill(0.0);
+  std::fill(gaps.gap.begin() + static_cast<std::ptrdiff_t>(gaps.count), gaps.gap.end(), 1.0);  // up to a whole number of eights
   move_to(step.delta);
   Active active, at_end;
   find_active(gaps, 0.0, active);
   for (; step.iterations < limits::kMaxIterations && !step.converged; ++step.iterations) {
-    assemble(active);
-    Vec6 down = spring - step.delta;
-    for (std::size_t n = 0; n < gaps.count; ++n)
-      if (active.pushes[n] > 0.0) down -= (kRho * gaps.gap[n]) * rows[n].jacobian;
+    sum_up_at(active);
+    Vec6 down(sums.pull);
     Mat6 system = step.hessian;
     if (allowed != nullptr) {
       down = allowed->free * down;
       system = allowed->free * (step.hessian - Mat6::Identity()) * allowed->free + Mat6::Identity();
     }
-    const Vec6 way = system.llt().solve(down);
+    const Vec6 way = solved(system, down);
     multiply(jacobians, numbers_of(way), gaps.slope);
     find_active(gaps, 1.0, at_end);
     step.converged = at_end == active;
@@ -118,7 +181,7 @@ EquilibriumStep equilibrium_step(std::span<const ConstraintRow> rows, const Vec6
   }
   step.pushed = active.any();
   if (!step.pushed && step.converged && allowed == nullptr) step.delta = spring;
-  assemble(active);
+  if (!(active == summed)) sum_up_at(active);
   return step;
 }
 

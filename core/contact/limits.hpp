@@ -59,12 +59,21 @@ inline constexpr double kToolStepEdges = 0.5;
 inline constexpr int kMaxQueries = 8;
 inline constexpr int kMaxIterations = 8;
 inline constexpr int kMaxLineEvaluations = 6;
-/// In contact a frame ends where the way that is left is shorter than this.
+/// In contact a frame ends where the way that is left is shorter than the first, or, while the hand moves, than this share of its way,
+/// but never longer than the last.
 inline constexpr double kRestEdges = 1e-3;
+inline constexpr double kRestShare = 0.1;
+inline constexpr double kRestMostEdges = 0.02;
 /// Farther than this in contact the hand does not pull a row deeper.
 inline constexpr double kPullEdges = 60.0;
 /// The most rows of a step.
 inline constexpr std::size_t kMaxRows = 96;
+/// Rows with a wider gap do not push where the tool comes to rest, and a tool that had farther to go is still on its way: the normals
+/// need not be smooth there.
+inline constexpr double kSmoothGapEdges = 0.1;
+inline constexpr double kSmoothWayEdges = 0.4;
+/// A smooth gradient below this is bent by another face within its two voxels.
+inline constexpr double kSmoothGradient = 0.99;
 /// A gradient below this has no direction.
 inline constexpr double kMinGradient = 0.1;
 /// A wall of some two voxels or less bends the field: its gradient is shorter than the first, or points against the tool's own normal by

@@ -88,8 +88,13 @@ PoseStatus VirtualTool::status_of(Pose& hand, std::span<const ToolGround> ground
   return PoseStatus::kUsable;
 }
 
-/// All rows at `tool`, the rows' energy there, and what the frame tells of it.
-void VirtualTool::look_up(const Pose& tool, std::span<const ToolGround> grounds, VirtualToolFrame& out) noexcept {
+/// `position`: the tool's less the object's displacement.
+RowFrame VirtualTool::row_frame(const Vec3& position, std::span<const ToolGround> grounds, std::size_t n) const noexcept {
+  return {position - grounds[n].field->grid().origin, options_.lever_m, static_cast<std::uint32_t>(n)};
+}
+
+/// All rows at `tool`, the rows' energy there, and what the frame tells of it. `smooth`: the tool may come to rest here.
+void VirtualTool::look_up(const Pose& tool, std::span<const ToolGround> grounds, bool smooth, VirtualToolFrame& out) noexcept {
   rows_.clear();
   ++out.queries;
   out.surface_hits = out.interior_hits = out.points_tested = 0;
@@ -97,7 +102,7 @@ void VirtualTool::look_up(const Pose& tool, std::span<const ToolGround> grounds,
     const ToolGround& ground = grounds[n];
     ground.query->find(less(tool, ground.displacement), hits_);
     if (hits_.pose_status != PoseStatus::kUsable) out.pose_status = hits_.pose_status;
-    const RowFrame frame{hits_.pose_WT.position - ground.field->grid().origin, options_.lever_m, static_cast<std::uint32_t>(n)};
+    const RowFrame frame = row_frame(hits_.pose_WT.position, grounds, n);
     add_rows(hits_.surface, true, *ground.field, frame, rows_);
     add_rows(hits_.interior, false, *ground.field, frame, rows_);
     out.surface_hits += static_cast<std::uint32_t>(hits_.surface.size());
@@ -112,12 +117,14 @@ void VirtualTool::look_up(const Pose& tool, std::span<const ToolGround> grounds,
     worst_depth_m_ = std::max(worst_depth_m_, depth);
   }
   keep_nearest(rows_, limits::kToolStepEdges * options_.edge_m / options_.reach_m);
+  for (std::size_t n = 0; smooth && n < grounds.size(); ++n)
+    smooth_normals(*grounds[n].field, row_frame(tool.position - grounds[n].displacement, grounds, n), rows_);
   rows_known_ = true;
 }
 
 /// Makes `tool` the virtual tool where it lies outside.
 bool VirtualTool::start(const Pose& tool, std::span<const ToolGround> grounds, VirtualToolFrame& out) noexcept {
-  look_up(tool, grounds, out);
+  look_up(tool, grounds, true, out);
   placed_ = out.pose_status == PoseStatus::kUsable && out.interior_hits == 0 &&
             worst_depth_m_ <= limits::kPlacedDepthEdges * options_.edge_m;
   if (!placed_) return rows_known_ = false;
@@ -190,7 +197,8 @@ void VirtualTool::go_back_to(const Kept& kept, VirtualToolFrame& out) noexcept {
 /// Moves the virtual tool towards its balance with `hand`. \returns the last step that was solved, which is not taken.
 EquilibriumStep VirtualTool::follow(const Pose& hand, double friction, std::span<const ToolGround> grounds, const Reach& reach,
                                     VirtualToolFrame& out) noexcept {
-  const double rest = limits::kRestEdges * options_.edge_m, pull = limits::kPullEdges * options_.edge_m;
+  const double edge = options_.edge_m, pull = limits::kPullEdges * edge;
+  const double rest = std::clamp(limits::kRestShare * reach.hand_m, limits::kRestEdges * edge, limits::kRestMostEdges * edge);
   double way_left_m = reach.tool_m;
   Kept best;
   blocked_ = false;
@@ -200,7 +208,7 @@ EquilibriumStep VirtualTool::follow(const Pose& hand, double friction, std::span
     const double length = spring.norm();
     const Vec6 cut = !rows_.empty() && length > pull ? Vec6(spring * (pull / length)) : spring;
     // Where the way is used up, what still is inside is pushed out, and no more.
-    const bool pulled = way_left_m > 0.1 * rest;
+    const bool pulled = way_left_m > 0.1 * limits::kRestEdges * edge;
     const EquilibriumStep step = pulled ? solve(cut, friction) : equilibrium_step(rows_, Vec6::Zero());
     const double way = way_of(step.delta);
     out.iterations += step.iterations;
@@ -228,7 +236,7 @@ EquilibriumStep VirtualTool::follow(const Pose& hand, double friction, std::span
       tool_.position = on_lattice(tool_.position + share * step.delta.head<3>(), options_.edge_m);
       tool_.orientation = turned(tool_.orientation, share * step.delta.tail<3>() / options_.lever_m);
     }
-    look_up(tool_, grounds, out);
+    look_up(tool_, grounds, way <= limits::kSmoothWayEdges * edge, out);
     way_left_m -= share * way;
   }
 }
@@ -302,7 +310,7 @@ VirtualToolFrame VirtualTool::frame(const HandSample& sample, std::span<const To
   } else {
     placed_s_ += std::max(0.0, sample.period_s);
   }
-  if (!rows_known_) look_up(tool_, grounds, out);
+  if (!rows_known_) look_up(tool_, grounds, true, out);
 
   Vec6 hands_way;
   hands_way << hand.position - hand_.position, options_.lever_m * rotation_vector(hand_.orientation, hand.orientation);

@@ -124,7 +124,8 @@ class VirtualTool {
     std::uint32_t surface_hits = 0, interior_hits = 0, points_tested = 0;
   };
   PoseStatus status_of(Pose& hand, std::span<const ToolGround> grounds) const noexcept;
-  void look_up(const Pose& tool, std::span<const ToolGround> grounds, VirtualToolFrame& out) noexcept;
+  RowFrame row_frame(const Vec3& position, std::span<const ToolGround> grounds, std::size_t n) const noexcept;
+  void look_up(const Pose& tool, std::span<const ToolGround> grounds, bool smooth, VirtualToolFrame& out) noexcept;
   bool start(const Pose& tool, std::span<const ToolGround> grounds, VirtualToolFrame& out) noexcept;
   double objects_moved(std::span<const ToolGround> grounds) noexcept;
   Vec6 spring_to(const Pose& hand) noexcept;

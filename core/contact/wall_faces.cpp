@@ -1,6 +1,5 @@
 #include "core/contact/wall_faces.hpp"
 
-#include <Eigen/Cholesky>
 #include <cmath>
 #include <limits>
 
@@ -31,30 +30,30 @@ struct Places {
 };
 
 /// The distances at the corners of one voxel.
-void look_up(const voxmap::DistanceField& field, const voxmap::DistanceField::Arrays& arrays, const voxmap::VoxelIndex& v, double (&distance)[8]) noexcept {
+void look_up(const voxmap::DistanceField::Arrays& arrays, const voxmap::VoxelIndex& v, double (&distance)[8]) noexcept {
   using Field = voxmap::DistanceField;
   constexpr std::int32_t kY = Field::kNodeEdge, kZ = Field::kNodeEdge * Field::kNodeEdge;
   const std::int64_t x = std::int64_t{v.i} - arrays.base[0], y = std::int64_t{v.j} - arrays.base[1], z = std::int64_t{v.k} - arrays.base[2];
   const bool in_table = (x | y | z) >= 0 && (x >> 3) < arrays.cells[0] && (y >> 3) < arrays.cells[1] && (z >> 3) < arrays.cells[2];
   const std::int32_t entry = in_table ? arrays.table[(x >> 3) + arrays.cells[0] * ((y >> 3) + arrays.cells[1] * (z >> 3))] : Field::kFree;
-  if (entry >= 0 && (x & 7) < 7 && (y & 7) < 7 && (z & 7) < 7) {  // all in one brick
-    const float* const node = arrays.bricks[entry].data() + ((x & 7) + kY * (y & 7) + kZ * (z & 7));
-    for (int k = 0; k < 8; ++k) distance[k] = node[(k & 1) + kY * (k >> 1 & 1) + kZ * (k >> 2)];
+  if (entry < 0) {  // nothing is stored: all are cut off
+    for (int k = 0; k < 8; ++k) distance[k] = entry == Field::kDeep ? -arrays.depth_voxels : arrays.band_voxels;
     return;
   }
-  for (int k = 0; k < 8; ++k) distance[k] = field.node({v.i + (k & 1), v.j + (k >> 1 & 1), v.k + (k >> 2)});
+  const float* const node = arrays.bricks[entry].data() + ((x & 7) + kY * (y & 7) + kZ * (z & 7));
+  for (int k = 0; k < 8; ++k) distance[k] = node[(k & 1) + kY * (k >> 1 & 1) + kZ * (k >> 2)];
 }
 
 /// \returns how many corners there are.
-std::size_t put_corners(const voxmap::DistanceField& field, const voxmap::DistanceField::Arrays& arrays, const Vec3& u, const Vec3& outward, std::size_t lane,
-                        Places& places, Corners& corners) noexcept {
+std::size_t put_corners(const voxmap::DistanceField::Arrays& arrays, const Vec3& u, const Vec3& outward, std::size_t lane, Places& places,
+                        Corners& corners) noexcept {
   const voxmap::VoxelIndex here = voxmap::Grid::voxel_of(u), out = voxmap::Grid::voxel_of(u + outward);
   std::size_t count = 0;
   double distance[8];
   for (std::size_t which = 0; which < 2; ++which) {
     const voxmap::VoxelIndex& v = which == 0 ? here : out;
     const bool asked = which == 0 || !(out == here);
-    if (asked) look_up(field, arrays, v, distance);
+    if (asked) look_up(arrays, v, distance);
     for (std::size_t k = 0; k < 8; ++k) {
       const bool there = asked && !(distance[k] > limits::kSheetFarEdges);
       corners.distance[8 * which + k][lane] = distance[k];
@@ -119,18 +118,22 @@ VOXTOUCH_CLONES void sum_up(const Corners& __restrict corners, double tolerance,
   }
 }
 
-/// The plane of the sums. False where there is none.
-bool solve(std::size_t n, Fits& fits) noexcept {
-  const Lanes* const m = fits.moments;
-  Mat3 moments;
-  moments << m[0][n], m[3][n], m[4][n], m[3][n], m[1][n], m[5][n], m[4][n], m[5][n], m[2][n];
-  const Vec3 next = moments.ldlt().solve(Vec3(fits.slopes[0][n], fits.slopes[1][n], fits.slopes[2][n]));
-  const double length = next.norm();
-  if (!(length > 0.5)) return false;
-  const Vec3 normal = next / length;
-  for (std::size_t axis = 0; axis < 3; ++axis) fits.normal[axis][n] = normal[static_cast<Eigen::Index>(axis)];
-  fits.c[n] = normal.dot(Vec3(fits.middle[0][n], fits.middle[1][n], fits.middle[2][n])) - fits.mean[n];
-  return fits.used[n] >= static_cast<double>(limits::kSheetCorners);
+/// The planes of the sums, by the factors L D L' of their moments. `is_plane`: 1; 0 where there is none, and the normal before stays.
+VOXTOUCH_CLONES void solve(Fits& __restrict fits, Lanes& __restrict is_plane) noexcept {
+  for (std::size_t n = 0; n < kPoints; ++n) {
+    const double xx = fits.moments[0][n], yy = fits.moments[1][n], zz = fits.moments[2][n], xy = fits.moments[3][n], xz = fits.moments[4][n], yz = fits.moments[5][n];
+    const double yx = xy / xx, zx = xz / xx, d_y = yy - yx * xy, rest = yz - yx * xz, zy = rest / d_y, d_z = (zz - zx * xz) - zy * rest;
+    const double a = fits.slopes[0][n], b = fits.slopes[1][n] - yx * a, c = (fits.slopes[2][n] - zx * a) - zy * b;
+    const double z = c / d_z, y = b / d_y - zy * z, x = (a / xx - yx * y) - zx * z;
+    const double length = std::sqrt((x * x + y * y) + z * z), enough = fits.used[n] >= static_cast<double>(limits::kSheetCorners) ? 1.0 : 0.0;
+    const double long_enough = length > 0.5 ? 1.0 : 0.0, divisor = length + (1.0 - long_enough);
+    const double nx = x / divisor, ny = y / divisor, nz = z / divisor;
+    fits.normal[0][n] = long_enough > 0.0 ? nx : fits.normal[0][n];
+    fits.normal[1][n] = long_enough > 0.0 ? ny : fits.normal[1][n];
+    fits.normal[2][n] = long_enough > 0.0 ? nz : fits.normal[2][n];
+    fits.c[n] = (nx * fits.middle[0][n] + ny * fits.middle[1][n]) + nz * fits.middle[2][n] - fits.mean[n];
+    is_plane[n] = long_enough * enough;
+  }
 }
 
 /// Whether the faces may reach the points' feet on them (1, else 0): nothing lies nearer to a corner than its distance, so a foot that does is beyond the
@@ -153,11 +156,12 @@ void find_wall_faces(const voxmap::DistanceField& field, WallFaces& faces) noexc
   Corners corners;
   Places places;
   Fits fits;
+  alignas(64) Lanes is_plane;
   std::size_t left = 0;
   for (std::size_t n = 0; n < kPoints; ++n) {
     const std::size_t p = n < faces.count ? n : 0;  // filled up with the first once more
     const Vec3 &u = faces.at[p], &outward = faces.outward[p];
-    faces.found[n] = put_corners(field, arrays, u, outward, n, places, corners) >= limits::kSheetCorners && n < faces.count;
+    faces.found[n] = put_corners(arrays, u, outward, n, places, corners) >= limits::kSheetCorners && n < faces.count;
     left += faces.found[n];
     Vec3 normal = outward;
     if (faces.found[n]) {
@@ -172,8 +176,9 @@ void find_wall_faces(const voxmap::DistanceField& field, WallFaces& faces) noexc
   for (const double tolerance : {limits::kSheetCoarse, limits::kSheetFine, limits::kSheetFine}) {
     if (left == 0) return;
     sum_up(corners, tolerance, fits);
+    solve(fits, is_plane);
     for (std::size_t n = 0; n < faces.count; ++n)
-      if (faces.found[n] && !solve(n, fits)) faces.found[n] = false, --left;
+      if (faces.found[n] && !(is_plane[n] > 0.0)) faces.found[n] = false, --left;
   }
   alignas(64) Lanes reached;
   ask_whether_reached(corners, fits, reached);

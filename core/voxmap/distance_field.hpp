@@ -58,6 +58,11 @@ class DistanceField {
   /// unknown. Real-time safe.
   FieldSample at(const Vec3& u) const noexcept;
 
+  /// Gradient at `u`, W axes, that does not jump from voxel to voxel: differences of the stored distances over two voxels at the corners of the point's
+  /// voxel, interpolated between these. Exact where the distance is a polynomial of second degree. Of a distance that is cut off outside,
+  /// the one that the nodes before it lead to is taken, so beside planes it is theirs. `u` must be finite and within int32. Real-time safe.
+  Vec3 smooth_gradient(const Vec3& u) const noexcept;
+
   /// The stored distance [voxels] of the node at the lower corner of `voxel`, cut off at the band outside and the depth
   /// inside; the band where nothing is stored. Real-time safe.
   double node(const VoxelIndex& voxel) const noexcept;

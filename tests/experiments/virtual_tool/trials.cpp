@@ -22,6 +22,25 @@ double now_us() {
   return 1e6 * static_cast<double>(now.tv_sec) + 1e-3 * static_cast<double>(now.tv_nsec);
 }
 
+constexpr double kLooseUs = 20.0;  ///< frames below are of no interest
+constexpr int kRepeats = 9;
+
+/// CPU time of a frame: the least of several from the same state where it is long, so that interruptions do not count.
+contact::VirtualToolFrame timed_frame(Rig& rig, const Pose& hand, std::vector<double>& us) {
+  const contact::VirtualTool before = rig.tool;
+  double from = now_us();
+  const contact::VirtualToolFrame frame = rig.frame(hand);
+  double least = now_us() - from;
+  for (int n = 0; n < kRepeats && least > kLooseUs; ++n) {
+    rig.tool = before;
+    from = now_us();
+    rig.frame(hand);
+    least = std::min(least, now_us() - from);
+  }
+  us.push_back(least);
+  return frame;
+}
+
 struct Clock {
   std::vector<double> us;
   template <class F>
@@ -237,7 +256,7 @@ TumbleFigures tumble(const TumbleOptions& o) {
     }
     hand.position += o.speed * kPeriod * (target - hand.position).normalized();
     hand.orientation = (Quat(Eigen::AngleAxisd(o.spin * kPeriod, axis)) * hand.orientation).normalized();
-    const contact::VirtualToolFrame frame = clock.time([&] { return rig.frame(hand); });
+    const contact::VirtualToolFrame frame = timed_frame(rig, hand, clock.us);
     contacts += frame.constrained, lags += frame.lag;
     figures.depth_worst = std::max(figures.depth_worst, frame.worst_depth_m / o.edge);
     figures.queries_mean += frame.queries / static_cast<double>(o.frames);

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <limits>
 #include <random>
@@ -51,6 +53,45 @@ double brute_distance(const mesh::TriangleMesh& mesh, const Vec3& x) {
       best = std::min(best, (weights[0] * corner[0] + weights[1] * corner[1] + weights[2] * corner[2]).norm());
   }
   return best;
+}
+
+TEST(DistanceField, SmoothGradientIsAPlanesNormalToRoundingWhereverItLiesInBricks) {
+  const Vec3 size(0.05, 0.04, 0.031);
+  const Pose pose{Vec3(0.2, -0.1, 0.33), turned(0.5)};
+  const Ground ground(box_mesh(size, pose), kEdge);
+  std::mt19937_64 random(2);
+  for (int n = 0; n < 2000; ++n) {
+    const double depth = number(random, -2.0, 0.1) * kEdge;
+    const Vec3 x(number(random, -0.018, 0.018), number(random, -0.013, 0.013), 0.5 * size.z() + depth);
+    const Vec3 gradient = ground.field.smooth_gradient(ground.field.grid().to_grid(pose.position + pose.orientation * x));
+    EXPECT_LT((gradient - pose.orientation * Vec3::UnitZ()).norm(), 2e-6) << x.transpose();
+  }
+}
+
+TEST(DistanceField, SmoothGradientPointsAwayFromABallsCentreAndDoesNotJumpAtVoxelsBorders) {
+  constexpr double kRadius = 20 * kEdge;
+  const Ground ground(sphere_mesh(kRadius, 5), kEdge);
+  const voxmap::DistanceField& field = ground.field;
+  std::mt19937_64 random(3);
+  double off = 0.0, jump = 0.0, plain_off = 0.0, plain_jump = 0.0;
+  for (int n = 0; n < 2000; ++n) {
+    const Vec3 way = Vec3(number(random, -1, 1), number(random, -1, 1), number(random, -1, 1)).normalized();
+    Vec3 u = field.grid().to_grid(kRadius * way);
+    const Vec3 radial = (field.grid().origin + kEdge * u).normalized();
+    off = std::max(off, std::acos(std::min(1.0, field.smooth_gradient(u).normalized().dot(radial))));
+    plain_off = std::max(plain_off, std::acos(std::min(1.0, field.at(u).gradient.normalized().dot(radial))));
+    const int axis = n % 3;
+    const double border = std::round(u[axis]);
+    Vec3 beside = u;
+    u[axis] = border - 1e-9, beside[axis] = border + 1e-9;
+    jump = std::max(jump, (field.smooth_gradient(u) - field.smooth_gradient(beside)).norm());
+    plain_jump = std::max(plain_jump, (field.at(u).gradient - field.at(beside).gradient).norm());
+  }
+  std::printf("off %g and %g, jump %g and %g\n", off, plain_off, jump, plain_jump);
+  EXPECT_LT(off, 0.01);  // half a degree
+  EXPECT_LT(jump, 1e-6);
+  EXPECT_GT(plain_off, 2 * off);  // or there was nothing to smooth
+  EXPECT_GT(plain_jump, 0.03);
 }
 
 TEST(DistanceField, IsTheDistanceToABoxThatStandsAskew) {
