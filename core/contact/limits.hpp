@@ -55,8 +55,9 @@ inline constexpr double kRowStiffness = 1000.0;
 inline constexpr double kRowGapEdges = 0.5;
 /// Longest way of any point of the tool between two queries: no thicker layer of surface voxels is passed unseen.
 inline constexpr double kToolStepEdges = 0.5;
-/// Queries a frame, iterations a step, evaluations a line search: the most, whatever the hand does.
+/// Queries a frame, those of a frame whose last step was pushed, iterations a step, evaluations a line search: the most, whatever the hand does.
 inline constexpr int kMaxQueries = 8;
+inline constexpr int kMaxQueriesInContact = 7;
 inline constexpr int kMaxIterations = 8;
 inline constexpr int kMaxLineEvaluations = 6;
 /// In contact a frame ends where the way that is left is shorter than the first, or, while the hand moves, than this share of its way,

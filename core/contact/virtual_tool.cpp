@@ -215,7 +215,7 @@ EquilibriumStep VirtualTool::follow(const Pose& hand, double friction, std::span
     out.residual_m = way;
     const bool rests = (way < rest && (step.pushed || !pulled)) || (way == 0.0 && same(tool_, hand));
     out.cut_short = queries >= limits::kMinQueries && !rests && work_is_done(out);
-    const bool done = queries == limits::kMaxQueries || rests || out.cut_short;
+    const bool done = queries >= (step.pushed ? limits::kMaxQueriesInContact : limits::kMaxQueries) || rests || out.cut_short;
     const double energy = spring_energy(length, pull) + rows_energy_;
     const double bump = limits::kBumpShare * reach.hand_m * std::min(length, pull);
     if (worse == 0 || energy <= best.energy + bump) {

@@ -63,7 +63,8 @@ constexpr auto kContact = std::to_array<Key>({
   {"model", kWord, kOptional, "adapted", "Contact model, from the fastest to the most accurate: see `voxtouch accuracy`.",
    "original adapted field"},
   {"rendering", kWord, kOptional, "",
-   "A virtual tool that stays outside what it touches, with `field` (then the standard model): the coupling's certified stiffness is felt, and none is given here. Left out: penalty, forces that grow with the depth.",
+   "A virtual tool that stays outside what it touches, with `field` (then the standard model): the coupling's certified stiffness is felt, and none is given here. "
+   "Or penalty, forces that grow with the depth. Left out: virtual_tool for `field` without a stiffness, else penalty.",
    "virtual_tool penalty"},
   {"stiffness_n_per_m", kPositive, kOneOf, "", "Of each shell point [N/m]; original and adapted."},
   {"stiffness_n_per_m3", kPositive, kOneOf, "", "Per area of the tool's surface [N/m^3]; any model."}});

@@ -123,6 +123,13 @@ MeshSpec read_dynamic_mesh(const SceneSource& source, const MapReader& map, Shel
 
 namespace {
 
+/// Where a scene does not say how contact is rendered, a stiffness asks for forces that grow with the depth.
+bool has_virtual_tool(const MapReader& map) {
+  if (map.has("rendering")) return map.choice("rendering") == 0;
+  const YamlNode* const model = map.find("model");
+  return model && model->text == keys::kModelByArea && !map.has("stiffness_n_per_m") && !map.has("stiffness_n_per_m3");
+}
+
 /// No stiffness of its own: what is felt is what the coupling is certified for.
 ContactSpec read_virtual_tool(const SceneSource& source, const MapReader& map) {
   ContactSpec contact;
@@ -142,7 +149,7 @@ ContactSpec read_contact(const SceneSource& source, const MapReader& map) {
   if (const YamlNode* model = map.find("model"); model && model->text == "clustered")
     source.fail(model->place, "The contact model 'clustered' is gone. Write 'model: field' with the same stiffness_n_per_m3; where a static mesh "
                               "is not closed, 'model: adapted' with it.");
-  if (map.has("rendering") && map.choice("rendering") == 0) return read_virtual_tool(source, map);
+  if (has_virtual_tool(map)) return read_virtual_tool(source, map);
   ContactSpec contact;
   map.read("model", contact.model);
   const bool by_area_only = contact.model == keys::kModelByArea;
@@ -167,8 +174,8 @@ void check_virtual_tool(SceneSource& source, const MapReader& map, const Scene& 
     if (scene.lever_m) source.warn(map.place_of("tool"), "'lever_m' is read for 'rendering: virtual_tool' only.");
     return;
   }
-  if (!scene.design && !std::isfinite(scene.coupling.stiffness_cap_n_per_m))
-    source.fail(map.inner("contact").place_of("rendering"),
+  if (const MapReader contact = map.inner("contact"); !scene.design && !std::isfinite(scene.coupling.stiffness_cap_n_per_m))
+    source.fail(contact.place_of(contact.has("rendering") ? "rendering" : "model"),
                 "'rendering: virtual_tool' shows as much stiffness as the coupling lets through, and the coupling names none: give "
                 "coupling: {design: auto}, or its stiffness_cap_n_per_m.");
   if (effects::needs_of(scene.effects).body)

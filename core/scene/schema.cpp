@@ -196,9 +196,12 @@ std::string scene_schema() {
   Json& contact = schema["properties"]["contact"];
   contact["if"] = {{"properties", {{"model", {{"enum", words_of(keys::kModelByArea)}}}}}, {"required", {"model"}}};
   contact["then"] = none_of({"stiffness_n_per_m"});
-  Json virtual_tool = has("rendering");
-  virtual_tool["properties"]["rendering"]["enum"] = {"virtual_tool"};
-  contact["oneOf"].push_back(std::move(virtual_tool));
+  Json by_name = has("rendering"), by_model = has("model");
+  by_name["properties"]["rendering"]["enum"] = {"virtual_tool"};
+  by_model["properties"]["model"]["enum"] = words_of(keys::kModelByArea);
+  by_model.update(none_of({"rendering", "stiffness_n_per_m", "stiffness_n_per_m3"}));
+  contact["oneOf"].push_back(std::move(by_name));
+  contact["oneOf"].push_back(std::move(by_model));
   Json& by_hand = schema["properties"]["coupling"]["else"];
   by_hand["properties"]["kind"] = {{"enum", words_of(keys::kKindsByHand)}};
   schema["$defs"] = definitions();

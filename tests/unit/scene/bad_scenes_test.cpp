@@ -114,6 +114,8 @@ const std::vector<Bad> kBad = {
     {"model: original, stiffness_n_per_m: 12.5", "rendering: virtual_tool, ^stiffness_n_per_m3: 1e6", "'stiffness_n_per_m3'|'rendering: virtual_tool'"},
     {"model: original, stiffness_n_per_m: 12.5", "rendering: virtual_tool, ^stiffness_n_per_m: 30", "'stiffness_n_per_m'|'rendering: virtual_tool'"},
     {"model: original, stiffness_n_per_m: 12.5", "^rendering: virtual_tool", "{design: auto}|stiffness_cap_n_per_m"},
+    {"model: original, stiffness_n_per_m: 12.5", "^model: field", "'rendering: virtual_tool'|{design: auto}|stiffness_cap_n_per_m"},
+    {"{model: original, stiffness_n_per_m: 12.5", "^{model: field, rendering: penalty", "'stiffness_n_per_m3'"},
     {"model: original, stiffness_n_per_m: 12.5", "rendering: ^tool", "'rendering'|virtual_tool, penalty"},
     {"effects: []", "tool: {lever_m: ^0}", "'lever_m'|above 0"},
     {"effects: []", "tool: {^lever: 1}", "'lever_m'"},

@@ -99,6 +99,19 @@ TEST_F(SceneFile, WhatIsLeftOutKeepsItsDefault) {
   EXPECT_EQ(s.dynamic_mesh.scale, 1);
 }
 
+TEST_F(SceneFile, FieldWithoutAStiffnessIsAVirtualToolAndWithOneForcesOfDepth) {
+  const auto with_contact = [&](const std::string& keys) {
+    std::string text = kSmall + "coupling: {design: auto}\n";
+    const std::size_t at = text.find("contact:");
+    return parse(text.replace(at, text.find('\n', at) - at, "contact: {" + keys + "}"));
+  };
+  EXPECT_TRUE(with_contact("model: field").virtual_tool());
+  EXPECT_TRUE(with_contact("rendering: virtual_tool").virtual_tool());
+  EXPECT_FALSE(with_contact("model: field, stiffness_n_per_m3: 1e6").virtual_tool());
+  EXPECT_FALSE(with_contact("model: field, rendering: penalty, stiffness_n_per_m3: 1e6").virtual_tool());
+  EXPECT_FALSE(with_contact("model: adapted, stiffness_n_per_m: 10").virtual_tool());
+}
+
 TEST_F(SceneFile, AKeyThatIsLeftOutMeansTheSameInTheTableOfKeysAndInTheValuesThatAreMadeWithoutAScene) {
   const Scene s = parse(kSmall +
                         "coupling: {}\ndevice: {}\nmotions: {m: {path: [[0, 0, 0]]}}\neffects: [{viscosity: "

@@ -40,11 +40,12 @@ const Json& resolved(const Json& node) {
   return node.contains("$ref") ? schema().at(Json::json_pointer(node["$ref"].get<std::string>().substr(1))) : node;
 }
 
-/// The keys of which an object has exactly one.
+/// The keys of which an object has exactly one; a key that makes all of them superfluous is none of them.
 std::vector<std::string> alternatives(const Json& object) {
   std::vector<std::string> keys;
   if (object.contains("oneOf"))
-    for (const Json& one : object["oneOf"]) keys.push_back(one["required"][0]);
+    for (const Json& one : object["oneOf"])
+      if (!one.contains("not")) keys.push_back(one["required"][0]);
   return keys;
 }
 
@@ -235,6 +236,10 @@ TEST_F(Schema, SeesTheSlipsThatEditorsAreToShow) {
       {"dynamic: {mesh: b.obj}\n", ""},
       {"stiffness_n_per_m: 10", "stiffness_n_per_m: 10, stiffness_n_per_m3: 1"},
       {"stiffness_n_per_m: 10", "model: field, stiffness_n_per_m: 10"},
+      {"stiffness_n_per_m: 10", "model: field", false},
+      {"stiffness_n_per_m: 10", "model: field, stiffness_n_per_m3: 10", false},
+      {"stiffness_n_per_m: 10", "model: field, rendering: penalty"},
+      {"stiffness_n_per_m: 10", "model: adapted"},
       {"contact:", "effects: [{gravity: {}}]\ncontact:"},
       {"contact:", "effects: [{viscosity: {}}]\ncontact:"},
       {"contact:", "effects: [{viscosity: {damping_ns_per_m: 1e6}}]\ncontact:"},
