@@ -62,7 +62,7 @@ void presses(const std::string& contact, double most_m, double late_m) {
   EXPECT_GT(measured, 50);
 }
 
-TEST(PressRing, ReturnsTheCertifiedStiffnessWithTheField) { presses("model: field, stiffness_n_per_m3: 1.0e+8", 1.0, 1e-4); }
+TEST(PressRing, ReturnsTheCertifiedStiffnessWithTheField) { presses("model: field, stiffness_n_per_m3: 1.0e+8", 1.0, 1.2e-4); }
 /// Deeper, the normals of the ball's points cancel, and the model falls back to each point's own.
 TEST(PressRing, ReturnsTheCertifiedStiffnessWithThePapersModelAsDeepAsItsNormalsAgree) { presses("model: adapted, stiffness_n_per_m: 200", 0.007, 1e-4); }
 
