@@ -7,6 +7,11 @@
 
 namespace voxtouch::coupling {
 
+/// The standard share of what contact and effects give that injected damping may add: see CouplingSpec::damper_share.
+inline constexpr double kDamperShare = 0.45;
+/// Force that is hardly felt [N].
+inline constexpr double kQuietForceN = 0.05;
+
 /// A coupling and its parameters; those of the other kinds are ignored.
 struct CouplingSpec {
   std::string kind = "shaping_filter"; ///< shaping_filter | spring_damper | direct
@@ -27,6 +32,10 @@ struct CouplingSpec {
   double injected_damping_nms_per_rad = 0.0;
   double velocity_filter_hz = 100.0;          ///< > 0; not used behind a window
   std::uint32_t velocity_window = 0;          ///< n of the window, 0 to kMaxVelocityWindow; 0: the first-order filter
+  /// Most that injected damping may add to the law's force, as a share of that, and [N] that it may add besides, which is hardly felt: so a touch
+  /// begins with the contact. What it takes is bounded by never pulling alone, and so is what it does to a torque. Share 0: without that bound.
+  double damper_share = kDamperShare;
+  double damper_free_n = kQuietForceN;
   double passivity_damping_limit_ns_per_m = 0.0;      ///< most that the passivity controller may add; 0: it only observes
   double passivity_damping_limit_nms_per_rad = 0.0;
   bool operator==(const CouplingSpec&) const = default;

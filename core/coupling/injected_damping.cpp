@@ -1,6 +1,9 @@
 #include "core/coupling/injected_damping.hpp"
 
+#include <algorithm>
+
 #include "core/coupling/stiffness_cap.hpp"
+#include "core/types/clamp.hpp"
 
 namespace voxtouch::coupling {
 namespace {
@@ -26,7 +29,16 @@ void never_pull(Vec3& sum, const Vec3& push) noexcept {
   if (const double pull = along.dot(sum); pull < 0.0) sum -= pull * along;
 }
 
-Wrench InjectedDamping::of(const CouplingInput& contact, const Twist& velocity) const noexcept {
+void bound_addition(Vec3& damping, const Vec3& push, double most) noexcept {
+  const double size = push.stableNorm();
+  if (!(size > kNoStiffness)) return damping.setZero(), void();
+  const Vec3 along = push / size, taken = std::min(0.0, along.dot(damping)) * along;
+  damping -= taken;
+  clamp_length(damping, most);
+  damping += taken;
+}
+
+Wrench InjectedDamping::of(const CouplingInput& contact, const Vec3& law_force, const Twist& velocity) const noexcept {
   Wrench out;
   const Mat6& k = contact.contact_stiffness;
   // It is there to make up for stiffness that comes late; a force without any (a medium's drag, a weight) needs none.
@@ -36,6 +48,7 @@ Wrench InjectedDamping::of(const CouplingInput& contact, const Twist& velocity) 
   if (angular_.now() > 0.0)
     out.torque =
         -angular_.now() * (pushing_directions(k.bottomRightCorner<3, 3>(), contact.contact.torque) * velocity.angular);
+  if (const double parts = parts_.now(); parts > 0.0) bound_addition(out.force, law_force, law_force.stableNorm() / parts + free_.now());
   return out;
 }
 

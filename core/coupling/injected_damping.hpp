@@ -14,25 +14,36 @@ Mat3 pushing_directions(const Mat3& stiffness, const Vec3& push) noexcept;
 /// here; only their common force is kept from pulling. `push` zero: nothing is done. Real-time safe.
 void never_pull(Vec3& sum, const Vec3& push) noexcept;
 
-/// The damping coefficients, which change without a step. The force is -B P v: as the tool touches it begins with up to B v
-/// against the motion, and as the tool leaves it ends from what `never_pull` has left of it.
+/// Cuts the part of `damping` that is along `push` or across it to a length of at most `most`; what is against `push` stays. Where `push` is zero
+/// nothing is left. Real-time safe.
+void bound_addition(Vec3& damping, const Vec3& push, double most) noexcept;
+
+/// The damping coefficients, which change without a step. The force is -B P v, of which no more than a share of the law's force, and a little that is hardly felt,
+/// is added to that: as the tool touches it begins with the law, and as the tool leaves it ends from what `never_pull` has left of it. The torque is not
+/// bounded: it begins with up to B P omega.
 class InjectedDamping {
  public:
   /// The dampings of `spec`, as `validate` accepts it [Ns/m, Nms/rad].
   explicit InjectedDamping(const CouplingSpec& spec) noexcept
-      : linear_(spec.injected_damping_ns_per_m), angular_(spec.injected_damping_nms_per_rad) {}
-  /// Goes to the dampings of `spec` in a straight line over `over_s` > 0. Real-time safe.
+      : linear_(spec.injected_damping_ns_per_m), angular_(spec.injected_damping_nms_per_rad), parts_(parts_of(spec)), free_(spec.damper_free_n) {}
+  /// Goes to the dampings and the share of `spec` over `over_s` > 0. Real-time safe.
   void redesign(const CouplingSpec& spec, double over_s) noexcept {
     linear_.head_for(spec.injected_damping_ns_per_m, over_s);
     angular_.head_for(spec.injected_damping_nms_per_rad, over_s);
+    parts_.head_for(parts_of(spec), over_s);
+    free_.head_for(spec.damper_free_n, over_s);
   }
   /// Moves on by `dt_s` [s] on that way. Real-time safe.
-  void advance(double dt_s) noexcept { linear_.advance(dt_s), angular_.advance(dt_s); }
-  /// What to add for `contact`, at velocity v^: nothing where it shows no stiffness at all. Real-time safe.
-  Wrench of(const CouplingInput& contact, const Twist& velocity) const noexcept;
+  void advance(double dt_s) noexcept { linear_.advance(dt_s), angular_.advance(dt_s), parts_.advance(dt_s), free_.advance(dt_s); }
+  /// What to add for `contact`, of which the law gives the force `law_force`, at velocity v^: nothing where it shows no stiffness at all. Real-time safe.
+  Wrench of(const CouplingInput& contact, const Vec3& law_force, const Twist& velocity) const noexcept;
 
  private:
+  static double parts_of(const CouplingSpec& spec) noexcept { return spec.damper_share > 0.0 ? 1.0 / spec.damper_share : 0.0; }
+
   Ramp linear_, angular_;
+  Ramp parts_;  ///< one over the share; 0: without a bound
+  Ramp free_;   ///< what may be added besides [N]
 };
 
 }  // namespace voxtouch::coupling

@@ -170,7 +170,7 @@ Wrench RunningCoupling::run_law(const CouplingInput& input, const PolicedSample&
 
 void RunningCoupling::add_damping(Wrench& sum, const Wrench& law, CouplingOutput& out) noexcept {
   const Twist& velocity = motion_.velocity();
-  const Wrench damping = injected_.of(contact_, velocity);  // none where the contact does not push
+  const Wrench damping = injected_.of(contact_, law.force, velocity);  // none where the contact does not push
   sum.force += damping.force, sum.torque += damping.torque;
   PassivityDamping more = passivity_.control(contact_.contact.force, way_, velocity, passivity_limits_);
   // Across the contact it works as friction does: no more than the push, so that it comes and goes with it.

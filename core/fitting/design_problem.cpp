@@ -1,6 +1,7 @@
 #include "core/fitting/design_problem.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace voxtouch::fitting {
@@ -40,6 +41,7 @@ coupling::CouplingSpec scaled(coupling::CouplingSpec spec, const HandScales& sca
   spec.stiffness_cap_n_per_m *= scales.translation;
   spec.injected_damping_ns_per_m *= scales.translation;
   spec.passivity_damping_limit_ns_per_m *= scales.translation;
+  spec.damper_free_n *= std::sqrt(scales.translation * scales.rotation);
   spec.stiffness_cap_nm_per_rad *= scales.rotation;
   spec.injected_damping_nms_per_rad *= scales.rotation;
   spec.passivity_damping_limit_nms_per_rad *= scales.rotation;
@@ -72,9 +74,11 @@ coupling::design::DesignProblem design_problem(const scene::Scene& scene, const 
   goals.max_cutoff_hz = std::max(goals.max_cutoff_hz, options.cutoff_hz);
   goals.gain_margin = options.gain_margin;
   goals.floors = coupling::design::floors_of(options.damping_floor);
+  goals.rotation_floors = coupling::design::floors_of(options.rotation_damping_floor);
   if (!spring) goals.force_layer_depth_m = 0.5 * scene.voxel_size_m / scene.device.position_scale;
   goals.allow_injected_damping = options.inject_damping;
   goals.velocity_windows = options.velocity_windows;
+  goals.damper_share = options.damper_share;
   goals.free_cap = scene.design && !options.stiffness_cap_n_per_m && !options.stiffness_cap_nm_per_rad;
   return problem;
 }

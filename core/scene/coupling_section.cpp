@@ -70,6 +70,8 @@ DesignOptions read_ask(SceneSource& source, const YamlNode& node, const MapReade
   judge(source, node, map, requested);
   map.read("gain_margin", options.gain_margin);
   map.read("damping_floor", options.damping_floor);
+  map.read("rotation_damping_floor", options.rotation_damping_floor);
+  map.read("damper_share", options.damper_share);
   map.read("stiffness_cap_n_per_m", options.stiffness_cap_n_per_m);
   map.read("stiffness_cap_nm_per_rad", options.stiffness_cap_nm_per_rad);
   if (const YamlNode* hand = map.find("hand")) read_hand(source, *hand, map, options);
@@ -106,10 +108,11 @@ coupling::CouplingSpec read_by_hand(SceneSource& source, const YamlNode& node, c
   map.read("injected_damping_ns_per_m", spec.injected_damping_ns_per_m);
   map.read("injected_damping_nms_per_rad", spec.injected_damping_nms_per_rad);
   if (!map.has("injected_damping_ns_per_m") && !map.has("injected_damping_nms_per_rad"))
-    for (const auto key : {"velocity_filter_hz", "velocity_window"})
-      map.refuse(key, "is of the velocity for injected damping; it goes with injected_damping_ns_per_m or injected_damping_nms_per_rad.");
+    for (const auto& [key, job] : {std::pair("velocity_filter_hz", "is of the velocity for"), {"velocity_window", "is of the velocity for"}, {"damper_share", "bounds"}})
+      map.refuse(key, fmt::format("{} injected damping; it goes with injected_damping_ns_per_m or injected_damping_nms_per_rad.", job));
   map.read("velocity_filter_hz", spec.velocity_filter_hz);
   map.read("velocity_window", spec.velocity_window);
+  map.read("damper_share", spec.damper_share);
   judge(source, node, map, spec);
   return spec;
 }

@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 
+#include "core/coupling/coupling_spec.hpp"
 #include "core/coupling/design/loop_parts.hpp"
 
 namespace voxtouch::scene {
@@ -25,7 +26,9 @@ struct DesignOptions {
   std::string kind = "auto";  ///< auto | shaping_filter | spring_damper | direct
   double cutoff_hz = 5.0;     ///< goal, w0 / (2 pi)
   double gain_margin = 2.0;   ///< >= 1
-  double damping_floor = 0.0;  ///< with a hand, and a third of it released; 0: none
+  double damping_floor = 0.3;  ///< of translation, with a hand, and a third of it released; 0: none
+  double rotation_damping_floor = 0.0;  ///< likewise
+  double damper_share = coupling::kDamperShare;  ///< as CouplingSpec has it
   /// Caps on the contact's stiffness in W that are wanted as they are; without both the designer is free to cap.
   std::optional<double> stiffness_cap_n_per_m, stiffness_cap_nm_per_rad;
   HandOption hand = HandOption::kAsDeviceIsHeld;
@@ -33,7 +36,7 @@ struct DesignOptions {
   std::optional<coupling::design::HandRange> given_rotation;  ///< for kGiven; none: the range of the device's grip
   bool released = true;                     ///< nobody holding the device is one of the cases
   bool inject_damping = true;               ///< damping while in contact is allowed
-  bool velocity_windows = false;            ///< also on the velocity of a window
+  bool velocity_windows = true;             ///< also on the velocity of a window
   bool run_infeasible = false;              ///< run what was found even where the design is called infeasible
   bool operator==(const DesignOptions&) const = default;
 };

@@ -106,13 +106,16 @@ constexpr auto kCoupling = std::to_array<Key>({
   {"injected_damping_nms_per_rad", kNotNegative, kWithoutFirst, "0", "While in contact [Nms/rad]."},
   {"velocity_filter_hz", kPositive, kWithoutFirst, "100", "Of the velocity that is damped."},
   {"velocity_window", kCount, kWithoutFirst, "0", "n, up to 5: damping acts on the velocity of a window of 3 n samples instead; 0: on the filter's.", "", nullptr, 0, coupling::kMaxVelocityWindow},
+  {"damper_share", kNotNegative, kOptional, "0.45",
+   "Most that injected damping adds to what contact and effects give, as a share of it: so a touch begins with the contact. 0: without that bound, as a design is of which it would take more than a third."},
   {"gain_margin", kNumber, kWithFirst, "2", "How much stiffer the worst case may get before it is unstable.", "", nullptr, 1},
-  {"damping_floor", kNumber, kWithFirst, "0",
-   "Least damping ratio of the slowest swing in contact, with a hand; a third of it with nobody holding the device. 0.3 is a good one; 0: stiffness is not given up for it.", "", nullptr, 0, 0.9},
+  {"damping_floor", kNumber, kWithFirst, "0.3",
+   "Least damping ratio of the slowest swing along in contact, with a hand; a third of it with nobody holding the device. Stiffness is given up for it; 0: it is not.", "", nullptr, 0, 0.9},
+  {"rotation_damping_floor", kNumber, kWithFirst, "0", "The same of turning: the damping that it asks for is felt in torques.", "", nullptr, 0, 0.9},
   {"hand", kMap, kWithFirst, "", "Who may hold the device; left out: as the device is held.", "pen arm any_passive", &hand},
   {"released", kFlag, kWithFirst, "true", "Must be stable with nobody holding it too."},
   {"inject_damping", kFlag, kWithFirst, "true", "The designer may inject damping."},
-  {"velocity_windows", kFlag, kWithFirst, "false", "Injected damping may act on the velocity of a window of samples too: up to 1.6 times the stiffness of shipped devices, and less damped."},
+  {"velocity_windows", kFlag, kWithFirst, "true", "Injected damping may act on the velocity of a window of samples too: up to 1.6 times the stiffness for the same noise."},
   {"run_infeasible", kFlag, kWithFirst, "false", "Run what was found even where the design says that it will not do."}});
 
 constexpr auto kDevice = std::to_array<Key>({

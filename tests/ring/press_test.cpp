@@ -62,7 +62,7 @@ void presses(const std::string& contact, double most_m, double late_m, double sh
   EXPECT_GT(measured, 50);
 }
 
-TEST(PressRing, ReturnsTheCertifiedStiffnessWithTheField) { presses("model: field, stiffness_n_per_m3: 1.0e+8", 1.0, 1e-4); }
+TEST(PressRing, ReturnsTheCertifiedStiffnessWithTheField) { presses("model: field, stiffness_n_per_m3: 1.0e+8", 1.0, 1.2e-4); }
 /// A ball whose points are so soft takes some millimetres to become as stiff as is certified; deep in its normals cancel.
 TEST(PressRing, NeverFallsWhileTheHandGoesInWhereTheContactIsSoftAndItsNormalsCancel) { presses("model: adapted, stiffness_n_per_m: 30", 1.0, 1e-4, 0.5); }
 TEST(PressRing, NeverFallsWhileTheHandGoesInWhereEachPointPushesAlongItsOwnNormal) { presses("model: original, stiffness_n_per_m: 200", 0.009, 1e-4, 0.9); }

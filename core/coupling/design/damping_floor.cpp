@@ -8,7 +8,6 @@
 #include <functional>
 #include <numbers>
 #include <stdexcept>
-#include <utility>
 #include <vector>
 
 #include "core/coupling/design/filter_search.hpp"
@@ -38,12 +37,6 @@ Loop loop_of(const DesignProblem& request, const AxisProblem& problem, const Cou
   if (law.law != LoopController::Law::kSpringDamper) return {law, share * shown.shown};
   law.stiffness *= share, law.damping *= share;
   return {law, shown.contact};
-}
-
-/// Of device and hand without a coupling: b / (2 sqrt(m k)).
-double own_ratio(const LoopPlant& p) {
-  const double stiffness = (p.mass + p.hand_mass) * p.hand_stiffness;
-  return stiffness > 0.0 ? 0.5 * (p.damping + p.hand_damping) / std::sqrt(stiffness) : kInfinity;
 }
 
 /// The best that injected damping makes of the case in the softest useful contact.
@@ -97,27 +90,25 @@ std::string set_floors(const DesignProblem& request, std::vector<AxisProblem>& p
   double worst = 1.0;
   const auto set = [&](AxisProblem& problem, bool held, double floor) {
     bool forbidden = false;
-    std::vector<std::pair<DesignCase*, double>> all;
     for (DesignCase& one : problem.cases) {
       if (one.held != held) continue;
       one.least_damping_ratio = floor;
+      if (floor <= 0.0) continue;
       const double best = best_ratio(problem, one, may_damp, request.goals.velocity_windows);
-      all.emplace_back(&one, best);
-      forbidden = forbidden || best < floor;
-      if (best >= floor || best >= worst) continue;
+      if (best >= floor) continue;
+      forbidden = true;
+      if (best >= worst) continue;
       worst = best;
       out_of_reach = fmt::format("{}: {} swings with a damping ratio of {:.2g} at best", problem.units->name, describe(one, *problem.units), best);
     }
-    if (!forbidden) return;
-    for (const auto& [one, best] : all) {
-      one->least_damping_ratio = std::min(floor, own_ratio(one->plant));
-      if (best < one->least_damping_ratio) one->least_damping_ratio = 0.0;
-    }
+    for (DesignCase& one : problem.cases)
+      if (forbidden && one.held == held) one.least_damping_ratio = 0.0;
   };
-  for (AxisProblem& problem : problems) {
-    if (problem.hand.any_passive) continue;
-    set(problem, false, request.goals.floors.released);
-    set(problem, true, request.goals.floors.held);
+  for (std::size_t a = 0; a < problems.size(); ++a) {
+    if (problems[a].hand.any_passive) continue;
+    const DampingFloors& floors = a == 0 ? request.goals.floors : request.goals.rotation_floors;
+    set(problems[a], false, floors.released);
+    set(problems[a], true, floors.held);
   }
   return out_of_reach;
 }

@@ -14,10 +14,9 @@ namespace voxtouch::coupling::design {
 SlowestSwing slowest_swing(const DesignProblem& request, const std::vector<AxisProblem>& problems, const CouplingSpec& spec);
 
 /// Gives each case of `problems` its floor by the request's goals. Out of reach is the floor of a case that swings with less even in the softest
-/// useful contact and with the most damping that may be injected. Where that is so for one hand of a kind of motion, stiffness given up for
-/// the other hands would not make the worst swing shorter: there each is only kept from swinging longer than it does by itself, without a
-/// coupling. Returns the worst that is out of reach, "Translation: held (0.2 kg, ...) swings with a damping ratio of 0.2 at best"; empty
-/// where there is none. Some milliseconds.
+/// useful contact and with the most damping that may be injected. Where that is so for one hand, none has a floor: stiffness given up for
+/// the others would not make the worst swing shorter; of devices that nobody holds likewise. Returns the worst that is out of reach,
+/// "Translation: held (0.2 kg, ...) swings with a damping ratio of 0.2 at best"; empty where there is none. Some milliseconds.
 std::string set_floors(const DesignProblem& request, std::vector<AxisProblem>& problems);
 
 /// Whether all cases with a floor keep it, at the contact stiffness `contact` before `law` (of unit gain).

@@ -7,21 +7,24 @@
 #include <stdexcept>
 
 #include "core/coupling/design/certificates.hpp"
+#include "core/coupling/design/loop_response.hpp"
 
 namespace voxtouch::coupling::design {
 namespace {
 
 using Law = LoopController::Law;
 
-/// Noise that is hardly felt [N], and the share of a strong device's force that is not either.
-constexpr double kQuietForce = 0.05, kQuietShare = 0.005;
+/// Share of a strong device's force that is hardly felt as noise.
+constexpr double kQuietShare = 0.005;
+/// Of the margin, what is kept in a swing so large that the bound on injected damping acts.
+constexpr double kLargeSwing = 0.75;
 /// Torque in place of a force [m], where device limits do not say how one stands to the other.
 constexpr double kHandsArm = 0.05;
 
 double noise_limit(const DesignProblem& request, bool rotation) {
   const double force = request.device.translation.max_effort, torque = request.device.rotation.max_effort;
   const double asked = request.goals.max_injected_damping_effort;
-  const double of_force = asked > 0.0 ? asked : std::max(kQuietForce, std::isfinite(force) ? kQuietShare * force : 0.0);
+  const double of_force = asked > 0.0 ? asked : std::max(kQuietForceN, std::isfinite(force) ? kQuietShare * force : 0.0);
   if (!rotation) return of_force;
   // A torque may be noisy to the same share of the device's range as a force.
   return of_force * (std::isfinite(force) && std::isfinite(torque) ? torque / force : kHandsArm);
@@ -39,6 +42,8 @@ AxisProblem problem(const DesignProblem& request, bool rotation) {
   out.wanted = std::min(out.contact.all_points, out.model.max_stiffness);
   out.useful = rotation ? request.goals.useful_stiffness_nm_per_rad : request.goals.useful_stiffness_n_per_m;
   out.noise_limit = noise_limit(request, rotation);
+  out.large_swing = std::max(kLargeSwing, 1.0 / out.margin);
+  out.damper_share = rotation ? 0.0 : request.goals.damper_share;
   return out;
 }
 
@@ -48,6 +53,22 @@ double stretch(const LoopTiming& timing, int velocity_window) {
   if (timing.jitter >= 1.0) return kInfinity;
   const double held = std::sqrt((1.0 + timing.lost_in_a_row) * (1.0 + timing.jitter) / (1.0 - timing.jitter));
   return velocity_window > 0 ? kWindowGain * held : held;
+}
+
+/// K k from which on the loop is unstable with all of its injected damping, or with what may be left of that where it is bounded.
+double critical_for(const AxisProblem& problem, const LoopPlant& plant, const LoopController& law) {
+  double least = critical_stiffness(plant, law).stiffness;
+  if (!(problem.damper_share > 0.0 && law.injected_damping > 0.0)) return least;
+  const LoopResponse whole(plant, law);
+  LoopController less = law;
+  for (const DamperPart& part : kDamperParts) {
+    less.injected_damping = part.part * law.injected_damping;
+    const CriticalStiffness here = critical_stiffness(plant, less);
+    const double counts = here.stiffness / problem.large_swing;
+    if (counts < least && whole.damper_left(here.stiffness, problem.damper_share, Phasor(here.frequency_rad_per_s * plant.period_s)) <= part.up_to)
+      least = counts;
+  }
+  return least;
 }
 
 bool stable_for_all(const AxisProblem& problem, const LoopController& law, double scale, double contact,
@@ -122,7 +143,7 @@ double damping_limit(const AxisProblem& problem, const VelocityEstimate& velocit
 WorstCase critical_case(const AxisProblem& problem, const LoopController& law, double enough) {
   WorstCase worst{kInfinity, 0};
   for (std::size_t i = 0; i < problem.cases.size(); ++i) {
-    const double here = critical_stiffness(problem.cases[i].plant, law).stiffness;
+    const double here = critical_for(problem, problem.cases[i].plant, law);
     if (here < worst.stiffness) worst = {here, i};
     if (worst.stiffness < enough) break;
   }

@@ -23,12 +23,14 @@ struct AxisProblem {
   ContactRange contact;
   std::vector<DesignCase> cases;
   double margin = 2.0;
+  double large_swing = 0.75;  ///< of `margin`, what is kept also in a swing so large that the bound on injected damping acts; at least 1 over it
   double wanted = 0.0;  ///< min(contact's total, the device's limit)
   double target = 0.0;  ///< K k at which the goal counts as met; below `wanted` where one gain has to serve two axes
   double useful = 0.0;  ///< below it, and below the target, the design is called infeasible
   /// Of the device's damping, what a spring-damper's law may count on here. One law acts along a wrench [n; arm n], so force
   /// and torque draw on both dampings at once: beta (1/b + arm^2/br) <= 1 for a law that needs beta.
   double series_share = 1.0;
+  double damper_share = 0.0;  ///< of the law's force, that injected damping may add: stable also with what is left of it (`damper_left`); 0: not bounded
   double noise_limit = 0.0;  ///< noise that the injected damping may make, as an effort
 };
 

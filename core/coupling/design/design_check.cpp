@@ -69,10 +69,12 @@ void check_goals(const DesignProblem& request) {
   require(2.0 * std::numbers::pi * w.cutoff_hz * period < std::numbers::pi, "cutoff_hz", w.cutoff_hz,
           fmt::format("below half the loop's rate, {:.6g} Hz", 0.5 / period));
   require(w.gain_margin >= 1.0 && std::isfinite(w.gain_margin), "gain_margin", w.gain_margin, "1 or above");
-  for (const auto& [field, floor] : {std::pair("floors.released", w.floors.released), {"floors.held", w.floors.held}})
+  for (const auto& [field, floor] : {std::pair("floors.released", w.floors.released), {"floors.held", w.floors.held},
+                                     {"rotation_floors.released", w.rotation_floors.released}, {"rotation_floors.held", w.rotation_floors.held}})
     require(floor >= 0.0 && floor < 1.0, field, floor, "0 or above, and below 1");
   not_negative("useful_stiffness_n_per_m", w.useful_stiffness_n_per_m);
   not_negative("useful_stiffness_nm_per_rad", w.useful_stiffness_nm_per_rad);
+  not_negative("damper_share", w.damper_share);
   not_negative("max_injected_damping_effort", w.max_injected_damping_effort);
   not_negative("force_layer_depth_m", w.force_layer_depth_m);
 }

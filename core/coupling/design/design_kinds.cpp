@@ -15,7 +15,8 @@ void set_cap(CouplingSpec& spec, std::size_t axis, double cap) {
   (axis == 0 ? spec.stiffness_cap_n_per_m : spec.stiffness_cap_nm_per_rad) = cap;
 }
 
-void set_damping(CouplingSpec& spec, const FilterChoice& choice) {
+void set_damping(CouplingSpec& spec, const AxisProblem& translation, const FilterChoice& choice) {
+  spec.damper_share = translation.damper_share;
   spec.velocity_filter_hz = choice.velocity.filter_hz, spec.velocity_window = static_cast<std::uint32_t>(choice.velocity.window);
   spec.injected_damping_ns_per_m = choice.damping[0];
   if (choice.damping.size() > 1) spec.injected_damping_nms_per_rad = choice.damping[1];
@@ -43,7 +44,7 @@ Proposal propose_filter(const DesignProblem& request, const std::vector<AxisProb
   out.spec.kind = "shaping_filter";
   out.spec.cutoff_hz = choice.shape.cutoff_hz;
   out.spec.damping_ratio = choice.shape.damping_ratio;
-  set_damping(out.spec, choice);
+  set_damping(out.spec, problems[0], choice);
   const bool free = request.goals.free_cap;
   double gain = 1.0;
   for (std::size_t a = 0; a < problems.size(); ++a)
@@ -63,7 +64,7 @@ Proposal propose_direct(const DesignProblem& request, const std::vector<AxisProb
   const std::vector<double> fits = fitting(whole, choice);
   Proposal out{{}, choice.status};
   out.spec.kind = "direct";
-  set_damping(out.spec, choice);
+  set_damping(out.spec, problems[0], choice);
   for (std::size_t a = 0; a < whole.size(); ++a) {
     set_cap(out.spec, a, fits[a]);
     if (!request.goals.free_cap && fits[a] < whole[a].contact.all_points) out.status = DesignStatus::kInfeasible;

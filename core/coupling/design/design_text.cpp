@@ -28,10 +28,18 @@ std::string shortfall(const AxisProblem& p, const AxisDesign& d) {
       p.wanted, p.units->stiffness);
 }
 
-std::string damping_reason(const AxisProblem& p, const AxisDesign& d) {
-  return fmt::format(
-      "{}: without damping in contact less would hold; {:.3g} {} on the velocity of {} are injected.",
-      p.units->name, d.injected_damping, p.units->damping, describe(d.velocity));
+/// What is injected; and what the bound on it costs, with all else as it is.
+std::string damping_reason(const DesignProblem& request, const AxisProblem& p, const Design& design, const AxisDesign& d) {
+  std::string out = fmt::format("{}: without damping in contact less would hold; {:.3g} {} on the velocity of {} are injected.", p.units->name,
+                                d.injected_damping, p.units->damping, describe(d.velocity));
+  AxisProblem unbounded = p;
+  unbounded.damper_share = 0.0;
+  const LoopController law = controller_of(design.spec, p, arm_squared(request));
+  const double with = certified_stiffness(p, law), without = certified_stiffness(unbounded, law);
+  if (design.spec.kind != "spring_damper" && d.shown_stiffness < 0.999 * p.target && without > 1.01 * with)
+    out += fmt::format(" It adds no more than {:.2g} of the contact's force, so that a touch begins with the contact; unbounded (damper_share: 0) it would let "
+                       "{:.4g} instead of {:.4g} {} hold.", design.spec.damper_share, without, with, p.units->stiffness);
+  return out;
 }
 
 /// What the goal's cut-off allows without injected damping, and what was chosen instead.
@@ -64,8 +72,8 @@ std::string floors_cost(const std::vector<AxisProblem>& problems, const Design& 
     if (cost > 0.001 * left) of_axes += fmt::format("{}{:.4g} of {:.4g} {}", of_axes.empty() ? "" : " and ", cost, left + cost, problems[a].units->stiffness);
   }
   if (of_axes.empty()) return "";
-  return fmt::format("That swings die out takes {} (least damping ratio {:.2g} released, {:.2g} held); damping_floor: 0 in the scene's coupling gives it back.",
-                     of_axes, design.swing.released, design.swing.held);
+  return fmt::format("That swings die out takes {} (damping ratios of {:.2g} released, {:.2g} held); damping_floor: 0 in the scene's coupling gives it back.",
+                     of_axes, design.floors.released, design.floors.held);
 }
 
 std::vector<std::string> reasons_of(const DesignProblem& request, const std::vector<AxisProblem>& problems,
@@ -79,7 +87,7 @@ std::vector<std::string> reasons_of(const DesignProblem& request, const std::vec
       out.push_back(fmt::format("{}: the device can show {:.4g} {}, and all points together have {:.4g}.",
                                 p.units->name, p.model.max_stiffness, p.units->stiffness, p.contact.all_points));
     if (d.shown_stiffness < 0.999 * p.target) out.push_back(shortfall(p, d));
-    if (d.injected_damping > 0.0) out.push_back(damping_reason(p, d));
+    if (d.injected_damping > 0.0) out.push_back(damping_reason(request, p, design, d));
   }
   if (filter && design.spec.cutoff_hz > request.goals.cutoff_hz)
     out.push_back(cutoff_reason(request, problems, design));

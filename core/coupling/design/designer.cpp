@@ -18,8 +18,10 @@ namespace {
 
 /// What the last verification may take off, little by little, before the design counts as not holding.
 constexpr std::array kShrinks{1.0, 0.9999, 0.999, 0.99, 0.97, 0.95, 0.9, 0.8, 0.65, 0.5};
-/// Another kind has to show that much more than the filter, which smooths what the contact does.
-constexpr double kWorthNoFilter = 1.5;
+/// Another kind has to show that much more than the filter, which smooths what the contact does: the search takes for as good what shows nine tenths.
+constexpr double kWorthNoFilter = 1.1;
+/// A bound on injected damping that leaves less than this of what is shown without it is not kept.
+constexpr double kWorthABound = 2.0 / 3.0;
 
 struct Judged {
   Design design;
@@ -113,15 +115,31 @@ Design designed(const DesignProblem& request, const std::vector<AxisProblem>& pr
   return best_of_all(request, problems);
 }
 
+/// The design without floors, its damper bounded as the goals say. Where that takes more than a third, the damper is not bounded, which the request
+/// and the problems then say too.
+Design with_bound(DesignProblem& request, std::vector<AxisProblem>& problems) {
+  Design bounded = designed(request, problems);
+  if (!(request.goals.damper_share > 0.0) || bounded.status == DesignStatus::kAsRequested) return bounded;
+  const double with = worth(problems, bounded);
+  if (with >= kWorthABound) return bounded;
+  DesignProblem free = request;
+  free.goals.damper_share = 0.0;
+  std::vector<AxisProblem> free_problems = axis_problems(free);
+  Design unbounded = designed(free, free_problems);
+  const double without = worth(problems, unbounded);
+  if (with >= kWorthABound * without) return bounded;
+  unbounded.reasons.push_back(fmt::format("Injected damping is not bounded by a share of the contact's force (damper_share {:.2g}), which would show {:.3g} % of "
+                                          "the stiffness wanted instead of {:.3g} %: a blow is felt as hard as its speed, not as the contact.",
+                                          request.goals.damper_share, 100.0 * with, 100.0 * without));
+  request = std::move(free), problems = std::move(free_problems);
+  return unbounded;
+}
+
 /// `design`, made without the floors of the goals, or another that keeps them.
 Design with_floors(const DesignProblem& request, std::vector<AxisProblem> problems, Design design) {
-  const DampingFloors& floors = request.goals.floors;
-  const SlowestSwing& swing = design.swing;
-  const bool kept = swing.released >= floors.released && swing.held >= floors.held;
-  if (kept || design.status == DesignStatus::kInfeasible) {
-    if (kept) design.floors.released = floors.released, design.floors.held = floors.held;
-    return design;
-  }
+  const DampingFloors &floors = request.goals.floors, &turning = request.goals.rotation_floors;
+  const bool asked = floors.released + floors.held + turning.released + turning.held > 0.0;
+  if (!asked || design.status == DesignStatus::kInfeasible) return design;
   const std::string out_of_reach = set_floors(request, problems);
   Design damped = keeps_floors(request, problems, design.spec) ? design : designed(request, problems);
   if (damped.status == DesignStatus::kInfeasible) {
@@ -159,15 +177,18 @@ std::string_view name_of(DesignStatus status) noexcept {
   return name_in(kNames, status);
 }
 
-Design design_coupling(const DesignProblem& request) {
-  refuse_impossible(request);
-  const std::vector<AxisProblem> problems = axis_problems(request);
-  Design design = designed(request, problems);
+Design design_coupling(const DesignProblem& asked) {
+  refuse_impossible(asked);
+  DesignProblem request = asked;
+  std::vector<AxisProblem> problems = axis_problems(request);
+  Design design = with_bound(request, problems);
   design.swing = slowest_swing(request, problems, design.spec);
   return with_floors(request, problems, std::move(design));
 }
 
-Design judge_coupling(const DesignProblem& request, const CouplingSpec& spec) {
+Design judge_coupling(const DesignProblem& asked, const CouplingSpec& spec) {
+  DesignProblem request = asked;
+  request.goals.damper_share = spec.damper_share;
   refuse_impossible(request);
   const std::vector<AxisProblem> problems = axis_problems(request);
   for (const CouplingIssue& issue : validate(spec, CouplingLimits{}, request.device.timing.period_s))

@@ -13,8 +13,8 @@ namespace voxtouch::coupling::design {
 
 /// What is wanted; the designer gives up as little of it as it can.
 ///
-/// `auto` takes the shaping filter if it does as wanted, and else of all kinds that hold the one that shows most; the filter,
-/// which smooths the steps of voxels that are crossed, counts half as much again: another has to show at least 1.5 times as much.
+/// `auto` takes the shaping filter if it does as wanted, and else of all kinds that hold the one that shows most; another than the filter,
+/// which smooths the steps of voxels that are crossed, has to show a tenth more.
 struct DesignGoals {
   std::string kind = "auto";          ///< auto | shaping_filter | spring_damper | direct
   double cutoff_hz = 5.0;             ///< w0 / (2 pi), the paper's
@@ -24,9 +24,11 @@ struct DesignGoals {
   double useful_stiffness_nm_per_rad = 0.05;  ///< likewise for rotation
   double max_injected_damping_effort = 0.0;   ///< noise of the injected damping at the hand [N]; 0: 0.05 N or 0.5 % of the device's force, the larger
   double force_layer_depth_m = 0.0;   ///< depth over which the contact's force grows; for the approach speed. 0: not asked
-  DampingFloors floors{0.0, 0.0};     ///< they go before stiffness, down to the useful least; standard: none
+  DampingFloors floors;               ///< of translation; they go before stiffness, down to the useful least
+  DampingFloors rotation_floors{0.0, 0.0};    ///< standard: none, since the damping that they ask for is felt in a torque
   bool allow_injected_damping = true;
-  bool velocity_windows = false;      ///< injected damping may act on the velocity of a window too: stiffer, and so less damped
+  bool velocity_windows = true;       ///< injected damping may act on the velocity of a window too
+  double damper_share = kDamperShare; ///< of the spec that is designed; >= 0
   bool free_cap = false;              ///< the designer may cap the contact's total stiffness instead of scaling all of it
 };
 
@@ -69,11 +71,11 @@ struct SlowestSwing {
 
 /// What came of the goals' floors.
 struct FloorsKept {
-  /// As they are kept. 0: none was asked for, or what keeps them would show less than is useful; the design is as it would be without.
+  /// Of translation, as they are kept. 0: none was asked for, or what keeps them would show less than is useful; the design is as it would be without.
   double released = 0.0, held = 0.0;
   double cost_n_per_m = 0.0, cost_nm_per_rad = 0.0;  ///< of what is shown without them; below 0 where it is more with them
-  /// The worst case that swings with less in the softest useful contact, whatever is injected: no coupling of that kind reaches its floor, and
-  /// it was left out. Empty: there is none, or all cases keep theirs.
+  /// The worst case that swings with less in the softest useful contact, whatever is injected: no coupling of that kind reaches its floor, which
+  /// was left out for all hands, or for all devices that nobody holds. Empty: there is none.
   std::string out_of_reach;
 };
 
@@ -99,7 +101,7 @@ struct Design {
 /// "a filter of 100 Hz", "a window of 12 samples", for a person.
 std::string describe(const VelocityEstimate& velocity);
 
-/// Pure arithmetic, some milliseconds to some tens; not for the loop. The same request gives the same bits. Throws
+/// Pure arithmetic, some tens of milliseconds to a second or two; not for the loop. The same request gives the same bits. Throws
 /// std::invalid_argument with the first sentence of `check` for numbers that cannot be designed for.
 Design design_coupling(const DesignProblem& request);
 

@@ -85,7 +85,7 @@ class Search {
   double ratio(Axis& axis, std::size_t shape, std::size_t velocity, std::size_t level, double enough) const {
     const AxisProblem& problem = *axis.problem;
     const double whole = problem.margin * problem.target;
-    const double critical = axis.table ? axis.table->critical(velocity, axis.damping(velocity, level), enough * whole)
+    const double critical = axis.table ? axis.table->critical(velocity, axis.damping(velocity, level), enough * whole, problem.damper_share, problem.large_swing)
                                        : passive_limit(problem, law_of(shapes_[shape]));
     const double stable = critical / whole;
     if (!axis.swings || stable < enough) return stable;

@@ -3,8 +3,10 @@
 ///
 /// All that is small near z = 1 (z - 1, the plant's step less one, 1 - a) is computed as such and never as a difference of
 /// numbers near 1: a device that moves at 1 rad/s under a 4 kHz loop loses no digit.
+#include <array>
 #include <cmath>
 #include <complex>
+#include <numbers>
 
 #include "core/coupling/design/sampled_loop.hpp"
 #include "core/coupling/design/sampled_plant.hpp"
@@ -76,6 +78,24 @@ Complex filter_response(double g, double damping_ratio, const BasicPhasor<Angle>
   return quotient(low, low - p.s * p.s + Complex(0.0, 2.0 * damping_ratio * g) * p.s * p.c);
 }
 
+/// What is left of a damper's damping in a swing that leaves the contact, where it adds no more than the share s of the law's force and takes no more
+/// than all of it: of its fundamental the part that is ahead of the force, over what it would be without those bounds. `ratio`: the damper's
+/// response over the law's at the frequency of the swing, D = x + j y.
+///
+/// Over the half of the period in which the law pushes, as cos p, the damper wants x cos p - y sin p and is held between -cos p and s cos p. Where
+/// it is held changes at tan p = (x - s)/y and (1 + x)/y; the integral of its product with -sin p over (pi/2) y is
+/// (atan((s - x)/y) + atan((1 + x)/y)) / pi. A describing function, not a proof; a smaller swing, which stays in contact, keeps more.
+inline double damper_left(const Complex& ratio, double share) noexcept {
+  if (!(ratio.imag() > 0.0)) return 1.0;  // too late to damp at all
+  return (std::atan((share - ratio.real()) / ratio.imag()) + std::atan((1.0 + ratio.real()) / ratio.imag())) / std::numbers::pi;
+}
+
+/// Parts of a bounded damper, besides all of it, with which a loop has to be stable where no more than `up_to` of it is left.
+struct DamperPart {
+  double part, up_to;
+};
+inline constexpr std::array<DamperPart, 6> kDamperParts{{{0.9, 0.95}, {0.75, 0.825}, {0.5, 0.625}, {0.25, 0.375}, {0.1, 0.175}, {0.03, 0.065}}};
+
 /// L(z) of 1 + k L(z) = 0, the closed loop's equation.
 class LoopResponse {
  public:
@@ -91,6 +111,11 @@ class LoopResponse {
     const Complex g = plant_response(plant_, p);
     if (!(c_.injected_damping > 0.0)) return g;
     return quotient(g, 1.0 + c_.injected_damping * g * velocity_(p));
+  }
+  /// `damper_left` of this loop's damper, before a contact of that stiffness; not for a spring-damper.
+  double damper_left(double contact_stiffness, double share, const Phasor& p) const noexcept {
+    const Complex shape = c_.law == LoopController::Law::kShapingFilter ? filter_response(g_, c_.damping_ratio, p) : Complex(1.0);
+    return design::damper_left(quotient(c_.injected_damping * velocity_(p), c_.gain * contact_stiffness * shape), share);
   }
   /// L from the damped plant's response.
   Complex of(const Complex& g, const Phasor& p) const noexcept {

@@ -68,7 +68,7 @@ void LoopTable::use(const LoopLaw& law) {
     }
 }
 
-double LoopTable::critical(const Case& one, std::size_t velocity, double injected_damping) const {
+double LoopTable::critical(const Case& one, std::size_t velocity, double injected_damping, const Bound* bound) const {
   const bool damped = injected_damping > 0.0;
   const Response& unit = damped ? one.damped[velocity] : one.plant;
   const double b = damped ? injected_damping : 0.0;
@@ -91,7 +91,9 @@ double LoopTable::critical(const Case& one, std::size_t velocity, double injecte
     if ((before < 0.0) != (now < 0.0)) {
       const double here = now / size(i), there = before / size(i - 1), share = there / (there - here);
       const double crossing = (1.0 - share) * re(i - 1) / size(i - 1) + share * re(i) / size(i);
-      if (crossing < 0.0) lowest = std::min(lowest, -1.0 / crossing);
+      const auto damper = [&] { return quotient(bound->whole * Complex(unit.re[i], unit.im[i]), -1.0 / crossing * Complex(one.loop.re[i], one.loop.im[i])); };
+      if (crossing < 0.0 && -1.0 / crossing < lowest && (!bound || damper_left(damper(), bound->share) <= bound->up_to))
+        lowest = -1.0 / crossing;
     }
     before = now;
   }
@@ -99,10 +101,15 @@ double LoopTable::critical(const Case& one, std::size_t velocity, double injecte
   return nyquist < 0.0 ? std::min(lowest, -1.0 / nyquist) : lowest;
 }
 
-double LoopTable::critical(std::size_t velocity, double injected_damping, double enough) const {
+double LoopTable::critical(std::size_t velocity, double injected_damping, double enough, double damper_share, double large_swing) const {
   double lowest = std::numeric_limits<double>::infinity();
   for (const Case& one : cases_) {
-    lowest = std::min(lowest, critical(one, velocity, injected_damping));
+    lowest = std::min(lowest, critical(one, velocity, injected_damping, nullptr));
+    if (damper_share > 0.0 && injected_damping > 0.0 && lowest >= enough)
+      for (const DamperPart& part : kDamperParts) {
+        const Bound bound{injected_damping, damper_share, part.up_to};
+        lowest = std::min(lowest, critical(one, velocity, part.part * injected_damping, &bound) / large_swing);
+      }
     if (lowest < enough) break;
   }
   return lowest;

@@ -25,8 +25,9 @@ class LoopTable {
 
   /// Factor on the law at which the worst case passes the limit (for a law of unit stiffness: K k), with injected damping B
   /// on the velocity of that index. Where a case lies below `enough`, the rest is not looked at. B has to keep the inner
-  /// loop stable. Infinity: no crossing.
-  double critical(std::size_t velocity, double injected_damping, double enough = 0.0) const;
+  /// loop stable. `damper_share`: B adds no more than that of the law's force, and the same is
+  /// asked with the parts of B that may be left of it (`damper_left`), times `large_swing`; 0: not bounded. Infinity: no crossing.
+  double critical(std::size_t velocity, double injected_damping, double enough = 0.0, double damper_share = 0.0, double large_swing = 1.0) const;
 
  private:
   struct Response {
@@ -37,8 +38,12 @@ class LoopTable {
     Response plant, loop;
     std::vector<Response> damped;  ///< plant times a unit of injected damping, for each velocity estimate
   };
+  /// Of a damper of which no more than `up_to` has to be left for a crossing to count.
+  struct Bound {
+    double whole, share, up_to;
+  };
   static void add(Response& to, const Complex& value);
-  double critical(const Case& one, std::size_t velocity, double injected_damping) const;
+  double critical(const Case& one, std::size_t velocity, double injected_damping, const Bound* bound) const;
 
   struct Timing {
     double period_s, damping_ratio;

@@ -71,13 +71,16 @@ void add_design(CLI::App& app, Action& action) {
       ->check(runtime::require_positive)  // which refuses nan
       ->check(CLI::Range(1.0, 100.0));
   verb->add_option("--damping-floor", o->damping_floor,
-                   "Least damping ratio of the slowest swing in contact, with a hand; a third of it with nobody holding the device.\n"
-                   "Stiffness is given up for it, such as for 0.3; 0: it is not. Default: the scene's, else 0")
+                   "Least damping ratio of the slowest swing along in contact, with a hand; a third of it with nobody holding the device.\n"
+                   "Stiffness is given up for it; 0: it is not. Default: the scene's, else 0.3")
       ->check(CLI::Range(0.0, 0.99));
+  verb->add_option("--damper-share", o->damper_share,
+                   "Most that injected damping adds, as a share of what contact and effects give; 0: not bounded. Default: the scene's, else the standard")
+      ->check(CLI::NonNegativeNumber);
   verb->add_option("--stiffness", o->stiffness_n_per_m, "Without a scene: the contact's stiffness at the hand [N/m]")
       ->check(runtime::require_positive);
   verb->add_flag("--no-damping", o->no_damping, "No injected damping");
-  verb->add_flag("--velocity-windows", o->velocity_windows, "Injected damping may act on the velocity of a window of samples: more stiffness for the same noise");
+  verb->add_flag("--no-velocity-windows", o->no_velocity_windows, "Injected damping acts on the velocity of a first-order filter only");
   verb->add_option("--csv", o->csv, "Writes the stable region: critical and certified stiffness over the cut-off");
   verb->add_option("--plot", o->plot, "Draws the stable region with the chosen point, as .png, .svg or .pdf");
   verb->add_flag("--json", o->json, "One JSON object on stdout; all else goes to stderr");

@@ -41,8 +41,9 @@ void apply(const DesignInput& input, const coupling::design::DeviceModel& device
     hand = input.hand;
   }
   if (input.damping_floor) problem.goals.floors = coupling::design::floors_of(*input.damping_floor);
+  if (input.damper_share) problem.goals.damper_share = *input.damper_share;
   if (input.held) problem.hand.translation.may_release = problem.hand.rotation.may_release = false;
-  if (input.velocity_windows) problem.goals.velocity_windows = true;
+  if (input.no_velocity_windows) problem.goals.velocity_windows = false;
   if (input.no_damping) problem.goals.allow_injected_damping = false;
 }
 

@@ -18,8 +18,9 @@ struct DesignInput {
   double cutoff_hz = 5.0, gain_margin = 2.0;
   double stiffness_n_per_m = 0.0;  ///< without a scene: the contact's, at the hand; 0: the device's largest
   std::optional<double> damping_floor;  ///< with a hand; none: the scene's, or the standard
+  std::optional<double> damper_share;   ///< as CouplingSpec has it; none: the scene's, or the standard
   bool held = false, no_damping = false;
-  bool velocity_windows = false;
+  bool no_velocity_windows = false;
 };
 
 /// How a scene is built.

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/coupling/coupling_spec.hpp"
 #include "tests/support/coupling_models/nonlinear_loop.hpp"
 #include "tests/support/coupling_models/population.hpp"
 
@@ -20,6 +21,7 @@ struct Options {
   std::uint64_t limits = 150;  ///< designs: how many promises are compared with the simulated limit
   double overload =
       1.0;  ///< designs: every contact this many times stiffer than promised; to see that the campaign sees it
+  double damper_share = coupling::kDamperShare;  ///< designs: as CouplingSpec has it
   std::function<void(std::uint64_t done, std::uint64_t all)> progress;  ///< may be empty
 };
 

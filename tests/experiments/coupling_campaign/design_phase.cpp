@@ -27,8 +27,9 @@ coupling::design::LoopController controller_of(const coupling::CouplingSpec& spe
   return out;
 }
 
-coupling::design::DesignProblem request_for(const coupling_models::PopulationMember& member, coupling_models::Random& random) {
+coupling::design::DesignProblem request_for(const coupling_models::PopulationMember& member, double damper_share, coupling_models::Random& random) {
   coupling::design::DesignProblem out;
+  out.goals.damper_share = damper_share;
   out.device = member.device;
   out.hand.translation = member.hand;
   out.contact = member.contact;
@@ -39,6 +40,7 @@ coupling::design::DesignProblem request_for(const coupling_models::PopulationMem
   out.goals.allow_injected_damping = random.chance(0.8);
   out.goals.free_cap = random.chance(0.3);
   out.goals.velocity_windows = random.chance(0.5);
+  if (random.chance(0.5)) out.goals.floors = {0.0, 0.0};
   return out;
 }
 
@@ -54,6 +56,7 @@ struct Tried {
     out.plant = plant;
     out.controller = controller;
     out.contact_stiffness = contact;
+    out.damping_only_in_contact = true, out.damping_share = design.spec.damper_share, out.damping_free = design.spec.damper_free_n;
     return out;
   }
   /// The worst vertex, at the nominal timing.
@@ -76,7 +79,6 @@ std::vector<Trial> trials_of(const Tried& t, coupling_models::Random& random) {
   const auto add = [&](const char* name, const coupling::design::LoopPlant& plant, auto change) {
     Trial trial{name, t.loop(plant)};
     disturb(trial.loop, t.member.device.timing, axis.resolution, random);
-    trial.loop.damping_only_in_contact = random.chance(0.5);
     change(trial.loop);
     drive(trial.loop, shown, axis.max_effort, random);
     out.push_back(trial);
@@ -90,14 +92,15 @@ std::vector<Trial> trials_of(const Tried& t, coupling_models::Random& random) {
     loop.delay_jitter_s = 0.2 * period;
   });
   add("with saturation", coupling_models::draw_plant(t.member, random), [&](coupling_models::NonlinearLoop&) {});
-  out.back().loop.max_effort = std::min(axis.max_effort, out.back().loop.push * random.uniform(1.2, 3.0));
+  // Not below the noise that the damping may make of the encoder's steps: a device that gives no more has nothing to damp with.
+  out.back().loop.max_effort = std::min(axis.max_effort, std::max(out.back().loop.push * random.uniform(1.2, 3.0), t.design.spec.damper_free_n));
   if (t.controller.law == Law::kSpringDamper) return out;  // its promise does not grow with the contact
-  add("1.9 times the promise at ideal timing", t.design.translation.worst_case, [&](coupling_models::NonlinearLoop& loop) {
-    loop.contact_stiffness *= 1.9;
-    loop.jitter = loop.loss = 0.0;
-    loop.measured_period = false;
-    loop.damping_only_in_contact = false;
-  });
+  for (const auto& [name, times] : {std::pair{"1.9 times the promise at ideal timing", 1.9}, {"1.4 times the promise at ideal timing", 1.4}})
+    add(name, t.design.translation.worst_case, [&](coupling_models::NonlinearLoop& loop) {
+      loop.contact_stiffness *= times;
+      loop.jitter = loop.loss = 0.0;
+      loop.measured_period = false;
+    });
   return out;
 }
 
@@ -121,7 +124,7 @@ class Phase {
 
   void member(const coupling_models::PopulationMember& member, std::uint64_t salt, bool corner) {
     coupling_models::Random random(options_.seed ^ salt, member.index);
-    const coupling::design::DesignProblem request = request_for(member, random);
+    const coupling::design::DesignProblem request = request_for(member, options_.damper_share, random);
     const coupling::design::Design design = coupling::design::design_coupling(request);
     ++statuses_[static_cast<std::size_t>(design.status)];
     const coupling::design::AxisDesign& axis = design.translation;

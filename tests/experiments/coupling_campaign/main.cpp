@@ -13,7 +13,7 @@ namespace {
 struct Arguments {
   std::uint64_t runs = 10000, seed = 1, first = 0;
   std::vector<std::string> phases{"recipe", "designs", "predictor"};
-  double overload = 1.0;
+  double overload = 1.0, damper_share = coupling::kDamperShare;
   bool json = false, corners = true;
 };
 
@@ -31,6 +31,8 @@ Arguments parse(CLI::App& app, int argc, char** argv) {
   app.add_option("--overload", a.overload,
                  "designs: contacts this many times stiffer than promised, to see that it is seen")
       ->check(CLI::PositiveNumber);
+  app.add_option("--damper-share", a.damper_share, "designs: most that injected damping adds, as a share of the law's force; 0: not bounded")
+      ->check(CLI::NonNegativeNumber);
   app.add_flag("--json", a.json, "one JSON array instead of the table");
   app.parse(argc, argv);
   return a;
@@ -38,7 +40,7 @@ Arguments parse(CLI::App& app, int argc, char** argv) {
 
 int run(const Arguments& a) {
   Options options;
-  options.seed = a.seed, options.first = a.first, options.corners = a.corners, options.overload = a.overload;
+  options.seed = a.seed, options.first = a.first, options.corners = a.corners, options.overload = a.overload, options.damper_share = a.damper_share;
   options.members = (a.runs + 3) / 4;
   std::vector<PhaseResult> results;
   for (const std::string& phase : a.phases) {

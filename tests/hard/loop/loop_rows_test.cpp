@@ -61,7 +61,7 @@ Motion gentle_rests() {
   Motion motion;
   for (const double depth_m : {-0.002, 0.0002, 0.0005, 0.001})
     motion.path.push_back((0.05 - depth_m) * out + Vec3(0, 0, 0.05));
-  motion.hold_s = 1.5;
+  motion.hold_s = 2.5;
   return motion;
 }
 

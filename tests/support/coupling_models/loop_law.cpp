@@ -23,7 +23,7 @@ double wall_effort(WallLaw law, double stiffness, double knee, double position) 
 }
 
 LoopLaw::LoopLaw(const NonlinearLoop& loop)
-    : controller_(loop.controller), wall_(loop.wall), knee_(loop.wall_knee), damping_share_(loop.damping_share),
+    : controller_(loop.controller), wall_(loop.wall), knee_(loop.wall_knee), damping_share_(loop.damping_share), damping_free_(loop.damping_free),
       max_effort_(loop.max_effort > 0.0 ? loop.max_effort : std::numeric_limits<double>::infinity()),
       input_limit_(controller_.law == coupling::design::LoopController::Law::kSpringDamper ? std::numeric_limits<double>::infinity()
                                                                          : max_effort_ / std::abs(controller_.gain)),
@@ -82,8 +82,8 @@ double LoopLaw::step(double position, double stiffness, double period_s) {
     if (!only_in_contact_ || wall_ == WallLaw::kBilateral) {
       effort += damping;
     } else if (wall > 0.0) {
-      const double most = damping_share_ > 0.0 ? damping_share_ * std::abs(effort) : std::numeric_limits<double>::infinity();
-      effort = std::max(0.0, effort + std::clamp(damping, -most, most));
+      const double most = damping_share_ > 0.0 ? damping_share_ * std::abs(effort) + damping_free_ : std::numeric_limits<double>::infinity();
+      effort = std::max(0.0, effort + std::min(damping, most));
     }
   }
   saturated_ = std::abs(effort) > max_effort_;

@@ -27,7 +27,7 @@ class LoopLaw {
 
   coupling::design::LoopController controller_;
   WallLaw wall_;
-  double knee_, damping_share_, max_effort_, input_limit_, velocity_decay_;
+  double knee_, damping_share_, damping_free_, max_effort_, input_limit_, velocity_decay_;
   bool only_in_contact_, measured_period_, saturated_ = false, started_ = false;
   Pt2 filter_;
   coupling::UnilateralSpringDamper spring_damper_;

@@ -45,7 +45,8 @@ struct NonlinearLoop {
   int most_lost_in_a_row = 3;
   int fade_after_lost = 0;               ///< more lost in a row than this: effort fades out within kFadeOutS; 0: never
   bool damping_only_in_contact = false;  ///< injected damping as the ring does it: in contact, never pulling,
-  double damping_share = 0.0;            ///< and at most this share of the law's effort; 0: without that bound
+  double damping_share = 0.0;            ///< and adding at most this share of the law's effort, 0: without that bound,
+  double damping_free = 0.0;             ///< and this
   double push = 0.0;                     ///< constant effort of the hand into the wall
   double start_position = 0.0;
   double start_speed = 0.0;  ///< into the wall

@@ -235,13 +235,12 @@ struct Moving {
   Pose pose;
   CouplingOutput out;
 
-  explicit Moving(double b_linear, double b_angular = 0.0, const CouplingLimits& limits = {})
-      : coupling(spec(b_linear, b_angular), limits, kT) {
+  explicit Moving(double b_linear, double b_angular = 0.0, double share = 0.0, double free = 0.0) : coupling(spec(b_linear, b_angular, share, free), {}, kT) {
     coupling.step({}, kT);
   }
-  static CouplingSpec spec(double b_linear, double b_angular) {
+  static CouplingSpec spec(double b_linear, double b_angular, double share, double free) {
     CouplingSpec s;
-    s.kind = "direct", s.injected_damping_ns_per_m = b_linear, s.injected_damping_nms_per_rad = b_angular;
+    s.kind = "direct", s.injected_damping_ns_per_m = b_linear, s.injected_damping_nms_per_rad = b_angular, s.damper_share = share, s.damper_free_n = free;
     return s;
   }
   /// Long enough for v^ to be the velocity.
@@ -305,6 +304,64 @@ TEST(InjectedDamping, LeavesAForceWithoutStiffnessAsItIs) {
   Moving m(5);
   EXPECT_LE((m.move({{{0, 2, 0}, {0, 0, 0}}, 0}, {0.1, -0.1, 0}).force - Vec3(0, 2, 0)).norm(), 1e-9)
       << "a weight or a medium's drag is no wall";
+}
+
+TEST(InjectedDamping, AddsNoMoreThanItsShareOfWhatTheContactGives) {
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> u(-1, 1);
+  for (int trial = 0; trial < 200; ++trial) {
+    Moving m(50, 1, 0.5);
+    CouplingInput in = corner(2 * Vec3(u(random), u(random), u(random)), 1000, 200);
+    in.contact.torque = 0.1 * Vec3(u(random), u(random), u(random));
+    const Wrench& out = m.move(in, 0.5 * Vec3(u(random), u(random), u(random)), 5 * Vec3(u(random), u(random), u(random)));
+    EXPECT_LE(out.force.norm(), 1.5 * in.contact.force.norm() * (1 + 1e-12));
+    EXPECT_GE(out.force.dot(in.contact.force), -1e-12);
+  }
+  Moving m(5, 0, 0.5);
+  EXPECT_LE((m.move(corner({1, 0, 0}, 1000, 0), {-0.5, 0, 0}).force - Vec3(1.5, 0, 0)).norm(), 1e-9) << "2.5 N without the bound";
+  EXPECT_LE((m.move(corner({1, 0, 0}, 1000, 0), {-0.05, 0, 0}).force - Vec3(1.25, 0, 0)).norm(), 1e-9) << "all of it below the bound";
+  EXPECT_LE((m.move(corner({1, 0, 0}, 1000, 0), {0.15, 0, 0}).force - Vec3(0.25, 0, 0)).norm(), 1e-9) << "what is taken is not bounded";
+  Moving quiet(5, 0, 0.5, 0.05);
+  EXPECT_LE((quiet.move(corner({1, 0, 0}, 1000, 0), {-0.5, 0, 0}).force - Vec3(1.55, 0, 0)).norm(), 1e-9) << "and what is hardly felt";
+  Moving turning(0, 0.1, 0.5);
+  CouplingInput turned = corner({1, 0, 0}, 1000, 0);
+  turned.contact.torque = {0.1, 0, 0}, turned.contact_stiffness(3, 3) = 10;
+  EXPECT_NEAR(turning.move(turned, Vec3::Zero(), {-2, 0, 0}).torque.x(), 0.3, 1e-6) << "a torque's damper is not bounded";
+}
+
+/// A rested tool moves by one step: the damping is that of the velocity that the spec names.
+TEST(InjectedDamping, ActsOnTheVelocityThatTheSpecNames) {
+  CouplingSpec spec = Moving::spec(2.0, 0.0, 0.0, 0.0);
+  for (const std::uint32_t window : {0U, 4U}) {
+    spec.velocity_window = window, spec.velocity_filter_hz = 100.0;
+    RunningCoupling coupling(spec, {}, kT);
+    CouplingInput in = corner({5, 0, 0}, 1000, 0);
+    for (int n = 0; n < 300; ++n) coupling.step(in, kT);
+    in.tool.position.x() -= 1e-4;
+    const double share = window > 0 ? window_weight(4, 0) : 1.0 - std::exp(-2.0 * std::numbers::pi * 100.0 * kT);
+    EXPECT_NEAR(coupling.step(in, kT).wrench.force.x(), 5.0 + 2.0 * 0.1 * share, 1e-9) << window;
+  }
+}
+
+/// A wall met at half a metre a second: without a bound the first sample returns 5 N, and the hand is 0.3 mm deep.
+TEST(InjectedDamping, BeginsAtZeroWithTheContact) {
+  for (const double share : {0.0, 0.5}) {
+    Moving m(10, 0, share);
+    m.move({}, {-0.5, 0, 0});
+    double first = 0.0;
+    for (int n = 0; n < 20; ++n) {
+      m.pose.position.x() -= 0.5 * kT;
+      const double force = 1000 * 0.5 * kT * n;
+      CouplingInput in = corner({force, 0, 0}, 1000, 0);
+      in.tool = m.pose;
+      const double out = m.coupling.step(in, kT).wrench.force.x();
+      if (n == 0) first = out;
+      if (share > 0.0) {
+        EXPECT_LE(out, 1.5 * force * (1 + 1e-12));
+      }
+    }
+    EXPECT_EQ(first > 4.0, share == 0.0);
+  }
 }
 
 /// Jumps, clutch and gaps: the damping begins at rest each time.

@@ -16,6 +16,11 @@ inline constexpr coupling::design::HandRange kArm{false, true, 0.3, 2.0, 3.0, 30
 /// A wrist's turning: assumed, around the middle that the simulated arm has.
 inline constexpr coupling::design::HandRange kWrist{false, true, 0.003, 0.03, 0.1, 1.0, 1.0, 20.0};
 
+/// What the published tables assume: a damper that is not bounded, on the velocity of a filter, and no floors of the damping ratio.
+inline void as_published(coupling::design::DesignGoals& goals) {
+  goals.kind = "shaping_filter", goals.damper_share = 0.0, goals.velocity_windows = false, goals.floors = {0.0, 0.0};
+}
+
 /// A stylus with hardly any damping, as in the published table: 1 ms of period and delay, two samples lost in a row.
 inline coupling::design::DesignProblem stylus() {
   coupling::design::DesignProblem r;
@@ -26,7 +31,7 @@ inline coupling::design::DesignProblem stylus() {
   r.device.timing = {1e-3, 1e-3, 0.2, 2};
   r.hand.translation = kPen;
   r.contact = {50.0, 1000.0};
-  r.goals.kind = "shaping_filter";
+  as_published(r.goals);
   return r;
 }
 
@@ -41,7 +46,7 @@ inline coupling::design::DesignProblem robot(double mass_min, double mass_max, d
   r.device.timing = {1e-3, 2e-3, 0.2, 2};
   r.hand.translation = kArm;
   r.contact = {50.0, 2000.0};
-  r.goals.kind = "shaping_filter";
+  as_published(r.goals);
   return r;
 }
 

@@ -84,7 +84,8 @@ TEST(DesignProblem, IsAllAtTheHand) {
 
 TEST(DesignProblem, CarriesEveryWishOfTheScene) {
   scene::Scene s = scaled_scene();
-  s.design->kind = "direct", s.design->cutoff_hz = 300, s.design->gain_margin = 1.5, s.design->inject_damping = false, s.design->velocity_windows = true;
+  s.design->kind = "direct", s.design->cutoff_hz = 300, s.design->gain_margin = 1.5, s.design->inject_damping = false, s.design->velocity_windows = false;
+  s.design->damping_floor = 0.15, s.design->rotation_damping_floor = 0.06, s.design->damper_share = 0.2;
   s.design->hand = scene::HandOption::kAnyPassive;
   const coupling::design::DesignProblem r = design_problem(s, device(), {10, 4000}, {0.01, 8});
   EXPECT_EQ(r.goals.kind, "direct");
@@ -92,7 +93,10 @@ TEST(DesignProblem, CarriesEveryWishOfTheScene) {
   EXPECT_EQ(r.goals.max_cutoff_hz, 300) << "a wish is not above what is allowed";
   EXPECT_EQ(r.goals.gain_margin, 1.5);
   EXPECT_FALSE(r.goals.allow_injected_damping);
-  EXPECT_TRUE(r.goals.velocity_windows);
+  EXPECT_FALSE(r.goals.velocity_windows);
+  EXPECT_EQ(r.goals.floors.held, 0.15);
+  EXPECT_EQ(r.goals.rotation_floors.held, 0.06);
+  EXPECT_EQ(r.goals.damper_share, 0.2);
   EXPECT_TRUE(r.hand.translation.any_passive && r.hand.rotation.any_passive);
 }
 
@@ -131,6 +135,7 @@ TEST(SpecInWorld, BringsTheDesignFromTheHandToTheWorld) {
   design.spec.stiffness_n_per_m = 600, design.spec.damping_ns_per_m = 4;
   design.spec.stiffness_cap_n_per_m = 800, design.spec.stiffness_cap_nm_per_rad = 2;
   design.spec.injected_damping_ns_per_m = 3, design.spec.injected_damping_nms_per_rad = 0.01;
+  design.spec.damper_share = 0.3, design.spec.damper_free_n = 0.2;
   scene::Scene scene = scaled_scene();
   coupling::CouplingSpec spec = spec_W(design, scene);
   EXPECT_DOUBLE_EQ(spec.stiffness_cap_n_per_m, 400);
@@ -144,7 +149,10 @@ TEST(SpecInWorld, BringsTheDesignFromTheHandToTheWorld) {
   EXPECT_EQ(spec.damping_ratio, 0.9);
   EXPECT_EQ(spec.velocity_filter_hz, 50);
   EXPECT_EQ(spec.velocity_window, 2U);
+  EXPECT_EQ(spec.damper_share, 0.3);
+  EXPECT_DOUBLE_EQ(spec.damper_free_n, 0.2 / scene.device.force_scale);
   const coupling::CouplingSpec back = spec_D(spec, scene.device);
+  EXPECT_DOUBLE_EQ(back.damper_free_n, 0.2);
   EXPECT_DOUBLE_EQ(back.stiffness_cap_nm_per_rad, 2);
   EXPECT_DOUBLE_EQ(back.injected_damping_nms_per_rad, 0.01);
   EXPECT_DOUBLE_EQ(back.damping_ns_per_m, 4);

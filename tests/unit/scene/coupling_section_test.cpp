@@ -41,7 +41,9 @@ TEST_F(CouplingSection, ADesignHasDefaultsForAllItsKeys) {
   EXPECT_FALSE(s.design->stiffness_cap_n_per_m || s.design->stiffness_cap_nm_per_rad);
   EXPECT_EQ(s.design->hand, HandOption::kAsDeviceIsHeld);
   EXPECT_TRUE(s.design->released && s.design->inject_damping);
-  EXPECT_FALSE(s.design->velocity_windows);
+  EXPECT_TRUE(s.design->velocity_windows);
+  EXPECT_EQ(s.design->damping_floor, 0.3);
+  EXPECT_EQ(s.design->rotation_damping_floor, 0.0);
   EXPECT_FALSE(s.design->run_infeasible);
   EXPECT_TRUE(s.warnings.empty());
 }
@@ -49,7 +51,7 @@ TEST_F(CouplingSection, ADesignHasDefaultsForAllItsKeys) {
 TEST_F(CouplingSection, EveryKeyOfADesignArrives) {
   const Scene s = with(
       "design: auto, kind: shaping_filter, cutoff_hz: 7, gain_margin: 1, stiffness_cap_n_per_m: 700, "
-      "stiffness_cap_nm_per_rad: 0.25, hand: arm, released: false, inject_damping: false, velocity_windows: true, run_infeasible: true");
+      "stiffness_cap_nm_per_rad: 0.25, hand: arm, released: false, inject_damping: false, velocity_windows: false, damping_floor: 0.2, rotation_damping_floor: 0.1, run_infeasible: true");
   ASSERT_TRUE(s.design);
   EXPECT_EQ(s.design->kind, "shaping_filter");
   EXPECT_EQ(s.design->cutoff_hz, 7);
@@ -58,11 +60,20 @@ TEST_F(CouplingSection, EveryKeyOfADesignArrives) {
   EXPECT_EQ(s.design->stiffness_cap_nm_per_rad, 0.25);
   EXPECT_EQ(s.design->hand, HandOption::kArm);
   EXPECT_FALSE(s.design->released || s.design->inject_damping);
-  EXPECT_TRUE(s.design->velocity_windows);
+  EXPECT_FALSE(s.design->velocity_windows);
+  EXPECT_EQ(s.design->damping_floor, 0.2);
+  EXPECT_EQ(s.design->rotation_damping_floor, 0.1);
   EXPECT_TRUE(s.design->run_infeasible);
   EXPECT_EQ(with("design: auto, kind: spring_damper").design->kind, "spring_damper");
   EXPECT_EQ(with("design: auto, cutoff_hz: 150").warnings.size(), 1U) << "a wish near the sample rate is doubtful";
   EXPECT_NE(with("design: auto").hash, with("design: auto, gain_margin: 2").hash);
+}
+
+TEST_F(CouplingSection, ADampersShareIsTheStandardUnlessTheSceneSaysAnother) {
+  EXPECT_EQ(with("design: auto").design->damper_share, 0.45);
+  EXPECT_EQ(with("design: auto, damper_share: 0").design->damper_share, 0.0);
+  EXPECT_EQ(with("injected_damping_ns_per_m: 3").coupling.damper_share, 0.45);
+  EXPECT_EQ(with("injected_damping_ns_per_m: 3, damper_share: 0.2").coupling.damper_share, 0.2);
 }
 
 TEST_F(CouplingSection, AHandMayBeGivenInRanges) {
