@@ -8,7 +8,7 @@
 namespace voxtouch::coupling {
 
 /// The standard share of what contact and effects give that injected damping may add: see CouplingSpec::damper_share.
-inline constexpr double kDamperShare = 0.45;
+inline constexpr double kDamperShare = 0.35;
 /// Force that is hardly felt [N].
 inline constexpr double kQuietForceN = 0.05;
 

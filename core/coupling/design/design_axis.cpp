@@ -132,11 +132,12 @@ double critical_damping(const AxisProblem& problem, const VelocityEstimate& velo
   return least;
 }
 
+double step_speed(const AxisProblem& problem, const VelocityEstimate& velocity) {
+  return problem.model.resolution / problem.timing.period_s * step_share(velocity.filter_rad_per_s(), velocity.window, problem.timing.period_s);
+}
+
 double damping_limit(const AxisProblem& problem, const VelocityEstimate& velocity) {
-  const double stable = 0.5 * critical_damping(problem, velocity);
-  // Steps of the encoder make up to q/T of speed.
-  const double passed = step_share(velocity.filter_rad_per_s(), velocity.window, problem.timing.period_s);
-  const double speed = problem.model.resolution / problem.timing.period_s * passed;
+  const double stable = 0.5 * critical_damping(problem, velocity), speed = step_speed(problem, velocity);
   return speed > 0.0 ? std::min(stable, problem.noise_limit / speed) : stable;
 }
 

@@ -57,6 +57,9 @@ double arm_squared(const DesignProblem& request);
 /// The law that `spec` gives to the problem's axis, of unit gain, with its injected damping.
 LoopController controller_of(const CouplingSpec& spec, const AxisProblem& problem, double arm_squared_m2);
 
+/// Speed that steps of the encoder make of the velocity estimate, at most [m/s, rad/s].
+double step_speed(const AxisProblem& problem, const VelocityEstimate& velocity);
+
 /// Largest error of the velocity estimate that positions off by up to q / 2 either way may make, in q / T: 1 - exp(-w_v T), which is also what a
 /// single step of the encoder makes; with a window `window_step_share`, of which a single step makes less.
 double step_share(double velocity_filter_rad_per_s, int velocity_window, double period_s);
