@@ -7,7 +7,7 @@
 
 namespace voxtouch::felt {
 
-/// "What will be felt: 305 N/m at the hand, certified with a margin of 2: 3.05 N with the hand 10 mm deep, 36 % of the 8.5 N that ...
+/// "What will be felt: 384 N/m at the hand, certified with a margin of 2: 3.84 N with the hand 10 mm deep, 45 % of the 8.5 N that ...
 /// gives ...", with what limits it and what would give more; two changes where less than a fifth of the device's force can be shown 10 mm
 /// deep. Of a virtual tool, whose force is stiffness times depth, and of a body's grip, that is known; else a hand presses where `motion` touches first (press.hpp).
 /// Empty where nothing may be felt, or the motion touches nothing. Not for the loop.

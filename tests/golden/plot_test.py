@@ -98,7 +98,7 @@ class Pictures(unittest.TestCase):
 
     def test_design_draws_a_region_that_holds_the_chosen_point_and_writes_it_as_csv(self):
         file, table = self.at / "region.png", self.at / "region.csv"
-        done = voxtouch("design", "--device", "sim-phantom", "--plot", file, "--csv", table, "--json")
+        done = voxtouch("design", "--device", "sim-phantom", "--kind", "shaping_filter", "--plot", file, "--csv", table, "--json")
         self.assertEqual(done.returncode, 0, done.stderr)
         data = json.loads(done.stdout)
         region, chosen = data["region"], data["translation"]["shown_stiffness"]

@@ -185,7 +185,8 @@ coupling::design::StableRegion region_round(const coupling::design::DesignProble
 LawRegion region_of_law(const coupling::design::DesignProblem& problem, const coupling::design::Design& design) {
   namespace cd = coupling::design;
   constexpr int kCount = 64;
-  const cd::AxisProblem axis = cd::axis_problems(problem).front();
+  cd::AxisProblem axis = cd::axis_problems(problem).front();
+  axis.damper_share = design.spec.damper_share;  // a design may have left the bound out that was asked for
   cd::LoopController law = cd::controller_of(design.spec, axis, cd::arm_squared(problem));
   const double cap = design.spec.stiffness_cap_n_per_m, contact = std::min(problem.contact.all_points, cap);
   const bool spring = law.law == cd::LoopController::Law::kSpringDamper;
