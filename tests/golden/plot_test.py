@@ -132,7 +132,7 @@ class Pictures(unittest.TestCase):
             points = [tuple(line.get_xydata()[0]) for line in figure.axes[1].lines if line.get_marker() == "o"]
             self.assertEqual(points, [(law["chosen"], shown)])
             self.assertGreater(painted(file, plot.GREEN), 300)
-        self.assertNotIn("law", json.loads(voxtouch("design", "--device", "sim-phantom", "--json").stdout)["region"])
+        self.assertNotIn("law", json.loads(voxtouch("design", "--device", "sim-phantom", "--kind", "shaping_filter", "--json").stdout)["region"])
 
     def test_without_matplotlib_one_sentence_says_what_to_install_before_anything_is_measured(self):
         (self.at / "hidden").mkdir(exist_ok=True)
