@@ -107,7 +107,7 @@ constexpr auto kCoupling = std::to_array<Key>({
   {"velocity_filter_hz", kPositive, kWithoutFirst, "100", "Of the velocity that is damped."},
   {"velocity_window", kCount, kWithoutFirst, "0", "n, up to 5: damping acts on the velocity of a window of 3 n samples instead; 0: on the filter's.", "", nullptr, 0, coupling::kMaxVelocityWindow},
   {"damper_share", kNotNegative, kOptional, "0.35",
-   "Most that injected damping adds to what contact and effects give, as a share of it: so a touch begins with the contact. 0: without that bound, as a design is of which it would take more than a third."},
+   "Most that injected damping adds to what contact and effects give, as a share of it, besides a little that is hardly felt: so a touch begins with the contact. 0: without that bound, as a design is of which it would take more than a third."},
   {"gain_margin", kNumber, kWithFirst, "2", "How much stiffer the worst case may get before it is unstable.", "", nullptr, 1},
   {"damping_floor", kNumber, kWithFirst, "0.3",
    "Least damping ratio of the slowest swing along in contact, with a hand; a third of it with nobody holding the device. Stiffness is given up for it; 0: it is not.", "", nullptr, 0, 0.9},

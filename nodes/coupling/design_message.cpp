@@ -14,8 +14,7 @@ std::vector<std::string> notes_on(const fitting::FittedCoupling& fitted, double 
     notes.push_back(fitted.design.status == coupling::design::DesignStatus::kInfeasible
                         ? "set by hand in the scene; the designer does not vouch for it: the reasons say why"
                         : "set by hand in the scene; the designer's certificates hold for it");
-  if (const coupling::CouplingSpec& spec = fitted.spec; spec.damper_share > 0.0 && (spec.injected_damping_ns_per_m > 0.0 || spec.injected_damping_nms_per_rad > 0.0))
-    notes.push_back(fmt::format("injected damping adds at most {:.3g} of what contact and effects give", spec.damper_share));
+  if (const std::string bound = coupling::design::describe_bound(fitted.design.spec); !bound.empty()) notes.push_back("injected damping " + bound);
   if (const std::string& forbids = fitted.design.floors.out_of_reach; !forbids.empty())
     notes.push_back(fmt::format("a damping ratio of {:.2g} released and {:.2g} held is out of reach: {}", fitted.design.floors.released,
                                 fitted.design.floors.held, forbids));

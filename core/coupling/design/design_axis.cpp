@@ -16,8 +16,6 @@ using Law = LoopController::Law;
 
 /// Share of a strong device's force that is hardly felt as noise.
 constexpr double kQuietShare = 0.005;
-/// Of the margin, what is kept in a swing so large that the bound on injected damping acts.
-constexpr double kLargeSwing = 0.75;
 /// Torque in place of a force [m], where device limits do not say how one stands to the other.
 constexpr double kHandsArm = 0.05;
 

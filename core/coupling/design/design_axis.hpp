@@ -15,6 +15,9 @@ inline const AxisDesign& axis_of(const Design& design, std::size_t axis) noexcep
   return axis == 0 ? design.translation : design.rotation;
 }
 
+/// Of the margin, what is kept in a swing so large that the bound on injected damping acts.
+inline constexpr double kLargeSwing = 0.75;
+
 struct AxisProblem {
   const AxisUnits* units = &kTranslationUnits;
   AxisModel model;
@@ -23,7 +26,7 @@ struct AxisProblem {
   ContactRange contact;
   std::vector<DesignCase> cases;
   double margin = 2.0;
-  double large_swing = 0.75;  ///< of `margin`, what is kept also in a swing so large that the bound on injected damping acts; at least 1 over it
+  double large_swing = kLargeSwing;  ///< of `margin`, what is kept also in a swing so large that the bound on injected damping acts; at least 1 over it
   double wanted = 0.0;  ///< min(contact's total, the device's limit)
   double target = 0.0;  ///< K k at which the goal counts as met; below `wanted` where one gain has to serve two axes
   double useful = 0.0;  ///< below it, and below the target, the design is called infeasible

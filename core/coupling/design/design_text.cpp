@@ -60,6 +60,11 @@ std::string cutoff_reason(const DesignProblem& request, const std::vector<AxisPr
 
 }  // namespace
 
+std::string describe_bound(const CouplingSpec& spec) {
+  if (!(spec.damper_share > 0.0 && spec.injected_damping_ns_per_m > 0.0)) return "";
+  return fmt::format("adds at most {:.3g} of what contact and effects give, and {:.2g} N", spec.damper_share, spec.damper_free_n);
+}
+
 std::string describe(const VelocityEstimate& velocity) {
   return velocity.window > 0 ? fmt::format("a window of {} samples", window_span(velocity.window))
                              : fmt::format("a filter of {:.3g} Hz", velocity.filter_hz);

@@ -100,6 +100,8 @@ struct Design {
 
 /// "a filter of 100 Hz", "a window of 12 samples", for a person.
 std::string describe(const VelocityEstimate& velocity);
+/// "adds at most 0.35 of what contact and effects give, and 0.05 N", of the injected damping of `spec`, for a person. Empty where it is not bounded.
+std::string describe_bound(const CouplingSpec& spec);
 
 /// Pure arithmetic, some tens of milliseconds to a second or two; not for the loop. The same request gives the same bits. Throws
 /// std::invalid_argument with the first sentence of `check` for numbers that cannot be designed for.

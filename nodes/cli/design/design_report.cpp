@@ -51,9 +51,9 @@ std::string coupling_lines(const coupling::design::Design& design) {
   else
     text = fmt::format("direct, gain {:.3g}", s.gain);
   if (s.injected_damping_ns_per_m > 0)
-    text += fmt::format("\n                {:.3g} Ns/m of damping while in contact, velocity of {}{}", s.injected_damping_ns_per_m,
-                        coupling::design::describe(coupling::design::velocity_of(s)),
-                        s.damper_share > 0 ? fmt::format(";\n                it adds at most {:.3g} of what contact and effects give", s.damper_share) : "");
+    text += fmt::format("\n                {:.3g} Ns/m of damping while in contact, velocity of {}", s.injected_damping_ns_per_m,
+                        coupling::design::describe(coupling::design::velocity_of(s)));
+  if (const std::string bound = coupling::design::describe_bound(s); !bound.empty()) text += ";\n                it " + bound;
   if (std::isfinite(s.stiffness_cap_n_per_m))
     text += fmt::format("\n                contact capped at {:.4g} N/m", s.stiffness_cap_n_per_m);
   return text;
@@ -253,7 +253,8 @@ nlohmann::ordered_json to_json(const DesignReport& r) {
                    {"injected_damping_nms_per_rad", s.injected_damping_nms_per_rad},
                    {"velocity_filter_hz", s.velocity_filter_hz},
                    {"velocity_window", s.velocity_window},
-                   {"damper_share", s.damper_share}};
+                   {"damper_share", s.damper_share},
+                   {"damper_free_n", s.damper_free_n}};
   if (std::isfinite(s.stiffness_cap_n_per_m)) j["coupling"]["stiffness_cap_n_per_m"] = s.stiffness_cap_n_per_m;
   if (std::isfinite(s.stiffness_cap_nm_per_rad)) j["coupling"]["stiffness_cap_nm_per_rad"] = s.stiffness_cap_nm_per_rad;
   j["lag_s"] = r.design.lag_s;

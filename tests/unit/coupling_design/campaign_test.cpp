@@ -43,6 +43,15 @@ TEST(Campaign, NoDesignBecomesUnstable) {
   EXPECT_GT(runs, 280u);
 }
 
+/// 17 kg, 84 Ns/m and an encoder whose steps are pulses of some tenths of a newton, where the law gives 0.04 N: cut to 0.05 N they damp no more.
+TEST(Campaign, ACoarseEncodersDamperStillDampsALightContact) {
+  Options options = sample(1);
+  options.seed = 1, options.first = 2327;
+  PhaseResult result = design_phase(options);
+  EXPECT_EQ(result.tally("worst vertex, up to a period of delay more").runs, 1U);
+  EXPECT_TRUE(result.failures.empty()) << failures(result);
+}
+
 TEST(Campaign, SeesDesignsThatAreTooStiff) {
   Options options = sample(12);
   options.overload = 4.0;
