@@ -29,26 +29,32 @@ void never_pull(Vec3& sum, const Vec3& push) noexcept {
   if (const double pull = along.dot(sum); pull < 0.0) sum -= pull * along;
 }
 
-void bound_addition(Vec3& damping, const Vec3& push, double most) noexcept {
+bool bound_addition(Vec3& damping, const Vec3& push, double most) noexcept {
   const double size = push.stableNorm();
-  if (!(size > kNoStiffness)) return damping.setZero(), void();
+  if (!(size > kNoStiffness)) {
+    const bool cut = !damping.isZero(0.0);
+    damping.setZero();
+    return cut;
+  }
   const Vec3 along = push / size, taken = std::min(0.0, along.dot(damping)) * along;
   damping -= taken;
-  clamp_length(damping, most);
+  const bool cut = clamp_length(damping, most);
   damping += taken;
+  return cut;
 }
 
-Wrench InjectedDamping::of(const CouplingInput& contact, const Vec3& law_force, const Twist& velocity) const noexcept {
-  Wrench out;
+InjectedWrench InjectedDamping::of(const CouplingInput& contact, const Vec3& law_force, const Twist& velocity) const noexcept {
+  InjectedWrench out;
   const Mat6& k = contact.contact_stiffness;
   // It is there to make up for stiffness that comes late; a force without any (a medium's drag, a weight) needs none.
   if (!(contact.contact_stiffness_n_per_m > 0.0) && k.isZero(0.0)) return out;
   if (linear_.now() > 0.0)
-    out.force = -linear_.now() * (pushing_directions(k.topLeftCorner<3, 3>(), contact.contact.force) * velocity.linear);
+    out.wrench.force = -linear_.now() * (pushing_directions(k.topLeftCorner<3, 3>(), contact.contact.force) * velocity.linear);
   if (angular_.now() > 0.0)
-    out.torque =
+    out.wrench.torque =
         -angular_.now() * (pushing_directions(k.bottomRightCorner<3, 3>(), contact.contact.torque) * velocity.angular);
-  if (const double parts = parts_.now(); parts > 0.0) bound_addition(out.force, law_force, law_force.stableNorm() / parts + free_.now());
+  if (const double parts = parts_.now(); parts > 0.0)
+    out.bounded = bound_addition(out.wrench.force, law_force, law_force.stableNorm() / parts + free_.now());
   return out;
 }
 

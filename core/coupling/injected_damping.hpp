@@ -15,8 +15,14 @@ Mat3 pushing_directions(const Mat3& stiffness, const Vec3& push) noexcept;
 void never_pull(Vec3& sum, const Vec3& push) noexcept;
 
 /// Cuts the part of `damping` that is along `push` or across it to a length of at most `most`; what is against `push` stays. Where `push` is zero
-/// nothing is left. Real-time safe.
-void bound_addition(Vec3& damping, const Vec3& push, double most) noexcept;
+/// nothing is left. True where something was cut. Real-time safe.
+bool bound_addition(Vec3& damping, const Vec3& push, double most) noexcept;
+
+/// What injected damping adds to the law's wrench, W axes.
+struct InjectedWrench {
+  Wrench wrench;
+  bool bounded = false;  ///< the force wanted to add more than it may, and was cut
+};
 
 /// The damping coefficients, which change without a step. The force is -B P v, of which no more than a share of the law's force, and a little that is hardly felt,
 /// is added to that: as the tool touches it begins with the law, and as the tool leaves it ends from what `never_pull` has left of it. The torque is not
@@ -36,7 +42,7 @@ class InjectedDamping {
   /// Moves on by `dt_s` [s] on that way. Real-time safe.
   void advance(double dt_s) noexcept { linear_.advance(dt_s), angular_.advance(dt_s), parts_.advance(dt_s), free_.advance(dt_s); }
   /// What to add for `contact`, of which the law gives the force `law_force`, at velocity v^: nothing where it shows no stiffness at all. Real-time safe.
-  Wrench of(const CouplingInput& contact, const Vec3& law_force, const Twist& velocity) const noexcept;
+  InjectedWrench of(const CouplingInput& contact, const Vec3& law_force, const Twist& velocity) const noexcept;
 
  private:
   static double parts_of(const CouplingSpec& spec) noexcept { return spec.damper_share > 0.0 ? 1.0 / spec.damper_share : 0.0; }

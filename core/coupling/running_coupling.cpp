@@ -170,8 +170,9 @@ Wrench RunningCoupling::run_law(const CouplingInput& input, const PolicedSample&
 
 void RunningCoupling::add_damping(Wrench& sum, const Wrench& law, CouplingOutput& out) noexcept {
   const Twist& velocity = motion_.velocity();
-  const Wrench damping = injected_.of(contact_, law.force, velocity);  // none where the contact does not push
-  sum.force += damping.force, sum.torque += damping.torque;
+  const InjectedWrench injected = injected_.of(contact_, law.force, velocity);  // none where the contact does not push
+  sum.force += injected.wrench.force, sum.torque += injected.wrench.torque;
+  out.bounded = injected.bounded, out.injected_n = injected.wrench.force.stableNorm();
   PassivityDamping more = passivity_.control(contact_.contact.force, way_, velocity, passivity_limits_);
   // Across the contact it works as friction does: no more than the push, so that it comes and goes with it.
   clamp_length(more.tangential, law.force.stableNorm());
@@ -209,7 +210,7 @@ void RunningCoupling::count(const CouplingOutput& out) noexcept {
   ++counters_.samples;
   counters_.faults = policy_.faults();
   counters_.repeated += out.repeated_input, counters_.clamped += out.clamped, counters_.capped += out.capped;
-  counters_.controlled += out.passivity;
+  counters_.controlled += out.passivity, counters_.bounded += out.bounded;
   counters_.pose_jumps = motion_.jumps();
   counters_.lowest_energy_j = std::min({counters_.lowest_energy_j, energy.normal_j, energy.tangential_j});
   counters_.lowest_energy_rotation_j = std::min(counters_.lowest_energy_rotation_j, energy.rotation_j);

@@ -28,11 +28,13 @@ struct CouplingOutput {
   bool clamped = false;     ///< input or command was over the device's range and was cut
   bool capped = false;      ///< the contact was stiffer than the cap: its wrench was scaled
   bool passivity = false;   ///< the passivity controller adds damping
+  bool bounded = false;     ///< injected damping wanted to add more than it may, and was cut
   double scale = 1.0;       ///< share of the contact's wrench that the stiffness cap leaves
   double energy_j = 0.0;    ///< translation: what the hand has put in, net, since this contact began; see passivity.hpp
   double energy_rotation_j = 0.0;
   double damping_ns_per_m = 0.0;  ///< what the passivity controller adds now; 0: it rests
   double damping_nms_per_rad = 0.0;
+  double injected_n = 0.0;  ///< size of the force that injected damping adds to the law's, or takes from it
 };
 
 /// Since construction, for diagnostics.
@@ -41,6 +43,7 @@ struct CouplingCounters {
   std::uint64_t faults = 0;  ///< bad periods and bad inputs
   std::uint64_t repeated = 0;    ///< samples answered with the last good input once more
   std::uint64_t clamped = 0, capped = 0;
+  std::uint64_t bounded = 0;     ///< samples in which injected damping was cut to what it may add
   std::uint64_t controlled = 0;  ///< samples in which the passivity controller added damping
   std::uint64_t pose_jumps = 0;
   std::uint64_t not_finite = 0;  ///< commands that no longer were numbers; the law was started again

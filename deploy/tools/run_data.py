@@ -212,6 +212,7 @@ class Run:
             "max_depth_mm": largest(self.depth_mm), "max_energy_j": largest(self.command["energy_j"]),
             "least_energy_j": None if largest(-self.command["energy_j"]) is None else -largest(-self.command["energy_j"]),
             "capped_samples": self.count(self.command["status"], "ForceCommand", "STATUS_CAPPED"),
+            "bounded_samples": self.count(self.command["status"], "ForceCommand", "STATUS_BOUNDED"),
             "passivity_samples": self.count(self.command["status"], "ForceCommand", "STATUS_PASSIVITY"),
             "held_samples": self.count(self.contact["flags"], "ContactState", "FLAG_HELD"),
             "saturated_samples": self.count(self.contact["flags"], "ContactState", "FLAG_SATURATED")}

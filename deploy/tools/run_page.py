@@ -210,6 +210,7 @@ COUNTED = (("largest force [N]", "max_force_n", "device", "max_force_n"), ("rate
            ("samples held: points have gone through", "held_samples", "rendering", "held_samples"),
            ("samples in which deeper meets no more force", "saturated_samples", "rendering", "saturated_samples"),
            ("samples capped to the certified stiffness", "capped_samples", "coupling", "capped_samples"),
+           ("samples in which injected damping was cut to what it may add", "bounded_samples", "coupling", "bounded_samples"),
            ("samples with the passivity controller", "passivity_samples", "coupling", "passivity_samples"))
 
 

@@ -274,6 +274,7 @@ class CouplingNode {
     report.figures = {{"samples", {samples_.load(), "samples"}},
                       {"clamped_inputs", {c.clamped, "samples"}},
                       {"capped_samples", {c.capped, "samples"}},
+                      {"bounded_samples", {c.bounded, "samples"}},
                       {"passivity_samples", {c.controlled, "samples"}},
                       {"passivity_most_damping_ns_per_m", {c.most_damping_ns_per_m, "Ns/m"}},
                       {"lowest_energy_j", {c.lowest_energy_j, "J"}},

@@ -27,7 +27,7 @@ inline std::uint32_t status_bits(const coupling::CouplingOutput& out) noexcept {
   using namespace msg::force_command;
   return (out.ramping ? kStatusRamping : 0U) | (out.repeated_input ? kStatusHeldInput : 0U) |
          (out.clamped ? kStatusClamped : 0U) | (out.capped ? kStatusCapped : 0U) |
-         (out.passivity ? kStatusPassivity : 0U);
+         (out.passivity ? kStatusPassivity : 0U) | (out.bounded ? kStatusBounded : 0U);
 }
 
 /// The answer to the sample of `contact`: `out`, whose force is `wrench_D` there, good for `valid_s`.
@@ -43,6 +43,7 @@ inline msg::ForceCommand force_command(const msg::ContactState& contact, const c
   m.energy_rotation_j = out.energy_rotation_j;
   m.damping_ns_per_m = out.damping_ns_per_m;
   m.status = status_bits(out);
+  m.injected_n = static_cast<float>(out.injected_n);
   return m;
 }
 

@@ -13,7 +13,7 @@
 namespace voxtouch::replay {
 namespace {
 
-enum class Word : std::uint8_t { kDouble, kUnsigned, kSigned, kShort };  ///< 8, 8, 8 and 4 bytes
+enum class Word : std::uint8_t { kDouble, kUnsigned, kSigned, kShort, kFloat };  ///< 8, 8, 8, 4 and 4 bytes
 
 /// A field of a ring's message: `count` words in a row.
 struct MessageField {
@@ -33,6 +33,8 @@ constexpr MessageField field(std::string_view name, std::size_t offset) {
   if constexpr (std::is_same_v<Field, std::uint64_t>) out.word = Word::kUnsigned;
   if constexpr (std::is_same_v<Field, std::int64_t>) out.word = Word::kSigned;
   if constexpr (std::is_same_v<Field, std::uint32_t>) out.word = Word::kShort;
+  if constexpr (std::is_same_v<Field, float>) out.word = Word::kFloat;
+  static_assert(std::is_same_v<Field, std::uint32_t> || std::is_same_v<Field, float> || sizeof(Field) % 8 == 0, "a word of another size");
   if constexpr (std::is_same_v<Field, msg::geometry_msgs_Vector3> || std::is_same_v<Field, msg::geometry_msgs_Point>) out.parts = kVectorParts;
   if constexpr (std::is_same_v<Field, msg::geometry_msgs_Pose>) out.parts = kPoseParts;
   if constexpr (std::is_same_v<Field, msg::geometry_msgs_Wrench>) out.parts = kWrenchParts;
@@ -56,7 +58,7 @@ constexpr MessageField kCommandFields[] = {
     VOXTOUCH_FIELD(Command, session_id),       VOXTOUCH_FIELD(Command, sequence_number), VOXTOUCH_FIELD(Command, sample_time_ns),
     VOXTOUCH_FIELD(Command, valid_until_ns),   VOXTOUCH_FIELD(Command, wrench),          VOXTOUCH_FIELD(Command, energy_j),
     VOXTOUCH_FIELD(Command, energy_rotation_j), VOXTOUCH_FIELD(Command, damping_ns_per_m), VOXTOUCH_FIELD(Command, status),
-    VOXTOUCH_FIELD(Command, reserved)};
+    VOXTOUCH_FIELD(Command, injected_n)};
 #undef VOXTOUCH_FIELD
 
 /// The fields stand side by side and are the whole message: one that is new is not left out.
@@ -84,21 +86,26 @@ FieldDifference difference_of(std::string name, Word word, const std::byte* a, c
                            fmt::format("{}", recorded > replayed ? static_cast<std::uint64_t>(recorded) - static_cast<std::uint64_t>(replayed)
                                                                  : static_cast<std::uint64_t>(replayed) - static_cast<std::uint64_t>(recorded))};
   };
+  const auto real_numbers = [&]<class Bits, class T>(T recorded, T replayed) {
+    const T by = std::abs(recorded - replayed);
+    return FieldDifference{std::move(name), fmt::format("{}", recorded), fmt::format("{}", replayed),
+                           by > 0 ? fmt::format("{:.3g}", by)
+                                  : fmt::format("bits {:0{}x} and {:0{}x}", std::bit_cast<Bits>(recorded), 2 * sizeof(T), std::bit_cast<Bits>(replayed), 2 * sizeof(T))};
+  };
   switch (word) {
     case Word::kUnsigned: return whole_numbers(word_at<std::uint64_t>(a), word_at<std::uint64_t>(b));
     case Word::kSigned: return whole_numbers(word_at<std::int64_t>(a), word_at<std::int64_t>(b));
     case Word::kShort: return whole_numbers(word_at<std::uint32_t>(a), word_at<std::uint32_t>(b));
+    case Word::kFloat: return real_numbers.operator()<std::uint32_t>(word_at<float>(a), word_at<float>(b));
     case Word::kDouble: break;
   }
-  const double recorded = word_at<double>(a), replayed = word_at<double>(b), by = std::abs(recorded - replayed);
-  return {std::move(name), fmt::format("{}", recorded), fmt::format("{}", replayed),
-          by > 0.0 ? fmt::format("{:.3g}", by) : fmt::format("bits {:016x} and {:016x}", std::bit_cast<std::uint64_t>(recorded), std::bit_cast<std::uint64_t>(replayed))};
+  return real_numbers.operator()<std::uint64_t>(word_at<double>(a), word_at<double>(b));
 }
 
 std::vector<FieldDifference> differences_of(std::span<const MessageField> fields, const std::byte* a, const std::byte* b) {
   std::vector<FieldDifference> out;
   for (const MessageField& one : fields) {
-    const std::size_t step = one.word == Word::kShort ? 4 : 8;
+    const std::size_t step = one.word == Word::kShort || one.word == Word::kFloat ? 4 : 8;
     for (std::size_t n = 0; n * step < one.size; ++n) {
       const std::size_t at = one.offset + n * step;
       if (std::memcmp(a + at, b + at, step) == 0) continue;

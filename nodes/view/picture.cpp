@@ -41,7 +41,8 @@ constexpr Words kCommandWords[] = {{msg::force_command::kStatusRamping, "ramping
                                    {msg::force_command::kStatusHeldInput, "input held"},
                                    {msg::force_command::kStatusClamped, "clamped"},
                                    {msg::force_command::kStatusCapped, "capped"},
-                                   {msg::force_command::kStatusPassivity, "passivity"}};
+                                   {msg::force_command::kStatusPassivity, "passivity"},
+                                   {msg::force_command::kStatusBounded, "damping bounded"}};
 
 /// The words of the bits that are set.
 json words_of(std::uint32_t bits, std::span<const Words> known) {

@@ -343,9 +343,10 @@ class Replay(unittest.TestCase):
         self.assertTrue(68 <= said["contact"]["differ"] <= 74, said)
 
     def test_one_bit_of_a_recorded_answer_is_found_and_nothing_else(self):
-        for topic, at, name, field in ((CONTACT, HEADER + 24 + 112, "contact", "wrench.force.x"), (COMMAND, HEADER + 32, "command", "wrench.force.x")):
+        for topic, at, name, field in ((CONTACT, HEADER + 24 + 112, "contact", "wrench.force.x"), (COMMAND, HEADER + 32, "command", "wrench.force.x"),
+                                       (COMMAND, HEADER + 108, "command", "injected_n")):
             with self.subTest(topic):
-                bag = self.copy(name)
+                bag = self.copy(field)
                 row, data = message_of(bag, topic, 777)
                 changed = bytearray(data)
                 changed[at] ^= 1

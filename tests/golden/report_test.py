@@ -160,7 +160,7 @@ class Reports(unittest.TestCase):
         self.assertEqual(figures["samples"], self.summary["samples"])
         self.assertEqual(figures["contact_samples"], self.summary["contact_samples"])
         self.assertEqual(figures["held_samples"], self.summary["held_samples"])
-        for name in ("capped_samples", "passivity_samples"):
+        for name in ("capped_samples", "bounded_samples", "passivity_samples"):
             self.assertEqual(figures[name], self.summary["coupling"][name])
         limit, = {struct.unpack_from("<d", m, 8 + 4 + 12 + 8 + 0)[0] for m in rows(self.bag, "/haptic/device/description")}
         self.assertAlmostEqual(figures["share_of_limit"], max(force) / limit, 9)

@@ -183,8 +183,6 @@ void write_mesh(const std::filesystem::path& file, const mesh::TriangleMesh& mes
 }
 
 constexpr double kLever = 0.015;
-/// The filter of these designs, 80 Hz, is 2.8 ms behind: what it returns is held against the torque of as long before.
-constexpr std::size_t kBehind = 3;
 
 /// A tool against a part on sim-lwr, e = 1 mm: the torque that the coupling commands, over that of the exact tool at the pose that the device measures.
 void gives_torque(const mesh::TriangleMesh& part, const mesh::TriangleMesh& tool, const std::string& motion, double duration_s, double least_nm,
@@ -194,7 +192,7 @@ void gives_torque(const mesh::TriangleMesh& part, const mesh::TriangleMesh& tool
   const std::string file = (folder / "torque.yaml").string();
   std::ofstream(file) << "scene: torque\nvoxel_size: 0.001\nstatic: [{mesh: part.obj}]\ndynamic: {mesh: tool.obj}\n"
                       << "contact: {model: field, rendering: virtual_tool}\ntool: {lever_m: " << kLever
-                      << "}\ncoupling: {design: auto, kind: shaping_filter}\nmotions: {it: {" << motion << "}}\n";
+                      << "}\ncoupling: {design: auto}\nmotions: {it: {" << motion << "}}\n";
   const Recorded r = run(file, "it", "sim-lwr", duration_s);
   std::vector<double> wanted;
   for (const virtual_tool::PlanePose& hand : r.pose) wanted.push_back(r.certified * kLever * kLever * (exact(hand).turn - hand.turn));
@@ -202,7 +200,7 @@ void gives_torque(const mesh::TriangleMesh& part, const mesh::TriangleMesh& tool
   double worst = 0.0;
   int measured = 0;
   for (std::size_t i = 400; i + 30 < wanted.size(); i += 25) {
-    const double is = mean(r.torque_y, i), of = mean(wanted, i - kBehind);
+    const double is = mean(r.torque_y, i), of = mean(wanted, i);
     if (of / last < 0.2) continue;
     worst = std::max(worst, std::abs(is / of - 1.0)), ++measured;
   }

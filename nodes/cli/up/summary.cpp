@@ -53,7 +53,7 @@ nlohmann::ordered_json coupling_json(const Reports& r) {
   j["critical_stiffness_n_per_m"] = number(r, "coupling", "design_critical_n_per_m");
   j["gain_margin"] = number(r, "coupling", "design_gain_margin");
   j["worst_case"] = word(r, "coupling", "design_worst_case");
-  add_counts(j, r, "coupling", {"designs", "capped_samples", "passivity_samples"});
+  add_counts(j, r, "coupling", {"designs", "capped_samples", "bounded_samples", "passivity_samples"});
   add_numbers(j, r, "coupling", {"passivity_most_damping_ns_per_m", "lowest_energy_j", "lowest_energy_rotation_j",
                                  "energy_bound_j", "energy_bound_rotation_j"});
   return j;

@@ -329,6 +329,36 @@ TEST(InjectedDamping, AddsNoMoreThanItsShareOfWhatTheContactGives) {
   EXPECT_NEAR(turning.move(turned, Vec3::Zero(), {-2, 0, 0}).torque.x(), 0.3, 1e-6) << "a torque's damper is not bounded";
 }
 
+/// A ForceCommand tells what the damper does to the force, and where it was cut.
+TEST(InjectedDamping, TellsWhatItAddsAndWhereItWasCut) {
+  struct Case {
+    double share, towards_m_per_s, adds_n;
+    bool cut;
+  };
+  for (const Case& c : {Case{0.5, 0.5, 0.5, true}, Case{0.5, 0.05, 0.25, false}, Case{0.5, -0.15, 0.75, false}, Case{0.0, 0.5, 2.5, false}, Case{0.5, 0.0, 0.0, false}}) {
+    SCOPED_TRACE(testing::Message() << c.share << ", " << c.towards_m_per_s << " m/s");
+    RunningCoupling coupling(Moving::spec(5.0, 0.0, c.share, 0.0), {}, kT);
+    CouplingInput in = corner({1, 0, 0}, 1000, 0);
+    CouplingOutput out = coupling.step(in, kT);
+    std::uint64_t before = 0;
+    for (int n = 0; n < 300; ++n) {
+      before = coupling.counters().bounded;
+      in.tool.position.x() -= c.towards_m_per_s * kT;
+      out = coupling.step(in, kT);
+    }
+    EXPECT_NEAR(out.injected_n, c.adds_n, 1e-6);
+    EXPECT_EQ(out.bounded, c.cut);
+    EXPECT_EQ(coupling.counters().bounded > before, c.cut);
+  }
+  RunningCoupling coupling(Moving::spec(5.0, 0.0, 0.5, 0.0), {}, kT);
+  CouplingInput air;
+  for (int n = 0; n < 10; ++n) {
+    air.tool.position.x() -= 0.5 * kT;
+    const CouplingOutput out = coupling.step(air, kT);
+    EXPECT_FALSE(out.bounded || out.injected_n > 0.0) << "nothing is injected without a contact";
+  }
+}
+
 /// A rested tool moves by one step: the damping is that of the velocity that the spec names.
 TEST(InjectedDamping, ActsOnTheVelocityThatTheSpecNames) {
   CouplingSpec spec = Moving::spec(2.0, 0.0, 0.0, 0.0);
