@@ -346,7 +346,7 @@ class Replay(unittest.TestCase):
         for topic, at, name, field in ((CONTACT, HEADER + 24 + 112, "contact", "wrench.force.x"), (COMMAND, HEADER + 32, "command", "wrench.force.x"),
                                        (COMMAND, HEADER + 108, "command", "injected_n")):
             with self.subTest(topic):
-                bag = self.copy(field)
+                bag = self.copy(f"{name}.{field}")
                 row, data = message_of(bag, topic, 777)
                 changed = bytearray(data)
                 changed[at] ^= 1

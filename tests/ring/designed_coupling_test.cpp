@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <limits>
 
 #include "core/types/geometry.hpp"
 #include "nodes/runtime/convert.hpp"
@@ -56,6 +57,24 @@ double energy_bound_j(const Recorded& r) {
   return -5.0 * force * way;
 }
 
+/// The largest force of the first 100 ms of the first contact over the mean from 45 to 55 ms after it.
+double first_peak_over_later(const std::vector<Vec3>& force) {
+  const auto begin = std::ranges::find_if(force, [](const Vec3& f) { return f.norm() > 0.02; });
+  if (force.end() - begin < 160) return std::numeric_limits<double>::quiet_NaN();
+  const auto peak = std::max_element(begin, begin + 100, [](const Vec3& a, const Vec3& b) { return a.norm() < b.norm(); });
+  double later = 0.0;
+  for (auto f = peak + 45; f < peak + 56; ++f) later += f->norm() / 11.0;
+  return peak->norm() / later;
+}
+
+/// The median of the force while `hit` rests on the wall.
+double steady_n(const std::vector<Vec3>& force) {
+  std::vector<double> sizes;
+  for (std::size_t i = 4300; i < 5300; ++i) sizes.push_back(force.at(i).norm());
+  std::ranges::nth_element(sizes, sizes.begin() + 500);
+  return sizes[500];
+}
+
 struct Case {
   const char* device;
   double encoder_step_m;
@@ -83,6 +102,10 @@ TEST_P(DesignedCoupling, TouchesTheCupWithoutASustainedOscillationAndWithinItsEn
   EXPECT_GE(r.lowest_energy_j, energy_bound_j(r));
   RecordProperty("lowest_energy_j", std::to_string(r.lowest_energy_j));
   RecordProperty("energy_bound_j", std::to_string(energy_bound_j(r)));
+  if (c.hand.empty()) {
+    EXPECT_LE(first_peak_over_later(r.force), 1.5) << "a touch is felt as the contact, not as the damper";
+    RecordProperty("first_peak_over_later", std::to_string(first_peak_over_later(r.force)));
+  }
   // `hit` rests on the wall from about 2.9 to 5.4 s; a tool that was let go at 4.2 s comes to rest wherever it is.
   if (std::string(c.motion) == "hit" || !c.hand.empty()) {
     const bool let_go = !c.hand.empty() && c.hand.front() == "--let-go-at";
@@ -109,6 +132,30 @@ std::vector<Case> cases() {
   return all;
 }
 INSTANTIATE_TEST_SUITE_P(Cup, DesignedCoupling, testing::ValuesIn(cases()));
+
+TEST(DesignedCoupling, HoldsTheForceOfThePapersFilterAtTheSameHand) {
+  const TemporaryFolder folder;
+  const std::string paper = (folder / "cup_5_hz.yaml").string();
+  std::ifstream in(shipped_scene("cup"));
+  std::ofstream out(paper);
+  for (std::string line; std::getline(in, line);) {
+    if (line.starts_with("coupling:")) line = "coupling: {kind: shaping_filter, cutoff_hz: 5, damping_ratio: 1, gain: 1}";
+    if (const auto at = line.find("../meshes"); at != std::string::npos) line.replace(at, 9, std::string(VOXTOUCH_DEPLOY) + "/meshes");
+    out << line << "\n";
+  }
+  out.close();
+  for (const char* device : {"sim-phantom", "sim-lwr"}) {
+    const double designed = steady_n(touch_cup(device, "hit", {}).force);
+    const TemporaryFolder bag;
+    // A coupling that is not certified for the device is a problem of such a run; its force is looked at all the same.
+    const RingResult run = run_ring(paper, {"--device", device, "--motion", "hit", "--lockstep", "--one-process", "--duration", "6", "--record", (bag / "bag").string()});
+    std::vector<Vec3> force;
+    for (const auto& m : read_ring_topic<msg::ForceCommand>(bag / "bag", "/haptic/coupling/command")) force.push_back(runtime::from_msg(m.wrench).force);
+    const double papers = steady_n(force);
+    std::printf("%s: designed %.3f N, the paper's 5 Hz %.3f N\n", device, designed, papers);
+    EXPECT_GE(designed, 0.98 * papers) << device;  // a sim-phantom's dry friction holds it within some hundredths of a newton
+  }
+}
 
 /// What `up` says of the plane with this coupling and these effects, where it refuses to start.
 std::string refusal_at_start(const std::string& coupling, const std::string& effects) {
