@@ -221,7 +221,8 @@ void say_left_out(const scene::Scene& scene, const BuildCounts& n, Plan& plan) {
 void say_virtual_tool_warnings(const scene::Scene& scene, const BuildCounts& n, Plan& plan) {
   for (const std::string& mesh : n.open_meshes)
     plan.warnings.push_back(
-        fmt::format("{}: the mesh is open. What of it is not closed has no inside, and does not hold a virtual tool.", mesh));
+        fmt::format("{}: the mesh is open. A virtual tool goes through what of it is not closed, and nothing is felt there. Close it, or feel it with "
+                    "contact: {{model: adapted, stiffness_n_per_m: 200}}.", mesh));
   if (n.thinnest_m < scene.voxel_size_m)
     plan.warnings.push_back(fmt::format(
         "{}: the thinnest wall is about {:.3g} mm, less than a voxel. It holds a virtual tool, but pushes some degrees askew; voxels of "
