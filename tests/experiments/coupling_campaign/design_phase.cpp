@@ -127,6 +127,11 @@ class Phase {
     const coupling::design::DesignProblem request = request_for(member, options_.damper_share, random);
     const coupling::design::Design design = coupling::design::design_coupling(request);
     ++statuses_[static_cast<std::size_t>(design.status)];
+    if (!member.hand.any_passive && design.status != coupling::design::DesignStatus::kInfeasible) {
+      const bool floors = request.goals.floors.held > 0.0;
+      if (member.hand.may_release) swings_[floors][0].push_back(design.swing.released);
+      swings_[floors][1].push_back(design.swing.held);
+    }
     const coupling::design::AxisDesign& axis = design.translation;
     // What is infeasible is tried as well, with the little that it shows, unless nothing at all is promised.
     if (!(axis.shown_stiffness > 0.0 && axis.gain_margin >= 0.999 * request.goals.gain_margin)) {
@@ -160,6 +165,11 @@ class Phase {
     for (const auto& [timing, limits] : {std::pair{"slowest", &slowest_}, {"nominal", &nominal_}})
       for (const auto& [name, share] : {std::pair{"least", 0.0}, {"5 %", 0.05}, {"median", 0.5}, {"95 %", 0.95}})
         out_.figures.push_back({fmt::format("limit / promise, {} timing, {}", timing, name), quantile(*limits, share)});
+    for (const bool floors : {false, true})
+      for (const bool held : {false, true})
+        for (const auto& [name, share] : {std::pair{"least", 0.0}, {"5 %", 0.05}, {"median", 0.5}})
+          out_.figures.push_back({fmt::format("damping ratio, {}, {}, {}", floors ? "floors asked for" : "no floors", held ? "held" : "released", name),
+                                  quantile(swings_[floors][held], share)});
     return std::move(out_);
   }
 
@@ -168,6 +178,7 @@ class Phase {
   PhaseResult out_{.name = "designs", .tallies = {}, .figures = {}, .failures = {}};
   std::array<std::uint64_t, 5> statuses_{};
   std::uint64_t nothing_promised_ = 0;
+  std::array<std::array<std::vector<double>, 2>, 2> swings_;  ///< damping ratio of the slowest swing: [floors asked for][held]
   std::vector<double> slowest_, nominal_;  ///< limit over promise, at the timing that the promise is for and without jitter and losses
 };
 
