@@ -131,6 +131,11 @@ AxisVerdict judge_axis(const DesignProblem& request, const AxisProblem& problem,
   double low = 0.0;
   out.spectral_radius = radius(problem, law, shown, low);
   find_faults(problem, law, spec, shown, low, verdict);
+  return verdict;
+}
+
+void describe_axis(const DesignProblem& request, const AxisProblem& problem, const CouplingSpec& spec, const ShownStiffness& shown, AxisDesign& out) {
+  const LoopController law = controller_of(spec, problem, arm_squared(request));
   const double contact = law.law == Law::kSpringDamper ? shown.contact : shown.shown;
   out.limit_cycle_bound = limit_cycle_bound(problem, law, contact, shown.shown);
   if (law.law == Law::kSpringDamper) {
@@ -141,7 +146,6 @@ AxisVerdict judge_axis(const DesignProblem& request, const AxisProblem& problem,
     const double highest = filter_settings(request).back().cutoff_hz;
     out.damping_required_any_cutoff = passive_damping_required(problem, filtered ? highest : kInfinity);
   }
-  return verdict;
 }
 
 double passive_damping_required(const AxisProblem& problem, double cutoff_hz) {

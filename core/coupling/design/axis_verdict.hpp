@@ -27,6 +27,8 @@ struct AxisVerdict {
 /// device's limit.
 AxisVerdict judge_axis(const DesignProblem& request, const AxisProblem& problem, const CouplingSpec& spec,
                        const ShownStiffness& shown);
+/// The rest of an axis, on which no verdict rests: the bound of the limit cycle, and what damping the device would need.
+void describe_axis(const DesignProblem& request, const AxisProblem& problem, const CouplingSpec& spec, const ShownStiffness& shown, AxisDesign& out);
 
 /// Device damping with which the whole target would be passive with the margin. Filter: at that cut-off and the damping ratio
 /// that needs least; infinity for no filter.

@@ -29,8 +29,9 @@ struct Axis {
   std::optional<LoopTable> table;  ///< none where rule P decides
   std::optional<LoopTable> swings;  ///< of the cases with a floor of the damping ratio; none where there is no such case
   std::array<double, kVelocityEstimates.size()> most_damping{};
-  /// Where a floor is broken though the contact hardly acts: a hand that swings too long by itself needs some damping, and much is late.
-  std::array<std::array<bool, kLevels>, kVelocityEstimates.size()> broken{};
+  /// Where a floor is broken though the contact hardly acts: a hand that swings too long by itself needs some damping, and much is late. Empty: not
+  /// yet looked at.
+  std::array<std::array<std::optional<bool>, kLevels>, kVelocityEstimates.size()> broken{};
   double reference_damping = 0.0;  ///< the most over the velocity estimates
 
   double damping(std::size_t velocity, std::size_t level) const {
@@ -69,7 +70,6 @@ class Search {
   FilterChoice run() {
     if (auto found = without_damping()) return *found;
     if (may_damp()) bound_damping();
-    find_broken_floors();
     tabulate();
     if (may_damp())
       if (auto found = with_damping()) return *found;
@@ -81,15 +81,16 @@ class Search {
     return allow_damping_ && std::ranges::any_of(axes_, [](const Axis& a) { return a.table.has_value(); });
   }
 
-  /// Stiffness over target, by the table or by rule P; where it is below `enough`, some number below.
-  double ratio(Axis& axis, std::size_t shape, std::size_t velocity, std::size_t level, double enough) const {
+  /// Stiffness over target, by the table or by rule P; where it is below `enough`, some number below. 0 where `looks_at_soft` and a floor is broken
+  /// though the contact hardly acts.
+  double ratio(Axis& axis, std::size_t shape, std::size_t velocity, std::size_t level, double enough, bool looks_at_soft) const {
     const AxisProblem& problem = *axis.problem;
     const double whole = problem.margin * problem.target;
     const double critical = axis.table ? axis.table->critical(velocity, axis.damping(velocity, level), enough * whole, problem.damper_share, problem.large_swing)
                                        : passive_limit(problem, law_of(shapes_[shape]));
     const double stable = critical / whole;
     if (!axis.swings || stable < enough) return stable;
-    if (axis.broken[velocity][level]) return 0.0;
+    if (looks_at_soft && breaks_floors(axis, velocity, level)) return 0.0;
     return std::min(stable, axis.swings->critical(velocity, axis.damping(velocity, level), enough * problem.target) / problem.target);
   }
   void use(std::size_t shape) {
@@ -132,7 +133,7 @@ class Search {
       use(s);
       const Candidate candidate{s, kUnused, std::vector<std::size_t>(axes_.size(), 0), 0.0, 0.0};
       bool likely = true;
-      for (Axis& axis : axes_) likely = likely && ratio(axis, s, 0, 0, kTableDoubt) >= kTableDoubt;
+      for (Axis& axis : axes_) likely = likely && ratio(axis, s, 0, 0, kTableDoubt, false) >= kTableDoubt;
       if (!likely || !confirmed(candidate)) continue;
       const bool requested = shapes_[s].cutoff_hz == shapes_.front().cutoff_hz;
       return chosen(candidate, requested ? DesignStatus::kAsRequested : DesignStatus::kBandwidthRaised);
@@ -150,32 +151,32 @@ class Search {
     }
   }
 
-  void find_broken_floors() {
+  bool breaks_floors(Axis& axis, std::size_t velocity, std::size_t level) const {
     constexpr double kHardlyAny = 1e-3;  // of the target
-    LoopController law = law_of({kInfinity, 1.0});
-    for (Axis& axis : axes_)
-      for (std::size_t v = 0; axis.swings && v < velocities_.size(); ++v)
-        for (std::size_t level = 0; level < kLevels; ++level) {
-          law.use(velocities_[v]);
-          law.injected_damping = axis.damping(v, level);
-          axis.broken[v][level] = !keeps_floors(*axis.problem, law, kHardlyAny * axis.problem->target);
-        }
+    std::optional<bool>& broken = axis.broken[level == 0 ? 0 : velocity][level];
+    if (!broken) {
+      LoopController law = law_of({kInfinity, 1.0});
+      law.use(velocities_[velocity]);
+      law.injected_damping = axis.damping(velocity, level);
+      broken = !keeps_floors(*axis.problem, law, kHardlyAny * axis.problem->target);
+    }
+    return *broken;
   }
 
   /// All ratios of all points that the next steps may look at; [shape][velocity estimate][axis][level].
   void tabulate() {
     ratios_.assign(shapes_.size(), {});
     double best = 0.0;  // of all axes together, on a filter's velocity
-    for (std::size_t s = 0; s < shapes_.size(); ++s) {
+    for (std::size_t s = shapes_.size(); s-- > 0;) {  // the highest cut-off first, so that most of the others are seen to fall short soon
       use(s);
       for (std::size_t v = 0; v < velocities_.size(); ++v) {
         ratios_[s][v].resize(axes_.size());
-        const double enough = std::min(kTableDoubt, kAsGood * best);  // no step takes anything below
+        const double enough = kAsGood * std::min(best, 1.0);  // no step takes anything below
         double joint = kInfinity;
         for (std::size_t a = 0; a < axes_.size() && joint >= enough; ++a) {
           for (std::size_t level = 0; level < kLevels; ++level) {
             const bool same = level > 0 && axes_[a].damping(v, level) == 0.0;
-            ratios_[s][v][a][level] = same ? ratios_[s][v][a][0] : ratio(axes_[a], s, v, level, enough);
+            ratios_[s][v][a][level] = same ? ratios_[s][v][a][0] : ratio(axes_[a], s, v, level, enough, true);
           }
           joint = std::min(joint, *std::ranges::max_element(ratios_[s][v][a]));
         }

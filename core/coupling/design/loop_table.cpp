@@ -116,7 +116,7 @@ double LoopTable::critical(Case& one, std::size_t velocity, double injected_damp
     const double here = now / size(i), there = before / size(i - 1), share = there / (there - here);
     const double crossing = (1.0 - share) * re(i - 1) / size(i - 1) + share * re(i) / size(i);
     const auto damper = [&] { return quotient(bound->whole * Complex(unit.re[i], unit.im[i]), -1.0 / crossing * Complex(one.loop.re[i], one.loop.im[i])); };
-    if (crossing < 0.0 && -1.0 / crossing < lowest && (!bound || damper_left(damper(), bound->share) <= bound->up_to))
+    if (crossing < 0.0 && -1.0 / crossing < lowest && (!bound || (-1.0 / crossing / bound->large_swing < bound->lowest && damper_left(damper(), bound->share) <= bound->up_to)))
       lowest = -1.0 / crossing;
   };
   if (damped) {
@@ -133,14 +133,17 @@ double LoopTable::critical(Case& one, std::size_t velocity, double injected_damp
 
 double LoopTable::critical(std::size_t velocity, double injected_damping, double enough, double damper_share, double large_swing) {
   double lowest = std::numeric_limits<double>::infinity();
-  for (Case& one : cases_) {
+  for (std::size_t c = 0; c < cases_.size(); ++c) {
+    Case& one = cases_[c];
     lowest = std::min(lowest, critical(one, velocity, injected_damping, nullptr));
     if (damper_share > 0.0 && injected_damping > 0.0 && lowest >= enough)
       for (const DamperPart& part : kDamperParts) {
-        const Bound bound{injected_damping, damper_share, part.up_to};
+        const Bound bound{injected_damping, damper_share, part.up_to, large_swing, lowest};
         lowest = std::min(lowest, critical(one, velocity, part.part * injected_damping, &bound) / large_swing);
       }
-    if (lowest < enough) break;
+    if (lowest >= enough) continue;
+    std::swap(cases_[0], one);  // what falls short here is likely to fall short next time
+    break;
   }
   return lowest;
 }

@@ -24,7 +24,7 @@ class LoopTable {
   void use(const LoopLaw& law);
 
   /// Factor on the law at which the worst case passes the limit (for a law of unit stiffness: K k), with injected damping B
-  /// on the velocity of that index. Where a case lies below `enough`, the rest is not looked at. B has to keep the inner
+  /// on the velocity of that index. Where a case lies below `enough`, the rest is not looked at, and the answer is some number below. B has to keep the inner
   /// loop stable. `damper_share`: B adds no more than that of the law's force, and the same is
   /// asked with the parts of B that may be left of it (`damper_left`), times `large_swing`; 0: not bounded. Infinity: no crossing.
   double critical(std::size_t velocity, double injected_damping, double enough = 0.0, double damper_share = 0.0, double large_swing = 1.0);
@@ -44,9 +44,9 @@ class LoopTable {
     std::vector<Response> damped;  ///< plant times a unit of injected damping, for each velocity estimate
     std::vector<std::vector<Crossing>> crossings;  ///< of each velocity estimate, in order; empty: not yet looked for
   };
-  /// Of a damper of which no more than `up_to` has to be left for a crossing to count.
+  /// Of a damper of which no more than `up_to` has to be left for a crossing to count; and over `large_swing` it has to be below `lowest`.
   struct Bound {
-    double whole, share, up_to;
+    double whole, share, up_to, large_swing, lowest;
   };
   static void add(Response& to, const Complex& value);
   static std::vector<Crossing> crossings_of(const Response& loop, const Response& unit);

@@ -63,13 +63,15 @@ SpringDamperPair ranged_pair(const DesignProblem& request, const std::vector<Axi
   for (const double lead : kLeads) {
     const double lead_s = lead * request.device.timing.period_s;
     double stiffness = kInfinity;
-    for (const double contact : kContacts)
+    for (const double contact : kContacts) {
+      if (stiffness <= best.stiffness) break;
       for (std::size_t a = 0; a < problems.size(); ++a) {
         const double unit = problems[a].margin * arm_of(request, a);
         tables[a].use([&](const DecayingPhasor& at, double period) { return series_at(lead_s, contact, at, period); });
         stiffness = std::min(stiffness, tables[a].critical(0, 0.0, unit * best.stiffness) / unit);
         if (stiffness <= best.stiffness) break;
       }
+    }
     if (stiffness > best.stiffness && std::isfinite(stiffness)) best = {stiffness, lead_s * stiffness};
   }
   for (int i = 0; i < kMaxShrinks; ++i) {
