@@ -201,7 +201,11 @@ double passive_limit(const AxisProblem& problem, const LoopController& law) {
 
 double certified_stiffness(const AxisProblem& problem, const LoopController& law, double enough) {
   if (problem.hand.any_passive) return passive_limit(problem, law) / problem.margin;
-  return critical_case(problem, law, problem.margin * enough).stiffness / problem.margin;
+  return certified_stiffness(problem, law, critical_case(problem, law, problem.margin * enough));
+}
+
+double certified_stiffness(const AxisProblem& problem, const LoopController& law, const WorstCase& worst) {
+  return (problem.hand.any_passive ? passive_limit(problem, law) : worst.stiffness) / problem.margin;
 }
 
 double worst_radius(const AxisProblem& problem, const LoopController& law, double contact_stiffness) {

@@ -11,6 +11,7 @@ void refuse_impossible(const DesignProblem& request);
 struct Proposal {
   CouplingSpec spec;
   DesignStatus status = DesignStatus::kInfeasible;
+  std::vector<WorstCase> worst;  ///< `critical_case` of each axis; none of a spring-damper
 };
 
 /// The filter of the search; gain and caps by what holds: gain kappa / all_points, or with a free cap gain 1 as long as one

@@ -31,12 +31,13 @@ struct Judged {
 };
 
 /// Certificates and what follows from them; status and sentences are the caller's.
-Judged judged(const DesignProblem& request, const std::vector<AxisProblem>& problems, const CouplingSpec& spec) {
+Judged judged(const DesignProblem& request, const std::vector<AxisProblem>& problems, const CouplingSpec& spec,
+              const std::vector<WorstCase>& worst = {}) {
   Judged out;
   out.design.spec = spec;
   const std::vector<ShownStiffness> shown = shown_stiffness(request, problems, spec);
   for (std::size_t a = 0; a < problems.size(); ++a) {
-    AxisVerdict verdict = judge_axis(request, problems[a], spec, shown[a]);
+    AxisVerdict verdict = judge_axis(request, problems[a], spec, shown[a], worst.empty() ? nullptr : &worst[a]);
     (a == 0 ? out.design.translation : out.design.rotation) = std::move(verdict.design);
     out.faults.insert(out.faults.end(), verdict.faults.begin(), verdict.faults.end());
   }
@@ -75,7 +76,7 @@ Judged certified(const DesignProblem& request, const std::vector<AxisProblem>& p
   const bool series = proposal.spec.kind == "spring_damper";
   const CouplingSpec spec = series ? shrunk(request, proposal.spec, damped_share(request, problems, proposal.spec)) : proposal.spec;
   for (const double factor : kShrinks) {
-    result = judged(request, problems, shrunk(request, spec, factor));
+    result = judged(request, problems, shrunk(request, spec, factor), proposal.worst);
     if (result.faults.empty()) break;
   }
   Design& design = result.design;

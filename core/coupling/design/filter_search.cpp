@@ -33,6 +33,7 @@ struct Axis {
   /// yet looked at.
   std::array<std::array<std::optional<bool>, kLevels>, kVelocityEstimates.size()> broken{};
   double reference_damping = 0.0;  ///< the most over the velocity estimates
+  std::size_t longest_swing = 0;   ///< case that broke its floor last
 
   double damping(std::size_t velocity, std::size_t level) const {
     return most_damping[velocity] * static_cast<double>(level) / (kLevels - 1);
@@ -60,7 +61,7 @@ class Search {
   Search(const std::vector<AxisProblem>& problems, const std::vector<FilterSetting>& shapes, bool allow_damping, bool windows)
       : shapes_(shapes), allow_damping_(allow_damping), velocities_(velocity_estimates(windows)) {
     for (const AxisProblem& problem : problems) {
-      Axis axis{&problem, std::nullopt, std::nullopt, {}, {}, 0.0};
+      Axis axis{&problem, std::nullopt, std::nullopt, {}, {}, 0.0, 0};
       if (!problem.hand.any_passive) axis.table.emplace(problem.cases, velocities_);
       if (std::ranges::any_of(problem.cases, has_floor)) axis.swings.emplace(problem.cases, velocities_, LoopLimit::kDamped);
       axes_.push_back(std::move(axis));
@@ -81,16 +82,14 @@ class Search {
     return allow_damping_ && std::ranges::any_of(axes_, [](const Axis& a) { return a.table.has_value(); });
   }
 
-  /// Stiffness over target, by the table or by rule P; where it is below `enough`, some number below. 0 where `looks_at_soft` and a floor is broken
-  /// though the contact hardly acts.
-  double ratio(Axis& axis, std::size_t shape, std::size_t velocity, std::size_t level, double enough, bool looks_at_soft) const {
+  /// Stiffness over target, by the table or by rule P; where it is below `enough`, some number below.
+  double ratio(Axis& axis, std::size_t shape, std::size_t velocity, std::size_t level, double enough) const {
     const AxisProblem& problem = *axis.problem;
     const double whole = problem.margin * problem.target;
     const double critical = axis.table ? axis.table->critical(velocity, axis.damping(velocity, level), enough * whole, problem.damper_share, problem.large_swing)
                                        : passive_limit(problem, law_of(shapes_[shape]));
     const double stable = critical / whole;
     if (!axis.swings || stable < enough) return stable;
-    if (looks_at_soft && breaks_floors(axis, velocity, level)) return 0.0;
     return std::min(stable, axis.swings->critical(velocity, axis.damping(velocity, level), enough * problem.target) / problem.target);
   }
   void use(std::size_t shape) {
@@ -133,7 +132,7 @@ class Search {
       use(s);
       const Candidate candidate{s, kUnused, std::vector<std::size_t>(axes_.size(), 0), 0.0, 0.0};
       bool likely = true;
-      for (Axis& axis : axes_) likely = likely && ratio(axis, s, 0, 0, kTableDoubt, false) >= kTableDoubt;
+      for (Axis& axis : axes_) likely = likely && ratio(axis, s, 0, 0, kTableDoubt) >= kTableDoubt;
       if (!likely || !confirmed(candidate)) continue;
       const bool requested = shapes_[s].cutoff_hz == shapes_.front().cutoff_hz;
       return chosen(candidate, requested ? DesignStatus::kAsRequested : DesignStatus::kBandwidthRaised);
@@ -152,13 +151,14 @@ class Search {
   }
 
   bool breaks_floors(Axis& axis, std::size_t velocity, std::size_t level) const {
+    if (!axis.swings) return false;
     constexpr double kHardlyAny = 1e-3;  // of the target
     std::optional<bool>& broken = axis.broken[level == 0 ? 0 : velocity][level];
     if (!broken) {
       LoopController law = law_of({kInfinity, 1.0});
       law.use(velocities_[velocity]);
       law.injected_damping = axis.damping(velocity, level);
-      broken = !keeps_floors(*axis.problem, law, kHardlyAny * axis.problem->target);
+      broken = !keeps_floors(*axis.problem, law, kHardlyAny * axis.problem->target, axis.longest_swing);
     }
     return *broken;
   }
@@ -176,33 +176,51 @@ class Search {
         for (std::size_t a = 0; a < axes_.size() && joint >= enough; ++a) {
           for (std::size_t level = 0; level < kLevels; ++level) {
             const bool same = level > 0 && axes_[a].damping(v, level) == 0.0;
-            ratios_[s][v][a][level] = same ? ratios_[s][v][a][0] : ratio(axes_[a], s, v, level, enough, true);
+            ratios_[s][v][a][level] = same ? ratios_[s][v][a][0] : ratio(axes_[a], s, v, level, enough);
           }
           joint = std::min(joint, *std::ranges::max_element(ratios_[s][v][a]));
         }
-        if (velocities_[v].window == 0) best = std::max(best, joint);
+        if (velocities_[v].window == 0) best = std::max(best, joint_above(best, s, v));
       }
     }
   }
 
-  double ratio(const Candidate& candidate, std::size_t axis) const {
-    return ratios_[candidate.shape][candidate.velocity][axis][candidate.levels[axis]];
+  /// What the axis shows there, and all above `least` of it; 0 where a floor is broken though the contact hardly acts. That is slow to find out, so
+  /// only what may count is asked.
+  bool shows(std::size_t shape, std::size_t velocity, std::size_t axis, std::size_t level, double least) {
+    return ratios_[shape][velocity][axis][level] >= least && (least <= 0.0 || !breaks_floors(axes_[axis], velocity, level));
+  }
+  double ratio(const Candidate& candidate, std::size_t axis) {
+    const std::size_t level = candidate.levels[axis];
+    return breaks_floors(axes_[axis], candidate.velocity, level) ? 0.0 : ratios_[candidate.shape][candidate.velocity][axis][level];
+  }
+  /// The most that the axes show together; 0 where it is not above `least`.
+  double joint_above(double least, std::size_t shape, std::size_t velocity) {
+    double joint = kInfinity;
+    for (const Levels& levels : ratios_[shape][velocity]) joint = std::min(joint, *std::ranges::max_element(levels));
+    for (std::size_t a = 0; a < axes_.size() && joint > least; ++a) {
+      Levels levels = ratios_[shape][velocity][a];
+      auto most = std::ranges::max_element(levels);
+      for (; *most > least && breaks_floors(axes_[a], velocity, static_cast<std::size_t>(most - levels.begin())); most = std::ranges::max_element(levels)) *most = 0.0;
+      joint = std::min(joint, *most);
+    }
+    return joint > least ? joint : 0.0;
   }
 
   /// The gentlest point of each shape and velocity estimate at which every axis reaches `least` of its target, and what `no_less` shows of it;
   /// gentlest first.
-  std::vector<Candidate> reaching(double least, bool windows = true, const Candidate* no_less = nullptr) const {
+  std::vector<Candidate> reaching(double least, bool windows = true, const Candidate* no_less = nullptr) {
     std::vector<Candidate> out;
     for (std::size_t s = 0; s < shapes_.size(); ++s)
       for (std::size_t v = 0; v < velocities_.size(); ++v) {
         if (!windows && velocities_[v].window > 0) continue;
         Candidate candidate{s, v, {}, 0.0, 0.0};
         for (std::size_t a = 0; a < axes_.size(); ++a) {
-          const auto& levels = ratios_[s][v][a];
           const double enough = no_less ? std::max(least, ratio(*no_less, a)) : least;
-          const auto level = std::ranges::find_if(levels, [&](double r) { return r >= enough; });
-          if (level == levels.end()) break;
-          candidate.levels.push_back(static_cast<std::size_t>(level - levels.begin()));
+          std::size_t level = 0;
+          while (level < kLevels && !shows(s, v, a, level, enough)) ++level;
+          if (level == kLevels) break;
+          candidate.levels.push_back(level);
           const double share = axes_[a].share(v, candidate.levels.back());
           candidate.cost = std::max(candidate.cost, share), candidate.second_cost += share;
         }
@@ -213,7 +231,7 @@ class Search {
   }
 
   /// Step 3.
-  std::optional<FilterChoice> with_damping() const {
+  std::optional<FilterChoice> with_damping() {
     std::size_t looks = 0;
     for (const Candidate& candidate : reaching(kTableDoubt)) {
       if (++looks > kMaxConfirmations) break;
@@ -223,20 +241,16 @@ class Search {
   }
 
   /// What is as good as the best, of all velocity estimates or of the filters' alone.
-  double as_good(bool windows) const {
+  double as_good(bool windows) {
     double best = 0.0;
-    for (const auto& shape : ratios_)
-      for (std::size_t v = 0; v < velocities_.size(); ++v) {
-        if (!windows && velocities_[v].window > 0) continue;
-        double joint = kInfinity;
-        for (const auto& levels : shape[v]) joint = std::min(joint, *std::ranges::max_element(levels));
-        best = std::max(best, joint);
-      }
+    for (std::size_t s = 0; s < shapes_.size(); ++s)
+      for (std::size_t v = 0; v < velocities_.size(); ++v)
+        if (windows || velocities_[v].window == 0) best = std::max(best, joint_above(best, s, v));
     return kAsGood * std::min(best, 1.0);
   }
 
   /// Step 4. No axis shows less on a window than with the filter that would be taken without it.
-  FilterChoice stiffest() const {
+  FilterChoice stiffest() {
     const Candidate filter = reaching(as_good(false), false).front();
     for (const double least : {as_good(true), 0.0})
       if (const auto found = reaching(least, true, &filter); !found.empty()) return chosen(found.front(), DesignStatus::kStiffnessReduced);
