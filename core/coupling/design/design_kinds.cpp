@@ -43,9 +43,9 @@ std::vector<double> fitting(const std::vector<AxisProblem>& problems, const Filt
 
 }  // namespace
 
-Proposal propose_filter(const DesignProblem& request, const std::vector<AxisProblem>& problems) {
+Proposal propose_filter(const DesignProblem& request, const std::vector<AxisProblem>& problems, Searched& searched) {
   const FilterChoice choice = search_filter(problems, filter_settings(request), request.goals.allow_injected_damping,
-                                           request.goals.velocity_windows);
+                                           request.goals.velocity_windows, searched);
   Proposal out{{}, choice.status, {}};
   const std::vector<double> fits = fitting(problems, choice, out.worst);
   out.spec.kind = "shaping_filter";
@@ -64,10 +64,10 @@ Proposal propose_filter(const DesignProblem& request, const std::vector<AxisProb
   return out;
 }
 
-Proposal propose_direct(const DesignProblem& request, const std::vector<AxisProblem>& problems) {
+Proposal propose_direct(const DesignProblem& request, const std::vector<AxisProblem>& problems, Searched& searched) {
   std::vector<AxisProblem> whole = problems;
   for (AxisProblem& axis : whole) axis.target = axis.wanted;
-  const FilterChoice choice = search_filter(whole, {{kInfinity, 1.0}}, request.goals.allow_injected_damping, request.goals.velocity_windows);
+  const FilterChoice choice = search_filter(whole, {{kInfinity, 1.0}}, request.goals.allow_injected_damping, request.goals.velocity_windows, searched);
   Proposal out{{}, choice.status, {}};
   const std::vector<double> fits = fitting(whole, choice, out.worst);
   out.spec.kind = "direct";

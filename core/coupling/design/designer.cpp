@@ -115,14 +115,14 @@ double hoped(const DesignProblem& request, const std::vector<AxisProblem>& probl
   return least;
 }
 
-Judged best_of_all(const DesignProblem& request, const std::vector<AxisProblem>& problems) {
-  const Proposal filter = propose_filter(request, problems);
+Judged best_of_all(const DesignProblem& request, const std::vector<AxisProblem>& problems, Searched& searched) {
+  const Proposal filter = propose_filter(request, problems, searched);
   Judged best = certified(request, problems, filter);
   if (best.design.status == DesignStatus::kAsRequested) return best;
   const double with_filter = worth(problems, best.design);
   double to_beat = kWorthNoFilter * with_filter;
   for (const auto propose : {propose_spring_damper, propose_direct}) {
-    const Proposal proposal = propose(request, problems);
+    const Proposal proposal = propose(request, problems, searched);
     if (hoped(request, problems, proposal) < to_beat) continue;
     Judged other = certified(request, problems, proposal);
     const double shows = worth(problems, other.design);
@@ -135,25 +135,26 @@ Judged best_of_all(const DesignProblem& request, const std::vector<AxisProblem>&
   return best;
 }
 
-Judged designed(const DesignProblem& request, const std::vector<AxisProblem>& problems) {
+Judged designed(const DesignProblem& request, const std::vector<AxisProblem>& problems, Searched& searched) {
   const std::string& kind = request.goals.kind;
-  if (kind == "shaping_filter") return certified(request, problems, propose_filter(request, problems));
-  if (kind == "spring_damper") return certified(request, problems, propose_spring_damper(request, problems));
-  if (kind == "direct") return certified(request, problems, propose_direct(request, problems));
-  return best_of_all(request, problems);
+  if (kind == "shaping_filter") return certified(request, problems, propose_filter(request, problems, searched));
+  if (kind == "spring_damper") return certified(request, problems, propose_spring_damper(request, problems, searched));
+  if (kind == "direct") return certified(request, problems, propose_direct(request, problems, searched));
+  return best_of_all(request, problems, searched);
 }
 
 /// The design without floors, its damper bounded as the goals say. Where that takes more than a third, the damper is not bounded, which the request
 /// and the problems then say too.
-Judged with_bound(DesignProblem& request, std::vector<AxisProblem>& problems) {
-  Judged bounded = designed(request, problems);
+Judged with_bound(DesignProblem& request, std::vector<AxisProblem>& problems, Searched& searched) {
+  Judged bounded = designed(request, problems, searched);
   if (!(request.goals.damper_share > 0.0) || bounded.design.status == DesignStatus::kAsRequested) return bounded;
   const double with = worth(problems, bounded.design);
   if (with >= kWorthABound) return bounded;
   DesignProblem free = request;
   free.goals.damper_share = 0.0;
-  std::vector<AxisProblem> free_problems = axis_problems(free);
-  Judged unbounded = designed(free, free_problems);
+  std::vector<AxisProblem> free_problems = problems;
+  for (AxisProblem& axis : free_problems) axis.damper_share = 0.0;
+  Judged unbounded = designed(free, free_problems, searched);
   const double without = worth(problems, unbounded.design);
   if (with >= kWorthABound * without) return bounded;
   unbounded.behind.push_back(fmt::format("Injected damping is not bounded by a share of the contact's force (damper_share {:.2g}), which would show {:.3g} % of "
@@ -164,7 +165,7 @@ Judged with_bound(DesignProblem& request, std::vector<AxisProblem>& problems) {
 }
 
 /// `found`, made without the floors of the goals, or another that keeps them.
-Design with_floors(const DesignProblem& request, const std::vector<AxisProblem>& problems, Judged found) {
+Design with_floors(const DesignProblem& request, const std::vector<AxisProblem>& problems, Judged found, Searched& searched) {
   const DampingFloors &floors = request.goals.floors, &turning = request.goals.rotation_floors;
   const bool asked = floors.released + floors.held + turning.released + turning.held > 0.0;
   if (!asked || found.design.status == DesignStatus::kInfeasible) return told(request, problems, std::move(found));
@@ -173,7 +174,7 @@ Design with_floors(const DesignProblem& request, const std::vector<AxisProblem>&
   const bool kept = keeps_floors(request, floored, found.design.spec);
   const double shown = found.design.translation.shown_stiffness, shown_turning = found.design.rotation.shown_stiffness;
   Judged again;
-  if (!kept) again = designed(request, floored);
+  if (!kept) again = designed(request, floored, searched);
   const bool takes_all = !kept && again.design.status == DesignStatus::kInfeasible, anew = !kept && !takes_all;
   Design damped = anew ? told(request, floored, std::move(again)) : told(request, problems, std::move(found));
   if (takes_all) {
@@ -213,8 +214,9 @@ Design design_coupling(const DesignProblem& asked) {
   refuse_impossible(asked);
   DesignProblem request = asked;
   std::vector<AxisProblem> problems = axis_problems(request);
-  Judged found = with_bound(request, problems);
-  return with_floors(request, problems, std::move(found));
+  Searched searched;
+  Judged found = with_bound(request, problems, searched);
+  return with_floors(request, problems, std::move(found), searched);
 }
 
 Design judge_coupling(const DesignProblem& asked, const CouplingSpec& spec) {

@@ -26,8 +26,8 @@ constexpr std::size_t kMaxConfirmations = 24;
 
 struct Axis {
   const AxisProblem* problem;
-  std::optional<LoopTable> table;  ///< none where rule P decides
-  std::optional<LoopTable> swings;  ///< of the cases with a floor of the damping ratio; none where there is no such case
+  FilterTable* table;  ///< none where rule P decides
+  std::optional<FilterTable> swings;  ///< of the cases with a floor of the damping ratio; none where there is no such case
   std::array<double, kVelocityEstimates.size()> most_damping{};
   /// Where a floor is broken though the contact hardly acts: a hand that swings too long by itself needs some damping, and much is late. Empty: not
   /// yet looked at.
@@ -58,11 +58,14 @@ bool has_floor(const DesignCase& one) { return one.least_damping_ratio > 0.0; }
 
 class Search {
  public:
-  Search(const std::vector<AxisProblem>& problems, const std::vector<FilterSetting>& shapes, bool allow_damping, bool windows)
+  Search(const std::vector<AxisProblem>& problems, const std::vector<FilterSetting>& shapes, bool allow_damping, bool windows, Searched& searched)
       : shapes_(shapes), allow_damping_(allow_damping), velocities_(velocity_estimates(windows)) {
-    for (const AxisProblem& problem : problems) {
-      Axis axis{&problem, std::nullopt, std::nullopt, {}, {}, 0.0, 0};
-      if (!problem.hand.any_passive) axis.table.emplace(problem.cases, velocities_);
+    searched.tables.resize(problems.size());
+    for (std::size_t a = 0; a < problems.size(); ++a) {
+      const AxisProblem& problem = problems[a];
+      std::optional<FilterTable>& table = searched.tables[a];
+      if (!problem.hand.any_passive && !table) table.emplace(problem.cases, velocities_);
+      Axis axis{&problem, table ? &*table : nullptr, std::nullopt, {}, {}, 0.0, 0};
       if (std::ranges::any_of(problem.cases, has_floor)) axis.swings.emplace(problem.cases, velocities_, LoopLimit::kDamped);
       axes_.push_back(std::move(axis));
     }
@@ -79,28 +82,18 @@ class Search {
 
  private:
   bool may_damp() const {
-    return allow_damping_ && std::ranges::any_of(axes_, [](const Axis& a) { return a.table.has_value(); });
+    return allow_damping_ && std::ranges::any_of(axes_, [](const Axis& a) { return a.table != nullptr; });
   }
 
   /// Stiffness over target, by the table or by rule P; where it is below `enough`, some number below.
   double ratio(Axis& axis, std::size_t shape, std::size_t velocity, std::size_t level, double enough) const {
     const AxisProblem& problem = *axis.problem;
     const double whole = problem.margin * problem.target;
-    const double critical = axis.table ? axis.table->critical(velocity, axis.damping(velocity, level), enough * whole, problem.damper_share, problem.large_swing)
+    const double critical = axis.table ? axis.table->critical(shapes_[shape], velocity, axis.damping(velocity, level), enough * whole, problem.damper_share, problem.large_swing)
                                        : passive_limit(problem, law_of(shapes_[shape]));
     const double stable = critical / whole;
     if (!axis.swings || stable < enough) return stable;
-    return std::min(stable, axis.swings->critical(velocity, axis.damping(velocity, level), enough * problem.target) / problem.target);
-  }
-  void use(std::size_t shape) {
-    const FilterSetting s = shapes_[shape];
-    const double w0 = 2.0 * std::numbers::pi * s.cutoff_hz;
-    for (Axis& axis : axes_)
-      for (std::optional<LoopTable>* table : {&axis.table, &axis.swings})
-        if (*table)
-          (*table)->use([&](const DecayingPhasor& at, double period) {
-            return std::isinf(s.cutoff_hz) ? Complex(1.0) : filter_response(0.5 * w0 * period, s.damping_ratio, at);
-          });
+    return std::min(stable, axis.swings->critical(shapes_[shape], velocity, axis.damping(velocity, level), enough * problem.target) / problem.target);
   }
 
   /// Exactly, by the rule that counts.
@@ -129,7 +122,6 @@ class Search {
   /// Steps 1 and 2.
   std::optional<FilterChoice> without_damping() {
     for (std::size_t s = 0; s < shapes_.size(); ++s) {
-      use(s);
       const Candidate candidate{s, kUnused, std::vector<std::size_t>(axes_.size(), 0), 0.0, 0.0};
       bool likely = true;
       for (Axis& axis : axes_) likely = likely && ratio(axis, s, 0, 0, kTableDoubt) >= kTableDoubt;
@@ -168,7 +160,6 @@ class Search {
     ratios_.assign(shapes_.size(), {});
     double best = 0.0;  // of all axes together, on a filter's velocity
     for (std::size_t s = shapes_.size(); s-- > 0;) {  // the highest cut-off first, so that most of the others are seen to fall short soon
-      use(s);
       for (std::size_t v = 0; v < velocities_.size(); ++v) {
         ratios_[s][v].resize(axes_.size());
         const double enough = kAsGood * std::min(best, 1.0);  // no step takes anything below
@@ -267,6 +258,23 @@ class Search {
 
 }  // namespace
 
+double FilterTable::critical(const FilterSetting& shape, std::size_t velocity, double injected_damping, double enough, double damper_share, double large_swing) {
+  const bool damped = injected_damping > 0.0;
+  const Question question(shape.cutoff_hz, shape.damping_ratio, damped ? velocity : 0, injected_damping, damped ? damper_share : 0.0, damped ? large_swing : 1.0);
+  const auto [known, is_new] = known_.try_emplace(question);
+  Answer& answer = known->second;
+  if (!is_new && (answer.critical >= answer.enough || answer.critical < enough)) return answer.critical;
+  if (used_.cutoff_hz != shape.cutoff_hz || used_.damping_ratio != shape.damping_ratio) {
+    const double w0 = 2.0 * std::numbers::pi * shape.cutoff_hz;
+    table_.use([&](const DecayingPhasor& at, double period) {
+      return std::isinf(shape.cutoff_hz) ? Complex(1.0) : filter_response(0.5 * w0 * period, shape.damping_ratio, at);
+    });
+    used_ = shape;
+  }
+  answer = {table_.critical(velocity, injected_damping, enough, damper_share, large_swing), enough};
+  return answer.critical;
+}
+
 LoopController law_of(const FilterSetting& shape) {
   LoopController law;
   const bool none = std::isinf(shape.cutoff_hz);
@@ -293,8 +301,8 @@ std::vector<FilterSetting> filter_settings(const DesignProblem& request) {
 }
 
 FilterChoice search_filter(const std::vector<AxisProblem>& problems, const std::vector<FilterSetting>& shapes,
-                           bool allow_injected_damping, bool velocity_windows) {
-  return Search(problems, shapes, allow_injected_damping, velocity_windows).run();
+                           bool allow_injected_damping, bool velocity_windows, Searched& searched) {
+  return Search(problems, shapes, allow_injected_damping, velocity_windows, searched).run();
 }
 
 }  // namespace voxtouch::coupling::design

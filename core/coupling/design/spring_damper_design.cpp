@@ -93,10 +93,11 @@ double most_stiffness(const DesignProblem& request, const std::vector<AxisProble
 
 }  // namespace
 
-Proposal propose_spring_damper(const DesignProblem& request, const std::vector<AxisProblem>& problems) {
+Proposal propose_spring_damper(const DesignProblem& request, const std::vector<AxisProblem>& problems, Searched& searched) {
   SpringDamperPair pair = passive_pair(request, problems);
   if (!passive_only(problems)) {
-    const SpringDamperPair ranged = ranged_pair(request, problems);
+    if (!searched.spring_damper) searched.spring_damper = ranged_pair(request, problems);
+    const SpringDamperPair& ranged = *searched.spring_damper;
     if (ranged.stiffness > pair.stiffness) pair = ranged;
   }
   const double most = most_stiffness(request, problems);
