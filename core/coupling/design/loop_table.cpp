@@ -131,9 +131,10 @@ double LoopTable::critical(Case& one, std::size_t velocity, double injected_damp
   return nyquist < 0.0 ? std::min(lowest, -1.0 / nyquist) : lowest;
 }
 
-double LoopTable::critical(std::size_t velocity, double injected_damping, double enough, double damper_share, double large_swing) {
+double LoopTable::critical(std::size_t velocity, double injected_damping, double enough, double damper_share, double large_swing, bool in_order) {
   double lowest = std::numeric_limits<double>::infinity();
-  for (std::size_t c = 0; c < cases_.size(); ++c) {
+  for (std::size_t n = 0; n < cases_.size(); ++n) {
+    const std::size_t c = in_order || n > first_ ? n : n == 0 ? first_ : n - 1;
     Case& one = cases_[c];
     lowest = std::min(lowest, critical(one, velocity, injected_damping, nullptr));
     if (damper_share > 0.0 && injected_damping > 0.0 && lowest >= enough)
@@ -142,7 +143,7 @@ double LoopTable::critical(std::size_t velocity, double injected_damping, double
         lowest = std::min(lowest, critical(one, velocity, part.part * injected_damping, &bound) / large_swing);
       }
     if (lowest >= enough) continue;
-    std::swap(cases_[0], one);  // what falls short here is likely to fall short next time
+    first_ = c;
     break;
   }
   return lowest;

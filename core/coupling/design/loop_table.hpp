@@ -24,10 +24,11 @@ class LoopTable {
   void use(const LoopLaw& law);
 
   /// Factor on the law at which the worst case passes the limit (for a law of unit stiffness: K k), with injected damping B
-  /// on the velocity of that index. Where a case lies below `enough`, the rest is not looked at, and the answer is some number below. B has to keep the inner
+  /// on the velocity of that index. Where a case lies below `enough`, the rest is not looked at, and the answer is some number below:
+  /// `in_order`: of the first such case; else the case that fell short last is looked at first. B has to keep the inner
   /// loop stable. `damper_share`: B adds no more than that of the law's force, and the same is
   /// asked with the parts of B that may be left of it (`damper_left`), times `large_swing`; 0: not bounded. Infinity: no crossing.
-  double critical(std::size_t velocity, double injected_damping, double enough = 0.0, double damper_share = 0.0, double large_swing = 1.0);
+  double critical(std::size_t velocity, double injected_damping, double enough = 0.0, double damper_share = 0.0, double large_swing = 1.0, bool in_order = false);
 
  private:
   struct Response {
@@ -60,6 +61,7 @@ class LoopTable {
   static Timing timing_of(double period_s, double damping_ratio, std::span<const VelocityEstimate> velocities);
   std::vector<Timing> timings_;
   std::vector<Case> cases_;
+  std::size_t first_ = 0;  ///< case that fell short last
 };
 
 }  // namespace voxtouch::coupling::design

@@ -189,7 +189,18 @@ TEST(FilterTable, AnswersEveryQuestionForItself) {
       ASSERT_EQ(found, expected) << i;
     else
       ASSERT_LT(found, enough) << i;
+    ASSERT_EQ(shared.critical(shape, v, damping, enough, share, swing, true), own.critical(v, damping, enough, share, swing, true)) << i;
   }
+}
+
+/// Where the table says that the target is reached and the exact look denies it, a setting may be taken for a number that is only above its own: here
+/// 556 N/m, and 627 N/m would hold. Whoever mends that changes this figure; who makes the search faster does not.
+TEST(FilterSearch, TakesTheSettingsAsListedWhereTheTableIsDenied) {
+  Random random(4712);
+  DesignProblem r;
+  for (int i = 0; i < 72; ++i) r = random_request(random);
+  r.goals.floors = {}, r.goals.damper_share = kDamperShare, r.goals.velocity_windows = true;
+  EXPECT_NEAR(designed(r).translation.shown_stiffness, 556.536, 0.001);
 }
 
 TEST(InnerLimits, KeepPlantsAndVelocitiesApart) {
