@@ -39,7 +39,7 @@ LoopController scaled(LoopController law, double scale) {
 
 /// Critical stiffness, margin and where.
 void find_margin(const AxisProblem& problem, const CouplingSpec& spec, const LoopController& law,
-                 const ShownStiffness& at, AxisDesign& out) {
+                 const ShownStiffness& at, const WorstCase* known, AxisDesign& out) {
   if (problem.hand.any_passive) out.worst_case_text = "some passive hand";
   const double limit = passive_limit(problem, law);
   WorstCase worst;
@@ -52,7 +52,7 @@ void find_margin(const AxisProblem& problem, const CouplingSpec& spec, const Loo
     out.passive = limit * kRounding >= 1.0;
     out.passive_stiffness = limit * at.shown;
   } else {
-    worst = critical_case(problem, law);
+    worst = known ? *known : critical_case(problem, law);
     const double load = at.coupling * at.shown;
     out.critical_stiffness = problem.hand.any_passive ? std::min(limit, worst.stiffness) : worst.stiffness;
     out.gain_margin = load > 0.0 ? out.critical_stiffness / load : 0.0;
@@ -119,7 +119,7 @@ std::vector<ShownStiffness> shown_stiffness(const DesignProblem& request, const 
 }
 
 AxisVerdict judge_axis(const DesignProblem& request, const AxisProblem& problem, const CouplingSpec& spec,
-                       const ShownStiffness& shown) {
+                       const ShownStiffness& shown, const WorstCase* worst) {
   const LoopController law = controller_of(spec, problem, arm_squared(request));
   AxisVerdict verdict;
   AxisDesign& out = verdict.design;
@@ -127,10 +127,15 @@ AxisVerdict judge_axis(const DesignProblem& request, const AxisProblem& problem,
   if (law.injected_damping > 0.0) out.velocity = velocity_of(spec);
   out.wanted_stiffness = problem.wanted;
   out.shown_stiffness = shown.shown;
-  find_margin(problem, spec, law, shown, out);
+  find_margin(problem, spec, law, shown, worst, out);
   double low = 0.0;
   out.spectral_radius = radius(problem, law, shown, low);
   find_faults(problem, law, spec, shown, low, verdict);
+  return verdict;
+}
+
+void describe_axis(const DesignProblem& request, const AxisProblem& problem, const CouplingSpec& spec, const ShownStiffness& shown, AxisDesign& out) {
+  const LoopController law = controller_of(spec, problem, arm_squared(request));
   const double contact = law.law == Law::kSpringDamper ? shown.contact : shown.shown;
   out.limit_cycle_bound = limit_cycle_bound(problem, law, contact, shown.shown);
   if (law.law == Law::kSpringDamper) {
@@ -141,7 +146,6 @@ AxisVerdict judge_axis(const DesignProblem& request, const AxisProblem& problem,
     const double highest = filter_settings(request).back().cutoff_hz;
     out.damping_required_any_cutoff = passive_damping_required(problem, filtered ? highest : kInfinity);
   }
-  return verdict;
 }
 
 double passive_damping_required(const AxisProblem& problem, double cutoff_hz) {

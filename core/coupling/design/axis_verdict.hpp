@@ -24,9 +24,11 @@ struct AxisVerdict {
   std::vector<std::string> faults;  ///< why the certificates do not hold; empty: they do
 };
 /// Margin, spectral radius at margin * shown and at a hundredth of it on every case, bounds of the injected damping, the
-/// device's limit.
+/// device's limit. `worst`: for who knows `critical_case` of filter or direct.
 AxisVerdict judge_axis(const DesignProblem& request, const AxisProblem& problem, const CouplingSpec& spec,
-                       const ShownStiffness& shown);
+                       const ShownStiffness& shown, const WorstCase* worst = nullptr);
+/// The rest of an axis, on which no verdict rests: the bound of the limit cycle, and what damping the device would need.
+void describe_axis(const DesignProblem& request, const AxisProblem& problem, const CouplingSpec& spec, const ShownStiffness& shown, AxisDesign& out);
 
 /// Device damping with which the whole target would be passive with the margin. Filter: at that cut-off and the damping ratio
 /// that needs least; infinity for no filter.

@@ -39,22 +39,6 @@ bool goes_inwards(const Response& response, double angle) {
 
 double transport(const LoopPlant& p) { return p.period_s + p.delay_s + p.effort_lag_s; }
 
-Crossing inner_crossing(const LoopPlant& bare, double velocity_filter_rad_per_s, int velocity_window) {
-  const LoopPlant p = with_a_hair_of_damping(bare);
-  const SampledPlant plant = sample_plant(p);
-  const VelocityResponse velocity(p.period_s, velocity_filter_rad_per_s, velocity_window);
-  const auto response = [&](const Phasor& at) {
-    const Complex value = plant_response(plant, at) * velocity(at);
-    return LoopSample{value, value};
-  };
-  const double resonance = resonance_of(p);
-  if (swings_undamped(bare) && !goes_inwards(response, resonance)) return {0.0, resonance};
-  const double filter = velocity_filter_rad_per_s > 0.0 && velocity_window == 0 ? 1.0 / velocity_filter_rad_per_s : 0.0;
-  CrossingSearch search((transport(p) + filter) / p.period_s + window_span(velocity_window), plant.whole_delay + window_last(velocity_window));
-  search.stop_at(resonance);
-  return search.find(response);
-}
-
 /// Sum of the loop's time constants [s].
 double slowness(const LoopPlant& p, const LoopController& c) {
   double sum = transport(p);
@@ -78,21 +62,38 @@ bool acts(const LoopController& c) {
 
 }  // namespace
 
+InnerLimit inner_limit(const LoopPlant& bare, double velocity_filter_rad_per_s, int velocity_window) {
+  const LoopPlant p = with_a_hair_of_damping(bare);
+  const SampledPlant plant = sample_plant(p);
+  const VelocityResponse velocity(p.period_s, velocity_filter_rad_per_s, velocity_window);
+  const auto response = [&](const Phasor& at) {
+    const Complex value = plant_response(plant, at) * velocity(at);
+    return LoopSample{value, value};
+  };
+  const double resonance = resonance_of(p);
+  if (swings_undamped(bare) && !goes_inwards(response, resonance)) return {0.0, resonance};
+  const double filter = velocity_filter_rad_per_s > 0.0 && velocity_window == 0 ? 1.0 / velocity_filter_rad_per_s : 0.0;
+  CrossingSearch search((transport(p) + filter) / p.period_s + window_span(velocity_window), plant.whole_delay + window_last(velocity_window));
+  search.stop_at(resonance);
+  const Crossing first = search.find(response);
+  return {first.gain, first.angle};
+}
+
 double critical_damping(const LoopPlant& plant, double velocity_filter_rad_per_s, int velocity_window) {
-  return inner_crossing(plant, velocity_filter_rad_per_s, velocity_window).gain;
+  return inner_limit(plant, velocity_filter_rad_per_s, velocity_window).damping;
 }
 
 CriticalStiffness critical_stiffness(const LoopPlant& plant, const LoopController& c) {
+  return critical_stiffness(plant, c, c.injected_damping > 0.0 ? inner_limit(plant, c.velocity_filter_rad_per_s, c.velocity_window) : InnerLimit{});
+}
+
+CriticalStiffness critical_stiffness(const LoopPlant& plant, const LoopController& c, const InnerLimit& inner) {
   const bool held = plant.hand_stiffness > 0.0;
   // Released, the position's eigenvalue stands at 1 and leaves it inwards for a k > 0 only if the law answers a displacement at
   // rest and something damps: without, it is a double one, of which any lag pushes one half outside.
   if (!held && !(pulls_back(c) && damping_of(plant) + c.injected_damping > 0.0)) return {};
 
-  Crossing inner;
-  if (c.injected_damping > 0.0) {
-    inner = inner_crossing(plant, c.velocity_filter_rad_per_s, c.velocity_window);
-    if (c.injected_damping >= inner.gain) return {};
-  }
+  if (c.injected_damping > 0.0 && c.injected_damping >= inner.damping) return {};
   if (!acts(c)) return {kInfinity, 0.0};
 
   const LoopPlant p = with_a_hair_of_damping(plant);
@@ -106,7 +107,7 @@ CriticalStiffness critical_stiffness(const LoopPlant& plant, const LoopControlle
   const int late = c.injected_damping > 0.0 ? window_last(c.velocity_window) : 0;
   CrossingSearch search(slowness(p, c) / p.period_s, loop.plant().whole_delay + late);
   search.stop_at(resonance);
-  search.stop_at(inner.angle);
+  search.stop_at(c.injected_damping > 0.0 ? inner.angle : 0.0);
   if (c.law == Law::kShapingFilter) search.stop_at(2.0 * std::atan(0.5 * c.w0_rad_per_s * p.period_s));
   Crossing first = search.find(response);
   // A pushing contact (K < 0) against the hand's spring gives way at rest.

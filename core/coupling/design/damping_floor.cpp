@@ -114,9 +114,16 @@ std::string set_floors(const DesignProblem& request, std::vector<AxisProblem>& p
 }
 
 bool keeps_floors(const AxisProblem& problem, const LoopController& law, double contact) {
-  return std::ranges::all_of(problem.cases, [&](const DesignCase& one) {
-    return one.least_damping_ratio <= 0.0 || ratio(one.plant, law, contact) >= one.least_damping_ratio;
-  });
+  std::size_t first = 0;
+  return keeps_floors(problem, law, contact, first);
+}
+
+bool keeps_floors(const AxisProblem& problem, const LoopController& law, double contact, std::size_t& first) {
+  const auto keeps = [&](const DesignCase& one) { return one.least_damping_ratio <= 0.0 || ratio(one.plant, law, contact) >= one.least_damping_ratio; };
+  if (!keeps(problem.cases[first])) return false;
+  for (std::size_t i = 0; i < problem.cases.size(); ++i)
+    if (i != first && !keeps(problem.cases[i])) return first = i, false;
+  return true;
 }
 
 bool keeps_floors(const DesignProblem& request, const std::vector<AxisProblem>& problems, const CouplingSpec& spec, double share) {
@@ -129,7 +136,8 @@ bool keeps_floors(const DesignProblem& request, const std::vector<AxisProblem>& 
 }
 
 double damped_stiffness(const AxisProblem& problem, const LoopController& law, double most) {
-  return most * largest([&](double share) { return keeps_floors(problem, law, share * most); });
+  std::size_t first = 0;
+  return most * largest([&](double share) { return keeps_floors(problem, law, share * most, first); });
 }
 
 double damped_share(const DesignProblem& request, const std::vector<AxisProblem>& problems, const CouplingSpec& spec) {

@@ -21,6 +21,8 @@ std::string set_floors(const DesignProblem& request, std::vector<AxisProblem>& p
 
 /// Whether all cases with a floor keep it, at the contact stiffness `contact` before `law` (of unit gain).
 bool keeps_floors(const AxisProblem& problem, const LoopController& law, double contact);
+/// The same; asks the case `first` first, and leaves there the one that does not keep its floor, which is likely not to keep it next time.
+bool keeps_floors(const AxisProblem& problem, const LoopController& law, double contact, std::size_t& first);
 /// The same for all axes of what `spec` shows, its share `share` of it: a spring-damper with all of its law, another with the contact.
 bool keeps_floors(const DesignProblem& request, const std::vector<AxisProblem>& problems, const CouplingSpec& spec, double share = 1.0);
 

@@ -54,14 +54,16 @@ double stretch(const LoopTiming& timing, int velocity_window) {
 }
 
 /// K k from which on the loop is unstable with all of its injected damping, or with what may be left of that where it is bounded.
-double critical_for(const AxisProblem& problem, const LoopPlant& plant, const LoopController& law) {
-  double least = critical_stiffness(plant, law).stiffness;
+double critical_for(const AxisProblem& problem, const DesignCase& one, const LoopController& law) {
+  const LoopPlant& plant = one.plant;
+  const InnerLimit inner = law.injected_damping > 0.0 ? one.inner->of(plant, law.velocity_filter_rad_per_s, law.velocity_window) : InnerLimit{};
+  double least = critical_stiffness(plant, law, inner).stiffness;
   if (!(problem.damper_share > 0.0 && law.injected_damping > 0.0)) return least;
   const LoopResponse whole(plant, law);
   LoopController less = law;
   for (const DamperPart& part : kDamperParts) {
     less.injected_damping = part.part * law.injected_damping;
-    const CriticalStiffness here = critical_stiffness(plant, less);
+    const CriticalStiffness here = critical_stiffness(plant, less, inner);
     const double counts = here.stiffness / problem.large_swing;
     if (counts < least && whole.damper_left(here.stiffness, problem.damper_share, Phasor(here.frequency_rad_per_s * plant.period_s)) <= part.up_to)
       least = counts;
@@ -126,7 +128,7 @@ double step_share(double velocity_filter_rad_per_s, int velocity_window, double 
 double critical_damping(const AxisProblem& problem, const VelocityEstimate& velocity) {
   double least = kInfinity;
   for (const DesignCase& one : problem.cases)
-    least = std::min(least, critical_damping(one.plant, velocity.filter_rad_per_s(), velocity.window));
+    least = std::min(least, one.inner->of(one.plant, velocity.filter_rad_per_s(), velocity.window).damping);
   return least;
 }
 
@@ -142,7 +144,7 @@ double damping_limit(const AxisProblem& problem, const VelocityEstimate& velocit
 WorstCase critical_case(const AxisProblem& problem, const LoopController& law, double enough) {
   WorstCase worst{kInfinity, 0};
   for (std::size_t i = 0; i < problem.cases.size(); ++i) {
-    const double here = critical_for(problem, problem.cases[i].plant, law);
+    const double here = critical_for(problem, problem.cases[i], law);
     if (here < worst.stiffness) worst = {here, i};
     if (worst.stiffness < enough) break;
   }
@@ -199,7 +201,11 @@ double passive_limit(const AxisProblem& problem, const LoopController& law) {
 
 double certified_stiffness(const AxisProblem& problem, const LoopController& law, double enough) {
   if (problem.hand.any_passive) return passive_limit(problem, law) / problem.margin;
-  return critical_case(problem, law, problem.margin * enough).stiffness / problem.margin;
+  return certified_stiffness(problem, law, critical_case(problem, law, problem.margin * enough));
+}
+
+double certified_stiffness(const AxisProblem& problem, const LoopController& law, const WorstCase& worst) {
+  return (problem.hand.any_passive ? passive_limit(problem, law) : worst.stiffness) / problem.margin;
 }
 
 double worst_radius(const AxisProblem& problem, const LoopController& law, double contact_stiffness) {

@@ -89,6 +89,8 @@ double passive_limit(const AxisProblem& problem, const LoopController& law);
 /// What the design may promise: the limit by rule P for a hand of which only passivity is known, by rule H otherwise, over the
 /// margin.
 double certified_stiffness(const AxisProblem& problem, const LoopController& law, double enough = 0.0);
+/// The same for who knows `critical_case`.
+double certified_stiffness(const AxisProblem& problem, const LoopController& law, const WorstCase& worst);
 
 /// Largest modulus over the cases at that contact stiffness; `law` has unit gain. Infinity where it could not be computed.
 double worst_radius(const AxisProblem& problem, const LoopController& law, double contact_stiffness);

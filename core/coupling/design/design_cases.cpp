@@ -57,6 +57,14 @@ double effort_lag_s(const AxisModel& axis) {
   return std::isinf(axis.effort_bandwidth_hz) ? 0.0 : 1.0 / (2.0 * std::numbers::pi * axis.effort_bandwidth_hz);
 }
 
+InnerLimit InnerLimits::of(const LoopPlant& plant, double velocity_filter_rad_per_s, int velocity_window) {
+  for (const Known& known : known_)
+    if (known.velocity_window == velocity_window && known.velocity_filter_rad_per_s == velocity_filter_rad_per_s && known.plant == plant)
+      return known.limit;
+  known_.push_back({plant, velocity_filter_rad_per_s, velocity_window, inner_limit(plant, velocity_filter_rad_per_s, velocity_window)});
+  return known_.back().limit;
+}
+
 std::vector<DesignCase> design_cases(const AxisModel& axis, const LoopTiming& timing, const HandRange& hand) {
   std::vector<double> inertias{axis.inertia_min};
   if (axis.inertia_max > axis.inertia_min) inertias.push_back(axis.inertia_max);
@@ -67,9 +75,9 @@ std::vector<DesignCase> design_cases(const AxisModel& axis, const LoopTiming& ti
   for (const bool slow : {true, false}) {
     const LoopTiming when = slow ? slowest(timing) : timing;
     for (const double inertia : inertias) {
-      if (alone) cases.push_back({plant_of(axis, inertia, when, Hand{}), false, slow});
+      if (alone) cases.push_back({plant_of(axis, inertia, when, Hand{}), false, slow, 0.0});
       for (const Hand& grip : held)
-        if (!alone || grip != Hand{}) cases.push_back({plant_of(axis, inertia, when, grip), true, slow});
+        if (!alone || grip != Hand{}) cases.push_back({plant_of(axis, inertia, when, grip), true, slow, 0.0});
     }
   }
   return cases;

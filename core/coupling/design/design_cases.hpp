@@ -1,5 +1,6 @@
 #pragma once
 /// The cases that a design has to hold in: the ends of device, hand and timing.
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -8,12 +9,28 @@
 
 namespace voxtouch::coupling::design {
 
+/// The inner limits of a plant that were asked for, since a search asks for the same few again and again.
+class InnerLimits {
+ public:
+  InnerLimit of(const LoopPlant& plant, double velocity_filter_rad_per_s, int velocity_window);
+
+ private:
+  struct Known {
+    LoopPlant plant;
+    double velocity_filter_rad_per_s;
+    int velocity_window;
+    InnerLimit limit;
+  };
+  std::vector<Known> known_;
+};
+
 /// One vertex of the box of what may be.
 struct DesignCase {
   LoopPlant plant;
   bool held = false;  ///< false: nobody holds the device
   bool slow = false;  ///< the slowest timing instead of the nominal one
   double least_damping_ratio = 0.0;  ///< that the slowest swing in contact is to have; 0: any
+  std::shared_ptr<InnerLimits> inner = std::make_shared<InnerLimits>();  ///< of `plant`; copies share it
 };
 
 /// Words of one kind of motion.

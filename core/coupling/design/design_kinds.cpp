@@ -28,25 +28,26 @@ void set_damping(CouplingSpec& spec, const AxisProblem& translation, const Filte
   if (choice.damping.size() > 1) spec.injected_damping_nms_per_rad = choice.damping[1];
 }
 
-/// What each axis may show with the choice, at most its target.
-std::vector<double> fitting(const std::vector<AxisProblem>& problems, const FilterChoice& choice) {
+/// What each axis may show with the choice, at most its target; and the worst cases.
+std::vector<double> fitting(const std::vector<AxisProblem>& problems, const FilterChoice& choice, std::vector<WorstCase>& worst) {
   std::vector<double> out;
   for (std::size_t a = 0; a < problems.size(); ++a) {
     LoopController law = law_of(choice.shape);
     law.injected_damping = choice.damping[a];
     law.use(choice.velocity);
-    out.push_back(damped_stiffness(problems[a], law, std::min(problems[a].target, certified_stiffness(problems[a], law))));
+    worst.push_back(critical_case(problems[a], law));
+    out.push_back(damped_stiffness(problems[a], law, std::min(problems[a].target, certified_stiffness(problems[a], law, worst.back()))));
   }
   return out;
 }
 
 }  // namespace
 
-Proposal propose_filter(const DesignProblem& request, const std::vector<AxisProblem>& problems) {
+Proposal propose_filter(const DesignProblem& request, const std::vector<AxisProblem>& problems, Searched& searched) {
   const FilterChoice choice = search_filter(problems, filter_settings(request), request.goals.allow_injected_damping,
-                                           request.goals.velocity_windows);
-  const std::vector<double> fits = fitting(problems, choice);
-  Proposal out{{}, choice.status};
+                                           request.goals.velocity_windows, searched);
+  Proposal out{{}, choice.status, {}};
+  const std::vector<double> fits = fitting(problems, choice, out.worst);
   out.spec.kind = "shaping_filter";
   out.spec.cutoff_hz = choice.shape.cutoff_hz;
   out.spec.damping_ratio = choice.shape.damping_ratio;
@@ -63,12 +64,12 @@ Proposal propose_filter(const DesignProblem& request, const std::vector<AxisProb
   return out;
 }
 
-Proposal propose_direct(const DesignProblem& request, const std::vector<AxisProblem>& problems) {
+Proposal propose_direct(const DesignProblem& request, const std::vector<AxisProblem>& problems, Searched& searched) {
   std::vector<AxisProblem> whole = problems;
   for (AxisProblem& axis : whole) axis.target = axis.wanted;
-  const FilterChoice choice = search_filter(whole, {{kInfinity, 1.0}}, request.goals.allow_injected_damping, request.goals.velocity_windows);
-  const std::vector<double> fits = fitting(whole, choice);
-  Proposal out{{}, choice.status};
+  const FilterChoice choice = search_filter(whole, {{kInfinity, 1.0}}, request.goals.allow_injected_damping, request.goals.velocity_windows, searched);
+  Proposal out{{}, choice.status, {}};
+  const std::vector<double> fits = fitting(whole, choice, out.worst);
   out.spec.kind = "direct";
   set_damping(out.spec, problems[0], choice);
   for (std::size_t a = 0; a < whole.size(); ++a) {

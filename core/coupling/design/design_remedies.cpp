@@ -115,7 +115,8 @@ class Remedies {
 
   void injection() {
     if (request_.goals.allow_injected_damping || design_.spec.kind != "shaping_filter") return;
-    const FilterChoice choice = search_filter(problems_, filter_settings(request_), true, request_.goals.velocity_windows);
+    Searched searched;
+    const FilterChoice choice = search_filter(problems_, filter_settings(request_), true, request_.goals.velocity_windows, searched);
     std::string allowed, shown;
     bool helps = false;
     for (std::size_t a = 0; a < problems_.size(); ++a) {

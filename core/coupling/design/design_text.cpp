@@ -34,9 +34,9 @@ std::string damping_reason(const DesignProblem& request, const AxisProblem& p, c
                                 d.injected_damping, p.units->damping, describe(d.velocity));
   AxisProblem unbounded = p;
   unbounded.damper_share = 0.0;
-  const LoopController law = controller_of(design.spec, p, arm_squared(request));
-  const double with = certified_stiffness(p, law), without = certified_stiffness(unbounded, law);
-  if (design.spec.kind != "spring_damper" && d.shown_stiffness < 0.999 * p.target && without > 1.01 * with)
+  if (design.spec.kind == "spring_damper" || !(d.shown_stiffness < 0.999 * p.target)) return out;
+  const double with = d.critical_stiffness / p.margin, without = certified_stiffness(unbounded, controller_of(design.spec, p, arm_squared(request)));
+  if (without > 1.01 * with)
     out += fmt::format(" It adds no more than {:.2g} of the contact's force, so that a touch begins with the contact; unbounded (damper_share: 0) it would let "
                        "{:.4g} instead of {:.4g} {} hold.", design.spec.damper_share, without, with, p.units->stiffness);
   return out;

@@ -23,24 +23,35 @@ constexpr double kWorthNoFilter = 1.1;
 /// A bound on injected damping that leaves less than this of what is shown without it is not kept.
 constexpr double kWorthABound = 2.0 / 3.0;
 
+/// A coupling that was judged. What a person reads of it is worked out for the one that is taken alone: see `told`.
 struct Judged {
   Design design;
   std::vector<std::string> faults;
+  std::vector<std::string> ahead, behind;  ///< of the reasons
 };
 
 /// Certificates and what follows from them; status and sentences are the caller's.
-Judged judged(const DesignProblem& request, const std::vector<AxisProblem>& problems, const CouplingSpec& spec) {
+Judged judged(const DesignProblem& request, const std::vector<AxisProblem>& problems, const CouplingSpec& spec,
+              const std::vector<WorstCase>& worst = {}) {
   Judged out;
   out.design.spec = spec;
   const std::vector<ShownStiffness> shown = shown_stiffness(request, problems, spec);
   for (std::size_t a = 0; a < problems.size(); ++a) {
-    AxisVerdict verdict = judge_axis(request, problems[a], spec, shown[a]);
+    AxisVerdict verdict = judge_axis(request, problems[a], spec, shown[a], worst.empty() ? nullptr : &worst[a]);
     (a == 0 ? out.design.translation : out.design.rotation) = std::move(verdict.design);
     out.faults.insert(out.faults.end(), verdict.faults.begin(), verdict.faults.end());
   }
-  out.design.lag_s = lag_s(spec);
-  out.design.max_approach_m_per_s = max_approach(problems[0], spec, request.goals.force_layer_depth_m);
   return out;
+}
+
+/// What holds of the spec whether it is certified or not.
+void describe_spec(const DesignProblem& request, const std::vector<AxisProblem>& problems, Design& design) {
+  const std::vector<ShownStiffness> shown = shown_stiffness(request, problems, design.spec);
+  for (std::size_t a = 0; a < problems.size(); ++a)
+    describe_axis(request, problems[a], design.spec, shown[a], a == 0 ? design.translation : design.rotation);
+  design.lag_s = lag_s(design.spec);
+  design.max_approach_m_per_s = max_approach(problems[0], design.spec, request.goals.force_layer_depth_m);
+  design.swing = slowest_swing(request, problems, design.spec);
 }
 
 /// What the passivity controller may add: half of what the worst case bears, less what is injected already.
@@ -58,24 +69,33 @@ bool too_soft(const std::vector<AxisProblem>& problems, const Design& design) {
   return false;
 }
 
-/// Steps 5 and 6.
-Design certified(const DesignProblem& request, const std::vector<AxisProblem>& problems, const Proposal& proposal) {
+/// Step 5.
+Judged certified(const DesignProblem& request, const std::vector<AxisProblem>& problems, const Proposal& proposal) {
   Judged result;
   // Filter and direct keep the floors as they were proposed, axis by axis.
   const bool series = proposal.spec.kind == "spring_damper";
   const CouplingSpec spec = series ? shrunk(request, proposal.spec, damped_share(request, problems, proposal.spec)) : proposal.spec;
   for (const double factor : kShrinks) {
-    result = judged(request, problems, shrunk(request, spec, factor));
+    result = judged(request, problems, shrunk(request, spec, factor), proposal.worst);
     if (result.faults.empty()) break;
   }
   Design& design = result.design;
   design.status = proposal.status;
   if (!result.faults.empty() || too_soft(problems, design)) design.status = DesignStatus::kInfeasible;
+  return result;
+}
+
+/// Step 6: the design that is taken, with what follows from it. `problems`: those that it was made for.
+Design told(const DesignProblem& request, const std::vector<AxisProblem>& problems, Judged result) {
+  Design& design = result.design;
+  describe_spec(request, problems, design);
   allow_passivity_damping(problems, design.spec);
-  design.reasons = reasons_of(request, problems, design);
-  if (!result.faults.empty() && design.reasons.empty()) design.reasons = result.faults;
+  std::vector<std::string> reasons = reasons_of(request, problems, design);
+  if (!result.faults.empty() && reasons.empty()) reasons = result.faults;
+  for (const auto* sentences : {&result.ahead, &reasons, &result.behind})
+    design.reasons.insert(design.reasons.end(), sentences->begin(), sentences->end());
   design.remedies = remedies_of(request, problems, design);
-  return design;
+  return std::move(design);
 }
 
 /// Shown over wanted, of the axis that is worse off; 0 for what does not hold.
@@ -87,70 +107,83 @@ double worth(const std::vector<AxisProblem>& problems, const Design& design) {
   return least;
 }
 
-Design best_of_all(const DesignProblem& request, const std::vector<AxisProblem>& problems) {
-  const Proposal filter = propose_filter(request, problems);
-  Design best = certified(request, problems, filter);
-  if (best.status == DesignStatus::kAsRequested) return best;
-  const double with_filter = worth(problems, best);
+/// As `worth`, if the proposal were certified as it is: no more comes of it.
+double hoped(const DesignProblem& request, const std::vector<AxisProblem>& problems, const Proposal& proposal) {
+  const std::vector<ShownStiffness> shown = shown_stiffness(request, problems, proposal.spec);
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t a = 0; a < problems.size(); ++a) least = std::min(least, shown[a].shown / problems[a].wanted);
+  return least;
+}
+
+Judged best_of_all(const DesignProblem& request, const std::vector<AxisProblem>& problems, Searched& searched) {
+  const Proposal filter = propose_filter(request, problems, searched);
+  Judged best = certified(request, problems, filter);
+  if (best.design.status == DesignStatus::kAsRequested) return best;
+  const double with_filter = worth(problems, best.design);
   double to_beat = kWorthNoFilter * with_filter;
   for (const auto propose : {propose_spring_damper, propose_direct}) {
-    Design other = certified(request, problems, propose(request, problems));
-    const double shows = worth(problems, other);
+    const Proposal proposal = propose(request, problems, searched);
+    if (hoped(request, problems, proposal) < to_beat) continue;
+    Judged other = certified(request, problems, proposal);
+    const double shows = worth(problems, other.design);
     if (shows <= 0.0 || shows < to_beat) continue;
-    other.reasons.insert(
-        other.reasons.begin(),
-        fmt::format("Without the shaping filter the hand feels {:.3g} % of the stiffness wanted, with it {:.3g} %.",
-                    100.0 * shows, 100.0 * with_filter));
+    other.ahead = {fmt::format("Without the shaping filter the hand feels {:.3g} % of the stiffness wanted, with it {:.3g} %.",
+                               100.0 * shows, 100.0 * with_filter)};
     best = std::move(other);
     to_beat = shows * (1.0 + 1e-12);
   }
   return best;
 }
 
-Design designed(const DesignProblem& request, const std::vector<AxisProblem>& problems) {
+Judged designed(const DesignProblem& request, const std::vector<AxisProblem>& problems, Searched& searched) {
   const std::string& kind = request.goals.kind;
-  if (kind == "shaping_filter") return certified(request, problems, propose_filter(request, problems));
-  if (kind == "spring_damper") return certified(request, problems, propose_spring_damper(request, problems));
-  if (kind == "direct") return certified(request, problems, propose_direct(request, problems));
-  return best_of_all(request, problems);
+  if (kind == "shaping_filter") return certified(request, problems, propose_filter(request, problems, searched));
+  if (kind == "spring_damper") return certified(request, problems, propose_spring_damper(request, problems, searched));
+  if (kind == "direct") return certified(request, problems, propose_direct(request, problems, searched));
+  return best_of_all(request, problems, searched);
 }
 
 /// The design without floors, its damper bounded as the goals say. Where that takes more than a third, the damper is not bounded, which the request
 /// and the problems then say too.
-Design with_bound(DesignProblem& request, std::vector<AxisProblem>& problems) {
-  Design bounded = designed(request, problems);
-  if (!(request.goals.damper_share > 0.0) || bounded.status == DesignStatus::kAsRequested) return bounded;
-  const double with = worth(problems, bounded);
+Judged with_bound(DesignProblem& request, std::vector<AxisProblem>& problems, Searched& searched) {
+  Judged bounded = designed(request, problems, searched);
+  if (!(request.goals.damper_share > 0.0) || bounded.design.status == DesignStatus::kAsRequested) return bounded;
+  const double with = worth(problems, bounded.design);
   if (with >= kWorthABound) return bounded;
   DesignProblem free = request;
   free.goals.damper_share = 0.0;
-  std::vector<AxisProblem> free_problems = axis_problems(free);
-  Design unbounded = designed(free, free_problems);
-  const double without = worth(problems, unbounded);
+  std::vector<AxisProblem> free_problems = problems;
+  for (AxisProblem& axis : free_problems) axis.damper_share = 0.0;
+  Judged unbounded = designed(free, free_problems, searched);
+  const double without = worth(problems, unbounded.design);
   if (with >= kWorthABound * without) return bounded;
-  unbounded.reasons.push_back(fmt::format("Injected damping is not bounded by a share of the contact's force (damper_share {:.2g}), which would show {:.3g} % of "
-                                          "the stiffness wanted instead of {:.3g} %: a blow is felt as hard as its speed, not as the contact.",
-                                          request.goals.damper_share, 100.0 * with, 100.0 * without));
+  unbounded.behind.push_back(fmt::format("Injected damping is not bounded by a share of the contact's force (damper_share {:.2g}), which would show {:.3g} % of "
+                                         "the stiffness wanted instead of {:.3g} %: a blow is felt as hard as its speed, not as the contact.",
+                                         request.goals.damper_share, 100.0 * with, 100.0 * without));
   request = std::move(free), problems = std::move(free_problems);
   return unbounded;
 }
 
-/// `design`, made without the floors of the goals, or another that keeps them.
-Design with_floors(const DesignProblem& request, std::vector<AxisProblem> problems, Design design) {
+/// `found`, made without the floors of the goals, or another that keeps them.
+Design with_floors(const DesignProblem& request, const std::vector<AxisProblem>& problems, Judged found, Searched& searched) {
   const DampingFloors &floors = request.goals.floors, &turning = request.goals.rotation_floors;
   const bool asked = floors.released + floors.held + turning.released + turning.held > 0.0;
-  if (!asked || design.status == DesignStatus::kInfeasible) return design;
-  const std::string out_of_reach = set_floors(request, problems);
-  Design damped = keeps_floors(request, problems, design.spec) ? design : designed(request, problems);
-  if (damped.status == DesignStatus::kInfeasible) {
-    damped = std::move(design);
+  if (!asked || found.design.status == DesignStatus::kInfeasible) return told(request, problems, std::move(found));
+  std::vector<AxisProblem> floored = problems;
+  const std::string out_of_reach = set_floors(request, floored);
+  const bool kept = keeps_floors(request, floored, found.design.spec);
+  const double shown = found.design.translation.shown_stiffness, shown_turning = found.design.rotation.shown_stiffness;
+  Judged again;
+  if (!kept) again = designed(request, floored, searched);
+  const bool takes_all = !kept && again.design.status == DesignStatus::kInfeasible, anew = !kept && !takes_all;
+  Design damped = anew ? told(request, floored, std::move(again)) : told(request, problems, std::move(found));
+  if (takes_all) {
     damped.reasons.push_back(fmt::format("Damping ratios of {} released and {} held would leave less than is useful; they are not kept.",
                                          floors.released, floors.held));
   } else {
-    damped.swing = slowest_swing(request, problems, damped.spec);
     damped.floors.released = floors.released, damped.floors.held = floors.held;
-    damped.floors.cost_n_per_m = design.translation.shown_stiffness - damped.translation.shown_stiffness;
-    damped.floors.cost_nm_per_rad = design.rotation.shown_stiffness - damped.rotation.shown_stiffness;
+    damped.floors.cost_n_per_m = shown - damped.translation.shown_stiffness;
+    damped.floors.cost_nm_per_rad = shown_turning - damped.rotation.shown_stiffness;
     const std::string cost = floors_cost(problems, damped);
     if (!cost.empty()) damped.reasons.insert(damped.reasons.begin(), cost);
   }
@@ -181,9 +214,9 @@ Design design_coupling(const DesignProblem& asked) {
   refuse_impossible(asked);
   DesignProblem request = asked;
   std::vector<AxisProblem> problems = axis_problems(request);
-  Design design = with_bound(request, problems);
-  design.swing = slowest_swing(request, problems, design.spec);
-  return with_floors(request, problems, std::move(design));
+  Searched searched;
+  Judged found = with_bound(request, problems, searched);
+  return with_floors(request, problems, std::move(found), searched);
 }
 
 Design judge_coupling(const DesignProblem& asked, const CouplingSpec& spec) {
@@ -194,10 +227,10 @@ Design judge_coupling(const DesignProblem& asked, const CouplingSpec& spec) {
   for (const CouplingIssue& issue : validate(spec, CouplingLimits{}, request.device.timing.period_s))
     if (issue.refuse) throw std::invalid_argument("Coupling design: " + issue.sentence);
   Judged result = judged(request, problems, spec);
+  describe_spec(request, problems, result.design);
   result.design.status = result.faults.empty() ? DesignStatus::kAsRequested : DesignStatus::kInfeasible;
   result.design.reasons = std::move(result.faults);
   result.design.remedies = remedies_of(request, problems, result.design);
-  result.design.swing = slowest_swing(request, problems, spec);
   return std::move(result.design);
 }
 

@@ -103,8 +103,8 @@ std::string describe(const VelocityEstimate& velocity);
 /// "adds at most 0.35 of what contact and effects give, and 0.05 N", of the injected damping of `spec`, for a person. Empty where it is not bounded.
 std::string describe_bound(const CouplingSpec& spec);
 
-/// Pure arithmetic, some tens of milliseconds to a second or two; not for the loop. The same request gives the same bits. Throws
-/// std::invalid_argument with the first sentence of `check` for numbers that cannot be designed for.
+/// Pure arithmetic, 0.02 to 0.2 s of processor time for the devices here, up to half a second with long delays; not for the loop. The same
+/// request gives the same bits. Throws std::invalid_argument with the first sentence of `check` for numbers that cannot be designed for.
 Design design_coupling(const DesignProblem& request);
 
 /// The design's judgement of parameters that somebody else chose: same certificates, nothing changed. `status` is kAsRequested

@@ -26,12 +26,14 @@ constexpr std::size_t kMaxConfirmations = 24;
 
 struct Axis {
   const AxisProblem* problem;
-  std::optional<LoopTable> table;  ///< none where rule P decides
-  std::optional<LoopTable> swings;  ///< of the cases with a floor of the damping ratio; none where there is no such case
+  FilterTable* table;  ///< none where rule P decides
+  std::optional<FilterTable> swings;  ///< of the cases with a floor of the damping ratio; none where there is no such case
   std::array<double, kVelocityEstimates.size()> most_damping{};
-  /// Where a floor is broken though the contact hardly acts: a hand that swings too long by itself needs some damping, and much is late.
-  std::array<std::array<bool, kLevels>, kVelocityEstimates.size()> broken{};
+  /// Where a floor is broken though the contact hardly acts: a hand that swings too long by itself needs some damping, and much is late. Empty: not
+  /// yet looked at.
+  std::array<std::array<std::optional<bool>, kLevels>, kVelocityEstimates.size()> broken{};
   double reference_damping = 0.0;  ///< the most over the velocity estimates
+  std::size_t longest_swing = 0;   ///< case that broke its floor last
 
   double damping(std::size_t velocity, std::size_t level) const {
     return most_damping[velocity] * static_cast<double>(level) / (kLevels - 1);
@@ -56,11 +58,14 @@ bool has_floor(const DesignCase& one) { return one.least_damping_ratio > 0.0; }
 
 class Search {
  public:
-  Search(const std::vector<AxisProblem>& problems, const std::vector<FilterSetting>& shapes, bool allow_damping, bool windows)
+  Search(const std::vector<AxisProblem>& problems, const std::vector<FilterSetting>& shapes, bool allow_damping, bool windows, Searched& searched)
       : shapes_(shapes), allow_damping_(allow_damping), velocities_(velocity_estimates(windows)) {
-    for (const AxisProblem& problem : problems) {
-      Axis axis{&problem, std::nullopt, std::nullopt, {}, {}, 0.0};
-      if (!problem.hand.any_passive) axis.table.emplace(problem.cases, velocities_);
+    searched.tables.resize(problems.size());
+    for (std::size_t a = 0; a < problems.size(); ++a) {
+      const AxisProblem& problem = problems[a];
+      std::optional<FilterTable>& table = searched.tables[a];
+      if (!problem.hand.any_passive && !table) table.emplace(problem.cases, velocities_);
+      Axis axis{&problem, table ? &*table : nullptr, std::nullopt, {}, {}, 0.0, 0};
       if (std::ranges::any_of(problem.cases, has_floor)) axis.swings.emplace(problem.cases, velocities_, LoopLimit::kDamped);
       axes_.push_back(std::move(axis));
     }
@@ -69,38 +74,30 @@ class Search {
   FilterChoice run() {
     if (auto found = without_damping()) return *found;
     if (may_damp()) bound_damping();
-    find_broken_floors();
     tabulate();
     if (may_damp())
       if (auto found = with_damping()) return *found;
+    // The table says that a target is reached, and the exact look denies it: then the next step takes numbers that are below `enough`, so they have
+    // to come in the order in which the settings and cases are listed.
+    if (best_ > 1.0) in_order_ = true, tabulate();
     return stiffest();
   }
 
  private:
   bool may_damp() const {
-    return allow_damping_ && std::ranges::any_of(axes_, [](const Axis& a) { return a.table.has_value(); });
+    return allow_damping_ && std::ranges::any_of(axes_, [](const Axis& a) { return a.table != nullptr; });
   }
 
   /// Stiffness over target, by the table or by rule P; where it is below `enough`, some number below.
   double ratio(Axis& axis, std::size_t shape, std::size_t velocity, std::size_t level, double enough) const {
     const AxisProblem& problem = *axis.problem;
     const double whole = problem.margin * problem.target;
-    const double critical = axis.table ? axis.table->critical(velocity, axis.damping(velocity, level), enough * whole, problem.damper_share, problem.large_swing)
+    const double critical = axis.table ? axis.table->critical(shapes_[shape], velocity, axis.damping(velocity, level), enough * whole, problem.damper_share, problem.large_swing, in_order_)
                                        : passive_limit(problem, law_of(shapes_[shape]));
     const double stable = critical / whole;
     if (!axis.swings || stable < enough) return stable;
-    if (axis.broken[velocity][level]) return 0.0;
-    return std::min(stable, axis.swings->critical(velocity, axis.damping(velocity, level), enough * problem.target) / problem.target);
-  }
-  void use(std::size_t shape) {
-    const FilterSetting s = shapes_[shape];
-    const double w0 = 2.0 * std::numbers::pi * s.cutoff_hz;
-    for (Axis& axis : axes_)
-      for (std::optional<LoopTable>* table : {&axis.table, &axis.swings})
-        if (*table)
-          (*table)->use([&](const DecayingPhasor& at, double period) {
-            return std::isinf(s.cutoff_hz) ? Complex(1.0) : filter_response(0.5 * w0 * period, s.damping_ratio, at);
-          });
+    if (in_order_ && breaks_floors(axis, velocity, level)) return 0.0;
+    return std::min(stable, axis.swings->critical(shapes_[shape], velocity, axis.damping(velocity, level), enough * problem.target, 0.0, 1.0, in_order_) / problem.target);
   }
 
   /// Exactly, by the rule that counts.
@@ -129,7 +126,6 @@ class Search {
   /// Steps 1 and 2.
   std::optional<FilterChoice> without_damping() {
     for (std::size_t s = 0; s < shapes_.size(); ++s) {
-      use(s);
       const Candidate candidate{s, kUnused, std::vector<std::size_t>(axes_.size(), 0), 0.0, 0.0};
       bool likely = true;
       for (Axis& axis : axes_) likely = likely && ratio(axis, s, 0, 0, kTableDoubt) >= kTableDoubt;
@@ -150,27 +146,32 @@ class Search {
     }
   }
 
-  void find_broken_floors() {
+  bool breaks_floors(Axis& axis, std::size_t velocity, std::size_t level) const {
+    if (!axis.swings) return false;
     constexpr double kHardlyAny = 1e-3;  // of the target
-    LoopController law = law_of({kInfinity, 1.0});
-    for (Axis& axis : axes_)
-      for (std::size_t v = 0; axis.swings && v < velocities_.size(); ++v)
-        for (std::size_t level = 0; level < kLevels; ++level) {
-          law.use(velocities_[v]);
-          law.injected_damping = axis.damping(v, level);
-          axis.broken[v][level] = !keeps_floors(*axis.problem, law, kHardlyAny * axis.problem->target);
-        }
+    std::optional<bool>& broken = axis.broken[level == 0 ? 0 : velocity][level];
+    if (!broken) {
+      LoopController law = law_of({kInfinity, 1.0});
+      law.use(velocities_[velocity]);
+      law.injected_damping = axis.damping(velocity, level);
+      broken = !keeps_floors(*axis.problem, law, kHardlyAny * axis.problem->target, axis.longest_swing);
+    }
+    return *broken;
   }
+
+  /// Where the ratio does not say so yet.
+  bool breaks_unseen(Axis& axis, std::size_t velocity, std::size_t level) const { return !in_order_ && breaks_floors(axis, velocity, level); }
 
   /// All ratios of all points that the next steps may look at; [shape][velocity estimate][axis][level].
   void tabulate() {
     ratios_.assign(shapes_.size(), {});
-    double best = 0.0;  // of all axes together, on a filter's velocity
-    for (std::size_t s = 0; s < shapes_.size(); ++s) {
-      use(s);
+    best_ = 0.0;
+    for (std::size_t n = 0; n < shapes_.size(); ++n) {
+      // The highest cut-off first, so that most of the others are seen to fall short soon.
+      const std::size_t s = in_order_ ? n : shapes_.size() - 1 - n;
       for (std::size_t v = 0; v < velocities_.size(); ++v) {
         ratios_[s][v].resize(axes_.size());
-        const double enough = std::min(kTableDoubt, kAsGood * best);  // no step takes anything below
+        const double enough = in_order_ ? std::min(kTableDoubt, kAsGood * best_) : kAsGood * std::min(best_, 1.0);  // no step takes anything below
         double joint = kInfinity;
         for (std::size_t a = 0; a < axes_.size() && joint >= enough; ++a) {
           for (std::size_t level = 0; level < kLevels; ++level) {
@@ -179,29 +180,47 @@ class Search {
           }
           joint = std::min(joint, *std::ranges::max_element(ratios_[s][v][a]));
         }
-        if (velocities_[v].window == 0) best = std::max(best, joint);
+        if (velocities_[v].window == 0) best_ = std::max(best_, joint_above(best_, s, v));
       }
     }
   }
 
-  double ratio(const Candidate& candidate, std::size_t axis) const {
-    return ratios_[candidate.shape][candidate.velocity][axis][candidate.levels[axis]];
+  /// What the axis shows there, and all above `least` of it; 0 where a floor is broken though the contact hardly acts. That is slow to find out, so
+  /// only what may count is asked.
+  bool shows(std::size_t shape, std::size_t velocity, std::size_t axis, std::size_t level, double least) {
+    return ratios_[shape][velocity][axis][level] >= least && (least <= 0.0 || !breaks_unseen(axes_[axis], velocity, level));
+  }
+  double ratio(const Candidate& candidate, std::size_t axis) {
+    const std::size_t level = candidate.levels[axis];
+    return breaks_unseen(axes_[axis], candidate.velocity, level) ? 0.0 : ratios_[candidate.shape][candidate.velocity][axis][level];
+  }
+  /// The most that the axes show together; 0 where it is not above `least`.
+  double joint_above(double least, std::size_t shape, std::size_t velocity) {
+    double joint = kInfinity;
+    for (const Levels& levels : ratios_[shape][velocity]) joint = std::min(joint, *std::ranges::max_element(levels));
+    for (std::size_t a = 0; a < axes_.size() && joint > least; ++a) {
+      Levels levels = ratios_[shape][velocity][a];
+      auto most = std::ranges::max_element(levels);
+      for (; *most > least && breaks_unseen(axes_[a], velocity, static_cast<std::size_t>(most - levels.begin())); most = std::ranges::max_element(levels)) *most = 0.0;
+      joint = std::min(joint, *most);
+    }
+    return joint > least ? joint : 0.0;
   }
 
   /// The gentlest point of each shape and velocity estimate at which every axis reaches `least` of its target, and what `no_less` shows of it;
   /// gentlest first.
-  std::vector<Candidate> reaching(double least, bool windows = true, const Candidate* no_less = nullptr) const {
+  std::vector<Candidate> reaching(double least, bool windows = true, const Candidate* no_less = nullptr) {
     std::vector<Candidate> out;
     for (std::size_t s = 0; s < shapes_.size(); ++s)
       for (std::size_t v = 0; v < velocities_.size(); ++v) {
         if (!windows && velocities_[v].window > 0) continue;
         Candidate candidate{s, v, {}, 0.0, 0.0};
         for (std::size_t a = 0; a < axes_.size(); ++a) {
-          const auto& levels = ratios_[s][v][a];
           const double enough = no_less ? std::max(least, ratio(*no_less, a)) : least;
-          const auto level = std::ranges::find_if(levels, [&](double r) { return r >= enough; });
-          if (level == levels.end()) break;
-          candidate.levels.push_back(static_cast<std::size_t>(level - levels.begin()));
+          std::size_t level = 0;
+          while (level < kLevels && !shows(s, v, a, level, enough)) ++level;
+          if (level == kLevels) break;
+          candidate.levels.push_back(level);
           const double share = axes_[a].share(v, candidate.levels.back());
           candidate.cost = std::max(candidate.cost, share), candidate.second_cost += share;
         }
@@ -212,7 +231,7 @@ class Search {
   }
 
   /// Step 3.
-  std::optional<FilterChoice> with_damping() const {
+  std::optional<FilterChoice> with_damping() {
     std::size_t looks = 0;
     for (const Candidate& candidate : reaching(kTableDoubt)) {
       if (++looks > kMaxConfirmations) break;
@@ -222,20 +241,16 @@ class Search {
   }
 
   /// What is as good as the best, of all velocity estimates or of the filters' alone.
-  double as_good(bool windows) const {
+  double as_good(bool windows) {
     double best = 0.0;
-    for (const auto& shape : ratios_)
-      for (std::size_t v = 0; v < velocities_.size(); ++v) {
-        if (!windows && velocities_[v].window > 0) continue;
-        double joint = kInfinity;
-        for (const auto& levels : shape[v]) joint = std::min(joint, *std::ranges::max_element(levels));
-        best = std::max(best, joint);
-      }
+    for (std::size_t s = 0; s < shapes_.size(); ++s)
+      for (std::size_t v = 0; v < velocities_.size(); ++v)
+        if (windows || velocities_[v].window == 0) best = std::max(best, joint_above(best, s, v));
     return kAsGood * std::min(best, 1.0);
   }
 
   /// Step 4. No axis shows less on a window than with the filter that would be taken without it.
-  FilterChoice stiffest() const {
+  FilterChoice stiffest() {
     const Candidate filter = reaching(as_good(false), false).front();
     for (const double least : {as_good(true), 0.0})
       if (const auto found = reaching(least, true, &filter); !found.empty()) return chosen(found.front(), DesignStatus::kStiffnessReduced);
@@ -246,11 +261,32 @@ class Search {
   bool allow_damping_;
   std::span<const VelocityEstimate> velocities_;
   std::vector<Axis> axes_;
+  double best_ = 0.0;      ///< ratio of all axes together, on a filter's velocity
+  bool in_order_ = false;  ///< settings and cases as listed, and ratios of 0 where a floor is broken at once
   using Levels = std::array<double, kLevels>;
   std::vector<std::array<std::vector<Levels>, kVelocityEstimates.size()>> ratios_;
 };
 
 }  // namespace
+
+double FilterTable::critical(const FilterSetting& shape, std::size_t velocity, double injected_damping, double enough, double damper_share, double large_swing,
+                             bool in_order) {
+  const bool damped = injected_damping > 0.0;
+  const Question question(shape.cutoff_hz, shape.damping_ratio, damped ? velocity : 0, injected_damping, damped ? damper_share : 0.0, damped ? large_swing : 1.0);
+  const auto [known, is_new] = known_.try_emplace(question);
+  Answer& answer = known->second;
+  const bool exact = !is_new && answer.critical >= answer.enough, below = answer.critical < enough;
+  if (!is_new && (in_order ? exact && !below : exact || below)) return answer.critical;
+  if (used_.cutoff_hz != shape.cutoff_hz || used_.damping_ratio != shape.damping_ratio) {
+    const double w0 = 2.0 * std::numbers::pi * shape.cutoff_hz;
+    table_.use([&](const DecayingPhasor& at, double period) {
+      return std::isinf(shape.cutoff_hz) ? Complex(1.0) : filter_response(0.5 * w0 * period, shape.damping_ratio, at);
+    });
+    used_ = shape;
+  }
+  answer = {table_.critical(velocity, injected_damping, enough, damper_share, large_swing, in_order), enough};
+  return answer.critical;
+}
 
 LoopController law_of(const FilterSetting& shape) {
   LoopController law;
@@ -278,8 +314,8 @@ std::vector<FilterSetting> filter_settings(const DesignProblem& request) {
 }
 
 FilterChoice search_filter(const std::vector<AxisProblem>& problems, const std::vector<FilterSetting>& shapes,
-                           bool allow_injected_damping, bool velocity_windows) {
-  return Search(problems, shapes, allow_injected_damping, velocity_windows).run();
+                           bool allow_injected_damping, bool velocity_windows, Searched& searched) {
+  return Search(problems, shapes, allow_injected_damping, velocity_windows, searched).run();
 }
 
 }  // namespace voxtouch::coupling::design

@@ -2,10 +2,15 @@
 /// Steps 1 to 4 of the design of a shaping filter, or of a coupling without any: which cut-off, damping ratio and injected
 /// damping give the goal with the least given up, or else the most stiffness.
 #include <array>
+#include <map>
+#include <optional>
 #include <span>
+#include <tuple>
 #include <vector>
 
+#include "core/coupling/design/certificates.hpp"
 #include "core/coupling/design/design_axis.hpp"
+#include "core/coupling/design/loop_table.hpp"
 
 namespace voxtouch::coupling::design {
 
@@ -29,6 +34,32 @@ LoopController law_of(const FilterSetting& shape);
 /// likes best.
 std::vector<FilterSetting> filter_settings(const DesignProblem& request);
 
+/// A LoopTable behind filters, which remembers its answers.
+class FilterTable {
+ public:
+  FilterTable(const std::vector<DesignCase>& cases, std::span<const VelocityEstimate> velocities, LoopLimit limit = LoopLimit::kStable)
+      : table_(cases, velocities, limit) {}
+  /// `LoopTable::critical` behind `shape`; where it is below `enough`, some number below: with `in_order` the same as of a table that remembers nothing.
+  double critical(const FilterSetting& shape, std::size_t velocity, double injected_damping, double enough, double damper_share = 0.0, double large_swing = 1.0,
+                  bool in_order = false);
+
+ private:
+  /// Cut-off, damping ratio, velocity, injected damping, share, large swing: all that the answer depends on.
+  using Question = std::tuple<double, double, std::size_t, double, double, double>;
+  struct Answer {
+    double critical, enough;
+  };
+  LoopTable table_;
+  FilterSetting used_{0.0, 0.0};
+  std::map<Question, Answer> known_;
+};
+
+/// What the searches of one design share: with floors and without, bounded and not, for a filter and for none, the cases are the same.
+struct Searched {
+  std::vector<std::optional<FilterTable>> tables;  ///< of each axis of which more than passivity is known of the hand
+  std::optional<SpringDamperPair> spring_damper;   ///< the stiffest on the cases
+};
+
 struct FilterChoice {
   FilterSetting shape;
   VelocityEstimate velocity;
@@ -40,6 +71,6 @@ struct FilterChoice {
 /// Injected damping is tried on the velocity estimates, 10 to 100 % of what each allows; the least that
 /// does, and among equals the lowest cut-off. Where none does, the least that shows nine tenths of the best, and on no axis less than a filter would. With two axes "least" is the larger share of the most that the axis could have.
 FilterChoice search_filter(const std::vector<AxisProblem>& problems, const std::vector<FilterSetting>& shapes,
-                           bool allow_injected_damping, bool velocity_windows);
+                           bool allow_injected_damping, bool velocity_windows, Searched& searched);
 
 }  // namespace voxtouch::coupling::design

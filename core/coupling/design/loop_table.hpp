@@ -24,26 +24,34 @@ class LoopTable {
   void use(const LoopLaw& law);
 
   /// Factor on the law at which the worst case passes the limit (for a law of unit stiffness: K k), with injected damping B
-  /// on the velocity of that index. Where a case lies below `enough`, the rest is not looked at. B has to keep the inner
+  /// on the velocity of that index. Where a case lies below `enough`, the rest is not looked at, and the answer is some number below:
+  /// `in_order`: of the first such case; else the case that fell short last is looked at first. B has to keep the inner
   /// loop stable. `damper_share`: B adds no more than that of the law's force, and the same is
   /// asked with the parts of B that may be left of it (`damper_left`), times `large_swing`; 0: not bounded. Infinity: no crossing.
-  double critical(std::size_t velocity, double injected_damping, double enough = 0.0, double damper_share = 0.0, double large_swing = 1.0) const;
+  double critical(std::size_t velocity, double injected_damping, double enough = 0.0, double damper_share = 0.0, double large_swing = 1.0, bool in_order = false);
 
  private:
   struct Response {
     std::vector<double> re, im;
   };
+  /// Between the points before `end` and `end` the loop may cross the real axis while B is between `least` and `most`.
+  struct Crossing {
+    double least, most;
+    std::size_t end;
+  };
   struct Case {
     std::size_t timing;
     Response plant, loop;
     std::vector<Response> damped;  ///< plant times a unit of injected damping, for each velocity estimate
+    std::vector<std::vector<Crossing>> crossings;  ///< of each velocity estimate, in order; empty: not yet looked for
   };
-  /// Of a damper of which no more than `up_to` has to be left for a crossing to count.
+  /// Of a damper of which no more than `up_to` has to be left for a crossing to count; and over `large_swing` it has to be below `lowest`.
   struct Bound {
-    double whole, share, up_to;
+    double whole, share, up_to, large_swing, lowest;
   };
   static void add(Response& to, const Complex& value);
-  double critical(const Case& one, std::size_t velocity, double injected_damping, const Bound* bound) const;
+  static std::vector<Crossing> crossings_of(const Response& loop, const Response& unit);
+  static double critical(Case& one, std::size_t velocity, double injected_damping, const Bound* bound);
 
   struct Timing {
     double period_s, damping_ratio;
@@ -53,6 +61,7 @@ class LoopTable {
   static Timing timing_of(double period_s, double damping_ratio, std::span<const VelocityEstimate> velocities);
   std::vector<Timing> timings_;
   std::vector<Case> cases_;
+  std::size_t first_ = 0;  ///< case that fell short last
 };
 
 }  // namespace voxtouch::coupling::design

@@ -10,6 +10,7 @@
 ///
 /// All functions are pure arithmetic for the time of designing, and may allocate. Numbers are taken as `check` (loop_parts.hpp) and
 /// `validate` (coupling_spec.hpp) leave them: finite, of the right sign.
+#include <limits>
 #include <numbers>
 
 #include "core/coupling/coupling_spec.hpp"
@@ -43,6 +44,7 @@ struct LoopPlant {
   double mass = 0.0, damping = 0.0;  ///< device
   double hand_mass = 0.0, hand_damping = 0.0, hand_stiffness = 0.0;
   double period_s = 1e-3, delay_s = 0.0, effort_lag_s = 0.0;
+  bool operator==(const LoopPlant&) const = default;
 };
 
 /// Largest modulus of the closed loop's eigenvalues with contact stiffness `contact_stiffness`; < 1 means stable. A loop that
@@ -71,7 +73,16 @@ struct CriticalStiffness {
 /// Injected damping at or above `critical_damping` gives 0.
 CriticalStiffness critical_stiffness(const LoopPlant& plant, const LoopController& controller);
 
-/// B up to which the inner loop (injected damping alone, no contact) is stable: stable for all 0 < B < result.
+/// Where the inner loop (injected damping alone, no contact) becomes unstable.
+struct InnerLimit {
+  double damping = std::numeric_limits<double>::infinity();  ///< stable for all 0 < B < damping
+  double angle = 0.0;  ///< of the oscillation that begins there [rad per sample]
+};
+InnerLimit inner_limit(const LoopPlant& plant, double velocity_filter_rad_per_s, int velocity_window = 0);
+/// The `damping` of `inner_limit`.
 double critical_damping(const LoopPlant& plant, double velocity_filter_rad_per_s, int velocity_window = 0);
+
+/// `critical_stiffness` for who knows the plant's `inner_limit` on the controller's velocity, which is not looked at without injected damping.
+CriticalStiffness critical_stiffness(const LoopPlant& plant, const LoopController& controller, const InnerLimit& inner);
 
 }  // namespace voxtouch::coupling::design

@@ -63,13 +63,15 @@ SpringDamperPair ranged_pair(const DesignProblem& request, const std::vector<Axi
   for (const double lead : kLeads) {
     const double lead_s = lead * request.device.timing.period_s;
     double stiffness = kInfinity;
-    for (const double contact : kContacts)
+    for (const double contact : kContacts) {
+      if (stiffness <= best.stiffness) break;
       for (std::size_t a = 0; a < problems.size(); ++a) {
         const double unit = problems[a].margin * arm_of(request, a);
         tables[a].use([&](const DecayingPhasor& at, double period) { return series_at(lead_s, contact, at, period); });
         stiffness = std::min(stiffness, tables[a].critical(0, 0.0, unit * best.stiffness) / unit);
         if (stiffness <= best.stiffness) break;
       }
+    }
     if (stiffness > best.stiffness && std::isfinite(stiffness)) best = {stiffness, lead_s * stiffness};
   }
   for (int i = 0; i < kMaxShrinks; ++i) {
@@ -91,10 +93,11 @@ double most_stiffness(const DesignProblem& request, const std::vector<AxisProble
 
 }  // namespace
 
-Proposal propose_spring_damper(const DesignProblem& request, const std::vector<AxisProblem>& problems) {
+Proposal propose_spring_damper(const DesignProblem& request, const std::vector<AxisProblem>& problems, Searched& searched) {
   SpringDamperPair pair = passive_pair(request, problems);
   if (!passive_only(problems)) {
-    const SpringDamperPair ranged = ranged_pair(request, problems);
+    if (!searched.spring_damper) searched.spring_damper = ranged_pair(request, problems);
+    const SpringDamperPair& ranged = *searched.spring_damper;
     if (ranged.stiffness > pair.stiffness) pair = ranged;
   }
   const double most = most_stiffness(request, problems);
