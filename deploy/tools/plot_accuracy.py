@@ -37,6 +37,11 @@ def choice_word(advice):
     return "knee" if advice["met"] is None and advice["knee"] is not None else {None: "best", True: "advised", False: "nearest"}[advice["met"]]
 
 
+def timed_note(rows):
+    queries = [r["queries_per_frame"] for r in rows if r["model"] == "virtual_tool"]
+    return f"; of the virtual tool: a hand that slides 1/40 e a frame, {queries[0]:.2g} queries each" if queries else ""
+
+
 def accuracy_title(data, direction):
     if data["advice"]["row"] is None:
         return "What accuracy costs: no setting is to be advised"
@@ -60,7 +65,7 @@ def accuracy_figure(data):
             f"{data['options']['seed']}{f'; {missing} settings not measured' if missing else ''}. Lower left is better. "
             "Shell points weigh one each, or their area. A missed contact is 180 deg off.\n"
             f"At the marks: voxel edge e{' / the shell' if shells else ''} [mm]. Time: one thread of {processor_name(data)}"
-            f"{'' if load is None else f', load average {load:.1f}'}")
+            f"{'' if load is None else f', load average {load:.1f}'}{timed_note(rows)}")
     figure, axes = new_figure(accuracy_title(data, direction), note, 2, sharex=True, height_ratios=(2.3, 1))
     top, bottom = axes[0][0], axes[1][0]
     marks = draw_points(top, rows, direction, True)
@@ -123,11 +128,6 @@ def page_title(rows):
     best, last = (choose(worst, key=lambda m: abs(math.log(max(worst[m]["force_ratio"], 1e-6)))) for choose in (min, max))
     title = f"Share of the true force where it is worst over depth: {said(best)}"
     return title if best == last else f"{title}, {said(last)}"
-
-
-def timed_note(rows):
-    queries = [r["queries_per_frame"] for r in rows if r["model"] == "virtual_tool"]
-    return f"; of the virtual tool: a hand that slides 1/40 e a frame, {queries[0]:.2g} queries each" if queries else ""
 
 
 def page_figure(data):

@@ -116,7 +116,7 @@ AccuracyReport measure(const AccuracyVerb& o) {
   log::tell("{} settings on {} contacts each\n", settings.size(), o.contacts);
   report.rows = accuracy::measure_accuracy(scene, settings, options, serial_for());  // one thread: its CPU time is the frame's
   report.load_after = load_average();
-  report.advice = accuracy::advise(report.rows, o.goal);
+  report.advice = accuracy::advise(report.rows, o.goal, scene.virtual_tool());
   return report;
 }
 
