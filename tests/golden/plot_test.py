@@ -206,6 +206,17 @@ class Pictures(unittest.TestCase):
         told, of_build = (subprocess.run([BIN / program, "--version"], capture_output=True, text=True, timeout=60, check=True).stdout for program in ("voxtouch_plot", "voxtouch"))
         self.assertEqual(told, of_build)
 
+    def test_runs_side_by_side_share_their_axes_and_an_empty_bag_is_refused(self):
+        for scene in ("cup", "cup_virtual_tool"):
+            done = voxtouch("up", DEPLOY / f"scenes/{scene}.yaml", "--device", "sim-phantom", "--motion", "hit", "--duration", "3.2", "--lockstep",
+                            "--record", self.at / scene)
+            self.assertEqual(done.returncode, 0, done.stderr)
+        with plot.matplotlib.rc_context(plot.STYLE):
+            figure, _ = plot.beside_figure([self.at / "cup", self.at / "cup_virtual_tool"])
+            self.judge(figure)
+        self.assertEqual([len(axis.lines) for axis in figure.axes], [2, 2])
+        self.refused(tool("beside", self.at / "cup", self.at / "nothing", self.at / "refused.png"), "nothing")
+
     def test_what_cannot_be_drawn_is_refused_in_a_sentence(self):
         (self.at / "words.json").write_text("not json")
         (self.at / "told.json").write_text('{"ok": false, "problems": ["the scene is not there"]}')
