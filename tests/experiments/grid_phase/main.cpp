@@ -3,7 +3,7 @@
 //
 // A virtual tool is held beside the exact ball that is drawn to the same hand, which goes in from a voxel outside and rests.
 //
-//   grid_phase [--phases N] [--places N] [--seed S]        25 s; a row a model and ground
+//   grid_phase [--phases N] [--places N] [--seed S]        5 s; a row a model and ground
 #include <fmt/core.h>
 #include <CLI/CLI.hpp>
 
