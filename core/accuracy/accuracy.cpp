@@ -248,14 +248,14 @@ class Measurement {
     const double edge = row.setting.voxel_m, radius = drawn_radius_m(scene_), depth = kHandDepthEdges * edge;
     ToolPress press(built, edge);
     std::vector<WrenchPair> pairs = scaled(drawn_forces(*reference_, radius, places_, places_.size(), depth), 1.0);
-    std::vector<double> times;
+    std::vector<std::vector<SlideFrame>> slides;
     for (std::size_t n = 0; n < places_.size(); ++n) {
       progress_.at(static_cast<double>(n) / static_cast<double>(places_.size()));
       pairs[n].given = press.into(places_[n], depth);
-      if (options_.cpu_time_s) times.push_back(1e6 * press.frame_s(places_[n], depth, options_.cpu_time_s));
+      slides.push_back(press.slide(places_[n], depth, options_.cpu_time_s));
     }
     judge_wrenches(pairs, row);
-    keep_times(std::move(times), row);
+    keep_slides(slides, row);
     row.onset_error_m = row.onset_worst_m = std::numeric_limits<double>::quiet_NaN();  // it has none
     if (spread_count() == 0) return;
     for (const double edges : options_.spread_depth_edges) {
@@ -270,17 +270,40 @@ class Measurement {
   static void keep_times(std::vector<double> times_us, AccuracyRow& row) {
     if (times_us.empty()) return;
     row.worst_us = *std::max_element(times_us.begin(), times_us.end());
-    row.median_us = median_of(times_us);
+    row.median_us = median_of(times_us), row.p95_us = p95_of(times_us);
     row.median_us_95 = median_interval(std::move(times_us));
   }
 
-  void measure_times(contact::ContactRenderer& renderer, const std::vector<Wrench>& wanted, double depth, AccuracyRow& row) const {
+  /// Frames of one place are alike, so the median's interval is that of the places' medians.
+  void keep_slides(const std::vector<std::vector<SlideFrame>>& slides, AccuracyRow& row) const {
+    const double clock_s = options_.cpu_time_s ? clock_cost_s() : 0.0;
+    double queries = 0.0;
+    std::vector<double> all, of_places;
+    for (const std::vector<SlideFrame>& slide : slides) {
+      std::vector<double> times;
+      for (const SlideFrame& frame : slide) queries += frame.queries, times.push_back(1e6 * std::max(frame.time_s - clock_s, 0.0));
+      all.insert(all.end(), times.begin(), times.end());
+      of_places.push_back(median_of(std::move(times)));
+    }
+    row.queries_per_frame = queries / static_cast<double>(all.size());
     if (!options_.cpu_time_s) return;
-    double clock_s = 1.0;  // what asking for the time costs
+    keep_times(std::move(all), row);
+    row.median_us_95 = median_interval(std::move(of_places));
+  }
+
+  /// What asking for the time costs [s].
+  double clock_cost_s() const {
+    double clock_s = 1.0;
     for (int n = 0; n < 100; ++n) {
       const double begin = now();
       clock_s = std::min(clock_s, now() - begin);
     }
+    return clock_s;
+  }
+
+  void measure_times(contact::ContactRenderer& renderer, const std::vector<Wrench>& wanted, double depth, AccuracyRow& row) const {
+    if (!options_.cpu_time_s) return;
+    const double clock_s = clock_cost_s();
     std::vector<double> all;
     for (std::size_t n = 0; n < places_.size(); ++n) {
       if (wanted[n].force.isZero(0.0)) continue;

@@ -71,8 +71,9 @@ struct AccuracyRow : ErrorFigures {
   PhaseFigures phases;
   double onset_worst_m = 0.0;  ///< the onset farthest from 0 [m]
   /// CPU time of a frame in contact (query, model, stage) over the poses that were judged, each at its best of several
-  /// rounds, so that it is the pose's and not the machine's.
-  double median_us = 0.0, worst_us = 0.0;
+  /// rounds, so that it is the pose's and not the machine's. Of a virtual tool: over all frames of a hand that slides (ToolPress::slide).
+  double median_us = 0.0, p95_us = 0.0, worst_us = 0.0;
+  double queries_per_frame = 1.0;  ///< mean over the frames that are timed; a penalty model makes one
   double build_s = 0.0;  ///< CPU time from meshes to a renderer
   std::string refused;   ///< why this setting could not be built; all figures above are then 0
 };

@@ -155,6 +155,17 @@ void name_choices(const std::vector<AccuracyRow>& rows, AccuracyAdvice& out) {
   out.sentence += ".";
 }
 
+/// The refused row of a virtual tool, where no other one of it was judged.
+const AccuracyRow* tool_not_judged(const std::vector<AccuracyRow>& rows) {
+  const AccuracyRow* refused = nullptr;
+  for (const AccuracyRow& row : rows) {
+    if (!row.setting.virtual_tool) continue;
+    if (is_judged(row)) return nullptr;
+    if (!row.refused.empty()) refused = &row;
+  }
+  return refused;
+}
+
 }  // namespace
 
 void AccuracyGoal::validate() const {
@@ -190,7 +201,7 @@ std::string describe(const AccuracySetting& s) {
   return text;
 }
 
-AccuracyAdvice advise(const std::vector<AccuracyRow>& rows, const AccuracyGoal& goal) {
+AccuracyAdvice advise(const std::vector<AccuracyRow>& rows, const AccuracyGoal& goal, bool renders_tool) {
   std::vector<CostError> points;
   for (const AccuracyRow& row : rows)
     points.push_back(is_judged(row) ? CostError{row.median_us, std::max(row.direction_mean_deg, kMinDirectionDeg)}
@@ -208,6 +219,12 @@ AccuracyAdvice advise(const std::vector<AccuracyRow>& rows, const AccuracyGoal& 
     advise_for_time(rows, *goal.within_us, out);
   } else {
     name_choices(rows, out);
+  }
+  if (const AccuracyRow* tool = renders_tool ? tool_not_judged(rows) : nullptr) {
+    out.row.reset(), out.knee.reset();
+    out.sentence = fmt::format(
+        "What the scene renders, a virtual tool, was not judged: {}. So no other setting is advised in its place; the rows above tell what those give.",
+        tool->refused);
   }
   return out;
 }

@@ -40,8 +40,9 @@ struct AccuracyAdvice {
 /// that never met the wall has zeros for errors, which would look like perfection.)
 bool is_judged(const AccuracyRow& row) noexcept;
 
-/// Deterministic: among equals the faster, then the smaller, then the first row.
-AccuracyAdvice advise(const std::vector<AccuracyRow>& rows, const AccuracyGoal& goal);
+/// Deterministic: among equals the faster, then the smaller, then the first row. `renders_tool`: the scene renders a virtual tool; where its row was
+/// refused the sentence says so and why, and nothing is recommended against what was not judged.
+AccuracyAdvice advise(const std::vector<AccuracyRow>& rows, const AccuracyGoal& goal, bool renders_tool = false);
 
 /// "one", "area".
 std::string_view weights_word(contact::PointWeights weights) noexcept;

@@ -1,6 +1,7 @@
 #include "core/accuracy/tool_row.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <variant>
 
@@ -31,15 +32,25 @@ Wrench ToolPress::into(const ContactPlace& place, double depth_m) {
   return frame.wrench;
 }
 
-double ToolPress::frame_s(const ContactPlace& place, double depth_m, const std::function<double()>& cpu_time_s) {
-  constexpr int kRounds = 5;
-  double best = 1.0;
-  for (int n = 1; n <= kRounds; ++n) {
-    const double begin = cpu_time_s();
-    at(place.at(depth_m + n * edge_m_ / 40.0), rendering::SceneRenderer::kDefaultStepS);
-    best = std::min(best, std::max(cpu_time_s() - begin, 0.0));
+std::vector<SlideFrame> ToolPress::slide(const ContactPlace& place, double depth_m, const std::function<double()>& cpu_time_s) {
+  constexpr int kFrames = 40, kRounds = 3;
+  constexpr double kAlong = 0.9;  ///< of a direction that lies too near the way in
+  Vec3 aside = place.touch.orientation * Vec3::UnitX();  // as random as the tool's attitude
+  if (std::abs(aside.dot(place.into)) > kAlong) aside = place.touch.orientation * Vec3::UnitY();
+  aside = (aside - aside.dot(place.into) * place.into).normalized();
+  std::vector<SlideFrame> out(kFrames);
+  for (int round = 0; round < (cpu_time_s ? kRounds : 1); ++round) {
+    into(place, depth_m);
+    Pose hand = place.at(depth_m);
+    for (SlideFrame& frame : out) {
+      hand.position += kSlideEdges * edge_m_ * aside;
+      const double begin = cpu_time_s ? cpu_time_s() : 0.0;
+      frame.queries = at(hand, rendering::SceneRenderer::kDefaultStepS).tool.queries;
+      const double took = cpu_time_s ? std::max(cpu_time_s() - begin, 0.0) : 0.0;
+      frame.time_s = round == 0 ? took : std::min(frame.time_s, took);
+    }
   }
-  return best;
+  return out;
 }
 
 rendering::SceneFrame ToolPress::at(const Pose& hand, double dt_s) {

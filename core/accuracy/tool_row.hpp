@@ -1,6 +1,8 @@
 #pragma once
 /// A virtual tool pressed into the places of a measurement; its truth is the exact ball drawn to the same hand (true_forces.hpp).
+#include <cstdint>
 #include <functional>
+#include <vector>
 
 #include "core/accuracy/contact_places.hpp"
 #include "core/rendering/build.hpp"
@@ -14,6 +16,15 @@ inline constexpr double kHandDepthEdges = 5.0;
 /// known then.
 double drawn_radius_m(const scene::Scene& scene);
 
+/// A frame of a hand that slides in contact.
+struct SlideFrame {
+  double time_s = 0.0;        ///< CPU time, with what asking for it costs
+  std::uint32_t queries = 0;  ///< that the virtual tool made
+};
+
+/// The hand goes so far sideways in a frame: 50 mm/s at e = 2 mm and 1 kHz.
+inline constexpr double kSlideEdges = 1.0 / 40.0;
+
 /// Goes in by an eighth of a voxel a frame, and rests. It begins a voxel before the touch: a virtual tool is placed where nothing touches,
 /// and at a rim the touch itself may count as inside.
 class ToolPress {
@@ -23,8 +34,10 @@ class ToolPress {
 
   /// Force at the end, for a spring of 1 N/m.
   Wrench into(const ContactPlace& place, double depth_m);
-  /// CPU time [s] of a frame in which the hand goes on from where `into` has left it, the least of several: frames at rest cost next to nothing.
-  double frame_s(const ContactPlace& place, double depth_m, const std::function<double()>& cpu_time_s);
+  /// Frames of a hand that slides across the way in, kSlideEdges of a voxel each, from where `into` has left it. Each frame's time is the least
+  /// of several runs of the same slide, which give the same bits, so that interruptions do not count. A hand that goes on straight in is no
+  /// measure: the tool stays where it is, and a frame makes no query. `cpu_time_s`: a clock [s]; none: times read 0.
+  std::vector<SlideFrame> slide(const ContactPlace& place, double depth_m, const std::function<double()>& cpu_time_s);
 
  private:
   rendering::SceneFrame at(const Pose& hand, double dt_s);

@@ -84,7 +84,8 @@ contact::ContactResult ConstrainedTool::render(const Pose& hand, double time_s, 
           .unplaced = frame_.unplaced || frame_.pose_status != contact::PoseStatus::kUsable,
           .cut_short = frame_.cut_short,
           .residual_m = frame_.residual_m,
-          .queries = static_cast<std::uint32_t>(std::max(frame_.queries, 0))};
+          .queries = static_cast<std::uint32_t>(std::max(frame_.queries, 0)),
+          .iterations = static_cast<std::uint32_t>(std::max(frame_.iterations, 0))};
   if (frame_.unplaced) frame_.tool = hand;
   if (frame_.pose_status == contact::PoseStatus::kUsable) {
     hand_ = hand;

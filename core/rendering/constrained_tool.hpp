@@ -16,7 +16,7 @@ struct ToolFrame {
   bool unplaced = false;     ///< it has none: the hand has not been outside yet, or is where nothing can be looked up
   bool cut_short = false;    ///< the frame ended by its time budget before the tool had come to its place
   double residual_m = 0.0;   ///< way that its last step would still have gone
-  std::uint32_t queries = 0;
+  std::uint32_t queries = 0, iterations = 0;  ///< of all steps
 };
 
 /// Faster than this [m/s] in W no hand goes: the pose has jumped, and the tool is placed anew.

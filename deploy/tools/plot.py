@@ -5,6 +5,7 @@
   %(prog)s costs RUN.json PICTURE       the same on one page: force, direction error and noise over depth, and the time of a frame
   %(prog)s design RUN.json PICTURE      where a designed coupling is stable: contact stiffness over the filter's cut-off
   %(prog)s forces BAG PICTURE           contact force, returned force, depth and gap of a recorded run over time
+  %(prog)s beside BAG BAG PICTURE       force returned in runs of the same motion, over time and over the depth of the hand
   %(prog)s replay RUN.json PICTURE      forces of a recorded run and of its replay; voxtouch replay --plot calls it
   %(prog)s report BAG PAGE.html         all of a recorded run on one page; voxtouch report calls it
   %(prog)s check PICTURE                draws nothing: exit status 0 where a picture could be drawn and written there
@@ -29,7 +30,7 @@ sys.dont_write_bytecode = True  # beside the program stand sources, and nothing 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 from plot_accuracy import accuracy_figure, page_figure  # noqa: E402
 from plot_design import design_figure  # noqa: E402
-from plot_forces import forces_figure, replay_figure  # noqa: E402
+from plot_forces import beside_figure, forces_figure, replay_figure  # noqa: E402
 from plot_style import *  # noqa: E402, F403
 from plot_style import NO_MATPLOTLIB  # noqa: E402
 ENDINGS = {".png": {"Software": None}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}  # metadata that would differ from run to run
@@ -128,6 +129,8 @@ def main(arguments=None):
         one = commands.add_parser(name, help=what, description=what)
         if data:
             one.add_argument("data", metavar=data[0], help=data[1])
+        if name == "beside":
+            one.add_argument("data", metavar="BAG", nargs=2, help="folders of the bags")
         one.add_argument("picture", metavar="PICTURE", type=pathlib.Path, help="file to write; ends in .png, .svg or .pdf")
         return one
     for verb in ("accuracy", "costs", "design", "replay"):
@@ -138,6 +141,8 @@ def main(arguments=None):
     forces.add_argument("--from", dest="begin", type=float, default=0.0, metavar="S", help="first second shown; 0 is the first contact message")
     forces.add_argument("--to", dest="end", type=float, default=math.inf, metavar="S", help="last second shown")
     forces.add_argument("--note", default="", help="the conditions, under the title; default: the bag's name")
+    beside = command("beside", None, "draws the forces of runs of the same motion side by side")
+    beside.add_argument("--rig", default="haptic", help="rig name (default: haptic)")
     report = commands.add_parser("report", help="writes the page of a recorded run", description="writes the page of a recorded run")
     report.add_argument("data", metavar="BAG", help="folder of the bag")
     report.add_argument("picture", metavar="PAGE.html", type=pathlib.Path, help="file to write")
@@ -155,6 +160,8 @@ def main(arguments=None):
     with matplotlib.rc_context(STYLE):
         if a.command == "forces":
             figure, shows = forces_figure(a.data, a.rig, a.begin, a.end, a.note)
+        elif a.command == "beside":
+            figure, shows = beside_figure(a.data, a.rig)
         else:
             data = read_json(a.data, "accuracy" if a.command == "costs" else a.command)
             try:

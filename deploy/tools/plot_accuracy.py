@@ -37,6 +37,11 @@ def choice_word(advice):
     return "knee" if advice["met"] is None and advice["knee"] is not None else {None: "best", True: "advised", False: "nearest"}[advice["met"]]
 
 
+def timed_note(rows):
+    queries = [r["queries_per_frame"] for r in rows if r["model"] == "virtual_tool"]
+    return f"; of the virtual tool: a hand that slides 1/40 e a frame, {queries[0]:.2g} queries each" if queries else ""
+
+
 def accuracy_title(data, direction):
     if data["advice"]["row"] is None:
         return "What accuracy costs: no setting is to be advised"
@@ -60,7 +65,7 @@ def accuracy_figure(data):
             f"{data['options']['seed']}{f'; {missing} settings not measured' if missing else ''}. Lower left is better. "
             "Shell points weigh one each, or their area. A missed contact is 180 deg off.\n"
             f"At the marks: voxel edge e{' / the shell' if shells else ''} [mm]. Time: one thread of {processor_name(data)}"
-            f"{'' if load is None else f', load average {load:.1f}'}")
+            f"{'' if load is None else f', load average {load:.1f}'}{timed_note(rows)}")
     figure, axes = new_figure(accuracy_title(data, direction), note, 2, sharex=True, height_ratios=(2.3, 1))
     top, bottom = axes[0][0], axes[1][0]
     marks = draw_points(top, rows, direction, True)
@@ -107,21 +112,29 @@ def page_rows(data):
     return list(out.values())
 
 
+def worst_depth(row):
+    """Where the mean force is farthest from the true one, by its ratio either way."""
+    return max(row["depths"], key=lambda d: abs(math.log(max(d["force_ratio"], 1e-6))))
+
+
 def page_title(rows):
+    """Of the model that is best where it is worst, and of the one that is worst there: one depth alone may be where a curve crosses 1."""
     if not rows:
         return "What accuracy costs: nothing was measured at the scene's own voxels"
-    deepest = max(d["edges"] for r in rows for d in r["depths"])
-    least, most = (choose(rows, key=lambda r: abs(math.log(max(r["depths"][-1]["force_ratio"], 1e-6)))) for choose in (max, min))
-    share = {r["model"]: f"{100 * r['depths'][-1]['force_ratio']:.2g} %" for r in rows}
-    title = f"{deepest:g} e deep, {most['model'].replace('_', ' ')} gives {share[most['model']]} of the true force"
-    return title if least is most else f"{title}, {least['model'].replace('_', ' ')} {share[least['model']]}"
+    worst = {r["model"]: worst_depth(r) for r in rows}
+
+    def said(model):
+        return f"{model.replace('_', ' ')} {100 * worst[model]['force_ratio']:.3g} % ({worst[model]['edges']:g} e)"
+    best, last = (choose(worst, key=lambda m: abs(math.log(max(worst[m]["force_ratio"], 1e-6)))) for choose in (min, max))
+    title = f"Share of the true force where it is worst over depth: {said(best)}"
+    return title if best == last else f"{title}, {said(last)}"
 
 
 def page_figure(data):
     rows, edge = page_rows(data), 1e3 * data["scene_voxel_m"]
     judged = max((d["contacts"] + d["missed"] for r in rows for d in r["depths"]), default=0)
     note = (f"Scene {data['scene']}, {judged} random contacts, pressed in slowly; points weigh their area; missed contacts are 180 deg off. Time: one thread of "
-            f"{processor_name(data)}, compare ratios.\nTruth: the law integrated over the exact tool; for the virtual tool the exact ball that is drawn to the hand.")
+            f"{processor_name(data)}, compare ratios{timed_note(rows)}.\nTruth: the law integrated over the exact tool; for the virtual tool the exact ball that is drawn to the hand.")
     figure, axes = new_figure(page_title(rows), note, 2, 2)
     force, direction, noise, cost = axes[0][0], axes[0][1], axes[1][0], axes[1][1]
     for n, row in enumerate(rows):
@@ -132,6 +145,7 @@ def page_figure(data):
         direction.plot(x, [max(d["direction_mean_deg"], LEAST_DIRECTION_DEG) for d in row["depths"]], label=row["model"].replace("_", " "), **look)
         noise.plot(x, [max(100 * d["magnitude_noise"], LEAST_NOISE_PERCENT) for d in row["depths"]], **look)
         cost.plot([row["median_us"], row["worst_us"]], [n, n], "-", color=colour, lw=3, solid_capstyle="butt")
+        cost.plot([row["p95_us"]], [n], "|", color=colour, ms=22, mew=3)
         cost.plot([row["median_us"]], [n], mark, color=colour, ms=12)
         cost.annotate(f"{row['median_us']:.2g}", (row["median_us"], n), textcoords="offset points", xytext=(0, 10), ha="center", fontsize=13, color=colour)
     force.axhline(1.0, color=INK, ls="--", lw=1.6, zorder=2)
@@ -150,7 +164,7 @@ def page_figure(data):
     log_axis(cost.xaxis, *decade_round([r[key] for r in rows for key in ("median_us", "worst_us")]))
     cost.set_yticks(range(len(rows)), [r["model"].replace("_", " ") for r in rows])
     cost.set_ylim(len(rows) - 0.4, -0.7)
-    cost.set_xlabel("CPU time of one frame, median and up to the worst [µs]")
+    cost.set_xlabel("CPU time of one frame: median, 95 % and worst [µs]")
     if rows:
         legend_beside(direction)
     return figure, f"shows what accuracy costs with {len(rows)} models"

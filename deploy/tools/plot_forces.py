@@ -1,4 +1,4 @@
-"""Forces over time: of a recorded run, and of its replay beside it."""
+"""Forces over time: of a recorded run, of its replay beside it, and of runs side by side, over the way of the hand too."""
 import math
 import pathlib
 import sys
@@ -124,3 +124,51 @@ def replay_figure(data):
     axes[2][0].set_xlim(0.0, end)
     legend_beside(axes[2][0])
     return figure, f"shows {end:.3f} s: {data['contact']['differ']} of {data['contact']['compared']} contacts and {data['command']['differ']} of {data['command']['compared']} commands differ"
+
+
+# ------------------------------------------------------------------------------------------------------------------ runs side by side
+BESIDE_NOTE = ("Returned: what the coupling gives to the hand, within what is certified on this device. Depth of the hand: how far it is beyond the place where the "
+               "first run begins to push it, along its way from there to the deepest place; it goes in and out again.")
+
+
+def read_hand(bag, rig):
+    """Of every ForceCommand the device's time [s], the size of the returned force [N] and the hand's place [m]. Throws BagError."""
+    from bag_data import Bag, norm, vector
+    contact, command = Bag(bag, rig, ["rendering/contact", "coupling/command"]).tables.values()
+    at = {int(t): n for n, t in enumerate(contact["sample_time_ns"])}
+    rows = [n for n, t in enumerate(command["sample_time_ns"]) if int(t) in at]
+    times = command["sample_time_ns"][rows]
+    if not len(times):
+        return {"t": [], "force": [], "place": []}
+    return {"t": (times - contact["sample_time_ns"][0]) * 1e-9, "force": norm(vector(command["wrench"]["force"]))[rows],
+            "place": vector(contact["tool_pose"]["position"])[[at[int(t)] for t in times]]}
+
+
+def beside_figure(bags, rig="haptic"):
+    from bag_data import BagError, norm
+    try:
+        runs = {pathlib.Path(bag).resolve().name: read_hand(bag, rig) for bag in bags}
+    except BagError as error:
+        sys.exit(str(error))
+    most = {name: max(run["force"], default=0.0) for name, run in runs.items()}
+    for name, force in most.items():
+        if not force > 1e-9:
+            sys.exit(f"{name}: no force came back to the hand, or the bag holds no run of the rig {rig}.")
+    first = next(iter(runs.values()))
+    touch = first["place"][(first["force"] > 1e-9).argmax()]
+    pushed = [run["place"][run["force"] > 0.5 * most[name]] for name, run in runs.items()]  # what the filter still gives on the way back is no way in
+    deepest = max((places[norm(places - touch).argmax()] for places in pushed), key=lambda place: norm(place - touch))
+    into = (deepest - touch) / max(norm(deepest - touch), 1e-12)
+    figure, axes = new_figure("Returned at most: " + "; ".join(f"{name} {force:.2g} N" for name, force in most.items()), BESIDE_NOTE, 1, 2, sharey=True)
+    over_time, over_depth = axes[0]
+    for (name, run), colour in zip(runs.items(), (CONTACT, PURPLE, ORANGE, GREEN)):
+        depth = 1e3 * (run["place"] - touch) @ into
+        draw_over_time(over_time, run, "force", run["t"][-1] + 1e-3, color=colour, lw=1.8)
+        over_depth.plot(depth, run["force"], color=colour, lw=1.8, label=name.replace("_", " "))
+    over_time.set_ylabel("returned to the hand [N]")
+    over_time.set_xlabel("time on the device's clock [s]")
+    over_depth.set_xlabel("depth of the hand [mm]")
+    over_depth.set_xlim(-0.5, 1e3 * norm(deepest - touch) * 1.05 + 0.1)
+    over_time.set_ylim(0.0, 1.08 * max(most.values()))
+    legend_beside(over_depth, labelspacing=0.8)
+    return figure, "shows " + "; ".join(f"{name}: at most {force:.3f} N" for name, force in most.items())

@@ -52,7 +52,9 @@ TEST(AccuracyVerb, MeasuresEverySettingAskedFor) {
     EXPECT_LE(row["direction_p95_deg"], 180.0);
     EXPECT_GE(row["magnitude_noise"], 0.0);
     EXPECT_GT(row["median_us"], 0.0);
-    EXPECT_LE(row["median_us"], row["worst_us"]);
+    EXPECT_LE(row["median_us"], row["p95_us"]);
+    EXPECT_LE(row["p95_us"], row["worst_us"]);
+    EXPECT_GE(row["queries_per_frame"], 0.5);
     EXPECT_GT(row["build_s"], 0.0);
   }
   EXPECT_EQ(j["rows"][0]["model"], "original");
@@ -64,7 +66,7 @@ TEST(AccuracyVerb, MeasuresEverySettingAskedFor) {
     EXPECT_EQ(csv.text(i, "model"), j["rows"][i]["model"]);
     for (const char* key : {"voxel_m", "shell_voxel_m", "shell_points", "bytes", "contacts", "missed", "missed_share", "direction_mean_deg", "direction_median_deg", "force_ratio",
                             "direction_p95_deg", "magnitude_noise", "torque_error_m", "onset_error_m", "onset_worst_m",
-                            "median_us", "worst_us", "build_s"})
+                            "median_us", "p95_us", "worst_us", "queries_per_frame", "build_s"})
       if (const nlohmann::json& value = j["rows"][i][key]; !value.is_null()) {
         EXPECT_EQ(csv.number(i, key), value.get<double>()) << key;
       } else {

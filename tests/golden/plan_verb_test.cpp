@@ -68,6 +68,26 @@ TEST(PlanVerb, MeasuresEachPartBesideWhatIsExpectedOfIt) {
     EXPECT_TRUE(part(j, name)["measured_ns"].is_null()) << name;
 }
 
+/// A hand at rest or on its way straight in keeps the rows of the frame before: such frames say nothing of what a virtual tool takes.
+TEST(PlanVerb, TimesAVirtualToolWhoseHandSlides) {
+  const TemporaryFolder folder;
+  std::string text = file_text(kScenes + "/cup_virtual_tool.yaml");
+  for (std::size_t at; (at = text.find("../meshes")) != std::string::npos;) text.replace(at, 9, std::string(VOXTOUCH_DEPLOY) + "/meshes");
+  std::ofstream(folder / "still.yaml") << text.substr(0, text.find("motions:"));
+  for (const std::string& scene : {kScenes + "/cup_virtual_tool.yaml", kScenes + "/press_virtual_tool.yaml", (folder / "still.yaml").string()}) {
+    SCOPED_TRACE(scene);
+    const nlohmann::json j = plan_json({scene, "--frames", "60"});
+    const nlohmann::json& m = j["measured"];
+    EXPECT_GT(m["touching"], 0);
+    EXPECT_GT(m["points_tested"], 0.0);
+    EXPECT_GE(m["queries_per_frame"], 0.5);
+    EXPECT_LE(m["frame_median_ns"], m["frame_p95_ns"]);
+    EXPECT_GT(part(j, "virtual tool")["measured_ns"], 0.0);
+    EXPECT_GT(part(j, "virtual tool")["expected_ns"], 0.0);
+    EXPECT_TRUE(part(j, "contact model field")["measured_ns"].is_null()) << "counted with the virtual tool";
+  }
+}
+
 TEST(PlanVerb, TakesSeededPlacesWhereTheSceneHasNoMotion) {
   const TemporaryFolder folder;
   std::string text = file_text(with_effects(folder, "[]"));
@@ -102,7 +122,7 @@ TEST(PlanVerb, SaysWhatTheDeviceCannotShowAndExitsWithOneWhereItCannotRun) {
 TEST(PlanVerb, TellsAPersonInATable) {
   const Finished run = voxtouch({"plan", kCylinder, "--frames", "50", "--device", "sim-phantom"});
   ASSERT_EQ(run.status, 0) << run.err;
-  for (const char* word : {"expected ns  measured ns", "culling tree", "(pointshell)", "Topics", "Left out", "compare ratios", "On sim-phantom"})
+  for (const char* word : {"expected ns    measured ns", "culling tree", "(pointshell)", "Topics", "Left out", "compare ratios", "On sim-phantom"})
     EXPECT_NE(run.out.find(word), std::string::npos) << word << " in\n" << run.out;
 }
 

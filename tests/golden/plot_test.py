@@ -27,6 +27,7 @@ plot = importlib.util.module_from_spec(spec)
 spec.loader.exec_module(plot)
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "experiments" / "stability_map"))
 import draw_map  # noqa: E402
+import plot_accuracy  # noqa: E402
 from plot_accuracy import LEAST_DIRECTION_DEG  # noqa: E402
 from plot_forces import read_run  # noqa: E402
 from plot_layout import overlap  # noqa: E402
@@ -205,6 +206,17 @@ class Pictures(unittest.TestCase):
         told, of_build = (subprocess.run([BIN / program, "--version"], capture_output=True, text=True, timeout=60, check=True).stdout for program in ("voxtouch_plot", "voxtouch"))
         self.assertEqual(told, of_build)
 
+    def test_runs_side_by_side_share_their_axes_and_an_empty_bag_is_refused(self):
+        for scene in ("cup", "cup_virtual_tool"):
+            done = voxtouch("up", DEPLOY / f"scenes/{scene}.yaml", "--device", "sim-phantom", "--motion", "hit", "--duration", "3.2", "--lockstep",
+                            "--record", self.at / scene)
+            self.assertEqual(done.returncode, 0, done.stderr)
+        with plot.matplotlib.rc_context(plot.STYLE):
+            figure, _ = plot.beside_figure([self.at / "cup", self.at / "cup_virtual_tool"])
+            self.judge(figure)
+        self.assertEqual([len(axis.lines) for axis in figure.axes], [2, 2])
+        self.refused(tool("beside", self.at / "cup", self.at / "nothing", self.at / "refused.png"), "nothing")
+
     def test_what_cannot_be_drawn_is_refused_in_a_sentence(self):
         (self.at / "words.json").write_text("not json")
         (self.at / "told.json").write_text('{"ok": false, "problems": ["the scene is not there"]}')
@@ -277,6 +289,12 @@ class Pictures(unittest.TestCase):
             figure = plot.design_figure(design)[0]
             self.judge(figure)
             self.assertIn(f"{design['translation']['shown_stiffness']:.4g} N/m ", figure._suptitle.get_text())
+
+    def test_the_title_of_the_page_tells_of_the_worst_depth_and_not_of_one_where_a_curve_crosses_the_truth(self):
+        def row(model, *ratios):
+            return {"model": model, "depths": [{"edges": e, "force_ratio": r} for e, r in zip((0.25, 1.0, 4.0), ratios)]}
+        title = plot_accuracy.page_title([row("adapted", 2.4, 0.48, 0.99), row("field", 0.92, 0.9, 0.95), row("virtual_tool", 0.88, 0.96, 0.99)])
+        self.assertTrue(title.endswith("field 90 % (1 e), adapted 240 % (0.25 e)"), title)
 
     def test_a_stability_map_is_grey_where_nothing_touches(self):
         table = self.at / "map.csv"

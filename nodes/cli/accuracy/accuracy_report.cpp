@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "core/accuracy/tool_row.hpp"
+
 namespace voxtouch::cli {
 namespace {
 
@@ -36,8 +38,8 @@ std::string cell(double value) {
 }
 
 constexpr const char* kHead =
-    "     weights  e [mm]  shell    points  poses  missed      direction [deg]      force   noise  torque    onset [mm]       time [us]      memory   build\n"
-    "                       [mm]                      [%]    mean  median     p95   /true     [%]    [mm]  median   worst   median   worst     [MB]     [s]\n";
+    "     weights  e [mm]  shell    points  poses  missed      direction [deg]      force   noise  torque    onset [mm]           time [us]          memory   build\n"
+    "                       [mm]                      [%]    mean  median     p95   /true     [%]    [mm]  median   worst   median     p95   worst     [MB]     [s]\n";
 
 std::string table_row(const AccuracyReport& report, std::size_t index) {
   const accuracy::AccuracyRow& r = report.rows[index];
@@ -46,11 +48,11 @@ std::string table_row(const AccuracyReport& report, std::size_t index) {
                                  r.setting.voxel_m * 1e3, r.setting.shell_voxel_m * 1e3);
   if (const std::string why = no_figures(r); !why.empty())
     return text + fmt::format("  {}{}\n", r.refused.empty() ? "" : "refused: ", why);
-  return text + fmt::format(" {:>9} {:>6} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>8} {:>7} {:>8} {:>7}\n",
+  return text + fmt::format(" {:>9} {:>6} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>8} {:>7} {:>7} {:>8} {:>7}\n",
                             r.shell_points, r.contacts + r.missed, cell(100.0 * r.missed_share()), cell(r.direction_mean_deg),
                             cell(r.direction_median_deg), cell(r.direction_p95_deg), cell(r.force_ratio),
                             cell(r.magnitude_noise * 100.0), cell(r.torque_error_m * 1e3), cell(r.onset_error_m * 1e3),
-                            cell(r.onset_worst_m * 1e3), cell(r.median_us), cell(r.worst_us),
+                            cell(r.onset_worst_m * 1e3), cell(r.median_us), cell(r.p95_us), cell(r.worst_us),
                             cell(static_cast<double>(r.bytes) / 1e6), cell(r.build_s));
 }
 
@@ -135,6 +137,17 @@ std::string budget_table(const AccuracyReport& report) {
   return fmt::format("  Under a budget\n    {:<48} {:>14} {:>14} {:>14} {:>14}\n", "", "deeper [mm]", "dir., mean", "more [deg]", "time /all") + text + '\n';
 }
 
+/// What was timed for a virtual tool, where one was.
+std::string slides_text(const AccuracyReport& report) {
+  std::string queries;
+  for (const accuracy::AccuracyRow& r : report.rows)
+    if (r.setting.virtual_tool && no_figures(r).empty()) queries += fmt::format("{}{}", queries.empty() ? "" : ", ", cell(r.queries_per_frame));
+  if (queries.empty()) return queries;
+  return fmt::format(
+      "  Those of a virtual tool: of a hand that slides {:g} e a frame sideways, 5 e deep; {} queries a frame on average. Pushed straight on it makes none.\n",
+      accuracy::kSlideEdges, queries);
+}
+
 std::string load_text(const AccuracyReport& r) {
   if (r.load_before < 0.0 || r.load_after < 0.0) return "load not known";
   return fmt::format("load {:.1f} before and {:.1f} after", r.load_before, r.load_after);
@@ -166,7 +179,9 @@ std::vector<Entry> figures(const accuracy::AccuracyRow& r) {
                          {"onset_error_m", r.onset_error_m},
                          {"onset_worst_m", r.onset_worst_m},
                          {"median_us", r.median_us},
+                         {"p95_us", r.p95_us},
                          {"worst_us", r.worst_us},
+                         {"queries_per_frame", r.queries_per_frame},
                          {"build_s", r.build_s}};
   if (!no_figures(r).empty())
     for (Entry& f : out) f.value = std::numeric_limits<double>::quiet_NaN();
@@ -238,9 +253,9 @@ std::string to_text(const AccuracyReport& r) {
   text += "  *  on the Pareto front: no other setting is both faster and closer in direction, a missed contact being 180 deg off";
   if (r.advice.row) text += ";  > the one that the advice names";
   text += fmt::format(
-      "\n  Times: CPU time of one frame, median and worst, on {} ({} CPUs, {}; {}, {}).\n"
-      "  Other work on the machine moves them: compare their ratios.\n\n  {}\n",
-      r.machine.processor, r.machine.cpus, load_text(r), r.machine.compiler, r.machine.flags, r.advice.sentence);
+      "\n  Times: CPU time of one frame, median, 95th percentile and worst, on {} ({} CPUs, {}; {}, {}).\n"
+      "{}  Other work on the machine moves them: compare their ratios.\n\n  {}\n",
+      r.machine.processor, r.machine.cpus, load_text(r), r.machine.compiler, r.machine.flags, slides_text(r), r.advice.sentence);
   return text;
 }
 

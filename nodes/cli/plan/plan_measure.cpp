@@ -1,8 +1,11 @@
 #include "nodes/cli/plan/plan_measure.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <numeric>
 #include <random>
 
+#include "core/accuracy/tool_row.hpp"
 #include "core/effects/body.hpp"
 #include "core/coupling/running_coupling.hpp"
 #include "core/fitting/coupling_input.hpp"
@@ -16,6 +19,14 @@ constexpr int kBatch = 16;
 constexpr double kAfterApproachS = 4.0;
 constexpr std::uint32_t kSeed = 1;
 
+/// Where no motion leads there, the hand goes straight in from outside, in so many frames, from so far before the touch to so far behind it.
+constexpr int kLeadFrames = 33;
+constexpr double kLeadEdges = 2.0;
+
+double mean(const std::vector<double>& values) {
+  return values.empty() ? 0.0 : std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
 double median(std::vector<double> values) {
   if (values.empty()) return 0.0;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -27,7 +38,8 @@ double median(std::vector<double> values) {
 /// of the surface that is drawn with a fixed seed.
 class Way {
  public:
-  Way(const scene::Scene& scene, const voxmap::Voxmap& voxmap, double reach_m, int frames) : frames_(frames), random_(kSeed) {
+  Way(const scene::Scene& scene, const voxmap::Voxmap& voxmap, double reach_m, int frames)
+      : frames_(frames), random_(kSeed), edge_m_(voxmap.grid().edge) {
     if (!scene.motions.empty()) {
       name_ = scene.motions.begin()->first, motion_ = scene.motions.begin()->second;
       duration_s_ =
@@ -42,30 +54,50 @@ class Way {
   const std::string& name() const { return name_; }
   double step_s() const { return motion_ ? duration_s_ / frames_ : 1e-3; }
   rendering::ToolState at(int n) {
+    if (motion_) return along(step_s() * n);
     rendering::ToolState tool;
-    if (motion_) {
-      const MotionPoint point = motion_at(*motion_, step_s() * n);
-      const MotionTurnPoint turn = turn_at(*motion_, step_s() * n);
-      tool.pose = {point.position, turn.orientation};
-      tool.twist = {point.velocity, turn.rate};
-      return tool;
-    }
     if (surface_.empty()) return tool;
     const auto draw = [this] {
       return 2.0 * static_cast<double>(random_()) / static_cast<double>(std::mt19937::max()) - 1.0;
     };
     const double x = draw(), y = draw(), z = draw();
-    tool.pose.position = surface_[random_() % surface_.size()] + reach_m_ * Vec3(x, y, z).normalized();
+    from_surface_ = Vec3(x, y, z).normalized();
+    tool.pose.position = surface_[random_() % surface_.size()] + reach_m_ * from_surface_;
     return tool;
+  }
+  bool leads() const { return motion_.has_value(); }
+  /// The hand on its way to the place of frame `n`, at most a millisecond each: along the motion, or straight in.
+  std::vector<rendering::ToolState> lead(int n) {
+    std::vector<rendering::ToolState> out;
+    if (motion_) {
+      const double from_s = step_s() * std::max(n - 1, 0), way_s = step_s() * n - from_s;
+      const int steps = std::max(1, static_cast<int>(std::ceil(way_s / 1e-3)));
+      for (int k = 1; k <= steps; ++k) out.push_back(along(from_s + way_s * k / steps));
+      return out;
+    }
+    out.assign(kLeadFrames, at(n));
+    for (int k = 0; k < kLeadFrames; ++k)
+      out[static_cast<std::size_t>(k)].pose.position += kLeadEdges * edge_m_ * (1.0 - 2.0 * k / (kLeadFrames - 1)) * from_surface_;
+    return out;
   }
 
  private:
+  rendering::ToolState along(double t_s) const {
+    const MotionPoint point = motion_at(*motion_, t_s);
+    const MotionTurnPoint turn = turn_at(*motion_, t_s);
+    rendering::ToolState tool;
+    tool.pose = {point.position, turn.orientation};
+    tool.twist = {point.velocity, turn.rate};
+    return tool;
+  }
+
   int frames_;
   std::mt19937 random_;
   std::string name_;
   std::optional<Motion> motion_;
   double duration_s_ = 0.0;
-  double reach_m_ = 0.0;
+  double reach_m_ = 0.0, edge_m_;
+  Vec3 from_surface_ = Vec3::Zero();  ///< unit, of the last place without a motion
   std::vector<Vec3> surface_;  ///< centres of voxels; empty where there is a motion
 };
 
@@ -88,6 +120,13 @@ class Stopwatch {
     }
     return std::max(0.0, best) * 1e9 / kBatch;
   }
+  /// Nanoseconds of this one call.
+  template <class Call>
+  double once_ns(Call&& call) const {
+    const double begin = clock_();
+    call();
+    return std::max(0.0, clock_() - begin - overhead_s_) * 1e9;
+  }
 
  private:
   const std::function<double()>& clock_;
@@ -96,6 +135,7 @@ class Stopwatch {
 
 struct Samples {
   std::vector<double> find, rest, frame, tested, hits, coupling;
+  std::vector<double> queries, iterations;  ///< of a virtual tool
   std::vector<std::vector<double>> effects;
 };
 
@@ -109,10 +149,12 @@ class Measurement {
     if (options.coupling) coupling_.emplace(*options.coupling, coupling::CouplingLimits{}, kDefaultS);
     hits_.reserve(built.renderer().query().shell().size());
     built.scene_renderer().reset();
+    built.scene_renderer().aim_for_spring(kSpringNPerM);
   }
 
   /// Frames in contact are what counts, where there are any: those without are told apart.
   void frame(int n, PlanTimes& out) {
+    if (scene_.virtual_tool()) return slide(n, out);
     const rendering::ToolState tool = way_.at(n);
     rendering::ObjectContacts& contacts = built_.contacts();
     double time_s = static_cast<double>(n), hits = 0.0, tested = 0.0;
@@ -143,6 +185,48 @@ class Measurement {
     }
   }
 
+  /// The same of a virtual tool, from where the hand is led to.
+  void slide(int n, PlanTimes& out) {
+    rendering::SceneRenderer& renderer = built_.scene_renderer();
+    if (!way_.leads()) renderer.lose_tool();
+    rendering::SceneFrame frame;
+    rendering::ToolState hand;
+    for (const rendering::ToolState& next : way_.lead(n)) frame = renderer.render(hand = next, time_s_ += kDefaultS);
+    const Vec3 normal = frame.touch.contact.mean_normal;
+    if (frame.tool.constrained && out.touching++ == 0) begin_contact();
+    const bool counts = frame.tool.constrained || out.touching == 0;
+    double find = 0.0, effects = 0.0, tested = 0.0, hits = 0.0;
+    if (counts) {
+      rendering::ObjectContacts& contacts = built_.contacts();
+      for (std::size_t o = 0; o < contacts.size(); ++o) {
+        find += watch_.ns([&] { contacts.object(o).renderer->query().find(frame.object, hits_); });
+        hits += static_cast<double>(hits_.surface.size() + hits_.interior.size()), tested += hits_.tested;
+      }
+      const effects::EffectFrame in = renderer.look(hand, kDefaultS, time_s_, contacts.parts(contacts.render(hand.pose, 0.0)));
+      for (std::size_t e = 0; e < alone_.size(); ++e) {
+        samples_.effects[e].push_back(watch_.ns([&] { push_ = alone_[e].apply(in); }));
+        effects += samples_.effects[e].back();
+      }
+      samples_.find.push_back(find), samples_.tested.push_back(tested), samples_.hits.push_back(hits);
+      if (coupling_) {
+        const coupling::CouplingInput input = fitting::coupling_input(frame, hand.pose);
+        samples_.coupling.push_back(watch_.ns([&] { coupling_->step(input, kDefaultS); }));
+      }
+    }
+    const Vec3 aside = normal.isZero(0.0) ? Vec3(Vec3::UnitX()) : normal.unitOrthogonal();
+    for (int k = 0; k < kBatch; ++k) {
+      hand.pose.position += accuracy::kSlideEdges * scene_.voxel_size_m * aside;
+      const double ns = watch_.once_ns([&] { frame = renderer.render(hand, time_s_ += kDefaultS); });
+      if (!frame.tool.constrained || !counts) {
+        free_.push_back(ns);
+        continue;
+      }
+      samples_.frame.push_back(ns);
+      samples_.queries.push_back(frame.tool.queries), samples_.iterations.push_back(frame.tool.iterations);
+      samples_.rest.push_back(std::max(0.0, ns - frame.tool.queries * find - effects));
+    }
+  }
+
   /// A body's motion is in the frame, not in its effect: it is timed by itself.
   double measured(std::size_t effect) {
     const effects::EffectSpec& spec = scene_.effects[effect];
@@ -156,7 +240,7 @@ class Measurement {
 
   /// What was taken so far was out of contact.
   void begin_contact() {
-    free_ = std::move(samples_.frame);
+    free_.insert(free_.end(), samples_.frame.begin(), samples_.frame.end());
     samples_ = {};
     samples_.effects.resize(scene_.effects.size());
   }
@@ -168,17 +252,23 @@ class Measurement {
   void sum_up(PlanTimes& out) {
     out.along = way_.name();
     out.points_tested = median(samples_.tested), out.hits = median(samples_.hits);
-    out.parts.push_back({"pointshell", rendering::kNsPerPoint * out.points_tested, median(samples_.find)});
+    out.slides = scene_.virtual_tool();
+    if (out.slides) out.queries_per_frame = mean(samples_.queries);
+    const double queries = out.queries_per_frame;
+    out.parts.push_back({"pointshell", queries * rendering::kNsPerPoint * out.points_tested, queries * median(samples_.find)});
     const std::string& model = built_.plan().contact_model;
-    out.parts.push_back(
-        {"contact model " + model, rendering::kNsPerFrame + rendering::ns_per_contact_point(model) * out.hits, median(samples_.rest)});
+    const double weighed = rendering::kNsPerFrame + rendering::ns_per_contact_point(model) * out.hits;
+    if (out.slides)
+      out.parts.push_back({"virtual tool", queries * weighed + rendering::kNsPerIteration * mean(samples_.iterations), median(samples_.rest)});
+    else
+      out.parts.push_back({"contact model " + model, weighed, median(samples_.rest)});
     for (std::size_t e = 0; e < alone_.size(); ++e) {
       const effects::EffectSpec& effect = scene_.effects[e];
       out.parts.push_back({"effect " + effect.name,
                            rendering::expected_ns(effect, built_.effect_ground().tool.points.size()), measured(e)});
     }
     if (coupling_) out.parts.push_back({"coupling", rendering::kNsPerCoupling, median(samples_.coupling)});
-    std::vector<double> frames = samples_.frame;
+    std::vector<double> frames = samples_.frame.empty() ? free_ : samples_.frame;
     std::sort(frames.begin(), frames.end());
     if (frames.empty()) return;
     out.frame_free_ns = out.touching > 0 ? median(free_) : median(frames);
@@ -187,6 +277,7 @@ class Measurement {
   }
 
  private:
+  static constexpr double kSpringNPerM = 300.0;  ///< of a virtual tool: what a device shows
   static constexpr double kDefaultS = rendering::SceneRenderer::kDefaultStepS;
   const scene::Scene& scene_;
   rendering::BuiltScene& built_;
@@ -198,6 +289,7 @@ class Measurement {
   effects::EffectPush push_;
   effects::BodyGrip grip_;
   Samples samples_;
+  double time_s_ = 0.0;       ///< of a virtual tool's frames
   std::vector<double> free_;  ///< whole frames out of contact
 };
 

@@ -30,10 +30,14 @@ struct PlanTimes {
   std::vector<PartTime> parts;                                             ///< those that take time of their own
   double frame_median_ns = 0.0, frame_p95_ns = 0.0, frame_worst_ns = 0.0;  ///< contact and effects, likewise
   double frame_free_ns = 0.0;  ///< median of the frames out of contact; 0: none was
+  bool slides = false;             ///< frames of a hand that slides: with a virtual tool
+  double queries_per_frame = 1.0;  ///< mean over the frames in contact; without a virtual tool each makes one
 };
 
 /// Each frame's parts are timed in batches of the same frame and what asking for the time costs is taken off; the contact model
-/// is what a whole contact takes above finding its hits. Leaves the renderer reset.
+/// is what a whole contact takes above finding its hits. A virtual tool makes no query while its hand rests or goes straight on in: so from
+/// each place the hand slides sideways (accuracy::kSlideEdges a frame, kBatch frames), each of these frames is timed by itself, and the virtual tool
+/// is what they take above their queries and effects. Leaves the renderer reset.
 PlanTimes measure_plan(const scene::Scene& scene, rendering::BuiltScene& built, const MeasureOptions& options);
 
 }  // namespace voxtouch::cli

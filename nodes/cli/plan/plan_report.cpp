@@ -5,6 +5,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "core/accuracy/tool_row.hpp"
+
 namespace voxtouch::cli {
 namespace {
 
@@ -24,7 +26,8 @@ std::string measured_text(const PlanReport& report, const rendering::PlanPart& p
   if (const PartTime* time = time_of(report, part.name)) return fmt::format("{:.0f}", time->measured_ns);
   if (!report.times) return "";
   if (part.name == "voxmap" || part.name == "culling tree") return "(pointshell)";
-  if (part.name == "distance field") return "(contact)";
+  if (report.times->slides && part.name.starts_with("contact model ")) return "(virtual tool)";
+  if (part.name == "distance field") return report.times->slides ? "(virtual tool)" : "(contact)";
   return "-";
 }
 
@@ -32,12 +35,12 @@ std::string frame_rows(const PlanReport& report) {
   std::size_t width = 4;
   for (const rendering::PlanPart& part : report.plan.parts)
     if (!of_the_ring(part)) width = std::max(width, part.name.size());
-  std::string text = fmt::format("  {:<{}} {:>10} {:>11} {:>11} {:>12}  why\n", "part", width, "bytes", "at most ns",
+  std::string text = fmt::format("  {:<{}} {:>10} {:>11} {:>11} {:>14}  why\n", "part", width, "bytes", "at most ns",
                                  "expected ns", "measured ns");
   for (const rendering::PlanPart& part : report.plan.parts) {
     if (of_the_ring(part)) continue;
     const PartTime* time = time_of(report, part.name);
-    text += fmt::format("  {:<{}} {:>10} {:>11} {:>11} {:>12}  {}\n", part.name, width,
+    text += fmt::format("  {:<{}} {:>10} {:>11} {:>11} {:>14}  {}\n", part.name, width,
                         part.bytes > 0 ? rendering::bytes_text(part.bytes) : "-", ns_text(part.expected_ns),
                         time ? ns_text(time->expected_ns) : "", measured_text(report, part), part.why);
   }
@@ -74,6 +77,11 @@ std::string times_text(const PlanReport& report) {
       t.frame_free_ns > 0.0 ? fmt::format("{:.0f} ns", t.frame_free_ns) : "never", t.touching, t.frames,
       t.along.empty() ? "at seeded places on the surface" : fmt::format("along '{}'", t.along), t.points_tested,
       report.plan.shell_points, t.hits, report.machine.processor, report.load);
+  if (t.slides)
+    text += fmt::format(
+        "  Timed frames of the virtual tool: the hand slides {:g} e a frame sideways from each place; {:.2f} queries a frame on average, and none where it "
+        "rests or goes straight on in.\n",
+        accuracy::kSlideEdges, t.queries_per_frame);
   if (!report.why_no_coupling_time.empty()) text += fmt::format("  {}\n", report.why_no_coupling_time);
   return text;
 }
@@ -133,6 +141,7 @@ nlohmann::ordered_json to_json(const PlanReport& report) {
                      {"touching", t.touching},
                      {"points_tested", t.points_tested},
                      {"hits", t.hits},
+                     {"queries_per_frame", t.queries_per_frame},
                      {"frame_median_ns", t.frame_median_ns},
                      {"frame_p95_ns", t.frame_p95_ns},
                      {"frame_worst_ns", t.frame_worst_ns},

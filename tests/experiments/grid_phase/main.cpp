@@ -1,7 +1,9 @@
-// What the place of the voxel grid does to each contact model: planes, corners and thin walls along the grid, moved by random shares
+// What the place of the voxel grid does to each contact model and to the virtual tool: planes, corners and thin walls along the grid, moved by random shares
 // of a voxel, on the grid whose borders are multiples of e and on the grid that a scene gives an object.
 //
-//   grid_phase [--phases N] [--places N] [--seed S]        15 s; a row a model and ground
+// A virtual tool is held beside the exact ball that is drawn to the same hand, which goes in from a voxel outside and rests.
+//
+//   grid_phase [--phases N] [--places N] [--seed S]        5 s; a row a model and ground
 #include <fmt/core.h>
 #include <CLI/CLI.hpp>
 
@@ -10,6 +12,7 @@
 #include <cstdio>
 #include <string>
 
+#include "core/contact/virtual_tool.hpp"
 #include "core/voxmap/object_grid.hpp"
 #include "tests/unit/contact/field_scenes.hpp"
 #include "tests/unit/contact/fixtures.hpp"
@@ -29,6 +32,7 @@ struct Place {
   mesh::TriangleMesh mesh;
   std::function<double(const Vec3&)> depth;          ///< of a point, negative outside; 1-Lipschitz
   std::function<Vec3(std::mt19937_64&)> ball_centre;
+  std::function<Vec3(const Vec3&)> out;              ///< the way of the exact ball, with its centre there, until it is outside
 };
 
 double depth_in(const Vec3& size, const Vec3& middle, const Vec3& x) {
@@ -42,7 +46,8 @@ double along(std::mt19937_64& random) { return uniform(random, -0.012, 0.012); }
 Place slab(const std::string& name, double thick) {
   const Vec3 size(0.08, 0.08, thick * kEdge), middle(0, 0, -0.5 * thick * kEdge);
   return {name, test::box_mesh(size, {middle, Quat::Identity()}), [=](const Vec3& x) { return depth_in(size, middle, x); },
-          [](std::mt19937_64& random) { return Vec3(along(random), along(random), kRadius - kDepth); }};
+          [](std::mt19937_64& random) { return Vec3(along(random), along(random), kRadius - kDepth); },
+          [](const Vec3&) { return Vec3(0, 0, kDepth); }};
 }
 
 /// A block's edge along y through the origin; the ball comes from `degrees` off the vertical.
@@ -52,7 +57,8 @@ Place convex(const std::string& name, double least_degrees, double most_degrees)
           [=](std::mt19937_64& random) {
             const double a = uniform(random, least_degrees, most_degrees) * 3.14159265358979 / 180;
             return Vec3((kRadius - kDepth) * std::sin(a), along(random), (kRadius - kDepth) * std::cos(a));
-          }};
+          },
+          [](const Vec3& centre) -> Vec3 { return kDepth * Vec3(centre.x(), 0, centre.z()).normalized(); }};
 }
 
 /// Two walls that meet along z, the free space is x, y > 0; the ball lies in it against both.
@@ -61,12 +67,14 @@ Place concave() {
                            below = test::box_mesh(Vec3(0.08, 0.02, 0.06), {Vec3(0.02, -0.01, 0), Quat::Identity()});
   return {"concave corner", test::joined(left, below),
           [](const Vec3& x) { return x.x() < 0 && x.y() < 0 ? std::hypot(x.x(), x.y()) : -std::min(x.x(), x.y()); },
-          [](std::mt19937_64& random) { return Vec3(kRadius - kDepth, kRadius - kDepth, along(random)); }};
+          [](std::mt19937_64& random) { return Vec3(kRadius - kDepth, kRadius - kDepth, along(random)); },
+          [](const Vec3&) { return Vec3(kDepth, kDepth, 0); }};
 }
 
 struct Touch {
   Pose pose;
   Vec3 truth;
+  Vec3 out;  ///< of a virtual tool the truth, over the spring [m]
 };
 
 struct Figures {
@@ -75,19 +83,44 @@ struct Figures {
   double direction = 0.0;  ///< median error of those that push [degrees]
 };
 
-Figures measure(contact::ContactRenderer renderer, const std::vector<Touch>& touches, const Vec3& shift) {
+/// `force_at`: of a touch; `truth_of`: what it should be.
+template <class Force, class Truth>
+Figures judge(const std::vector<Touch>& touches, Force&& force_at, Truth&& truth_of) {
   Figures f;
   double got = 0.0, truth = 0.0;
   std::vector<double> directions;
   for (const Touch& touch : touches) {
-    const Vec3 force = renderer.probe({touch.pose.position + shift, touch.pose.orientation}).wrench.force;
-    got += force.norm(), truth += touch.truth.norm();
+    const Vec3 force = force_at(touch);
+    got += force.norm(), truth += truth_of(touch).norm();
     if (force.isZero(0.0)) f.missed += 1.0 / static_cast<double>(touches.size());
-    else directions.push_back(test::degrees_between(force, touch.truth));
+    else directions.push_back(test::degrees_between(force, truth_of(touch)));
   }
   f.size = got / truth;
   f.direction = directions.empty() ? NAN : test::quantile(directions, 0.5);
   return f;
+}
+
+Figures measure(contact::ContactRenderer renderer, const std::vector<Touch>& touches, const Vec3& shift) {
+  return judge(touches, [&](const Touch& touch) { return renderer.probe({touch.pose.position + shift, touch.pose.orientation}).wrench.force; },
+               [](const Touch& touch) { return touch.truth; });
+}
+
+Figures measure_tool(const test::Ground& ground, const pointshell::Pointshell& shell, const std::vector<Touch>& touches, const Vec3& shift) {
+  const contact::ContactQuery query(ground.voxmap, shell);
+  contact::VirtualTool tool({.points = shell.size(), .reach_m = query.reach_m(), .edge_m = kEdge});
+  const std::array grounds = {contact::ToolGround{&query, &ground.field, Vec3::Zero()}};
+  const auto force_at = [&](const Touch& touch) {
+    constexpr int kWayFrames = 12, kRestFrames = 50;
+    const Vec3 hand = touch.pose.position + shift, begin = touch.out + kEdge * touch.out.normalized();
+    if (!tool.place({hand + begin, touch.pose.orientation}, grounds)) return Vec3(Vec3::Zero());
+    contact::VirtualToolFrame frame;
+    for (int n = 1; n <= kWayFrames + kRestFrames; ++n) {
+      const double left = std::max(0.0, 1.0 - static_cast<double>(n) / kWayFrames);
+      frame = tool.frame({.pose = {hand + left * begin, touch.pose.orientation}}, grounds);
+    }
+    return frame.wrench(1.0).force;
+  };
+  return judge(touches, force_at, [](const Touch& touch) { return touch.out; });
 }
 
 /// Median and worst over the phases.
@@ -128,23 +161,26 @@ int main(int argc, char** argv) {
   for (const Place& place : all) {
     std::vector<Touch> touches;
     for (int n = 0; n < places; ++n) {
-      const Pose pose = ball.posed(place.ball_centre(random), test::random_rotation(random));
-      touches.push_back({pose, test::integral_over(ball.mesh, pose, place.depth).force});
+      const Quat turn = test::random_rotation(random);
+      const Vec3 centre = place.ball_centre(random);
+      const Pose pose = ball.posed(centre, turn);
+      touches.push_back({pose, test::integral_over(ball.mesh, pose, place.depth).force, place.out(centre)});
     }
     const auto over = [&](const std::vector<Vec3>& moved, auto&& grid_of) {
-      std::array<std::vector<Figures>, kModels.size()> figures;
+      std::array<std::vector<Figures>, kModels.size() + 1> figures;  // the virtual tool's last
       for (const Vec3& shift : moved) {
         mesh::TriangleMesh mesh = place.mesh;
         for (Vec3& v : mesh.vertices) v += shift;
         const test::Ground ground(mesh, grid_of(mesh, kEdge), 12.0);
         for (std::size_t m = 0; m < kModels.size(); ++m) figures[m].push_back(measure(ground.renderer(shell, kModels[m]), touches, shift));
+        figures.back().push_back(measure_tool(ground, shell, touches, shift));
       }
       return figures;
     };
     const auto borders = over(on_borders, voxmap::default_grid), before = over(shifts, voxmap::default_grid),
                after = over(shifts, voxmap::object_grid);
-    for (std::size_t m = 0; m < kModels.size(); ++m)
-      fmt::print("{:26} {:9} | faces on borders {} || multiples of e {} || clear of faces {}\n", place.name, contact::name_of(kModels[m]),
+    for (std::size_t m = 0; m <= kModels.size(); ++m)
+      fmt::print("{:26} {:12} | faces on borders {} || multiples of e {} || clear of faces {}\n", place.name, m < kModels.size() ? contact::name_of(kModels[m]) : "virtual tool",
                  summary(borders[m]), summary(before[m]), summary(after[m]));
     std::fflush(stdout);
   }

@@ -51,6 +51,24 @@ TEST(AccuracyAdvice, NamesTheCheapestSettingForAWantedDirectionError) {
   expect_tells(advice, rows(), {2}, {"2.5 deg", "10 us", "0.5 deg"});
 }
 
+/// A tool that is no ball: its truth is not known, and that is no reason to leave it.
+TEST(AccuracyAdvice, RecommendsNothingAgainstAVirtualToolThatWasNotJudged) {
+  std::vector<AccuracyRow> all = rows();
+  all.push_back(refused());
+  all.back().setting.virtual_tool = true;
+  for (const AccuracyGoal& goal : {AccuracyGoal{}, AccuracyGoal{.direction_deg = 2.5}, AccuracyGoal{.within_us = 15.0}}) {
+    const AccuracyAdvice advice = advise(all, goal, true);
+    EXPECT_FALSE(advice.row);
+    EXPECT_FALSE(advice.knee);
+    expect_tells(advice, rows(), {}, {"virtual tool", "it would need 80 GB"});
+    EXPECT_TRUE(advise(all, goal).row) << "another scene renders a penalty model";
+  }
+  AccuracyRow judged = row(contact::ContactModelKind::kField, 0.002, 7, 1.0);
+  judged.setting.virtual_tool = true;
+  all.push_back(judged);
+  EXPECT_TRUE(advise(all, {.within_us = 15.0}, true).row) << "at another voxel size it was";
+}
+
 TEST(AccuracyAdvice, CountsAWishThatIsJustKept) {
   EXPECT_EQ(advise(rows(), {.direction_deg = 8.0}).row, 0u);
   EXPECT_EQ(advise(rows(), {.within_us = 10.0}).row, 2u);

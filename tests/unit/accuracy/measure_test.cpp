@@ -290,8 +290,10 @@ TEST(ToolRow, HoldsTheVirtualToolBesideTheExactBall) {
     ASSERT_EQ(row.refused, "") << name;
     std::printf("%s: direction %.3f, 95 %% %.2f deg, noise %.4f, missed %u of %u\n", name, row.direction_median_deg, row.direction_p95_deg,
                 row.magnitude_noise, row.missed, row.contacts + row.missed);
+    std::printf("%s: %.2f queries a frame that slides\n", name, row.queries_per_frame);
     EXPECT_EQ(row.missed, 0u) << name;
     EXPECT_LT(row.direction_median_deg, 2.5) << name;
+    EXPECT_GE(row.queries_per_frame, 0.5) << name << ": a frame that keeps the rows of the one before is no measure of time";
     EXPECT_LT(row.magnitude_noise, 0.05) << name;
   }
 }

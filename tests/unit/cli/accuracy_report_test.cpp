@@ -91,6 +91,14 @@ TEST(AccuracyText, SaysUnderWhatConditionsAndEndsWithTheAdvice) {
   EXPECT_TRUE(text.ends_with(report.advice.sentence + "\n")) << text;
 }
 
+TEST(AccuracyText, SaysWhichFramesOfAVirtualToolWereTimed) {
+  AccuracyReport report = accuracy_report();
+  EXPECT_FALSE(to_text(report).contains("queries"));
+  report.rows[3].setting.virtual_tool = true, report.rows[3].queries_per_frame = 1.75;
+  EXPECT_TRUE(to_text(report).contains("slides 0.025 e a frame sideways, 5 e deep; 1.75 queries")) << to_text(report);
+  EXPECT_EQ(nlohmann::json::parse(to_json(report).dump())["rows"][3]["queries_per_frame"], 1.75);
+}
+
 TEST(AccuracyJson, HoldsRowsOptionsConditionsAndAdvice) {
   const AccuracyReport report = accuracy_report({.noise = 0.03});
   const nlohmann::json j = nlohmann::json::parse(to_json(report).dump());
@@ -155,7 +163,7 @@ TEST(AccuracyCsv, HasAHeaderAndACellForEveryColumnAndQuotesReasons) {
   const auto commas = [](const std::string& line) { return std::count(line.begin(), line.end(), ','); };
   EXPECT_TRUE(all[0].starts_with("model,weights,voxel_m,")) << all[0];
   for (std::size_t i : {1u, 2u, 3u, 4u, 6u}) EXPECT_EQ(commas(all[i]), commas(all[0])) << all[i];
-  EXPECT_EQ(all[1], "original,one,0.004,0.004,1300,300000,40,10,1,0,0.2,8,6.4,16,0.9,0.4,0.0001,-0.0002,0.0005,5,15,0.25,5.6,7.2,,,,,,,"
+  EXPECT_EQ(all[1], "original,one,0.004,0.004,1300,300000,40,10,1,0,0.2,8,6.4,16,0.9,0.4,0.0001,-0.0002,0.0005,5,10,15,1,0.25,5.6,7.2,,,,,,,"
                     "0,3,0.875,0,10,45,0.125,0,4,0.1,0.5,2,90,0.5,1.5,1,0,");
   EXPECT_NE(all[0].find(",missed_at_4_e,direction_mean_deg_at_4_e,force_ratio_at_4_e,"), std::string::npos) << all[0];
   EXPECT_TRUE(all[3].ends_with(",1,1,")) << all[3];

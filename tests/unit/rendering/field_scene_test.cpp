@@ -71,6 +71,19 @@ TEST_F(FieldScene, WarnsOfTheThinnestBodyByNameAndOfNoneThatIsThickEnough) {
   EXPECT_FALSE(any_has(built("{mesh: thin.obj}", kAdapted)->plan().warnings, "thinnest"));
 }
 
+/// As `virtual_tool_trials plates` measures it: walls of a quarter to one voxel 0.7 degrees, of 1.25 voxels askew 5.7, of 2.5 voxels 0.2 (95 %).
+TEST_F(FieldScene, WarnsOfWallsThatPushAVirtualToolAskew) {
+  const char* const kTool = "rendering: virtual_tool}\ncoupling: {design: auto";
+  const auto warnings = [&](double thick_m) {
+    write("wall.obj", box_obj({0.08, 0.08, thick_m}));
+    return built("{mesh: wall.obj}", kTool)->plan().warnings;
+  };
+  EXPECT_TRUE(any_has(warnings(0.001), "at most 0.7 degrees"));
+  EXPECT_FALSE(any_has(warnings(0.001), "6 degrees"));
+  EXPECT_TRUE(any_has(warnings(0.0025), "1.25 voxels. It holds a virtual tool, but where a wall of 1.1 to 1.5 voxels lies askew in the grid it pushes up to 6 degrees"));
+  EXPECT_FALSE(any_has(warnings(0.005), "thinnest"));
+}
+
 TEST_F(FieldScene, AnOpenMeshIsNamedAndRefusedWhereItIsAllThereIs) {
   const auto both = built("{mesh: thick.obj}, {mesh: open.obj, position: [0, 0, 0.1]}", kField);
   EXPECT_TRUE(any_has(both->plan().warnings, "open.obj: "));
