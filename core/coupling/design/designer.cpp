@@ -20,6 +20,8 @@ namespace {
 constexpr std::array kShrinks{1.0, 0.9999, 0.999, 0.99, 0.97, 0.95, 0.9, 0.8, 0.65, 0.5};
 /// Another kind has to show that much more than the filter, which smooths what the contact does: the search takes for as good what shows nine tenths.
 constexpr double kWorthNoFilter = 1.1;
+/// Floors that take such a share of what is shown without them are what limits, and are told first; less is told behind what limits with and without them.
+constexpr double kLimitingFloor = 0.1;
 /// A bound on injected damping that leaves less than this of what is shown without it is not kept.
 constexpr double kWorthABound = 2.0 / 3.0;
 
@@ -97,10 +99,8 @@ Design best_of_all(const DesignProblem& request, const std::vector<AxisProblem>&
     Design other = certified(request, problems, propose(request, problems));
     const double shows = worth(problems, other);
     if (shows <= 0.0 || shows < to_beat) continue;
-    other.reasons.insert(
-        other.reasons.begin(),
-        fmt::format("Without the shaping filter the hand feels {:.3g} % of the stiffness wanted, with it {:.3g} %.",
-                    100.0 * shows, 100.0 * with_filter));
+    other.reasons.push_back(fmt::format("Without the shaping filter the hand feels {:.3g} % of the stiffness wanted, with it {:.3g} %.",
+                                        100.0 * shows, 100.0 * with_filter));
     best = std::move(other);
     to_beat = shows * (1.0 + 1e-12);
   }
@@ -152,7 +152,9 @@ Design with_floors(const DesignProblem& request, std::vector<AxisProblem> proble
     damped.floors.cost_n_per_m = design.translation.shown_stiffness - damped.translation.shown_stiffness;
     damped.floors.cost_nm_per_rad = design.rotation.shown_stiffness - damped.rotation.shown_stiffness;
     const std::string cost = floors_cost(problems, damped);
-    if (!cost.empty()) damped.reasons.insert(damped.reasons.begin(), cost);
+    const bool first = damped.floors.cost_n_per_m > kLimitingFloor * design.translation.shown_stiffness ||
+                       damped.floors.cost_nm_per_rad > kLimitingFloor * design.rotation.shown_stiffness;
+    if (!cost.empty()) damped.reasons.insert(first ? damped.reasons.begin() : damped.reasons.end(), cost);
   }
   damped.floors.out_of_reach = out_of_reach;
   return damped;
