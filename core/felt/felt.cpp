@@ -3,99 +3,92 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "core/fitting/design_problem.hpp"
 
 namespace voxtouch::felt {
 namespace {
 
-constexpr double kDepthM = 0.01, kLittle = 0.2;  ///< a share of the device's force
+constexpr double kLittle = 0.2;  ///< a share of the device's force
 
-/// " More: ... Or: ...": one change, or two where little is felt.
-std::string told(const std::vector<std::string>& changes, double share) {
+/// " More: ... gives ... Or: ...".
+std::string told(const Felt& felt, double force, rendering::BuiltScene& built, const Motion* motion, Search search) {
+  const double most = felt.device.translation.max_effort;
+  if (force >= 0.999 * most) return "";
+  const bool little = force < kLittle * most;
+  const std::vector<Change> found = changes(felt, force, built, motion, little ? 2 : 1, little && search == Search::kKnown ? Search::kFirst : search);
   std::string text;
-  const std::size_t most = std::min<std::size_t>(share < kLittle ? 2 : 1, changes.size());
-  for (std::size_t n = 0; n < most; ++n) text += (n == 0 ? " More: " : " Or: ") + changes[n];
-  return text;
+  for (const Change& change : found) text += fmt::format(" {}: {} gives {:.3g} N.", text.empty() ? "More" : "Or", change.what, change.force_n);
+  if (little || search == Search::kAll) {
+    if (found.empty()) return " More: no single change of scene, delay or rate gives a tenth more.";
+    return little && found.size() < 2 ? text + " No other single change of scene, delay or rate gives a tenth more." : text;
+  }
+  return found.empty() ? " More: voxtouch plan with this device tells it." : text;
+}
+
+std::string limited(const std::string& what) { return what.empty() ? "" : " What limits it: " + what; }
+
+std::string of_spring(const Felt& felt, double force) {
+  const double at_hand = stiffness_n_per_m(felt), most = felt.device.translation.max_effort;
+  const rendering::StiffnessBounds bounds = bounds_of(felt);
+  std::string text = fmt::format(
+      "What will be felt: {:.4g} N/m at the hand, certified with a margin of {:.3g}: {:.3g} N with the hand 10 mm deep, {:.0f} % of the {:.3g} N "
+      "that {} gives, which it reaches {:.3g} mm deep.",
+      at_hand, felt.fitted.design.translation.gain_margin, force, 100.0 * force / most, most, felt.device.name, 1e3 * most / at_hand);
+  if (force < 0.999 * most && fitting::spring_n_per_m(felt.fitted, felt.scene, felt.device, {bounds.translation, {}}) >
+                                  1.001 * fitting::spring_n_per_m(felt.fitted, felt.scene, felt.device, bounds))
+    return text + limited("turning, which a virtual tool's spring resists with the tool's lever.");
+  return text + limited(limit_of(felt.fitted, felt.device, at_hand, force));
+}
+
+std::string of_grip(const Felt& felt, double force) {
+  const double at_hand = stiffness_n_per_m(felt), most = felt.device.translation.max_effort, grip = bounds_of(felt).translation.one_point;
+  const std::string text = fmt::format(
+      "What will be felt: the body while it is held, {:.4g} N/m at the hand: {:.3g} N with the hand 10 mm from where the body hangs, {:.0f} % of the {:.3g} N "
+      "that {} gives; nothing of it while it is not held.",
+      at_hand, force, 100.0 * force / most, most, felt.device.name);
+  const bool by_grip = at_hand >= 0.999 * fitting::stiffness_at_hand_n_per_m({}, felt.scene.device, grip);
+  return text + limited(by_grip ? "the body's grip_n_per_m." : limit_of(felt.fitted, felt.device, at_hand, force));
+}
+
+std::string of_pressed(const Felt& felt, const std::vector<Pressed>& pressed, const std::string& motion) {
+  const Pressed& deepest = pressed.back();
+  const Pressed& largest = *std::ranges::max_element(pressed, {}, &Pressed::force_n);
+  const double most = felt.device.translation.max_effort;
+  std::string text = fmt::format("What will be felt: {:.2g} N with the hand {:.0f} mm deep where the motion '{}' touches first, {:.0f} % of the {:.3g} N that {} gives",
+                                 deepest.force_n, 1e3 * deepest.depth_m, motion, 100.0 * deepest.force_n / most, most, felt.device.name);
+  if (largest.force_n > 1.05 * deepest.force_n) text += fmt::format("; at most {:.2g} N, {:.0f} mm deep", largest.force_n, 1e3 * largest.depth_m);
+  text += ".";
+  const double certified = felt.fitted.design.translation.shown_stiffness, of_spring = std::min(certified * deepest.depth_m, most);
+  if (deepest.force_n >= 0.9 * of_spring) return text + limited(limit_of(felt.fitted, felt.device, certified, deepest.force_n));
+  return text + limited(fmt::format("the {:.4g} N/m that hold here would give {:.2g} N, but the contact itself is as stiff as that only some way in, and a stiffer "
+                                    "one sooner.", certified, of_spring));
 }
 
 }  // namespace
 
-std::string felt_of_spring(const fitting::FittedCoupling& fitted, const scene::Scene& scene, const coupling::design::DeviceModel& device,
-                           const rendering::StiffnessBounds& bounds) {
-  if (!rendering::is_spring(bounds) || !fitted.refusal.empty()) return {};
-  const double shown = fitting::spring_n_per_m(fitted, scene, device, bounds);
-  const double at_hand = fitting::stiffness_at_hand_n_per_m(fitted.spec, scene.device, shown);
-  const double most = device.translation.max_effort, force = std::min(at_hand * kDepthM, most), share = force / most;
-  if (!(at_hand > 0.0)) return {};
-  std::string text = fmt::format(
-      "What will be felt: {:.4g} N/m at the hand, certified with a margin of {:.3g}: {:.3g} N with the hand 10 mm deep, {:.0f} % of the {:.3g} N "
-      "that {} gives, which it reaches {:.3g} mm deep.",
-      at_hand, fitted.design.translation.gain_margin, force, 100.0 * share, most, device.name, 1e3 * most / at_hand);
-  if (!fitted.designed) return text;
-  const double turning = fitting::spring_n_per_m(fitted, scene, device, {bounds.translation, {}});
-  if (turning > 1.001 * shown)
-    text += fmt::format(" Turning limits it: a tool.lever_m of {:.1f} mm or less gives {:.4g} N/m.",
-                        1e3 * std::sqrt(shown / turning * bounds.rotation.one_point / bounds.translation.one_point), turning);
-  if (!fitted.design.reasons.empty()) text += " What limits it: " + fitted.design.reasons.front();
-  return text + told(fitted.design.remedies, share);
+std::string limit_of(const fitting::FittedCoupling& fitted, const coupling::design::DeviceModel& device, double at_hand_n_per_m, double force_n) {
+  if (force_n >= 0.999 * device.translation.max_effort) return "the device's force.";
+  if (at_hand_n_per_m >= 0.999 * device.translation.max_stiffness) return fmt::format("{} shows no more than {:.4g} N/m stably.", device.name, device.translation.max_stiffness);
+  if (!fitted.designed) return "the coupling, which the scene sets by hand.";
+  return fitted.design.reasons.empty() ? "" : fitted.design.reasons.front();
 }
 
-std::string felt_of_grip(const fitting::FittedCoupling& fitted, const scene::Scene& scene, const coupling::design::DeviceModel& device,
-                         double grip_n_per_m) {
-  const double at_hand = fitting::stiffness_at_hand_n_per_m(fitted.spec, scene.device, grip_n_per_m);
-  if (!fitted.refusal.empty() || !(at_hand > 0.0)) return {};
-  const double most = device.translation.max_effort, force = std::min(at_hand * kDepthM, most), share = force / most;
-  std::string text = fmt::format(
-      "What will be felt: the body while it is held, {:.4g} N/m at the hand: {:.3g} N with the hand 10 mm from where the body hangs, {:.0f} % of the {:.3g} N "
-      "that {} gives; nothing of it while it is not held.",
-      at_hand, force, 100.0 * share, most, device.name);
-  if (at_hand >= 0.999 * fitting::stiffness_at_hand_n_per_m({}, scene.device, grip_n_per_m))
-    return text + " What limits it: the body's grip_n_per_m." + told({"a larger grip_n_per_m."}, share);
-  if (!fitted.design.reasons.empty()) text += " What limits it: " + fitted.design.reasons.front();
-  return text + told(fitted.design.remedies, share);
-}
-
-std::string felt_of_penalty(const fitting::FittedCoupling& fitted, const coupling::design::DeviceModel& device,
-                            const std::vector<Pressed>& pressed) {
-  if (pressed.empty() || !fitted.refusal.empty()) return {};
-  const Pressed& deepest = pressed.back();
-  const Pressed& most = *std::max_element(pressed.begin(), pressed.end(), [](const Pressed& a, const Pressed& b) { return a.force_n < b.force_n; });
-  const double limit = device.translation.max_effort, share = deepest.force_n / limit;
-  std::string text = fmt::format("What will be felt: {:.2g} N with the hand {:.0f} mm deep, {:.0f} % of the {:.3g} N that {} gives", deepest.force_n,
-                                 1e3 * deepest.depth_m, 100.0 * share, limit, device.name);
-  if (most.force_n > 1.05 * deepest.force_n) text += fmt::format("; at most {:.2g} N, {:.0f} mm deep", most.force_n, 1e3 * most.depth_m);
-  text += ".";
-  std::vector<std::string> changes;
-  const double certified = fitted.design.translation.shown_stiffness, of_spring = std::min(certified * deepest.depth_m, limit);
-  const bool lacks_depth = deepest.force_n < 0.9 * of_spring;
-  if (lacks_depth) {
-    text += fmt::format(" What limits it: the {:.4g} N/m that hold here would give {:.2g} N, but the contact itself is as stiff as that only "
-                        "some way in, and a stiffer one sooner.", certified, of_spring);
-    changes.push_back(fmt::format("contact: {{model: field, rendering: virtual_tool}} with closed meshes, up to {:.2g} N.", of_spring));
-  } else if (!fitted.design.reasons.empty()) {
-    text += " What limits it: " + fitted.design.reasons.front();
+std::string felt_sentence(const fitting::FittedCoupling& fitted, const scene::Scene& scene, const coupling::design::DeviceModel& device,
+                          rendering::BuiltScene& built, const std::string& motion, Search search) {
+  if (!fitted.refusal.empty()) return {};
+  const Felt felt{scene, device, built.plan().of_contact_alone, fitted};
+  const bool body = built.effect_ground().body.has_value();
+  if (body || rendering::is_spring(felt.contact)) {
+    const double force = force_n(felt, built, nullptr);
+    return force > 0.0 ? (body ? of_grip(felt, force) : of_spring(felt, force)) + told(felt, force, built, nullptr, search) : "";
   }
-  changes.insert(changes.end(), fitted.design.remedies.begin(), fitted.design.remedies.end());
-  return text + told(changes, share);
-}
-
-std::string felt_sentence(const fitting::FittedCoupling& fitted, const scene::Scene& scene, const coupling::design::DeviceModel& device,
-                          rendering::BuiltScene& built, const Motion& motion) {
-  if (const rendering::StiffnessBounds bounds{built.plan().contact_n_per_m, built.plan().contact_nm_per_rad}; rendering::is_spring(bounds))
-    return felt_of_spring(fitted, scene, device, bounds);
-  if (built.effect_ground().body) return felt_of_grip(fitted, scene, device, built.plan().contact_n_per_m.one_point);
-  return felt_of_penalty(fitted, device, press(built, scene, fitted, device, motion));
-}
-
-std::string felt_sentence(const fitting::FittedCoupling& fitted, const scene::Scene& scene, const coupling::design::DeviceModel& device,
-                          rendering::BuiltScene& built) {
-  if (built.effect_ground().body) return felt_of_grip(fitted, scene, device, built.plan().contact_n_per_m.one_point);
-  std::string text = felt_of_spring(fitted, scene, device, {built.plan().contact_n_per_m, built.plan().contact_nm_per_rad});
-  for (auto motion = scene.motions.begin(); text.empty() && motion != scene.motions.end(); ++motion)
-    text = felt_sentence(fitted, scene, device, built, motion->second);
-  return text;
+  for (const auto& [name, path] : scene.motions) {
+    if (!motion.empty() && name != motion) continue;
+    const std::vector<Pressed> pressed = press(built, scene, fitted, device, path);
+    if (!pressed.empty()) return of_pressed(felt, pressed, name) + told(felt, pressed.back().force_n, built, &path, search);
+  }
+  return {};
 }
 
 }  // namespace voxtouch::felt

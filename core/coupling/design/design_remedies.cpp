@@ -83,15 +83,10 @@ class Remedies {
     return fmt::format("{:.3g} Hz would do without injected damping", request_.goals.cutoff_hz);
   }
 
-  /// Where no single change is enough: to want what holds, or another device.
+  /// Where no single change is enough. A softer contact would be shown whole too, and give the hand nothing.
   void last_resort() {
-    double share = 1.0;
-    for (std::size_t a = 0; a < problems_.size(); ++a)
-      share = std::min(share, axis_of(design_, a).shown_stiffness / problems_[a].contact.all_points);
     if (!short_of_ && design_.spec.kind == "shaping_filter")
       out_.push_back(fmt::format("A wish for {:.3g} Hz instead of {:.3g} would be met as it is.", design_.spec.cutoff_hz, request_.goals.cutoff_hz));
-    else if (short_of_ && share > 0.0 && share < 1.0)
-      out_.push_back(fmt::format("A contact of {:.2g} times the stiffness, or position_scale times force_scale smaller by as much, would be shown whole.", share));
     else
       out_.push_back("No single change at this device is enough: a heavier one, or one with less delay or more damping of its own, is.");
   }

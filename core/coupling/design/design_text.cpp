@@ -88,10 +88,10 @@ std::vector<std::string> reasons_of(const DesignProblem& request, const std::vec
   for (std::size_t a = 0; a < problems.size(); ++a) {
     const AxisProblem& p = problems[a];
     const AxisDesign& d = axis_of(design, a);
+    if (d.shown_stiffness < 0.999 * p.target) out.push_back(shortfall(p, d));
     if (p.contact.all_points > p.model.max_stiffness)
       out.push_back(fmt::format("{}: the device can show {:.4g} {}, and all points together have {:.4g}.",
                                 p.units->name, p.model.max_stiffness, p.units->stiffness, p.contact.all_points));
-    if (d.shown_stiffness < 0.999 * p.target) out.push_back(shortfall(p, d));
     if (d.injected_damping > 0.0) out.push_back(damping_reason(request, p, design, d));
   }
   if (filter && design.spec.cutoff_hz > request.goals.cutoff_hz)

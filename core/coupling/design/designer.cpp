@@ -20,6 +20,8 @@ namespace {
 constexpr std::array kShrinks{1.0, 0.9999, 0.999, 0.99, 0.97, 0.95, 0.9, 0.8, 0.65, 0.5};
 /// Another kind has to show that much more than the filter, which smooths what the contact does: the search takes for as good what shows nine tenths.
 constexpr double kWorthNoFilter = 1.1;
+/// Floors that take such a share of what is shown without them are what limits, and are told first; less is told behind what limits with and without them.
+constexpr double kLimitingFloor = 0.1;
 /// A bound on injected damping that leaves less than this of what is shown without it is not kept.
 constexpr double kWorthABound = 2.0 / 3.0;
 
@@ -27,7 +29,7 @@ constexpr double kWorthABound = 2.0 / 3.0;
 struct Judged {
   Design design;
   std::vector<std::string> faults;
-  std::vector<std::string> ahead, behind;  ///< of the reasons
+  std::vector<std::string> behind;  ///< what stands after the reasons
 };
 
 /// Certificates and what follows from them; status and sentences are the caller's.
@@ -90,10 +92,9 @@ Design told(const DesignProblem& request, const std::vector<AxisProblem>& proble
   Design& design = result.design;
   describe_spec(request, problems, design);
   allow_passivity_damping(problems, design.spec);
-  std::vector<std::string> reasons = reasons_of(request, problems, design);
-  if (!result.faults.empty() && reasons.empty()) reasons = result.faults;
-  for (const auto* sentences : {&result.ahead, &reasons, &result.behind})
-    design.reasons.insert(design.reasons.end(), sentences->begin(), sentences->end());
+  design.reasons = reasons_of(request, problems, design);
+  if (!result.faults.empty() && design.reasons.empty()) design.reasons = result.faults;
+  design.reasons.insert(design.reasons.end(), result.behind.begin(), result.behind.end());
   design.remedies = remedies_of(request, problems, design);
   return std::move(design);
 }
@@ -127,8 +128,8 @@ Judged best_of_all(const DesignProblem& request, const std::vector<AxisProblem>&
     Judged other = certified(request, problems, proposal);
     const double shows = worth(problems, other.design);
     if (shows <= 0.0 || shows < to_beat) continue;
-    other.ahead = {fmt::format("Without the shaping filter the hand feels {:.3g} % of the stiffness wanted, with it {:.3g} %.",
-                               100.0 * shows, 100.0 * with_filter)};
+    other.behind = {fmt::format("Without the shaping filter the hand feels {:.3g} % of the stiffness wanted, with it {:.3g} %.",
+                                100.0 * shows, 100.0 * with_filter)};
     best = std::move(other);
     to_beat = shows * (1.0 + 1e-12);
   }
@@ -185,7 +186,9 @@ Design with_floors(const DesignProblem& request, const std::vector<AxisProblem>&
     damped.floors.cost_n_per_m = shown - damped.translation.shown_stiffness;
     damped.floors.cost_nm_per_rad = shown_turning - damped.rotation.shown_stiffness;
     const std::string cost = floors_cost(problems, damped);
-    if (!cost.empty()) damped.reasons.insert(damped.reasons.begin(), cost);
+    const bool first = damped.floors.cost_n_per_m > kLimitingFloor * shown ||
+                       damped.floors.cost_nm_per_rad > kLimitingFloor * shown_turning;
+    if (!cost.empty()) damped.reasons.insert(first ? damped.reasons.begin() : damped.reasons.end(), cost);
   }
   damped.floors.out_of_reach = out_of_reach;
   return damped;

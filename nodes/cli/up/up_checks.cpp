@@ -60,9 +60,7 @@ std::string why_no_force(const scene::Scene& scene, const DeviceDescription& des
   const coupling::design::DeviceModel device = coupling::design::model_of(description);
   const rendering::StiffnessBounds bounds{plan.contact_n_per_m, plan.contact_nm_per_rad};
   const fitting::FittedCoupling fitted = fitting::fit_coupling(scene, device, bounds, fitting::demand_of(scene));
-  const auto chosen = scene.motions.find(motion);
-  felt = chosen == scene.motions.end() ? felt::felt_sentence(fitted, scene, device, *built)
-                                       : felt::felt_sentence(fitted, scene, device, *built, chosen->second);
+  felt = felt::felt_sentence(fitted, scene, device, *built, motion, felt::Search::kKnown);
   return fitted.refusal;
 }
 

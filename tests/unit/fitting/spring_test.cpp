@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include "core/fitting/design_problem.hpp"
-#include "core/felt/felt.hpp"
 #include "core/fitting/scene_on_device.hpp"
 #include "core/scene/scene_file.hpp"
 
@@ -95,8 +94,6 @@ TEST(Spring, GivesWayWhereTurningIsTheHarderPart) {
   const double spring = spring_n_per_m(fitted, scene, arm(), rendering::spring_of_any_device(lever));
   EXPECT_LE(spring * lever * lever, fitted.design.rotation.shown_stiffness * (1 + 1e-9));
   EXPECT_LT(spring, fitted.design.translation.shown_stiffness);
-  EXPECT_NE(felt::felt_of_spring(fitted, scene, arm(), rendering::spring_of_any_device(lever)).find("tool.lever_m"),
-            std::string::npos);
 }
 
 TEST(Spring, FollowsTheScalesOfTheDevice) {
@@ -116,7 +113,6 @@ TEST(Spring, IsNoneOfAPenaltyContactAndNoneWhereNoCouplingHolds) {
   const FittedCoupling none = fit(scene, light);
   ASSERT_NE(none.refusal, "");
   EXPECT_EQ(spring_n_per_m(none, scene, light, rendering::spring_of_any_device(kLever)), 0.0);
-  EXPECT_EQ(felt::felt_of_spring(none, scene, light, rendering::spring_of_any_device(kLever)), "");
 }
 
 TEST(Spring, UnderACouplingSetByHandIsItsCap) {
@@ -130,14 +126,6 @@ TEST(Spring, UnderACouplingSetByHandIsItsCap) {
   const std::string why = fit(scene, stylus()).refusal;
   EXPECT_NE(why.find("800 N/m"), std::string::npos) << why;
   EXPECT_NE(why.find("coupling.stiffness_cap_n_per_m"), std::string::npos) << why;
-}
-
-TEST(Spring, IsToldInOneLine) {
-  const scene::Scene scene = scene_of();
-  const std::string told = felt::felt_of_spring(fit(scene, stylus()), scene, stylus(), rendering::spring_of_any_device(kLever));
-  for (const char* part : {"felt: ", " N/m ", "10 mm deep", " 8.5 N ", "stylus", "limits", "More:"})
-    EXPECT_NE(told.find(part), std::string::npos) << part << " in " << told;
-  EXPECT_EQ(told.find('\n'), std::string::npos);
 }
 
 /// Its row in the table of changes: the plan says that the contact is a spring, and all that is judged is judged as at the start.
