@@ -66,6 +66,22 @@ struct WallFigures {
 };
 WallFigures walls(const WallOptions& options);
 
+/// Tools that start at a plate, which reaches into them by so much: by more than half a voxel it is no start.
+struct StartOptions {
+  Vec3 box = Vec3::Zero();  ///< edges of the tool [e]; zero: a ball, and ...
+  double radius_edges = 5.0;
+  double thick_edges = 1.0, edge = 0.002;
+  bool askew = false, rim = false;      ///< the plate; the tool at its rim instead of over its face
+  bool turned = true;                   ///< the tool, at random
+  double from_edges = 0.0, to_edges = 0.0;  ///< how deep the plate is inside the tool; below zero: so far away
+  int tries = 40;  ///< at each of four places of the plate in its voxels
+  std::uint64_t seed = 1;
+};
+struct StartFigures {
+  int runs = 0, placed = 0;
+};
+StartFigures starts(const StartOptions& options);
+
 /// Ball or box that tumbles in and out of the cup.
 struct TumbleOptions {
   std::string scene = "cup";
