@@ -14,9 +14,9 @@ namespace {
 
 void tell_press(const PressOptions& o) {
   const PressFigures f = press(o);
-  fmt::print("press {:22} e {:g} mm{} | dir {:.2f} {:.2f} deg | |F| {:+.2f} % ({:+.2f} to {:+.2f}) | rest {:.4f} {:.4f} {:.4f} N | queries {:.2f} / {} | "
+  fmt::print("press {:22} e {:g} mm {:g} mm deep{} | dir {:.2f} {:.2f} deg | |F| {:+.2f} % ({:+.2f} to {:+.2f}) | rest {:.4f} {:.4f} {:.4f} N | queries {:.2f} / {} | "
              "depth {:.4f} e, residual {:.4f} e | slid {} of {} | {:.1f} us\n",
-             o.scene, 1e3 * o.edge, o.turned ? " turned" : "", f.direction_median, f.direction_95, 100 * f.size_median, 100 * f.size_least,
+             o.scene, 1e3 * o.edge, 1e3 * o.depth_m, o.turned ? " turned" : "", f.direction_median, f.direction_95, 100 * f.size_median, 100 * f.size_least,
              100 * f.size_most, f.rest_median, f.rest_95, f.rest_worst, f.queries_mean, f.queries_most, f.depth_worst, f.residual_95, f.slid, f.places, f.frame_us);
   std::fflush(stdout);
 }
@@ -85,7 +85,7 @@ int main(int argc, char** argv) {
   std::string what = "all";
   std::uint64_t seed = 1;
   int places = 60;
-  app.add_option("what", what, "press, plates, slide, friction, walls, starts, thrown, tumble, edge, stability, torque or all");
+  app.add_option("what", what, "press, plates, corners, slide, friction, walls, starts, thrown, tumble, edge, stability, torque or all");
   app.add_option("--seed", seed, "of the random places");
   app.add_option("--places", places, "of each press");
   app.add_option("--shell-voxel", shell_ratio, "edge of the voxels of the tool's shell over the scene's");
@@ -96,6 +96,13 @@ int main(int argc, char** argv) {
     for (const double e : {0.002, 0.001})
       for (const char* scene : {"plane", "tilted", "cylinder", "cylinder:384", "cup"})
         for (const bool turned : {false, true}) tell_press({.scene = scene, .edge = e, .places = places, .turned = turned, .seed = seed});
+  }
+  if (all || what == "press" || what == "corners") {
+    for (const double e : {0.002, 0.001}) {
+      for (const double depth : {0.003, 0.007})
+        for (const bool turned : {false, true}) tell_press({.scene = "edge", .edge = e, .depth_m = depth, .places = places, .turned = turned, .seed = seed});
+      for (const bool turned : {false, true}) tell_press({.scene = "corner", .edge = e, .places = places, .turned = turned, .seed = seed});
+    }
   }
   if (all || what == "press" || what == "plates") {
     for (const double e : {0.002, 0.001})

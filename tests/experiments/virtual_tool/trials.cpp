@@ -64,13 +64,14 @@ PressFigures press(const PressOptions& o) {
   GodObject truth(rig.mesh, kBall);
   const Quat turn = o.turned ? Quat(Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized())) : Quat::Identity();
   std::vector<double> directions, sizes, jitter, residuals;
+  const double most_askew = o.scene == "edge" || o.scene == "corner" ? 0.0 : 20.0;
   PressFigures figures;
   double queries = 0.0, frames = 0.0;
   Clock clock;
   while (figures.places < o.places) {
     const Place place = random_place(o.scene, rig.mesh, random);
     const Vec3 start = place.point + (kBall + 0.004) * place.normal;
-    const Vec3 in = (std::tan(uniform(random, 0.0, 20.0 * std::numbers::pi / 180.0)) *
+    const Vec3 in = (std::tan(uniform(random, 0.0, most_askew * std::numbers::pi / 180.0)) *
                          place.normal.cross(random_direction(random)).normalized() - place.normal).normalized();
     if (truth.distance(start) < kBall + 1e-3) continue;  // the ball does not fit in
     truth.place(start, 0.04);
@@ -100,7 +101,8 @@ PressFigures press(const PressOptions& o) {
       force = next;
     }
     const Vec3 wanted = kStiffness * (god - hand);
-    if ((god - place.point - kBall * place.normal).norm() > 5e-3) {  // round an edge, where minima part
+    if (wanted.norm() < 0.1 * kStiffness * o.depth_m) continue;  // past the walls of a corner
+    if ((god - place.point - kBall * place.normal).norm() > 5e-3 && most_askew > 0.0) {  // round an edge, where minima part
       ++figures.slid;
       continue;
     }

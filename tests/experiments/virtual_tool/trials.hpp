@@ -8,7 +8,7 @@
 
 namespace voxtouch::virtual_tool {
 
-/// The ball pushed `depth_m` deep at random places, up to 20 degrees askew, at 50 mm/s; then the hand rests.
+/// The ball pushed `depth_m` deep at random places, up to 20 degrees askew (at "edge" and "corner" straight), at 50 mm/s; then the hand rests.
 struct PressOptions {
   std::string scene = "plane";
   double edge = 0.002, depth_m = 0.01;
@@ -24,7 +24,7 @@ struct PressFigures {
   int queries_most = 0;
   double depth_worst = 0.0;  ///< of a row, at rest [e]
   double residual_95 = 0.0;  ///< [e]
-  int places = 0, slid = 0;  ///< slid: the truth went more than 5 mm aside, round an edge; not in the figures
+  int places = 0, slid = 0;  ///< slid: the truth went more than 5 mm aside, round an edge; not in the figures, but at "edge" and "corner"
   double frame_us = 0.0;
 };
 PressFigures press(const PressOptions& options);
