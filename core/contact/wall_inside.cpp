@@ -27,14 +27,18 @@ bool find_wall(const voxmap::DistanceField& field, const Vec3& u, WallPoint& wal
   return widest > 0.0;
 }
 
-/// Whether a point, `arm` from the tool's origin, is inside the tool, deeper than a start may be: by the hits near it, of which there must be one.
-bool deep_inside(const Hits& hits, const Vec3& arm, double edge) noexcept {
+/// Whether a point, `arm` from the tool's origin, is inside the tool, deeper than a start may be: by the hits near it, of which there must be one. Looks from hit
+/// `from` on to both sides, since those near it in the list are near it in the tool, and one is enough to say no.
+bool deep_inside(const Hits& hits, std::size_t from, const Vec3& arm, double edge) noexcept {
   const double near = limits::kNearEdges * edge, depth = limits::kPlacedDepthEdges * edge;
   bool any = false;
-  for (const Hit& hit : hits) {
-    const Vec3 from = arm - hit.arm;
-    if (!(from.squaredNorm() < near * near)) continue;
-    if (!(from.dot(hit.normal) > depth)) return false;
+  for (std::size_t k = 0; k < 2 * hits.size(); ++k) {
+    const std::size_t n = k % 2 == 0 ? from + k / 2 : from - k / 2 - 1;  // below zero it is beyond the end
+    if (n >= hits.size()) continue;
+    const Hit hit = hits[n];
+    const Vec3 inward = arm - hit.arm;
+    if (!(inward.squaredNorm() < near * near)) continue;
+    if (!(inward.dot(hit.normal) > depth)) return false;
     any = true;
   }
   return any;
@@ -49,7 +53,7 @@ bool wall_inside_tool(const Hits& hits, const voxmap::DistanceField& field, cons
     const Hit hit = hits[n];
     Vec3 u = (local + hit.arm) / edge;
     for (int farther = 0; farther <= limits::kStepsIn && find_wall(field, u, wall); ++farther) {
-      if (farther > 0 && deep_inside(hits, edge * wall.at - local, edge)) return true;
+      if (farther > 0 && deep_inside(hits, n, edge * wall.at - local, edge)) return true;
       const Vec3 along = hit.normal - hit.normal.dot(wall.normal) * wall.normal;
       if (!(along.squaredNorm() > limits::kShortestAlong * limits::kShortestAlong)) break;
       u = wall.at + limits::kStepInEdges * along.normalized();
