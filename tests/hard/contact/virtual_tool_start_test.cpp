@@ -76,7 +76,7 @@ class VirtualToolStarts : public ::testing::TestWithParam<StartTool> {};
 TEST_P(VirtualToolStarts, AreThoseThatNoWallStandsIn) {
   const std::uint64_t seed = testing::seed(71);
   SCOPED_TRACE(testing::seed_trace(seed));
-  StartFigures touching, rims_touching, rims_across;
+  StartFigures touching, free, rims_touching, rims_across;
   const auto add = [](StartFigures& sum, const StartFigures& f) { sum.runs += f.runs, sum.placed += f.placed; };
   for (const double thick : kThick)
     for (const bool askew : {false, true}) {
@@ -92,14 +92,14 @@ TEST_P(VirtualToolStarts, AreThoseThatNoWallStandsIn) {
       o.from_edges = 0.9, o.to_edges = 9.0;
       add(rims_across, starts(o));
       o.rim = false, o.from_edges = -1.0, o.to_edges = -0.02;
-      const StartFigures free = starts(o);
-      EXPECT_GE(free.placed, free.runs - 1) << thick << " e" << (askew ? " askew" : "");
+      add(free, starts(o));
     }
-  std::printf("%s: touching %d of %d, rims touching %d of %d, rims across %d of %d\n", GetParam().name, touching.placed, touching.runs, rims_touching.placed,
-              rims_touching.runs, rims_across.placed, rims_across.runs);
+  std::printf("%s: free %d of %d, touching %d of %d, rims touching %d of %d, rims across %d of %d\n", GetParam().name, free.placed, free.runs, touching.placed, touching.runs,
+              rims_touching.placed, rims_touching.runs, rims_across.placed, rims_across.runs);
   ASSERT_GT(std::min({touching.runs, rims_touching.runs, rims_across.runs}), 150);
   EXPECT_GE(touching.placed, GetParam().touching * touching.runs);
-  EXPECT_GE(rims_touching.placed, 0.95 * rims_touching.runs);
+  EXPECT_GE(free.placed, 0.97 * free.runs);
+  EXPECT_GE(rims_touching.placed, 0.94 * rims_touching.runs);
   EXPECT_LE(rims_across.placed, GetParam().rim_across * rims_across.runs);
 }
 INSTANTIATE_TEST_SUITE_P(Tools, VirtualToolStarts,
