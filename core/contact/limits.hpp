@@ -92,6 +92,15 @@ inline constexpr double kSheetFarEdges = 1.9;
 inline constexpr double kSheetBeyond = 0.05;
 /// A pose is no start where a point is deeper than this.
 inline constexpr double kPlacedDepthEdges = 0.5;
+/// Nor where a wall is that deep inside the tool (wall_inside.hpp). From so many hits at most it is followed inward, in so many steps of so many edges, where
+/// the tool's normal has such a part along it. A thin wall is between two points where the gradients oppose each other by so much. Whether it is inside is
+/// judged by the hits within so many edges.
+inline constexpr std::size_t kMostAsked = 128;
+inline constexpr int kStepsIn = 2;
+inline constexpr double kStepInEdges = 0.75;
+inline constexpr double kShortestAlong = 0.1;
+inline constexpr double kOpposed = 0.8;
+inline constexpr double kNearEdges = 1.5;
 /// In contact the virtual tool goes at most as far as the hand went, and this share of the spring's length, or this many edges: an edge
 /// that gives way becomes a ramp.
 inline constexpr double kSnapShare = 0.03;

@@ -9,6 +9,7 @@
 
 #include "core/contact/limits.hpp"
 #include "core/contact/tool_friction.hpp"
+#include "core/contact/wall_inside.hpp"
 #include "core/types/rotation_vector.hpp"
 
 namespace voxtouch::contact {
@@ -122,11 +123,20 @@ void VirtualTool::look_up(const Pose& tool, std::span<const ToolGround> grounds,
   rows_known_ = true;
 }
 
+/// Whether a wall of any object stands inside the tool.
+bool VirtualTool::wall_inside(const Pose& tool, std::span<const ToolGround> grounds) noexcept {
+  for (std::size_t n = 0; n < grounds.size(); ++n) {
+    grounds[n].query->find(less(tool, grounds[n].displacement), hits_);
+    if (wall_inside_tool(hits_.surface, *grounds[n].field, row_frame(hits_.pose_WT.position, grounds, n).local)) return true;
+  }
+  return false;
+}
+
 /// Makes `tool` the virtual tool where it lies outside.
 bool VirtualTool::start(const Pose& tool, std::span<const ToolGround> grounds, VirtualToolFrame& out) noexcept {
   look_up(tool, grounds, true, out);
   placed_ = out.pose_status == PoseStatus::kUsable && out.interior_hits == 0 &&
-            worst_depth_m_ <= limits::kPlacedDepthEdges * options_.edge_m;
+            worst_depth_m_ <= limits::kPlacedDepthEdges * options_.edge_m && !wall_inside(tool, grounds);
   if (!placed_) return rows_known_ = false;
   tool_ = tool;
   turn_ = Vec3::Zero();

@@ -94,8 +94,8 @@ class VirtualTool {
   /// One frame against `grounds`: at most `objects` of them, the same ones in the same order until `reset`.
   ///
   /// A pose that is none, or that is out of range, gives no force and leaves the tool where it is. Without a tool (at first, after
-  /// `reset`) there is no force until the hand is outside: no point in an interior voxel, none deeper than half a voxel. Then the force
-  /// comes in over `fade_s`.
+  /// `reset`) there is no force until the hand is outside: no point in an interior voxel, none deeper than half a voxel, and no wall,
+  /// however thin, deeper than that inside the tool (wall_inside.hpp). Then the force comes in over `fade_s`.
   VirtualToolFrame frame(const HandSample& hand, std::span<const ToolGround> grounds) noexcept;
 
   /// What each ground pushes the tool with in the last `frame`, over k: force [m], torque [m^2]. Times k they sum to the wrench
@@ -126,6 +126,7 @@ class VirtualTool {
   PoseStatus status_of(Pose& hand, std::span<const ToolGround> grounds) const noexcept;
   RowFrame row_frame(const Vec3& position, std::span<const ToolGround> grounds, std::size_t n) const noexcept;
   void look_up(const Pose& tool, std::span<const ToolGround> grounds, bool smooth, VirtualToolFrame& out) noexcept;
+  bool wall_inside(const Pose& tool, std::span<const ToolGround> grounds) noexcept;
   bool start(const Pose& tool, std::span<const ToolGround> grounds, VirtualToolFrame& out) noexcept;
   double objects_moved(std::span<const ToolGround> grounds) noexcept;
   Vec6 spring_to(const Pose& hand) noexcept;

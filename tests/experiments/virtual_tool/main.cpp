@@ -14,9 +14,9 @@ namespace {
 
 void tell_press(const PressOptions& o) {
   const PressFigures f = press(o);
-  fmt::print("press {:22} e {:g} mm{} | dir {:.2f} {:.2f} deg | |F| {:+.2f} % ({:+.2f} to {:+.2f}) | rest {:.4f} {:.4f} {:.4f} N | queries {:.2f} / {} | "
+  fmt::print("press {:22} e {:g} mm {:g} mm deep{} | dir {:.2f} {:.2f} deg | |F| {:+.2f} % ({:+.2f} to {:+.2f}) | rest {:.4f} {:.4f} {:.4f} N | queries {:.2f} / {} | "
              "depth {:.4f} e, residual {:.4f} e | slid {} of {} | {:.1f} us\n",
-             o.scene, 1e3 * o.edge, o.turned ? " turned" : "", f.direction_median, f.direction_95, 100 * f.size_median, 100 * f.size_least,
+             o.scene, 1e3 * o.edge, 1e3 * o.depth_m, o.turned ? " turned" : "", f.direction_median, f.direction_95, 100 * f.size_median, 100 * f.size_least,
              100 * f.size_most, f.rest_median, f.rest_95, f.rest_worst, f.queries_mean, f.queries_most, f.depth_worst, f.residual_95, f.slid, f.places, f.frame_us);
   std::fflush(stdout);
 }
@@ -28,6 +28,32 @@ void tell_slide(const SlideOptions& o) {
              o.scene, 1e3 * o.edge, o.speed, o.friction, f.mean, 100 * f.noise, f.direction_median, f.direction_95, f.step_worst,
              f.step_over_force, f.energy_over_way, f.queries_mean, f.queries_most, f.frame_us, f.frame_us_999);
   std::fflush(stdout);
+}
+
+/// Which starts at thin plates are taken for one: those with the plate through the tool, and light touches.
+void tell_starts(std::uint64_t seed) {
+  using voxtouch::Vec3;
+  struct Tool {
+    const char* name;
+    Vec3 box;
+    double radius;
+  };
+  const Tool tools[] = {{"ball of 5 e", Vec3::Zero(), 5.0}, {"ball of 2.5 e", Vec3::Zero(), 2.5}, {"box of 4 x 6 x 15 e", Vec3(4, 6, 15), 0.0},
+                        {"bar of 2 x 2 x 15 e", Vec3(2, 2, 15), 0.0}};
+  for (const Tool& tool : tools)
+    for (const double thick : {0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0})
+      for (const bool askew : {false, true}) {
+        StartOptions o{.box = tool.box, .radius_edges = tool.radius, .thick_edges = thick, .askew = askew, .seed = seed};
+        const auto taken = [&](bool rim, bool turned, double from, double to) {
+          o.rim = rim, o.turned = turned, o.from_edges = from, o.to_edges = to;
+          const StartFigures f = starts(o);
+          return fmt::format("{} of {}", f.placed, f.runs);
+        };
+        fmt::print("starts {:20} plate {:4} e {:5} | across: {}, not turned {}; at the rim {} | touching: {}, not turned {}; at the rim {} | free by 0 to 1 e: {}\n",
+                   tool.name, thick, askew ? "askew" : "", taken(false, true, 0.8, 9), taken(false, false, 0.8, 9), taken(true, true, 0.8, 9),
+                   taken(false, true, 0, 0.25), taken(false, false, 0, 0.25), taken(true, true, 0, 0.25), taken(false, true, -1, 0));
+        std::fflush(stdout);
+      }
 }
 
 /// Which walls a thrown mass passes, with and without what the penalty ring remembers.
@@ -59,7 +85,7 @@ int main(int argc, char** argv) {
   std::string what = "all";
   std::uint64_t seed = 1;
   int places = 60;
-  app.add_option("what", what, "press, plates, slide, friction, walls, thrown, tumble, edge, stability, torque or all");
+  app.add_option("what", what, "press, plates, corners, slide, friction, walls, starts, thrown, tumble, edge, stability, torque or all");
   app.add_option("--seed", seed, "of the random places");
   app.add_option("--places", places, "of each press");
   app.add_option("--shell-voxel", shell_ratio, "edge of the voxels of the tool's shell over the scene's");
@@ -70,6 +96,13 @@ int main(int argc, char** argv) {
     for (const double e : {0.002, 0.001})
       for (const char* scene : {"plane", "tilted", "cylinder", "cylinder:384", "cup"})
         for (const bool turned : {false, true}) tell_press({.scene = scene, .edge = e, .places = places, .turned = turned, .seed = seed});
+  }
+  if (all || what == "press" || what == "corners") {
+    for (const double e : {0.002, 0.001}) {
+      for (const double depth : {0.003, 0.007})
+        for (const bool turned : {false, true}) tell_press({.scene = "edge", .edge = e, .depth_m = depth, .places = places, .turned = turned, .seed = seed});
+      for (const bool turned : {false, true}) tell_press({.scene = "corner", .edge = e, .places = places, .turned = turned, .seed = seed});
+    }
   }
   if (all || what == "press" || what == "plates") {
     for (const double e : {0.002, 0.001})
@@ -97,6 +130,7 @@ int main(int argc, char** argv) {
         }
     fmt::print("walls: passed {} of {}\n", passed, runs);
   }
+  if (all || what == "starts") tell_starts(seed);
   if (all || what == "thrown") tell_thrown(seed);
   if (all || what == "tumble") {
     for (const double e : {0.002, 0.001})

@@ -1,6 +1,7 @@
 #include "rig.hpp"
 
 #include <cmath>
+#include <numbers>
 
 #include "core/mesh/import.hpp"
 #include "tests/support/exact_shell.hpp"
@@ -17,7 +18,14 @@ pointshell::Pointshell ball_shell(double edge, double radius_m) { return shell_o
 
 Quat tilt() { return Quat(0.961463877, 0.169532022, 0.213151410, -0.037584345).normalized(); }
 
+const Vec3 kBlock(0.06, 0.08, 0.04), kBlockAt(0.3e-3, 0.1e-3, 0.0);
+
 mesh::TriangleMesh scene_mesh(const std::string& name) {
+  if (name == "edge") return test::box_mesh(kBlock, {kBlockAt, tilt()});
+  if (name == "corner")
+    return test::joined(test::joined(test::box_mesh(Vec3(0.08, 0.08, 0.02), {Vec3(0.03, 0.03, -0.01), Quat::Identity()}),
+                                     test::box_mesh(Vec3(0.02, 0.08, 0.06), {Vec3(-0.01, 0.03, 0.02), Quat::Identity()})),
+                        test::box_mesh(Vec3(0.06, 0.02, 0.06), {Vec3(0.03, -0.01, 0.02), Quat::Identity()}));
   if (name == "plane") return test::box_mesh(Vec3(0.12, 0.12, 0.06), {Vec3(0, 0, -0.03), Quat::Identity()});
   if (name == "tilted") return test::box_mesh(Vec3(0.12, 0.12, 0.06), {tilt() * Vec3(0, 0, -0.03), tilt()});
   if (name.starts_with("plate:")) {
@@ -48,6 +56,15 @@ Place random_place(const std::string& scene, const mesh::TriangleMesh& mesh, std
   const auto on_face = [&](double top, const Quat& turn) -> Place {
     return {turn * Vec3(uniform(random, -0.02, 0.02), uniform(random, -0.02, 0.02), top), turn * Vec3::UnitZ()};
   };
+  if (scene == "edge") {
+    const double angle = uniform(random, 5.0, 85.0) * std::numbers::pi / 180.0;
+    return {kBlockAt + tilt() * Vec3(0.5 * kBlock.x(), uniform(random, -0.02, 0.02), 0.5 * kBlock.z()), tilt() * Vec3(std::sin(angle), 0.0, std::cos(angle))};
+  }
+  if (scene == "corner") {  // the point is where the ball would be on the way from a free place towards the walls
+    const auto within = [&](double low, double high) { return Vec3(uniform(random, low, high), uniform(random, low, high), uniform(random, low, high)); };
+    const Vec3 start = within(0.011, 0.02), way = (start - within(0.0, 0.008)).normalized();
+    return {start - (kBall + 0.004) * way, way};
+  }
   if (scene == "plane") return on_face(0.0, Quat::Identity());
   if (scene == "tilted") return on_face(0.0, tilt());
   if (scene.starts_with("plate:"))

@@ -41,7 +41,8 @@ pointshell::Pointshell ball_shell(double edge, double radius_m = kBall);
 /// The shell of `mesh`, on a grid of `edge` times `shell_ratio`.
 pointshell::Pointshell shell_of(const mesh::TriangleMesh& mesh, double edge);
 
-/// "plane", "tilted", "cylinder", "cylinder:<sides>", "cup", or "plate:<thickness in m>[:askew]".
+/// "plane", "tilted", "cylinder", "cylinder:<sides>", "cup", "edge" (a block's right angle, askew), "corner" (three walls that meet at the
+/// origin, along the grid), or "plate:<thickness in m>[:askew]".
 mesh::TriangleMesh scene_mesh(const std::string& name);
 /// Turn of what is tilted in `scene_mesh`.
 Quat tilt();
@@ -49,7 +50,8 @@ Quat tilt();
 double uniform(std::mt19937_64& random, double low, double high);
 Vec3 random_direction(std::mt19937_64& random);
 
-/// A point of the surface by area and its outward normal; of "plane", "tilted" and plates on the upper face, away from edges.
+/// A point of the surface by area and its outward normal; of "plane", "tilted" and plates on the upper face, away from edges. Of "edge" a point of
+/// the edge and a direction between its faces' normals, 5 degrees from either or more; of "corner" a way in from a free place.
 struct Place {
   Vec3 point, normal;
 };

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <stdexcept>
 
@@ -63,13 +64,14 @@ PressFigures press(const PressOptions& o) {
   GodObject truth(rig.mesh, kBall);
   const Quat turn = o.turned ? Quat(Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized())) : Quat::Identity();
   std::vector<double> directions, sizes, jitter, residuals;
+  const double most_askew = o.scene == "edge" || o.scene == "corner" ? 0.0 : 20.0;
   PressFigures figures;
   double queries = 0.0, frames = 0.0;
   Clock clock;
   while (figures.places < o.places) {
     const Place place = random_place(o.scene, rig.mesh, random);
     const Vec3 start = place.point + (kBall + 0.004) * place.normal;
-    const Vec3 in = (std::tan(uniform(random, 0.0, 20.0 * std::numbers::pi / 180.0)) *
+    const Vec3 in = (std::tan(uniform(random, 0.0, most_askew * std::numbers::pi / 180.0)) *
                          place.normal.cross(random_direction(random)).normalized() - place.normal).normalized();
     if (truth.distance(start) < kBall + 1e-3) continue;  // the ball does not fit in
     truth.place(start, 0.04);
@@ -99,7 +101,8 @@ PressFigures press(const PressOptions& o) {
       force = next;
     }
     const Vec3 wanted = kStiffness * (god - hand);
-    if ((god - place.point - kBall * place.normal).norm() > 5e-3) {  // round an edge, where minima part
+    if (wanted.norm() < 0.1 * kStiffness * o.depth_m) continue;  // past the walls of a corner
+    if ((god - place.point - kBall * place.normal).norm() > 5e-3 && most_askew > 0.0) {  // round an edge, where minima part
       ++figures.slid;
       continue;
     }
@@ -235,6 +238,56 @@ WallFigures walls(const WallOptions& o) {
   if (!jitter.empty())
     figures.rest_median = quantile(jitter, 0.5), figures.rest_95 = quantile(jitter, 0.95), figures.rest_worst = largest(jitter);
   figures.queries_mean = queries / frames;
+  return figures;
+}
+
+StartFigures starts(const StartOptions& o) {
+  std::mt19937_64 random(o.seed);
+  const double e = o.edge, wide = 40 * e, thick = o.thick_edges * e;
+  const Quat lie = o.askew ? tilt() : Quat::Identity();
+  const bool ball = o.box.isZero();
+  const Vec3 half = 0.5 * e * o.box;
+  const double radius = o.radius_edges * e, reach = ball ? radius : half.norm();
+  const pointshell::Pointshell shell = ball ? ball_shell(e, radius) : shell_of(test::box_mesh(e * o.box), e);
+  const mesh::TriangleMesh mesh = test::box_mesh(Vec3(wide, wide, thick), {Vec3::Zero(), lie});
+  const auto out_of_tool = [&](const Vec3& x) {
+    if (ball) return x.norm() - radius;
+    const Vec3 beyond = x.cwiseAbs() - half;
+    return beyond.cwiseMax(0.0).norm() + std::min(0.0, beyond.maxCoeff());
+  };
+  StartFigures figures;
+  for (const double phase : {0.0, 0.25, 0.5, 0.75}) {
+    voxmap::Grid grid = voxmap::default_grid(mesh, e);
+    grid.origin += phase * e * Vec3::Ones();
+    const test::Ground ground(mesh, grid, 12.0);
+    const contact::ContactQuery query(ground.voxmap, shell);
+    contact::VirtualTool tool({.points = shell.size(), .reach_m = query.reach_m(), .edge_m = e});
+    const contact::ToolGround at_rest{&query, &ground.field, Vec3::Zero()};
+    for (int n = 0; n < o.tries; ++n) {  // in the plate's own frame
+      const Quat turn = o.turned ? Quat(Eigen::AngleAxisd(uniform(random, 0, 3), random_direction(random))) : lie.conjugate();
+      const double lean = uniform(random, -1.4, 1.4);
+      const Vec3 foot = o.rim ? Vec3(0.5 * wide, uniform(random, -10, 10) * e, 0.0) : Vec3(uniform(random, -10, 10) * e, uniform(random, -10, 10) * e, 0.0);
+      const Vec3 away = o.rim ? Vec3(std::cos(lean), 0.0, std::sin(lean)) : Vec3(0.0, 0.0, n % 2 == 0 ? 1.0 : -1.0);
+      const auto depth = [&](double height) {
+        const Vec3 at = foot + height * away;
+        double least = std::numeric_limits<double>::infinity();
+        const double fine = 0.25 * e, far = std::ceil(reach / fine) * fine;
+        for (double x = at.x() - far; x <= at.x() + far; x += fine)
+          for (double y = at.y() - far; y <= at.y() + far; y += fine)
+            for (const double z : {-0.5 * thick, 0.0, 0.5 * thick}) {
+              const Vec3 p(std::clamp(x, -0.5 * wide, 0.5 * wide), std::clamp(y, -0.5 * wide, 0.5 * wide), z);
+              least = std::min(least, out_of_tool(turn.conjugate() * (p - at)));
+            }
+        return -least / e;
+      };
+      const double wanted = std::min(uniform(random, o.from_edges, o.to_edges), 0.99 * depth(0.0));
+      if (wanted < o.from_edges) continue;
+      double low = 0.0, high = reach + thick + 3 * e;
+      for (int bisection = 0; bisection < 12; ++bisection) (depth(0.5 * (low + high)) > wanted ? low : high) = 0.5 * (low + high);
+      ++figures.runs;
+      figures.placed += tool.place({lie * (foot + high * away), (lie * turn).normalized()}, {&at_rest, 1});
+    }
+  }
   return figures;
 }
 

@@ -8,7 +8,7 @@
 
 namespace voxtouch::virtual_tool {
 
-/// The ball pushed `depth_m` deep at random places, up to 20 degrees askew, at 50 mm/s; then the hand rests.
+/// The ball pushed `depth_m` deep at random places, up to 20 degrees askew (at "edge" and "corner" straight), at 50 mm/s; then the hand rests.
 struct PressOptions {
   std::string scene = "plane";
   double edge = 0.002, depth_m = 0.01;
@@ -24,7 +24,7 @@ struct PressFigures {
   int queries_most = 0;
   double depth_worst = 0.0;  ///< of a row, at rest [e]
   double residual_95 = 0.0;  ///< [e]
-  int places = 0, slid = 0;  ///< slid: the truth went more than 5 mm aside, round an edge; not in the figures
+  int places = 0, slid = 0;  ///< slid: the truth went more than 5 mm aside, round an edge; not in the figures, but at "edge" and "corner"
   double frame_us = 0.0;
 };
 PressFigures press(const PressOptions& options);
@@ -65,6 +65,22 @@ struct WallFigures {
   std::vector<std::string> lines;
 };
 WallFigures walls(const WallOptions& options);
+
+/// Tools that start at a plate, which reaches into them by so much: by more than half a voxel it is no start.
+struct StartOptions {
+  Vec3 box = Vec3::Zero();  ///< edges of the tool [e]; zero: a ball, and ...
+  double radius_edges = 5.0;
+  double thick_edges = 1.0, edge = 0.002;
+  bool askew = false, rim = false;      ///< the plate; the tool at its rim instead of over its face
+  bool turned = true;                   ///< the tool, at random
+  double from_edges = 0.0, to_edges = 0.0;  ///< how deep the plate is inside the tool; below zero: so far away
+  int tries = 40;  ///< at each of four places of the plate in its voxels
+  std::uint64_t seed = 1;
+};
+struct StartFigures {
+  int runs = 0, placed = 0;
+};
+StartFigures starts(const StartOptions& options);
 
 /// Ball or box that tumbles in and out of the cup.
 struct TumbleOptions {

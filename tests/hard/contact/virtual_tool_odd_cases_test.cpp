@@ -126,6 +126,30 @@ TEST(VirtualToolBalls, OnABallSlideOffAndGiveNoEnergy) {
   EXPECT_LE(work, 1e-6);
 }
 
+/// A box that stands on its edge has no minimum either: it tips over or turns back. A hand that presses it on a closed way gets no energy.
+TEST(VirtualToolBoxes, OnTheirEdgeGiveNoEnergy) {
+  for (const double edge : {0.002, 0.001}) {
+    Rig rig(test::box_mesh(Vec3(0.06, 0.06, 0.04), {Vec3(0.3e-3, 0.1e-3, -0.02), Quat::Identity()}), edge, shell_of(test::box_mesh(Vec3(0.02, 0.02, 0.02)), edge));
+    const Quat turn(Eigen::AngleAxisd(0.25 * std::numbers::pi, Vec3::UnitY()));
+    ASSERT_TRUE(rig.place({Vec3(0.3e-3, 0, 0.016), turn}));
+    double work = 0.0, most = 0.0;
+    Vec3 last_force = Vec3::Zero(), last(0.3e-3, 0, 0.016);
+    for (int n = 0; n <= 4000; ++n) {
+      const double angle = 2 * std::numbers::pi * n / 4000;
+      const Vec3 hand(0.3e-3 + 0.002 * std::sin(2 * angle), 0.0, 0.011 + 0.005 * std::cos(angle));
+      const contact::VirtualToolFrame f = rig.frame(Pose{hand, turn});
+      expect_sound(f);
+      const Vec3 force = f.wrench(kStiffness).force;
+      work += 0.5 * (force + last_force).dot(hand - last);
+      most = std::max(most, force.norm());
+      last_force = force, last = hand;
+    }
+    std::printf("e %g: %.3g J, %.2f N at most\n", edge, work, most);
+    EXPECT_GT(most, 0.5);
+    EXPECT_LE(work, 1e-6);
+  }
+}
+
 /// Traps on for as long as it lives: the process ends at the first operation that is invalid, divides by zero or overflows.
 struct Traps {
   Traps() { feclearexcept(FE_ALL_EXCEPT), feenableexcept(FE_INVALID | FE_DIVBYZERO | FE_OVERFLOW); }

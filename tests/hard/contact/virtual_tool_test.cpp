@@ -103,11 +103,12 @@ TEST(VirtualToolSlots, InAWedgeTheToolRestsOnBothFaces) {
   for (int n = 0; n < 100; ++n) EXPECT_LT((rig.frame(Vec3(2e-4, 0, 0.005)).wrench(kStiffness).force - steady).norm(), 0.05);
 }
 
-/// A pin of 10 mm with a radial clearance of a twentieth to two fifths of e. Its bottom passes the mouth's edge nearer than a voxel: no row may take
+/// A pin of 10 mm with a radial clearance of a twentieth to the whole of e. Its bottom passes the mouth's edge nearer than a voxel: no row may take
 /// the face round the mouth for one that reaches over the hole. At e = 2 mm the interpolated distance is flat in the floor's corner for a voxel.
 TEST(VirtualToolSlots, APinGoesIntoItsHoleWhereTheGridIsFineEnough) {
   for (const auto& [edge, clearance, drag] :
-       {std::tuple{0.0005, 2e-4, 0.2}, {0.001, 2e-4, 0.2}, {0.002, 2e-4, 0.2}, {0.0005, 1e-4, 0.2}, {0.001, 1e-4, 0.2}, {0.002, 1e-4, 1.5}})
+       {std::tuple{0.0005, 2e-4, 0.2}, {0.001, 2e-4, 0.2}, {0.002, 2e-4, 0.2}, {0.0005, 1e-4, 0.2}, {0.001, 1e-4, 0.2}, {0.002, 1e-4, 1.5},
+        {0.001, 1e-3, 0.2}})
     for (const bool turned : {false, true}) {
       const PegFigures f = peg(edge, clearance, turned);
       std::printf("e %g, clearance %g: %.3f mm short, drag %.3f N\n", edge, clearance, 1e3 * f.short_m, f.drag_n);
