@@ -80,7 +80,7 @@ TEST_F(FieldScene, WarnsOfWallsThatPushAVirtualToolAskew) {
   };
   EXPECT_TRUE(any_has(warnings(0.001), "at most 0.7 degrees"));
   EXPECT_FALSE(any_has(warnings(0.001), "6 degrees"));
-  EXPECT_TRUE(any_has(warnings(0.0025), "1.25 voxels. It holds a virtual tool, but where a wall of 1.1 to 1.5 voxels lies askew in the grid it pushes up to 6 degrees"));
+  EXPECT_TRUE(any_has(warnings(0.0025), "1.25 voxels. It holds a virtual tool, but where a wall of 1.1 to 1.5 voxels lies askew in the grid it pushes up to 8 degrees"));
   EXPECT_FALSE(any_has(warnings(0.005), "thinnest"));
 }
 
