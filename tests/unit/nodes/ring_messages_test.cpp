@@ -15,5 +15,14 @@ TEST(RingMessages, ACommandsTimeLimitIsNeverBeforeItsSample) {
   }
 }
 
+TEST(RingMessages, ACommandTellsWhatInjectedDampingAddsAndThatItWasCut) {
+  coupling::CouplingOutput out;
+  EXPECT_EQ(force_command({}, out, {}, 0.005).status, 0U);
+  out.bounded = true, out.injected_n = 0.25;
+  const msg::ForceCommand command = force_command({}, out, {}, 0.005);
+  EXPECT_EQ(command.status, msg::force_command::kStatusBounded);
+  EXPECT_EQ(command.injected_n, 0.25F);
+}
+
 }  // namespace
 }  // namespace voxtouch::coupling_node
