@@ -1,5 +1,7 @@
 #include "core/contact/equilibrium_step.hpp"
 
+#include <Eigen/Cholesky>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -61,33 +63,6 @@ VOXTOUCH_CLONES void sum_up(const Jacobians& __restrict rows, const Active& __re
     }
     for (std::size_t j = 0; j < kWide; ++j) sums.pull[j] -= pull * row[j];
   }
-}
-
-/// Solves a positive definite system by Cholesky's factors. Unrolled: six numbers are too few for a library's loops.
-Vec6 solved(const Mat6& system, const Vec6& right) noexcept {
-  double l[6][6], over[6], x[6];
-  for (int j = 0; j < 6; ++j) {
-    double diagonal = system(j, j);
-    for (int k = 0; k < j; ++k) diagonal -= l[j][k] * l[j][k];
-    over[j] = 1.0 / std::sqrt(diagonal);
-    for (int i = j + 1; i < 6; ++i) {
-      double below = system(i, j);
-      for (int k = 0; k < j; ++k) below -= l[i][k] * l[j][k];
-      l[i][j] = below * over[j];
-    }
-  }
-  for (int i = 0; i < 6; ++i) {
-    x[i] = right[i];
-    for (int k = 0; k < i; ++k) x[i] -= l[i][k] * x[k];
-    x[i] *= over[i];
-  }
-  for (int i = 5; i >= 0; --i) {
-    for (int k = i + 1; k < 6; ++k) x[i] -= l[k][i] * x[k];
-    x[i] *= over[i];
-  }
-  Vec6 out;
-  for (int i = 0; i < 6; ++i) out[i] = x[i];
-  return out;
 }
 
 /// All rows times one step, added as in a dot product of six numbers.
@@ -171,7 +146,7 @@ EquilibriumStep equilibrium_step(std::span<const ConstraintRow> rows, const Vec6
       down = allowed->free * down;
       system = allowed->free * (step.hessian - Mat6::Identity()) * allowed->free + Mat6::Identity();
     }
-    const Vec6 way = solved(system, down);
+    const Vec6 way = system.llt().solve(down);
     multiply(jacobians, numbers_of(way), gaps.slope);
     find_active(gaps, 1.0, at_end);
     step.converged = at_end == active;
