@@ -78,6 +78,9 @@ struct ContactParameters {
   /// one metre of depth, for areas.
   double stiffness = 1.0;
   PointWeights weights = PointWeights::kOne;
+  /// ContactRenderer::render gives what the model gives, bit for bit: no depths are held, no directions blended (`original` and `adapted` as in the
+  /// papers). Behind its layer of voxels nothing pushes back.
+  bool alone = false;
 };
 
 /// The model for `kind`; `distances`, which `field` looks up, must outlive it. Throws std::invalid_argument for a stiffness that is not

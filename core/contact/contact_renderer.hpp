@@ -1,6 +1,7 @@
 #pragma once
 /// The whole way from a pose to a wrench behind one class: query, model, stage.
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "core/contact/contact_model.hpp"
@@ -43,6 +44,9 @@ class ContactRenderer {
   /// Fast motion. What lies between two frames is not looked at. Where some point may have moved more than e/2 since the last frame it
   /// may have jumped over a wall of a voxel: the frame is `fast`, and `missed` too unless the scene is so far away that nothing can have lain in between.
   ///
+  /// A model alone (ContactParameters) holds nothing in a wall. While the tool's middle is in a surface or interior voxel the frame is `passing`: it is
+  /// going through, or has gone in. The middle is that of the shell's area; where that lies outside the tool, as of a bowl, nothing is told.
+  ///
   /// With a budget a frame tests at most so many points; points are left out by levels, and what touched in the frame before is not lost
   /// (level_query.hpp).
   StageResult render(const Pose& pose_WT) noexcept;
@@ -65,11 +69,14 @@ class ContactRenderer {
 
  private:
   bool near_within(double moved_m) const noexcept;
+  bool middle_in_something() const noexcept;
 
   ContactQuery query_;
   std::unique_ptr<ContactModel> model_;
   ContactStage stage_;
   HitList hits_;
+  bool alone_;
+  std::optional<Vec3> middle_T_;     ///< of a model alone, where it is inside the tool
   std::uint32_t budget_points_ = 0;  ///< 0: none
   TouchedPoints touched_;
 };

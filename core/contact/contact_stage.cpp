@@ -20,7 +20,7 @@ struct ContactStage::Frame {
 };
 
 ContactStage::ContactStage(const StageConfig& config) : config_(config) {
-  if (!remembers(config.model)) return;
+  if (!works()) return;
   last_surface_.reserve(config.points);
   for (std::vector<RetainedHit>* const list : {&retained_, &returning_, &inside_}) list->reserve(config.points);
 }
@@ -41,8 +41,8 @@ StageResult ContactStage::apply(const HitList& hits, const ContactResult& plain,
   Frame frame;
   frame.moved_m = moved_m;
   result.fast = frame.moved_m > limits::kFastEdges * config_.edge_m;
-  if (!remembers(config_.model)) {
-    // Nothing to blend, and nothing to hold: their depths reach into interior voxels.
+  if (!works()) {
+    // Nothing to blend, and nothing to hold: the depths of `field` reach into interior voxels, a model alone has none there.
   } else if (hits.surface.empty() && hits.interior.empty()) {
     shared_.setZero();
     last_surface_.clear();

@@ -14,6 +14,7 @@ struct StageResult {
   bool retained = false;      ///< points have gone through (or just came back): remembered depths push
   bool fast = false;      ///< some point may have moved more than half a voxel since the last pose
   bool missed = false;    ///< ContactRenderer: so fast beside the scene that something may have been passed unseen
+  bool passing = false;   ///< ContactRenderer, of a model alone: the tool's middle is in what it touches, and nothing holds it from passing
 };
 
 /// How a stage is set up.
@@ -23,6 +24,7 @@ struct StageConfig {
   double edge_m = 0.0;             ///< voxel edge e of the static grid
   double stiffness = 0.0;          ///< K of a weight of one, as ContactParameters
   ContactModelKind model = ContactModelKind::kAdapted;
+  bool alone = false;              ///< as ContactParameters: nothing but the fast flag
   /// Of a shell in levels, which may leave out points: who stands for each (pointshell::ShellLevels::stands_in). Must outlive the stage; null: none is left out.
   const std::uint32_t* stands_in = nullptr;
 };
@@ -54,7 +56,7 @@ constexpr bool remembers(ContactModelKind model) noexcept {
 ///
 /// Where nothing is retained, and directions are not blended, this costs a copy of the points' numbers and nothing else a point.
 ///
-/// `field` passes through with the fast flag only: it has neither a fallback to blend nor a layer to go through.
+/// `field`, and any model that is to be alone, passes through with the fast flag only: `field` has neither a fallback to blend nor a layer to go through.
 ///
 /// All memory is taken at construction; `apply` and `reset` are real-time safe. Not safe to share between threads.
 class ContactStage {
@@ -85,6 +87,7 @@ class ContactStage {
   };
   struct Frame;
 
+  bool works() const noexcept { return remembers(config_.model) && !config_.alone; }
   double motion_bound(const Pose& pose) const noexcept;
   void update_shared_direction(const HitList& hits) noexcept;
   double plain_depth(const Hit& hit, const PushDirection& direction) const noexcept;

@@ -65,7 +65,7 @@ class Finder {
     return counts({std::move(what), force_n(with, built_, motion_)});
   }
   bool counts(Change change) {
-    if (!(change.force_n >= kWorthTelling * now_n_)) return false;
+    if (!(change.force_n > 0.0 && change.force_n >= kWorthTelling * now_n_)) return false;
     found_.push_back(std::move(change));
     return true;
   }

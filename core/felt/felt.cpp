@@ -61,6 +61,9 @@ std::string of_pressed(const Felt& felt, const std::vector<Pressed>& pressed, co
   text += ".";
   const double certified = felt.fitted.design.translation.shown_stiffness, of_spring = std::min(certified * deepest.depth_m, most);
   if (deepest.force_n >= 0.9 * of_spring) return text + limited(limit_of(felt.fitted, felt.device, certified, deepest.force_n));
+  if (felt.scene.contact.rendering == scene::RenderingKind::kModelAlone)
+    return text + limited(fmt::format("the model alone, whose points push no deeper than {:.2g} mm, in a wall's voxels; `rendering: penalty` holds their depths.",
+                                      1e3 * felt.scene.voxel_size_m / felt.scene.device.position_scale));
   return text + limited(fmt::format("the {:.4g} N/m that hold here would give {:.2g} N, but the contact itself is as stiff as that only some way in, and a stiffer "
                                     "one sooner.", certified, of_spring));
 }

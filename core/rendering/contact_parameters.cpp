@@ -22,10 +22,10 @@ contact::ContactParameters contact_parameters(const scene::ContactSpec& given, c
   scene::ContactSpec spec = given;
   if (spec.rendering == scene::RenderingKind::kVirtualTool) spec.stiffness_n_per_m3 = kProbeStiffness;
   const contact::PointWeights chosen = weights.value_or(weights_of(spec, kind));
-  const bool by_area = spec.stiffness_n_per_m3 > 0.0;
+  const bool by_area = spec.stiffness_n_per_m3 > 0.0, alone = spec.rendering == scene::RenderingKind::kModelAlone;
   if (chosen == contact::PointWeights::kArea)
-    return {by_area ? spec.stiffness_n_per_m3 : spec.stiffness_n_per_m / mean_area_m2(shell), chosen};
-  return {by_area ? spec.stiffness_n_per_m3 * mean_area_m2(shell) : spec.stiffness_n_per_m, chosen};
+    return {by_area ? spec.stiffness_n_per_m3 : spec.stiffness_n_per_m / mean_area_m2(shell), chosen, alone};
+  return {by_area ? spec.stiffness_n_per_m3 * mean_area_m2(shell) : spec.stiffness_n_per_m, chosen, alone};
 }
 
 }  // namespace voxtouch::rendering

@@ -66,7 +66,7 @@ contact::StageResult ObjectContacts::render_all(const Pose& tool, double time_s)
       all = one;
     } else {
       add_contact(one.contact, all.contact);
-      all.retained |= one.retained, all.fast |= one.fast, all.missed |= one.missed;
+      all.retained |= one.retained, all.fast |= one.fast, all.missed |= one.missed, all.passing |= one.passing;
     }
   }
   if (all.contact.pose_status != contact::PoseStatus::kUsable && objects_.size() > 1) {

@@ -141,6 +141,9 @@ void say_forces_of_depth(const scene::Scene& scene, Plan& plan) {
                                          scene.contact.stiffness_n_per_m3)
                            : fmt::format("Contact model '{}' with {:g} N/m per shell point.", scene.contact.model,
                                          scene.contact.stiffness_n_per_m));
+  if (scene.contact.rendering == scene::RenderingKind::kModelAlone)
+    plan.built.push_back("The model alone, as the paper has it: no depths are held, so that what has gone through a wall's voxels pushes no more. A run in which the middle of "
+                         "the tool is in what it touches is not a good one.");
   const double unseen_mm = 1e3 * contact::limits::kFastEdges * scene.voxel_size_m;
   plan.built.push_back(fmt::format(
       "Fast motion: beside the scene the tool may pass a wall unseen where it moves more than half a voxel a sample, {:.3g} mm ({:.3g} m/s at 1 kHz). "

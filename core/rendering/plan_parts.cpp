@@ -12,9 +12,10 @@ namespace {
 
 constexpr const char* kRendering = "rendering";
 /// What the stage behind the contact model may remember of a point: that it was in the surface layer, and thrice the depth it is retained
-/// with. `field` remembers nothing.
-std::uint64_t stage_bytes_per_point(std::string_view contact_model) {
-  return contact_model == "original" || contact_model == "adapted" ? 52 : 0;
+/// with. `field` remembers nothing, nor does a model alone.
+std::uint64_t stage_bytes_per_point(const scene::ContactSpec& contact) {
+  if (contact.rendering == scene::RenderingKind::kModelAlone) return 0;
+  return contact.model == "original" || contact.model == "adapted" ? 52 : 0;
 }
 
 PlanPart effect_part(const effects::EffectSpec& effect, const BuildCounts& n) {
@@ -81,8 +82,9 @@ void add_contact(std::vector<PlanPart>& parts, const scene::Scene& scene, const 
   parts.push_back(
       {.name = "contact model " + scene.contact.model,
        .node = kRendering,
-       .why = "The scene's contact section names it; with it goes the memory of points that have gone through.",
-       .bytes = n.shell_points * (2 * sizeof(std::uint32_t) + stage_bytes_per_point(scene.contact.model)),
+       .why = stage_bytes_per_point(scene.contact) > 0 ? "The scene's contact section names it; with it goes the memory of points that have gone through."
+                                                       : "The scene's contact section names it; it remembers no points that have gone through.",
+       .bytes = n.shell_points * (2 * sizeof(std::uint32_t) + stage_bytes_per_point(scene.contact)),
        .expected_ns = kNsPerFrame + ns_per_contact_point(scene.contact.model) * points});
   if (n.virtual_tool_lever_m > 0.0)
     parts.push_back({.name = "virtual tool",

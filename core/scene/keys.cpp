@@ -64,8 +64,9 @@ constexpr auto kContact = std::to_array<Key>({
    "original adapted field"},
   {"rendering", kWord, kOptional, "",
    "A virtual tool that stays outside what it touches, with `field` (then the standard model): the coupling's certified stiffness is felt, and none is given here. "
-   "Or penalty, forces that grow with the depth. Left out: virtual_tool for `field` without a stiffness, else penalty.",
-   "virtual_tool penalty"},
+   "Or penalty, forces that grow with the depth. Or model_alone, these as the paper has them, to compare with it: points that have gone through a wall's "
+   "voxels push no more, so it is soon passed. Left out: virtual_tool for `field` without a stiffness, else penalty.",
+   "virtual_tool penalty model_alone"},
   {"stiffness_n_per_m", kPositive, kOneOf, "", "Of each shell point [N/m]; original and adapted."},
   {"stiffness_n_per_m3", kPositive, kOneOf, "", "Per area of the tool's surface [N/m^3]; any model."}});
 

@@ -34,7 +34,8 @@ enum class ShellKind { kExact, kNaive };
 
 /// How a contact becomes what the hand feels.
 enum class RenderingKind {
-  kPenalty,      ///< the contact model's forces at the hand's pose
+  kPenalty,      ///< the contact model's forces at the hand's pose, which go on where points have gone through
+  kModelAlone,   ///< the same as the paper has them: no depth is held
   kVirtualTool,  ///< a spring from the hand to a tool that stays outside
 };
 

@@ -152,6 +152,7 @@ ContactSpec read_contact(const SceneSource& source, const MapReader& map) {
   if (has_virtual_tool(map)) return read_virtual_tool(source, map);
   ContactSpec contact;
   map.read("model", contact.model);
+  if (map.has("rendering") && map.choice("rendering") == 2) contact.rendering = RenderingKind::kModelAlone;
   const bool by_area_only = contact.model == keys::kModelByArea;
   const bool by_area = map.has("stiffness_n_per_m3");
   if (by_area_only)

@@ -185,7 +185,7 @@ class RenderingNode {
     samples_.fetch_add(1, kRelaxed);
     const bool buried = touches && !pushes && c.interior_hits > c.surface_hits;
     const std::array<bool, kCounted.size()> counts = {  // in the order of the names
-        pushes, (m.flags & msg::contact_state::kFlagRefusedSample) != 0, touch.fast, touch.missed, buried, touch.retained, c.saturated,
+        pushes, (m.flags & msg::contact_state::kFlagRefusedSample) != 0, touch.fast, touch.missed, touch.passing, buried, touch.retained, c.saturated,
         frame.tool.lag, frame.tool.unplaced, frame.tool.queries >= contact::limits::kMaxQueries};
     for (std::size_t n = 0; n < counts.size(); ++n)
       if (counts[n]) counted_[n].fetch_add(1, kRelaxed);
@@ -312,9 +312,9 @@ class RenderingNode {
   std::int64_t last_answer_ns_ = 0;
   /// Figures that count samples; what is behind the first kOfAnyTool is known of a virtual tool only.
   static constexpr std::array kCounted{"contact_samples", "refused_samples", "fast_samples", "missed_samples",
-                                       "buried_samples",  "held_samples",    "saturated_samples",
+                                       "passing_samples", "buried_samples",  "held_samples", "saturated_samples",
                                        "lag_samples",     "unplaced_samples", "samples_at_most_queries"};
-  static constexpr std::size_t kOfAnyTool = 7;
+  static constexpr std::size_t kOfAnyTool = 8;
   std::array<std::atomic<std::uint64_t>, kCounted.size()> counted_{};
   std::atomic<std::uint64_t> samples_{0}, first_sample_{0};
   std::atomic<double> most_residual_m_{0.0}, most_depth_m_{0.0};  ///< of a virtual tool

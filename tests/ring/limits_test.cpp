@@ -80,5 +80,47 @@ TEST(Missed, ARunInWhichAWallMayHaveBeenPassedUnseenIsNoGoodOne) {
   EXPECT_TRUE(told) << run.process.out;
 }
 
+/// A ball of 10 mm on a plate of 2 mm, where the hand wants through at 20 mm/s; on a voxel grid of 2 mm.
+std::string pressed_plate(const TemporaryFolder& folder, const std::string& contact) {
+  std::ofstream plate(folder / "plate.obj");
+  for (int k = 0; k < 8; ++k) plate << "v " << (k & 1 ? 0.06 : -0.06) << " " << (k & 2 ? 0.06 : -0.06) << " " << (k & 4 ? 0.0 : -0.002) << "\n";
+  plate << "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
+  plate.close();
+  const std::string file = (folder / "pressed.yaml").string();
+  std::ofstream(file) << "scene: pressed\nvoxel_size: 0.002\nstatic: [{mesh: plate.obj}]\ndynamic: {mesh: " << VOXTOUCH_DEPLOY
+                      << "/meshes/sphere.obj, scale: 0.01, parts: [{sphere: {radius: 0.01}}]}\ncontact: {" << contact << "}\ncoupling: {design: auto, kind: shaping_filter}\n"
+                      << "motions: {it: {path: [[0.003, 0.002, 0.013], [0.003, 0.002, -0.02]], speed_m_per_s: 0.02, hold_s: 0.3}}\n";
+  return file;
+}
+
+TEST(ModelAlone, ARunInWhichAWallWasPassedSlowlyIsNoGoodOne) {
+  for (const char* model : {"original", "adapted"}) {
+    SCOPED_TRACE(model);
+    const TemporaryFolder folder;
+    const RingResult run = run_ring(pressed_plate(folder, std::string("model: ") + model + ", stiffness_n_per_m: 30, rendering: model_alone"),
+                                    {"--motion", "it", "--duration", "3", "--lockstep", "--one-process", "--no-record"});
+    EXPECT_EQ(run.process.status, 1);
+    EXPECT_EQ(run.summary["fast_samples"], 0);
+    EXPECT_EQ(run.summary["held_samples"], 0);
+    EXPECT_GT(run.summary["passing_samples"], 10);
+    EXPECT_EQ(run.summary["validator"]["disagree"], 0) << run.summary["problems"];
+    EXPECT_FALSE(run.summary["limits"]["passing_samples"]["met"]);
+  }
+}
+
+TEST(ModelAlone, ARunThatOnlyTouchesIsAGoodOne) {
+  const TemporaryFolder folder;
+  std::string scene = pressed_plate(folder, "model: adapted, stiffness_n_per_m: 30, rendering: model_alone");
+  std::stringstream text;
+  text << std::ifstream(scene).rdbuf();
+  std::string touched = text.str();
+  touched.replace(touched.find("-0.02]"), 5, "0.0095");
+  std::ofstream(scene) << touched;
+  const RingResult run = run_ring(scene, {"--motion", "it", "--duration", "2", "--lockstep", "--one-process", "--no-record"});
+  EXPECT_EQ(run.process.status, 0) << run.process.out;
+  EXPECT_GT(run.summary["contact_samples"], 500);
+  EXPECT_EQ(run.summary["passing_samples"], 0);
+}
+
 }  // namespace
 }  // namespace voxtouch::test

@@ -58,6 +58,7 @@ RunFigures figures_of(const RunSummary& s) {
   f.deadline_misses = number(r, "device", "deadline_misses");
   f.clamped = number(r, "device", "clamped");
   f.missed = number(r, "rendering", "missed_samples");
+  f.passing = number(r, "rendering", "passing_samples");
   const std::string coupling = worse_coupling(r);
   f.lowest_energy_j = number(r, coupling, "lowest_energy_j");
   f.energy_bound_j = number(r, coupling, "energy_bound_j");

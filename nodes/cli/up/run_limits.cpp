@@ -27,6 +27,9 @@ constexpr Limit kLimits[] = {
      "the scene asks for more than the device may give: less stiffness or gain"},
     {"missed_samples", "samples", false, 0.0, true, "the number of samples in which the tool may have passed something unseen",
      "it moved more than half a voxel a sample beside the scene: a slower hand, larger voxels, or contact: {rendering: virtual_tool}, which passes no wall"},
+    {"passing_samples", "samples", false, 0.0, true, "the number of samples in which the middle of the tool was in what it touched, with nothing that holds it,",
+     "it has passed a wall or gone into a body: contact: {rendering: virtual_tool}, which passes no wall, or rendering: penalty, which holds depths; model_alone is "
+     "the paper's law, and where its walls are passed is what it shows"},
     {"energy_debt", "1", false, 1.0, true, "the energy that the coupling gave away, over what its observer may show of a sound contact,",
      "the contact was not passive: less stiffness or gain, or let the coupling be designed (coupling: {design: auto})"},
     {"first_validation_s", "s", false, 5.0, true, "the time to the first validated sample",
@@ -97,6 +100,7 @@ Measured measure(std::string_view name, const RunFigures& run) {
   if (name == "deadline_miss_share") return {run.deadline_misses / run.samples, ""};
   if (name == "clamped_share") return {run.clamped / run.samples, ""};
   if (name == "missed_samples") return {run.missed, ""};
+  if (name == "passing_samples") return {run.passing, ""};
   if (name == "energy_debt") return energy_debt(run);
   if (name == "first_validation_s") return {due(run) > 0.0 ? seconds_to(run, run.first_judged) : 0.0, ""};
   if (name == "validated_share") return {share(run.judged, due(run) - run.excused), ""};

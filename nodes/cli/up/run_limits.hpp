@@ -35,6 +35,7 @@ struct RunFigures {
   double answered = 0.0;
   double overruns = 0.0, deadline_misses = 0.0, clamped = 0.0;
   double missed = 0.0;  ///< samples in which a contact may have been missed
+  double passing = 0.0;  ///< samples in which the tool's middle was in what it touched, with a contact model alone
   /// Below zero: what the coupling gave more than it took; and as much as its observer may show of a sound contact [J].
   double lowest_energy_j = 0.0, energy_bound_j = 0.0, lowest_energy_rotation_j = 0.0, energy_bound_rotation_j = 0.0;
   double validate_every = 1.0;

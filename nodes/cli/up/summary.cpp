@@ -101,7 +101,7 @@ nlohmann::ordered_json to_json(const RunSummary& s) {
                           {"p99", number(r, "device", "latency_p99_us")},
                           {"max", number(r, "device", "latency_max_us")}};
   add_counts(j, r, "device", {"answered", "overruns", "deadline_misses"});
-  add_counts(j, r, "rendering", {"contact_samples", "held_samples", "saturated_samples", "fast_samples", "missed_samples"});
+  add_counts(j, r, "rendering", {"contact_samples", "held_samples", "saturated_samples", "fast_samples", "missed_samples", "passing_samples"});
   add_what_the_scene_has(j, s);
   add_counts(j, r, "device", {"zero_force_samples", "interruptions"});
   j["max_force_n"] = number(r, "device", "max_force_n");

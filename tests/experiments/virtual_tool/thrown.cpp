@@ -30,11 +30,10 @@ ThrowFigures thrown(const ThrowOptions& o) {
   std::mt19937_64 random(o.seed);
   const pointshell::Pointshell shell = ball_shell(o.edge);
   Rig rig(wall_mesh(o), o.edge, shell);
-  contact::ContactRenderer renderer = rig.ground.renderer(shell, o.holder.model.value_or(contact::ContactModelKind::kAdapted));
+  contact::ContactRenderer renderer = rig.ground.renderer(shell, o.holder.model.value_or(contact::ContactModelKind::kAdapted), !o.holder.remembers);
   const auto force_at = [&](const Pose& pose) -> Vec3 {
     if (!o.holder.model) return rig.frame(pose).wrench(kStiffness).force;
-    if (o.holder.remembers) return capped(renderer.render(pose).contact);
-    return capped(renderer.probe(pose));
+    return capped(renderer.render(pose).contact);
   };
   const Quat turn = o.askew ? tilt() : Quat::Identity();
   const double half = 0.5 * o.thick_edges * o.edge;

@@ -11,7 +11,7 @@ namespace voxtouch::virtual_tool {
 /// Who pushes the mass back; all with the stiffness that the coupling lets through, kStiffness, as the largest of a frame.
 struct Holder {
   std::optional<contact::ContactModelKind> model;  ///< none: the virtual tool
-  bool remembers = true;       ///< depths that are held; else the model alone
+  bool remembers = true;       ///< depths that are held; else the model alone, as `rendering: model_alone`
 };
 
 /// A ball of 10 mm on a mass of 0.15 kg (stylus and hand) with 1 Ns/m, thrown at a wall at 0.02 to 3 m/s up to 8 degrees askew, and pulled on

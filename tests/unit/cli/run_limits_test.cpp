@@ -64,6 +64,7 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"unanswered_60_percent", [](RunFigures& r) { r.answered = 0.40 * 9'760; }, {"answered_share"}},
         Bad{"deadlines_133_missed", [](RunFigures& r) { r.deadline_misses = 133; }, {"deadline_miss_share"}},
         Bad{"clamps_57", [](RunFigures& r) { r.clamped = 57; }, {"clamped_share"}},
+        Bad{"was_in_a_wall_that_nothing_holds_it_from_passing", [](RunFigures& r) { r.passing = 1; }, {"passing_samples"}},
         Bad{"may_have_passed_a_wall_once", [](RunFigures& r) { r.missed = 1; }, {"missed_samples"}},
         Bad{"overruns_of_a_tenth", [](RunFigures& r) { r.overruns = 1'100; }, {"overrun_share"}},
         // 17,829 samples of passivity control: the debt grew with every turn of a cycle that went on.

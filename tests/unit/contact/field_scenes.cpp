@@ -109,8 +109,8 @@ Ground::Ground(const mesh::TriangleMesh& mesh, const voxmap::Grid& grid, double 
     : voxmap(voxmap::voxelise(mesh, grid, serial_for())),
       field(voxmap::build_distance_field(mesh, voxmap, {.depth_voxels = depth_voxels, .band_voxels = 2.0}, serial_for())) {}
 
-contact::ContactRenderer Ground::renderer(const pointshell::Pointshell& tool, contact::ContactModelKind kind) const {
-  return {voxmap, tool, kind, {kPressure, contact::PointWeights::kArea}, &field};
+contact::ContactRenderer Ground::renderer(const pointshell::Pointshell& tool, contact::ContactModelKind kind, bool alone) const {
+  return {voxmap, tool, kind, {kPressure, contact::PointWeights::kArea, alone}, &field};
 }
 
 Ball::Ball(double radius_m, int splits) : mesh(sphere_mesh(radius_m, splits)), centre(0.37e-3, -0.81e-3, 0.19e-3) {

@@ -27,7 +27,7 @@ struct Ground {
   Ground(const mesh::TriangleMesh& mesh, const voxmap::Grid& grid, double depth_voxels);
   /// With k = 1 N/mm^3.
   contact::ContactRenderer renderer(const pointshell::Pointshell& tool,
-                                    contact::ContactModelKind kind = contact::ContactModelKind::kField) const;
+                                    contact::ContactModelKind kind = contact::ContactModelKind::kField, bool alone = false) const;
 };
 
 inline constexpr double kPressure = 1e9;  ///< k [N/m^3]

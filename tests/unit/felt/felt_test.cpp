@@ -106,6 +106,26 @@ TEST(Press, RisesWithEveryDepthAndIsAllThatIsCertifiedWhereDepthCounts) {
   }
 }
 
+/// The largest force comes some way in, and the sentence says where; nothing that gives no force counts as giving more.
+TEST(Press, OfAModelAloneFallsWhereItsPointsHaveGoneThroughAndTheSentenceSaysWhere) {
+  for (const char* model : {"original", "adapted"}) {
+    Scene alone(model, scene::RenderingKind::kModelAlone), held(model);
+    ASSERT_EQ(alone.fitted.refusal, "") << model;
+    const std::vector<Pressed> a = press(*alone.built, alone.scene, alone.fitted, stylus(), alone.scene.motions.begin()->second),
+                               h = press(*held.built, held.scene, held.fitted, stylus(), held.scene.motions.begin()->second);
+    ASSERT_EQ(a.size(), 10U) << model;
+    double largest = 0.0;
+    std::string row;
+    for (const Pressed& p : a) largest = std::max(largest, p.force_n), row += fmt::format(" {:.3f}", p.force_n);
+    std::printf("%s alone: N at 1 to 10 mm%s\n", model, row.c_str());
+    EXPECT_LT(a.back().force_n, 0.5 * largest) << model;
+    EXPECT_LT(a.back().force_n, 0.25 * h.back().force_n) << model;
+    const std::string told = felt_sentence(alone.fitted, alone.scene, stylus(), *alone.built);
+    expect_parts(told, {"10 mm deep", "; at most ", " mm deep.", "model alone", "rendering: penalty", "More: "});
+    EXPECT_EQ(told.find(" gives 0 N"), std::string::npos) << told;
+  }
+}
+
 TEST(Press, OfWhatIsNotTouchedOrMustNotBeFeltSaysNothing) {
   Scene s("adapted");
   scene::Scene away = s.scene;

@@ -110,6 +110,9 @@ TEST_F(SceneFile, FieldWithoutAStiffnessIsAVirtualToolAndWithOneForcesOfDepth) {
   EXPECT_FALSE(with_contact("model: field, stiffness_n_per_m3: 1e6").virtual_tool());
   EXPECT_FALSE(with_contact("model: field, rendering: penalty, stiffness_n_per_m3: 1e6").virtual_tool());
   EXPECT_FALSE(with_contact("model: adapted, stiffness_n_per_m: 10").virtual_tool());
+  EXPECT_EQ(with_contact("model: adapted, stiffness_n_per_m: 10").contact.rendering, RenderingKind::kPenalty);
+  EXPECT_EQ(with_contact("model: adapted, stiffness_n_per_m: 10, rendering: model_alone").contact.rendering, RenderingKind::kModelAlone);
+  EXPECT_EQ(with_contact("model: field, stiffness_n_per_m3: 1e6, rendering: model_alone").contact.rendering, RenderingKind::kModelAlone);
 }
 
 TEST_F(SceneFile, AKeyThatIsLeftOutMeansTheSameInTheTableOfKeysAndInTheValuesThatAreMadeWithoutAScene) {

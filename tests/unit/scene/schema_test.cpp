@@ -240,6 +240,8 @@ TEST_F(Schema, SeesTheSlipsThatEditorsAreToShow) {
       {"stiffness_n_per_m: 10", "model: field, stiffness_n_per_m3: 10", false},
       {"stiffness_n_per_m: 10", "model: field, rendering: penalty"},
       {"stiffness_n_per_m: 10", "model: adapted"},
+      {"stiffness_n_per_m: 10", "model: adapted, stiffness_n_per_m: 10, rendering: model_alone", false},
+      {"stiffness_n_per_m: 10", "model: adapted, rendering: model_alone"},
       {"contact:", "effects: [{gravity: {}}]\ncontact:"},
       {"contact:", "effects: [{viscosity: {}}]\ncontact:"},
       {"contact:", "effects: [{viscosity: {damping_ns_per_m: 1e6}}]\ncontact:"},
