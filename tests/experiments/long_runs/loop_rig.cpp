@@ -26,21 +26,20 @@ std::unique_ptr<rendering::BuiltScene> build(scene::Scene scene, const RigOption
   return rendering::build_scene(scene, serial_for(), choices);
 }
 
-coupling::CouplingSpec fit(const scene::Scene& scene, const DeviceDescription& description, const rendering::Plan& plan) {
-  DeviceDescription simulated = description;
-  simulated.simulated = true;
-  fitting::FittedCoupling fitted =
-      fitting::fit_coupling(scene, coupling::design::model_of(simulated), plan.contact_n_per_m, plan.contact_nm_per_rad);
+fitting::FittedCoupling fit(const scene::Scene& scene, const coupling::design::DeviceModel& device, const rendering::Plan& plan) {
+  fitting::FittedCoupling fitted = fitting::fit_coupling(scene, device, plan.contact_n_per_m, plan.contact_nm_per_rad);
   if (!fitted.refusal.empty()) throw std::runtime_error(fitted.refusal);
-  return fitted.spec;
+  return fitted;
 }
 
 }  // namespace
 
 RigFront::RigFront(const scene::Scene& scene, std::unique_ptr<rendering::BuiltScene> built, const coupling::CouplingSpec& spec,
-                   const coupling::CouplingLimits& limits, double period_s)
+                   const coupling::CouplingLimits& limits, double period_s, double spring_n_per_m)
     : device_(scene.device), built_(std::move(built)), live_(*built_), coupling_(spec, limits, period_s),
-      mapping_(scene.device), period_s_(period_s) {}
+      mapping_(scene.device), period_s_(period_s) {
+  live_.aim_for_spring(spring_n_per_m);
+}
 
 Wrench RigFront::answer(const devices::DeviceSample& sample) noexcept {
   if (!begin_ns_) begin_ns_ = sample.time_ns;
@@ -61,9 +60,14 @@ LoopRig::LoopRig(const RigOptions& ask)
     : ask_(ask), scene_(scene::load_scene(ask.scene)), guard_(devices::guard_config(ask.device.description)) {
   const DeviceDescription& d = ask.device.description;
   std::unique_ptr<rendering::BuiltScene> built = build(scene_, ask);
-  spec_ = fit(scene_, d, built->plan());
+  DeviceDescription simulated = ask.designed_for.value_or(d);
+  simulated.simulated = true;
+  const coupling::design::DeviceModel model = coupling::design::model_of(simulated);
+  const fitting::FittedCoupling fitted = fit(scene_, model, built->plan());
+  spec_ = fitted.spec;
+  spring_n_per_m_ = fitting::spring_n_per_m(fitted, scene_, model, {built->plan().contact_n_per_m, built->plan().contact_nm_per_rad});
   limits_ = fitting::limits_W(scene_.device, coupling::design::model_of(d));
-  front_ = std::make_unique<RigFront>(scene_, std::move(built), spec_, limits_, 1.0 / d.rate_hz);
+  front_ = std::make_unique<RigFront>(scene_, std::move(built), spec_, limits_, 1.0 / d.rate_hz, spring_n_per_m_);
   const Motion in_world = ask.path ? *ask.path : scene_.motions.at(ask.motion);
   device_ = std::make_unique<sim::SimulatedDevice>(ask.device, ask.hand.value_or(ask.device.hand),
                                               motion_in_device(in_world, scene_.device.pose_WD,
@@ -72,7 +76,7 @@ LoopRig::LoopRig(const RigOptions& ask)
 }
 
 std::unique_ptr<RigFront> LoopRig::fresh_front() const {
-  return std::make_unique<RigFront>(scene_, build(scene_, ask_), spec_, limits_, 1.0 / ask_.device.description.rate_hz);
+  return std::make_unique<RigFront>(scene_, build(scene_, ask_), spec_, limits_, 1.0 / ask_.device.description.rate_hz, spring_n_per_m_);
 }
 
 std::unique_ptr<rendering::BuiltScene> LoopRig::build_again(double stiffness_times) const {

@@ -16,6 +16,7 @@ struct RigOptions {
   std::filesystem::path scene;            ///< a scene file
   std::optional<contact::ContactModelKind> model;  ///< instead of the scene's
   sim::SimParameters device = sim::sim_phantom();
+  std::optional<DeviceDescription> designed_for = {};  ///< instead of the device's: what the coupling is fitted to
   std::optional<sim::OperatorConfig> hand;  ///< instead of the device's usual one
   std::string motion;                  ///< of the scene
   std::optional<Motion> path;          ///< in W, instead of a motion of the scene
@@ -27,7 +28,7 @@ struct RigOptions {
 class RigFront {
  public:
   RigFront(const scene::Scene& scene, std::unique_ptr<rendering::BuiltScene> built, const coupling::CouplingSpec& spec,
-           const coupling::CouplingLimits& limits, double period_s);
+           const coupling::CouplingLimits& limits, double period_s, double spring_n_per_m);
   /// One sample of the device answered, in D. Real-time safe.
   Wrench answer(const devices::DeviceSample& sample) noexcept;
 
@@ -80,6 +81,7 @@ class LoopRig {
   sim::SimulatedDevice& device() noexcept { return *device_; }
   const devices::ForceGuard& guard() const noexcept { return guard_; }
   const coupling::CouplingSpec& spec() const noexcept { return spec_; }
+  double spring_n_per_m() const noexcept { return spring_n_per_m_; }  ///< of a virtual tool, in W; 0 without one
   std::uint64_t refused_writes() const noexcept { return refused_writes_; }
 
  private:
@@ -87,6 +89,7 @@ class LoopRig {
   scene::Scene scene_;
   coupling::CouplingSpec spec_;
   coupling::CouplingLimits limits_;
+  double spring_n_per_m_ = 0.0;
   std::unique_ptr<RigFront> front_;
   std::unique_ptr<sim::SimulatedDevice> device_;
   devices::ForceGuard guard_;
