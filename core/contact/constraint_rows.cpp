@@ -144,6 +144,26 @@ void add_rows(const Hits& hits, bool in_surface, const voxmap::DistanceField& fi
   }
 }
 
+void add_edge_rows(const HitList& hits, const ContactQuery& edges, const voxmap::DistanceField& tool, bool smooth, const RowFrame& frame, const Quat& orientation,
+                   std::vector<ConstraintRow>& rows) noexcept {
+  const RowFrame swapped{hits.pose_WT.position - tool.grid().origin, frame.lever_m, frame.object};
+  const std::size_t first = rows.size();
+  add_rows(hits.surface, false, tool, swapped, rows);
+  add_rows(hits.interior, false, tool, swapped, rows);
+  if (smooth) smooth_normals(tool, swapped, std::span(rows).subspan(first));
+  std::size_t kept = first;
+  for (std::size_t n = first; n < rows.size(); ++n) {
+    ConstraintRow& row = rows[n];
+    const Vec3 normal = -(orientation * row.normal());
+    if (!(normal.dot(edges.shell().normal(row.point)) < -limits::kEdgeAgree)) continue;
+    row.arm = orientation * (hits.pose_WT.position + row.arm);
+    row.jacobian << normal, row.arm.cross(normal) / frame.lever_m;
+    row.of_face = true;
+    rows[kept++] = row;
+  }
+  rows.erase(rows.begin() + static_cast<std::ptrdiff_t>(kept), rows.end());
+}
+
 void smooth_normals(const voxmap::DistanceField& field, const RowFrame& frame, std::span<ConstraintRow> rows) noexcept {
   const double widest = limits::kSmoothGapEdges * field.grid().edge;
   for (ConstraintRow& row : rows) {

@@ -16,7 +16,7 @@ struct ConstraintRow {
   double gap_m = 0.0;            ///< below zero: so deep is the point inside
   std::uint32_t point = 0;       ///< index into the shell
   std::uint32_t object = 0;      ///< whose wall it is
-  bool of_face = false;          ///< of a thin wall's own face, not of the field
+  bool of_face = false;          ///< of a thin wall's own face or of an edge point, not of the static object's field
 
   Vec3 normal() const noexcept { return jacobian.head<3>(); }  ///< u: unit, out of the static object, W
 };
@@ -36,6 +36,12 @@ struct RowFrame {
 /// gap are those of the wall's face on the tool's side, which the point's own normal names, fitted to the corners' distances (wall_faces.hpp).
 /// Where tool and wall are both thinner than a voxel, the normals of the tool's far side name the wrong face. Real-time safe.
 void add_rows(const Hits& hits, bool in_surface, const voxmap::DistanceField& field, const RowFrame& frame, std::vector<ConstraintRow>& rows) noexcept;
+
+/// The rows with the roles swapped: points of the object's sharp convex edges (core/pointshell/edge_points.hpp), as `edges` found them in the tool, whose distance is
+/// `tool`'s. A row's normal is against the tool's gradient there, and its point is the edge's; `smooth`: as `smooth_normals` has it. None where the gradient does not
+/// lead into the object at the edge, on the far side of a thin part of the tool (limits::kEdgeAgree). `frame` and `orientation` are the tool's. Real-time safe.
+void add_edge_rows(const HitList& hits, const ContactQuery& edges, const voxmap::DistanceField& tool, bool smooth, const RowFrame& frame, const Quat& orientation,
+                   std::vector<ConstraintRow>& rows) noexcept;
 
 /// Of the rows of `frame`'s object that are about to push (limits::kSmoothGapEdges) and whose plane is the field's, the normal becomes that of the
 /// gradient which does not jump from voxel to voxel, where that is no shorter than beside an even surface (limits::kSmoothGradient). Gaps stay. Real-time safe.

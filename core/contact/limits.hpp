@@ -90,6 +90,8 @@ inline constexpr double kSheetFine = 0.1;
 inline constexpr double kSheetFarEdges = 1.9;
 /// The foot of a point on that plane may be nearer to a corner than the corner's distance by this [e], no more: else it is beyond the face's rim.
 inline constexpr double kSheetBeyond = 0.05;
+/// A row of an edge point leads out of the static object by at least this part of it, against the mean of the normals that meet there.
+inline constexpr double kEdgeAgree = 0.1;
 /// A pose is no start where a point is deeper than this.
 inline constexpr double kPlacedDepthEdges = 0.5;
 /// Nor where a wall is that deep inside the tool (wall_inside.hpp). From so many hits at most it is followed inward, in so many steps of so many edges, where

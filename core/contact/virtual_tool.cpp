@@ -62,8 +62,8 @@ VirtualTool::VirtualTool(const VirtualToolOptions& options) : options_(options) 
   if (!positive(options_.reach_m) || !positive(options_.edge_m) || !positive(options_.lever_m) || options_.points == 0 ||
       options_.objects == 0 || !(options_.fade_s >= 0.0) || !std::isfinite(options_.fade_s))
     throw std::invalid_argument("virtual tool: points, objects, reach, voxel edge and lever must be finite and above 0");
-  hits_.reserve(options_.points);
-  rows_.reserve(options_.points * options_.objects);
+  hits_.reserve(std::max(options_.points, options_.edge_points));
+  rows_.reserve(options_.points * options_.objects + options_.edge_points);
   others_.reserve(rows_.capacity());
   pushes_.resize(options_.objects);
   displacements_.resize(options_.objects, Vec3::Zero());
@@ -109,6 +109,13 @@ void VirtualTool::look_up(const Pose& tool, std::span<const ToolGround> grounds,
     out.surface_hits += static_cast<std::uint32_t>(hits_.surface.size());
     out.interior_hits += static_cast<std::uint32_t>(hits_.interior.size());
     out.points_tested += hits_.tested;
+    ++lookups_;
+    if (ground.edges == nullptr) continue;
+    const Quat orientation = hits_.pose_WT.orientation, back = orientation.conjugate();
+    ground.edges->find({back * -frame.local, back}, hits_);
+    add_edge_rows(hits_, *ground.edges, *ground.tool_field, smooth, frame, orientation, rows_);
+    out.points_tested += hits_.tested;
+    ++lookups_;
   }
   tested_ += out.points_tested;
   rows_energy_ = worst_depth_m_ = 0.0;
@@ -254,9 +261,9 @@ EquilibriumStep VirtualTool::follow(const Pose& hand, double friction, std::span
 /// Whether one more query with its step would cost more than is left.
 bool VirtualTool::work_is_done(const VirtualToolFrame& out) const noexcept {
   const ToolWork& work = options_.work;
-  const double objects = static_cast<double>(displacements_.size());
-  const double so_far = objects * work.per_query * out.queries + work.per_point * static_cast<double>(tested_) + work.per_iteration * out.iterations;
-  const double next = objects * work.per_query + work.per_point * out.points_tested + work.per_iteration * out.iterations / std::max(1, out.queries);
+  const double lookups = static_cast<double>(lookups_);
+  const double so_far = work.per_query * lookups + work.per_point * static_cast<double>(tested_) + work.per_iteration * out.iterations;
+  const double next = work.per_query * lookups / std::max(1, out.queries) + work.per_point * out.points_tested + work.per_iteration * out.iterations / std::max(1, out.queries);
   return so_far + next > work.most;
 }
 
@@ -305,7 +312,7 @@ VirtualToolFrame VirtualTool::frame(const HandSample& sample, std::span<const To
   out.tool = tool_;
   out.unplaced = !placed_;
   std::fill(pushes_.begin(), pushes_.end(), Wrench{});
-  tested_ = 0;
+  tested_ = lookups_ = 0;
   Pose hand = sample.pose;
   out.pose_status = status_of(hand, grounds);
   if (out.pose_status != PoseStatus::kUsable) return out;

@@ -23,16 +23,19 @@ struct ToolGround {
   const ContactQuery* query = nullptr;
   const voxmap::DistanceField* field = nullptr;
   Vec3 displacement = Vec3::Zero();  ///< of the whole object from where its voxmap lies, in W, in this frame [m]
+  const ContactQuery* edges = nullptr;  ///< its sharp convex edges' points, from its grid's origin, looked up in the tool's voxmap; null: none are
+  const voxmap::DistanceField* tool_field = nullptr;  ///< with them: distances to the tool, in T
 };
 
 /// What a frame may cost, as reckoned from what it counts; a unit is whatever the costs are given in.
 struct ToolWork {
   double most = std::numeric_limits<double>::infinity();
-  double per_query = 0.0, per_point = 0.0, per_iteration = 0.0;  ///< of each object; of each point tested; of each iteration of a step
+  double per_query = 0.0, per_point = 0.0, per_iteration = 0.0;  ///< of each look-up; of each point tested; of each iteration of a step
 };
 
 struct VirtualToolOptions {
   std::size_t points = 0;    ///< of the shell
+  std::size_t edge_points = 0;  ///< of all objects together
   std::size_t objects = 1;   ///< the most grounds of a frame
   double reach_m = 0.0;      ///< largest distance of a shell point from the tool's origin, ContactQuery::reach_m
   double edge_m = 0.0;       ///< voxel edge, the smallest of all objects
@@ -150,7 +153,7 @@ class VirtualTool {
   double rows_energy_ = 0.0;       ///< rho/2 sum of squared depths, all rows at `tool_`
   double worst_depth_m_ = 0.0;     ///< likewise
   double placed_s_ = 0.0;
-  std::uint64_t tested_ = 0;       ///< points, in all queries of this frame
+  std::uint64_t tested_ = 0, lookups_ = 0;  ///< points tested and lists looked up, in all queries of this frame
   bool placed_ = false, rows_known_ = false;
   bool pressed_ = false;           ///< the last frame gave a force
   bool blocked_ = false;  ///< the last frame went back to a better pose than the way on led to

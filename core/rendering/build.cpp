@@ -40,6 +40,7 @@ FrameWork work_of(const PartsRequest& request, const BuiltParts& parts) {
           .virtual_tool = has_virtual_tool(request),
           .objects = parts.objects.size(),
           .shell_points = parts.shell.size(),
+          .edge_points = parts.counts.edge_points,
           .tool_points = parts.counts.tool_points};
 }
 
@@ -67,6 +68,13 @@ contact::ToolWork tool_work(const PartsRequest& request, const BuiltParts& parts
           .per_query = kNsPerFrame,
           .per_point = kNsPerPoint + kNsPerFieldPoint,
           .per_iteration = kNsPerIteration};
+}
+
+/// Each object's edges in the tool.
+void add_edges(BuiltParts& parts) {
+  for (auto& object : parts.objects)
+    if (parts.tool_body && object->edge_points.size() > 0)
+      object->edges.emplace(contact::ContactQuery(parts.tool_body->voxmap, std::move(object->edge_points)), &parts.tool_body->field);
 }
 
 /// One spring, whatever it touches.
@@ -104,9 +112,9 @@ BuiltParts kept_or_built(const PartsRequest& request, const ParallelFor& paralle
 
 }  // namespace
 
-BuiltScene::BuiltScene(std::vector<std::unique_ptr<StaticObject>> objects, std::vector<effects::EffectSpec> effects,
+BuiltScene::BuiltScene(std::unique_ptr<ToolBody> tool_body, std::vector<std::unique_ptr<StaticObject>> objects, std::vector<effects::EffectSpec> effects,
                        EffectGround ground, Plan plan, double largest_shell_gap_m)
-    : contacts_(std::move(objects)), ground_(std::move(ground)),
+    : tool_body_(std::move(tool_body)), contacts_(std::move(objects)), ground_(std::move(ground)),
       scene_(contacts_, std::move(effects),
              {ground_.proximity ? &*ground_.proximity : nullptr, ground_.tool.points, ground_.body, ground_.virtual_tool_lever_m, ground_.virtual_tool_work}),
       plan_(std::move(plan)), largest_shell_gap_m_(largest_shell_gap_m) {}
@@ -120,10 +128,11 @@ std::unique_ptr<BuiltScene> build_scene(const scene::Scene& scene, const Paralle
   BuiltParts parts = kept_or_built(request, parallel_for, progress);
   const contact::FrameBudget budget = budget_of(request, parts);
   for (auto& object : parts.objects) add_contact_law(request, parts.shell, budget, *object, parts.counts);
+  add_edges(parts);
   EffectGround ground{.proximity = std::move(parts.proximity), .tool = std::move(parts.tool_points), .body = parts.body, .virtual_tool_lever_m = {}, .virtual_tool_work = {}};
   ground.virtual_tool_work = tool_work(request, parts);
   add_virtual_tool(request, *parts.objects.front()->renderer, ground, parts.counts);
-  return std::make_unique<BuiltScene>(std::move(parts.objects), scene.effects, std::move(ground), make_plan(scene, parts.counts),
+  return std::make_unique<BuiltScene>(std::move(parts.tool_body), std::move(parts.objects), scene.effects, std::move(ground), make_plan(scene, parts.counts),
                                       parts.largest_gap_m);
 }
 

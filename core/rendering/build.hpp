@@ -29,7 +29,7 @@ struct EffectGround {
 class BuiltScene {
  public:
   /// For `build_scene`.
-  BuiltScene(std::vector<std::unique_ptr<StaticObject>> objects, std::vector<effects::EffectSpec> effects,
+  BuiltScene(std::unique_ptr<ToolBody> tool_body, std::vector<std::unique_ptr<StaticObject>> objects, std::vector<effects::EffectSpec> effects,
              EffectGround ground, Plan plan, double largest_shell_gap_m);
   BuiltScene(const BuiltScene&) = delete;
   BuiltScene& operator=(const BuiltScene&) = delete;
@@ -49,6 +49,7 @@ class BuiltScene {
   double largest_shell_gap_m() const noexcept { return largest_shell_gap_m_; }
 
  private:
+  std::unique_ptr<ToolBody> tool_body_;  ///< the objects' edges point into it
   ObjectContacts contacts_;
   EffectGround ground_;
   SceneRenderer scene_;

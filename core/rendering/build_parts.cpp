@@ -5,6 +5,7 @@
 
 #include "core/mesh/mass_properties.hpp"
 #include "core/pointshell/build_shell.hpp"
+#include "core/pointshell/edge_points.hpp"
 #include "core/rendering/built_parts.hpp"
 #include "core/scene/mesh_parts.hpp"
 #include "core/voxmap/closed_mesh.hpp"
@@ -14,6 +15,10 @@
 
 namespace voxtouch::rendering {
 namespace {
+
+/// Edge of the voxels of the distances to the tool over the scene's, how deep they go in these voxels, and what they may take: edges are worth no more.
+constexpr double kToolVoxels = 0.5, kToolDepthVoxels = 4.0;
+constexpr std::uint64_t kToolBodyBytes = std::uint64_t{256} << 20;
 
 /// The mesh that the scene was read with, and no other that stands in its place now.
 mesh::ImportedMesh import(const scene::MeshSpec& spec, const scene::Scene& scene, const mesh::TriangleReader& reader) {
@@ -96,8 +101,8 @@ auto with_hints(const BuildCounts& counts, Build&& build) {
   }
 }
 
-/// Only a body with an inside can push by depth.
-voxmap::DistanceField build_field(const BuildContext& context, const ObjectMesh& fixed, const voxmap::Voxmap& voxmap) {
+/// Only a body with an inside can push by depth. `edges`: gets the points of its sharp edges, where a virtual tool asks for them.
+voxmap::DistanceField build_field(const BuildContext& context, const ObjectMesh& fixed, const voxmap::Voxmap& voxmap, pointshell::Pointshell& edges) {
   const scene::Scene& scene = context.scene;
   BuildCounts& counts = context.counts;
   const ParallelFor& parallel_for = context.parallel_for;
@@ -114,6 +119,7 @@ voxmap::DistanceField build_field(const BuildContext& context, const ObjectMesh&
         scene.file.string(),
         fixed.open == fixed.specs.size() ? "no static mesh is closed, so none has an inside"
                                          : fmt::format("at {:g} m no corner of a voxel lies in one", scene.voxel_size_m)));
+  if (scene.virtual_tool()) edges = pointshell::edge_points(closed, voxmap.grid());
   counts.field_bytes += field.bytes();
   counts.field_nodes += field.stored_nodes();
   counts.field_depth_m = field.depth_m();
@@ -141,6 +147,38 @@ effects::BodyShape body_shape(const scene::Scene& scene, const mesh::TriangleMes
   }
 }
 
+/// The tool for the objects' edges. Null where it cannot be had: then no edges are looked up, and the counts say why.
+std::unique_ptr<ToolBody> build_tool_body(const BuildContext& context, const mesh::ImportedMesh& moving) {
+  BuildCounts& counts = context.counts;
+  const auto left_out = [&](const std::string& why) {
+    counts.edges_left_out = why;
+    return nullptr;
+  };
+  if (!moving.report.closed) return left_out("the dynamic mesh is not closed");
+  context.step("distances to the dynamic mesh");
+  try {
+    const voxmap::Grid grid = voxmap::object_grid(moving.mesh, kToolVoxels * context.scene.voxel_size_m);
+    voxmap::Voxmap voxmap = voxmap::voxelise(moving.mesh, grid, context.parallel_for, kToolBodyBytes);
+    voxmap::DistanceField field = voxmap::build_distance_field(moving.mesh, voxmap, {.depth_voxels = kToolDepthVoxels}, context.parallel_for, kToolBodyBytes);
+    if (!field.has_inside()) return left_out("the dynamic mesh is so thin that no corner of half a voxel lies in it");
+    return std::make_unique<ToolBody>(std::move(voxmap), std::move(field));
+  } catch (const voxmap::VoxelBudgetError&) {
+    return left_out("distances to the dynamic mesh would take more than " + bytes_text(kToolBodyBytes));
+  }
+}
+
+/// Of the objects' edges in the tool: what is built and counted.
+void build_edges(const BuildContext& context, const mesh::ImportedMesh& moving, BuiltParts& parts) {
+  BuildCounts& counts = context.counts;
+  for (const auto& object : parts.objects) counts.edge_points += object->edge_points.size();
+  if (counts.edge_points == 0) return;
+  parts.tool_body = build_tool_body(context, moving);
+  if (!parts.tool_body) counts.edge_points = 0;
+  for (const auto& object : parts.objects)
+    if (!parts.tool_body) object->edge_points = {};
+  if (parts.tool_body) counts.edge_bytes = parts.tool_body->voxmap.bytes() + parts.tool_body->field.bytes();
+}
+
 /// What is made of the dynamic mesh.
 void build_tool(const BuildContext& context, BuiltParts& parts) {
   const scene::Scene& scene = context.scene;
@@ -156,6 +194,7 @@ void build_tool(const BuildContext& context, BuiltParts& parts) {
   parts.shell =
       scene.shell == scene::ShellKind::kExact ? pointshell::make_exact_shell(points, grid) : pointshell::make_naive_shell(points, grid);
   context.counts.shell_points = parts.shell.size();
+  build_edges(context, moving, parts);
   if (effects::needs_of(scene.effects).body) parts.body = body_shape(scene, moving.mesh);
 }
 
@@ -181,14 +220,16 @@ std::unique_ptr<StaticObject> build_object(const BuildContext& context, std::uin
                    .name = name,
                    .voxmap = with_hints(context.counts, [&] { return voxmap::voxelise(fixed.mesh, grid, context.parallel_for); }),
                    .field = {},
+                   .edge_points = {},
                    .moves = id == 0 ? std::nullopt : scene.objects[id - 1].moves,
-                   .renderer = {}});
+                   .renderer = {},
+                   .edges = {}});
   context.counts.surface_voxels += object->voxmap.surface_count();
   context.counts.interior_voxels += object->voxmap.interior_count();
   context.counts.voxmap_bytes += object->voxmap.bytes();
   if (context.model == contact::ContactModelKind::kField) {
     context.step("distance field");
-    object->field = build_field(context, fixed, object->voxmap);
+    object->field = build_field(context, fixed, object->voxmap, object->edge_points);
   }
   return object;
 }

@@ -24,9 +24,10 @@ struct PartsRequest {
 };
 
 struct BuiltParts {
-  std::vector<std::unique_ptr<StaticObject>> objects;  ///< without their renderers; those with meshes, in the order of their ids
+  std::vector<std::unique_ptr<StaticObject>> objects;  ///< without their renderers and edges' queries; those with meshes, in the order of their ids
   pointshell::Pointshell shell;
   double largest_gap_m = 0.0;               ///< of the shell
+  std::unique_ptr<ToolBody> tool_body;      ///< where there is a virtual tool, and it can be had
   std::optional<effects::BodyShape> body;   ///< where an effect asks for it
   std::optional<ProximityField> proximity;  ///< likewise
   ToolPoints tool_points;                   ///< with `proximity`

@@ -17,8 +17,10 @@ contact::VirtualToolOptions options_of(const ObjectContacts& objects, double lev
                              .edge_m = query.voxmap().grid().edge,
                              .lever_m = lever_m,
                              .work = work};
-  for (std::size_t n = 1; n < objects.size(); ++n)
+  for (std::size_t n = 0; n < objects.size(); ++n) {
     options.edge_m = std::min(options.edge_m, objects.object(n).voxmap.grid().edge);
+    if (const auto& edges = objects.object(n).edges) options.edge_points += edges->query.shell().size();
+  }
   return options;
 }
 
@@ -48,7 +50,8 @@ ConstrainedTool::ConstrainedTool(ObjectContacts& objects, double lever_m, const 
     : objects_(objects), tool_(options_of(objects, lever_m, work)), results_(objects.size()) {
   for (std::size_t n = 0; n < objects.size(); ++n) {
     const StaticObject& object = objects.object(n);
-    grounds_.push_back({&object.renderer->query(), &*object.field, Vec3::Zero()});
+    grounds_.push_back({.query = &object.renderer->query(), .field = &*object.field});
+    if (object.edges) grounds_.back().edges = &object.edges->query, grounds_.back().tool_field = object.edges->tool_field;
     parts_.push_back({.object = object.id, .contact = &results_[n], .twist = {}});
   }
 }

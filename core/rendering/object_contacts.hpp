@@ -15,14 +15,28 @@
 
 namespace voxtouch::rendering {
 
+/// The tool as the edges of static objects are looked up in it, in T.
+struct ToolBody {
+  voxmap::Voxmap voxmap;
+  voxmap::DistanceField field;
+};
+
+/// An object's edge points (core/pointshell/edge_points.hpp) in the tool's voxmap. Both must outlive it.
+struct EdgeContacts {
+  contact::ContactQuery query;
+  const voxmap::DistanceField* tool_field;
+};
+
 /// What is built for one object. Stays where it is: the renderer points into it.
 struct StaticObject {
   std::uint32_t id = 0;  ///< 0: the ground; n: Scene::objects[n - 1]
   std::string name;
   voxmap::Voxmap voxmap;
   std::optional<voxmap::DistanceField> field;
+  pointshell::Pointshell edge_points;  ///< where there is a virtual tool, from the grid's origin; empty once `edges` has them
   std::optional<Motion> moves;  ///< displacement in W of all of it over the scene's time
   std::optional<contact::ContactRenderer> renderer;
+  std::optional<EdgeContacts> edges;
 };
 
 /// Sums the contacts of all objects. An object that moves is looked up where it rests, with the tool moved back by its

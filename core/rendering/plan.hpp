@@ -48,6 +48,8 @@ struct BuildCounts {
   std::vector<std::uint64_t> level_points;           ///< of the shell's levels, from the coarsest; none: the budget is enough for all points always
   std::vector<double> level_gap_m;                   ///< of each [m]: no point of the shell is farther from the one that stands for it
   std::uint64_t level_bytes = 0;
+  std::uint64_t edge_points = 0, edge_bytes = 0;     ///< of sharp edges, that a virtual tool looks up in itself, and of what it looks up; 0: none
+  std::string edges_left_out;                        ///< why it does not, where it could not
   StiffnessBounds contact;                           ///< without effects; see contact_range.hpp
   bool closed = true;                       ///< all static meshes are closed; an open one has no interior
   std::vector<std::string> mesh_warnings;   ///< what is wrong with the meshes, as sentences
@@ -117,6 +119,9 @@ std::vector<PlanPart> plan_parts(const scene::Scene& scene, const BuildCounts& c
 double expected_ns(const effects::EffectSpec& effect, std::uint64_t tool_points) noexcept;
 /// Of one point in contact [ns]; `contact_model` as scenes spell it.
 double ns_per_contact_point(std::string_view contact_model) noexcept;
+/// Of the sharp edges of all objects: memory beside the distances to the tool; a look-up of all in the tool [ns], as many of them in contact as a step has rows.
+std::uint64_t edge_lookup_bytes(std::uint64_t edge_points) noexcept;
+double edge_ns(std::uint64_t objects, std::uint64_t edge_points) noexcept;
 /// "812 bytes", "96.0 kB", "2.5 MB".
 std::string bytes_text(std::uint64_t bytes);
 

@@ -1,6 +1,8 @@
 // What the frames of a scene are made of, each with what calls for it and what it costs at most.
 #include <fmt/core.h>
 
+#include <algorithm>
+
 #include "core/contact/constraint_rows.hpp"
 #include "core/contact/contact_model.hpp"
 #include "core/contact/contact_query.hpp"
@@ -90,12 +92,28 @@ void add_contact(std::vector<PlanPart>& parts, const scene::Scene& scene, const 
     parts.push_back({.name = "virtual tool",
                      .node = kRendering,
                      .why = "The scene's contact section asks for it: the hand feels the spring to a tool that stays outside.",
-                     .bytes = 2 * n.objects * n.shell_points * sizeof(contact::ConstraintRow),
+                     .bytes = 2 * (n.objects * n.shell_points + n.edge_points) * sizeof(contact::ConstraintRow),
                      .expected_ns = contact::limits::kMaxQueries * (kNsPerFrame + (kNsPerPoint + kNsPerFieldPoint) * points +
                                                                    contact::limits::kMaxIterations * kNsPerIteration)});
+  if (n.edge_points > 0)
+    parts.push_back({.name = "sharp edges",
+                     .node = kRendering,
+                     .why = "A virtual tool is asked for them: between its points it would go deeper over an edge than the tool itself.",
+                     .bytes = n.edge_bytes + edge_lookup_bytes(n.edge_points),
+                     .expected_ns = contact::limits::kMaxQueries * edge_ns(n.objects, n.edge_points)});
 }
 
 }  // namespace
+
+std::uint64_t edge_lookup_bytes(std::uint64_t edge_points) noexcept {
+  return edge_points * (8 * sizeof(double) + sizeof(std::uint32_t)) + contact::ContactQuery::lookup_bytes(edge_points);
+}
+
+double edge_ns(std::uint64_t objects, std::uint64_t edge_points) noexcept {
+  if (edge_points == 0) return 0.0;
+  const auto touching = static_cast<double>(std::min<std::uint64_t>(edge_points, contact::limits::kMaxRows));
+  return static_cast<double>(objects) * kNsPerFrame + kNsPerPoint * static_cast<double>(edge_points) + kNsPerFieldPoint * touching;
+}
 
 double ns_per_contact_point(std::string_view contact_model) noexcept {
   return contact_model == "field" ? kNsPerFieldPoint : kNsPerPlainPoint;

@@ -16,10 +16,11 @@ template <class Archive, class Counts>
 void counts_of(Archive& archive, Counts& counts) {
   auto& [static_triangles, dynamic_triangles, surface_voxels, interior_voxels, shell_points, objects, grids, voxmap_bytes, shell_bytes, field_bytes,
          field_nodes, field_depth_m, thinnest_m, thinnest_mesh, proximity_bytes, proximity_nodes, proximity_m, proximity_smoothing_m, tool_points,
-         tool_gap_m, open_meshes, virtual_tool_lever_m, budget_points, level_points, level_gap_m, level_bytes, contact, closed, mesh_warnings] = counts;
+         tool_gap_m, open_meshes, virtual_tool_lever_m, budget_points, level_points, level_gap_m, level_bytes, edge_points, edge_bytes, edges_left_out, contact, closed, mesh_warnings] = counts;
   archive(static_triangles), archive(dynamic_triangles), archive(surface_voxels), archive(interior_voxels), archive(shell_points), archive(objects);
   archive(voxmap_bytes), archive(field_bytes), archive(field_nodes), archive(field_depth_m), archive(thinnest_m), archive(thinnest_mesh);
   archive(proximity_bytes), archive(proximity_nodes), archive(proximity_m), archive(proximity_smoothing_m), archive(tool_points), archive(tool_gap_m);
+  archive(edge_points), archive(edge_bytes), archive(edges_left_out);
   archive(open_meshes), archive(closed), archive(mesh_warnings);
   // Of the contact's law, which is added each time.
   (void)shell_bytes, (void)virtual_tool_lever_m, (void)contact;
@@ -38,6 +39,8 @@ void put_object(const StaticObject& object, ByteWriter& out) {
   object.voxmap.put(out);
   out(object.field.has_value());
   if (object.field) object.field->put(out);
+  out(object.edge_points.size() > 0);
+  if (object.edge_points.size() > 0) put(object.edge_points, out);
 }
 
 std::unique_ptr<StaticObject> take_object(ByteReader& in, const PartsRequest& request, std::uint32_t least_id) {
@@ -53,12 +56,31 @@ std::unique_ptr<StaticObject> take_object(ByteReader& in, const PartsRequest& re
   std::optional<voxmap::DistanceField> field;
   if (has_field) field = voxmap::DistanceField::take(in);
   ByteReader::require(!field || (field->grid().edge == map.grid().edge && field->grid().origin == map.grid().origin), "distances of another grid");
+  bool has_edges = false;
+  in(has_edges);
+  pointshell::Pointshell edge_points;
+  if (has_edges) edge_points = pointshell::take_shell(in);
   return std::make_unique<StaticObject>(StaticObject{.id = id,
                                                      .name = id == 0 ? "ground" : scene.objects[id - 1].name,
                                                      .voxmap = std::move(map),
                                                      .field = std::move(field),
+                                                     .edge_points = std::move(edge_points),
                                                      .moves = id == 0 ? std::nullopt : scene.objects[id - 1].moves,
-                                                     .renderer = {}});
+                                                     .renderer = {},
+                                                     .edges = {}});
+}
+
+void take_tool_body(ByteReader& in, BuiltParts& parts) {
+  bool there = false;
+  in(there);
+  std::size_t edge_points = 0;
+  for (const auto& object : parts.objects) edge_points += object->edge_points.size();
+  ByteReader::require(there == (edge_points > 0), "edges without a tool to look them up in, or the other way round");
+  if (!there) return;
+  voxmap::Voxmap map = voxmap::Voxmap::take(in);
+  voxmap::DistanceField field = voxmap::DistanceField::take(in);
+  ByteReader::require(field.grid().edge == map.grid().edge && field.grid().origin == map.grid().origin && field.has_inside(), "distances to the tool of another grid");
+  parts.tool_body = std::make_unique<ToolBody>(std::move(map), std::move(field));
 }
 
 effects::BodyShape take_body(ByteReader& in) {
@@ -85,7 +107,8 @@ void take_proximity(ByteReader& in, BuiltParts& parts) {
 }  // namespace
 
 std::uint64_t expected_bytes(const BuiltParts& parts) noexcept {
-  return parts.counts.voxmap_bytes + parts.counts.field_bytes + parts.counts.proximity_bytes + parts.shell.size() * 68 + 4096;
+  return parts.counts.voxmap_bytes + parts.counts.field_bytes + parts.counts.proximity_bytes + parts.counts.edge_bytes +
+         (parts.shell.size() + parts.counts.edge_points) * 68 + 4096;
 }
 
 std::string stored(const BuiltParts& parts) {
@@ -95,6 +118,8 @@ std::string stored(const BuiltParts& parts) {
   for (const auto& object : parts.objects) put_object(*object, out);
   put(parts.shell, out);
   out(parts.largest_gap_m);
+  out(parts.tool_body != nullptr);
+  if (parts.tool_body) parts.tool_body->voxmap.put(out), parts.tool_body->field.put(out);
   if (parts.body) out(parts.body->centre), out(parts.body->inertia_m2), out(parts.body->reach_m);
   if (parts.proximity) {
     parts.proximity->put(out);
@@ -118,6 +143,7 @@ BuiltParts parts_from(std::string_view bytes, const PartsRequest& request) {
   ByteReader::require(parts.shell.size() > 0, "a tool without points");
   in(parts.largest_gap_m);
   ByteReader::require(std::isfinite(parts.largest_gap_m) && parts.largest_gap_m >= 0.0, "a gap that is none");
+  take_tool_body(in, parts);
   if (needs.body) parts.body = take_body(in);
   if (needs.proximity_m > 0.0) take_proximity(in, parts);
   parts.counts.grids.resize(grids);

@@ -49,7 +49,8 @@ double tool_ns_within(double budget_us, const scene::Scene& scene, const FrameWo
 }
 
 double least_tool_ns(const FrameWork& work) noexcept {
-  const double query = static_cast<double>(work.objects) * (kNsPerFrame + (kNsPerPoint + kNsPerFieldPoint) * static_cast<double>(work.shell_points));
+  const double query = static_cast<double>(work.objects) * (kNsPerFrame + (kNsPerPoint + kNsPerFieldPoint) * static_cast<double>(work.shell_points)) +
+                       edge_ns(work.objects, work.edge_points);
   return contact::limits::kMinQueries * (query + contact::limits::kMaxIterations * kNsPerIteration);
 }
 

@@ -11,7 +11,7 @@ namespace voxtouch::rendering {
 struct FrameWork {
   contact::ContactModelKind model = contact::ContactModelKind::kAdapted;
   bool virtual_tool = false;
-  std::uint64_t objects = 1, shell_points = 0;
+  std::uint64_t objects = 1, shell_points = 0, edge_points = 0;
   std::uint64_t tool_points = 0;  ///< that effects look round from
 };
 

@@ -3,7 +3,7 @@
 //
 // A virtual tool is held beside the exact ball that is drawn to the same hand, which goes in from a voxel outside and rests.
 //
-//   grid_phase [--phases N] [--places N] [--seed S]        5 s; a row a model and ground
+//   grid_phase [--phases N] [--places N] [--seed S]        20 s; a row a model and ground
 #include <fmt/core.h>
 #include <CLI/CLI.hpp>
 
@@ -14,6 +14,7 @@
 
 #include "core/contact/virtual_tool.hpp"
 #include "core/voxmap/object_grid.hpp"
+#include "tests/experiments/virtual_tool/rig.hpp"
 #include "tests/unit/contact/field_scenes.hpp"
 #include "tests/unit/contact/fixtures.hpp"
 
@@ -105,10 +106,12 @@ Figures measure(contact::ContactRenderer renderer, const std::vector<Touch>& tou
                [](const Touch& touch) { return touch.truth; });
 }
 
-Figures measure_tool(const test::Ground& ground, const pointshell::Pointshell& shell, const std::vector<Touch>& touches, const Vec3& shift) {
+Figures measure_tool(const mesh::TriangleMesh& mesh, const test::Ground& ground, const mesh::TriangleMesh& ball, const pointshell::Pointshell& shell, const std::vector<Touch>& touches,
+                     const Vec3& shift) {
   const contact::ContactQuery query(ground.voxmap, shell);
-  contact::VirtualTool tool({.points = shell.size(), .reach_m = query.reach_m(), .edge_m = kEdge});
-  const std::array grounds = {contact::ToolGround{&query, &ground.field, Vec3::Zero()}};
+  const virtual_tool::EdgeLookup edges(mesh, ground.field.grid(), ball);
+  contact::VirtualTool tool({.points = shell.size(), .edge_points = edges.query.shell().size(), .reach_m = query.reach_m(), .edge_m = kEdge});
+  const std::array grounds = {edges.with({&query, &ground.field, Vec3::Zero()})};
   const auto force_at = [&](const Touch& touch) {
     constexpr int kWayFrames = 12, kRestFrames = 50;
     const Vec3 hand = touch.pose.position + shift, begin = touch.out + kEdge * touch.out.normalized();
@@ -173,7 +176,7 @@ int main(int argc, char** argv) {
         for (Vec3& v : mesh.vertices) v += shift;
         const test::Ground ground(mesh, grid_of(mesh, kEdge), 12.0);
         for (std::size_t m = 0; m < kModels.size(); ++m) figures[m].push_back(measure(ground.renderer(shell, kModels[m]), touches, shift));
-        figures.back().push_back(measure_tool(ground, shell, touches, shift));
+        figures.back().push_back(measure_tool(mesh, ground, ball.mesh, shell, touches, shift));
       }
       return figures;
     };

@@ -48,7 +48,7 @@ bool dies_out(const LoopOptions& o, Rig* rig, const Vec3& normal, double k) {
 
 double largest_stable_stiffness(const LoopOptions& o) {
   std::unique_ptr<Rig> rig;
-  if (o.scene != "linear") rig = std::make_unique<Rig>(scene_mesh(o.scene), 0.002, ball_shell(0.002));
+  if (o.scene != "linear") rig = std::make_unique<Rig>(scene_mesh(o.scene), 0.002, ball_mesh());
   const Vec3 normal = o.scene == "tilted" ? Vec3(tilt() * Vec3::UnitZ()) : Vec3::UnitZ();
   double low = 50.0, high = 5000.0;
   while (high / low > 1.03) {
@@ -76,7 +76,7 @@ LeverFigures lever(double edge, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   // The bar lies along x; 16 mm from the hand its lower face meets the upper edge of a block.
   const Vec3 middle(1.3e-4, 0.7e-4, 0.4e-4), block_edge(0.016, 0, 0);
-  const pointshell::Pointshell bar = shell_of(test::box_mesh(Vec3(0.04, 0.006, 0.006), {middle, Quat::Identity()}), edge);
+  const mesh::TriangleMesh bar = test::box_mesh(Vec3(0.04, 0.006, 0.006), {middle, Quat::Identity()});
   const mesh::TriangleMesh block = test::box_mesh(Vec3(0.02, 0.03, 0.02), {Vec3(0.026, 0, -0.01), Quat::Identity()});
   LeverFigures figures;
   for (int n = 0; n < 10; ++n) {
@@ -129,7 +129,7 @@ mesh::TriangleMesh hole_mesh(double radius_m, double deep_m) {
 mesh::TriangleMesh peg_mesh() { return test::cylinder_mesh(kPegRadius, kPegLong, kPegSides); }
 
 PegFigures peg(double edge, double clearance_m, bool turned) {
-  Rig rig(hole_mesh(kPegRadius + clearance_m, kPegHole), edge, shell_of(peg_mesh(), edge), kPegLever);
+  Rig rig(hole_mesh(kPegRadius + clearance_m, kPegHole), edge, peg_mesh(), kPegLever);
   PegFigures figures;
   double z = kPegLong / 2 + 0.003;
   if (!rig.place({Vec3(0, 0, z), Quat::Identity()})) return figures;
@@ -179,7 +179,7 @@ PlanePose exact_pin(const PlanePose& hand, double hole_radius, double lever_m) {
 PinFigures pin(double edge, double clearance_m, double turn_rad, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   constexpr double kIn = 0.015;
-  Rig rig(hole_mesh(kPegRadius + clearance_m, kPegHole), edge, shell_of(peg_mesh(), edge), kPegLever);
+  Rig rig(hole_mesh(kPegRadius + clearance_m, kPegHole), edge, peg_mesh(), kPegLever);
   const double angle = uniform(random, 0, 2 * std::numbers::pi);
   const Vec3 axis(std::cos(angle), std::sin(angle), 0);
   PinFigures figures;

@@ -89,6 +89,7 @@ int main(int argc, char** argv) {
   app.add_option("--seed", seed, "of the random places");
   app.add_option("--places", places, "of each press");
   app.add_option("--shell-voxel", shell_ratio, "edge of the voxels of the tool's shell over the scene's");
+  app.add_option("--tool-voxel", tool_ratio, "edge of the voxels of the tool's distances over the scene's; 0: edges are not looked up");
   CLI11_PARSE(app, argc, argv);
   fmt::print("seed {}\n", seed);
   const bool all = what == "all";

@@ -4,17 +4,32 @@
 #include <numbers>
 
 #include "core/mesh/import.hpp"
+#include "core/pointshell/edge_points.hpp"
+#include "core/voxmap/object_grid.hpp"
 #include "tests/support/exact_shell.hpp"
 
 namespace voxtouch::virtual_tool {
 
-Rig::Rig(const mesh::TriangleMesh& of, double edge_m, const pointshell::Pointshell& shell, double lever_m)
-    : mesh(of), ground(mesh, edge_m), query(ground.voxmap, shell),
-      tool({.points = shell.size(), .reach_m = query.reach_m(), .edge_m = edge_m, .lever_m = lever_m}),
-      grounds{{&query, &ground.field, Vec3::Zero()}}, edge(edge_m) {}
+EdgeLookup::EdgeLookup(const mesh::TriangleMesh& fixed, const voxmap::Grid& grid, const mesh::TriangleMesh& tool_mesh)
+    : tool(tool_mesh, voxmap::object_grid(tool_mesh, (tool_ratio > 0.0 ? tool_ratio : 1.0) * grid.edge), 4.0), query(tool.voxmap, pointshell::edge_points(voxmap::ClosedMesh(fixed, grid), grid)) {}
+
+contact::ToolGround EdgeLookup::with(const contact::ToolGround& ground) const {
+  contact::ToolGround both = ground;
+  if (tool_ratio > 0.0 && query.shell().size() > 0) both.edges = &query, both.tool_field = &tool.field;
+  return both;
+}
+
+Rig::Rig(const mesh::TriangleMesh& of, double edge_m, const mesh::TriangleMesh& tool_mesh, double lever_m)
+    : Rig(of, edge_m, tool_mesh, shell_of(tool_mesh, edge_m), lever_m) {}
+
+Rig::Rig(const mesh::TriangleMesh& of, double edge_m, const mesh::TriangleMesh& tool_mesh, const pointshell::Pointshell& shell, double lever_m)
+    : mesh(of), ground(mesh, edge_m), query(ground.voxmap, shell), edges(mesh, ground.field.grid(), tool_mesh),
+      tool({.points = shell.size(), .edge_points = edges.query.shell().size(), .reach_m = query.reach_m(), .edge_m = edge_m, .lever_m = lever_m}),
+      grounds{edges.with({&query, &ground.field, Vec3::Zero()})}, edge(edge_m) {}
 
 pointshell::Pointshell shell_of(const mesh::TriangleMesh& mesh, double edge) { return test::exact_shell(mesh, shell_ratio * edge); }
-pointshell::Pointshell ball_shell(double edge, double radius_m) { return shell_of(test::sphere_mesh(radius_m, 4), edge); }
+mesh::TriangleMesh ball_mesh(double radius_m) { return test::sphere_mesh(radius_m, 4); }
+pointshell::Pointshell ball_shell(double edge, double radius_m) { return shell_of(ball_mesh(radius_m), edge); }
 
 Quat tilt() { return Quat(0.961463877, 0.169532022, 0.213151410, -0.037584345).normalized(); }
 

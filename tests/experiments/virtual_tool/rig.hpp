@@ -16,15 +16,31 @@ inline constexpr double kStiffness = 300.0;  ///< [N/m]
 inline constexpr double kPeriod = 1e-3;      ///< [s]
 inline constexpr double kBall = 0.01;        ///< [m], radius of the ball that is usual
 
+/// Edge of the voxels of the tool's distances over the scene's; 0: edges are not looked up.
+inline double tool_ratio = 0.5;
+
+/// The edges of a static mesh in `grid` as points, looked up in the tool. Stays where it is: the query points into it.
+struct EdgeLookup {
+  test::Ground tool;
+  contact::ContactQuery query;
+  EdgeLookup(const mesh::TriangleMesh& fixed, const voxmap::Grid& grid, const mesh::TriangleMesh& tool);
+  EdgeLookup(const EdgeLookup&) = delete;
+  /// A ground with the edges too, unless `tool_ratio` says none.
+  contact::ToolGround with(const contact::ToolGround& ground) const;
+};
+
 /// A static mesh and a tool in it. Stays where it is: the query points into it.
 struct Rig {
   mesh::TriangleMesh mesh;
   test::Ground ground;
   contact::ContactQuery query;
+  EdgeLookup edges;
   contact::VirtualTool tool;
   std::vector<contact::ToolGround> grounds;
   double edge;
-  Rig(const mesh::TriangleMesh& mesh, double edge, const pointshell::Pointshell& shell, double lever_m = 0.0);
+  Rig(const mesh::TriangleMesh& mesh, double edge, const mesh::TriangleMesh& tool_mesh, double lever_m = 0.0);
+  /// With another shell of the tool than `shell_of`.
+  Rig(const mesh::TriangleMesh& mesh, double edge, const mesh::TriangleMesh& tool_mesh, const pointshell::Pointshell& shell, double lever_m = 0.0);
   Rig(const Rig&) = delete;
 
   contact::VirtualToolFrame frame(const Pose& hand, double friction = 0.0) { return tool.frame({hand, kPeriod, friction}, grounds); }
@@ -37,6 +53,7 @@ struct Rig {
 
 /// Edge of the voxels on which the tool's shell is made, over the scene's.
 inline double shell_ratio = 1.0;
+mesh::TriangleMesh ball_mesh(double radius_m = kBall);
 pointshell::Pointshell ball_shell(double edge, double radius_m = kBall);
 /// The shell of `mesh`, on a grid of `edge` times `shell_ratio`.
 pointshell::Pointshell shell_of(const mesh::TriangleMesh& mesh, double edge);

@@ -60,7 +60,7 @@ double largest(const std::vector<double>& values) { return values.empty() ? 0.0 
 
 PressFigures press(const PressOptions& o) {
   std::mt19937_64 random(o.seed);
-  Rig rig(scene_mesh(o.scene), o.edge, ball_shell(o.edge));
+  Rig rig(scene_mesh(o.scene), o.edge, ball_mesh());
   GodObject truth(rig.mesh, kBall);
   const Quat turn = o.turned ? Quat(Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized())) : Quat::Identity();
   std::vector<double> directions, sizes, jitter, residuals;
@@ -122,7 +122,7 @@ PressFigures press(const PressOptions& o) {
 
 SlideFigures slide(const SlideOptions& o) {
   std::mt19937_64 random(o.seed);
-  Rig rig(scene_mesh(o.scene), o.edge, ball_shell(o.edge));
+  Rig rig(scene_mesh(o.scene), o.edge, ball_mesh());
   GodObject truth(rig.mesh, kBall);
   // Circle on the surface's own top: the hand's depth below the ball that touches is the same all round.
   const Vec3 offset(uniform(random, -1, 1) * o.edge, uniform(random, -1, 1) * o.edge, 0.0);
@@ -189,10 +189,11 @@ WallFigures walls(const WallOptions& o) {
   struct {
     test::Ground ground;
     contact::ContactQuery query;
+    EdgeLookup edges;
     contact::VirtualTool tool;
-  } wall{test::Ground(mesh, grid, 12.0), contact::ContactQuery(wall.ground.voxmap, shell),
-         contact::VirtualTool({.points = shell.size(), .reach_m = 5.1 * e, .edge_m = e, .work = o.work})};
-  const contact::ToolGround ground{&wall.query, &wall.ground.field, Vec3::Zero()};
+  } wall{test::Ground(mesh, grid, 12.0), contact::ContactQuery(wall.ground.voxmap, shell), {mesh, grid, ball_mesh(5 * e)},
+         contact::VirtualTool({.points = shell.size(), .edge_points = wall.edges.query.shell().size(), .reach_m = 5.1 * e, .edge_m = e, .work = o.work})};
+  const contact::ToolGround ground = wall.edges.with({&wall.query, &wall.ground.field, Vec3::Zero()});
   const double k = kStiffness * 0.002 / e;
   WallFigures figures;
   std::vector<double> jitter;
@@ -248,7 +249,8 @@ StartFigures starts(const StartOptions& o) {
   const bool ball = o.box.isZero();
   const Vec3 half = 0.5 * e * o.box;
   const double radius = o.radius_edges * e, reach = ball ? radius : half.norm();
-  const pointshell::Pointshell shell = ball ? ball_shell(e, radius) : shell_of(test::box_mesh(e * o.box), e);
+  const mesh::TriangleMesh tool_mesh = ball ? ball_mesh(radius) : test::box_mesh(e * o.box);
+  const pointshell::Pointshell shell = shell_of(tool_mesh, e);
   const mesh::TriangleMesh mesh = test::box_mesh(Vec3(wide, wide, thick), {Vec3::Zero(), lie});
   const auto out_of_tool = [&](const Vec3& x) {
     if (ball) return x.norm() - radius;
@@ -261,8 +263,9 @@ StartFigures starts(const StartOptions& o) {
     grid.origin += phase * e * Vec3::Ones();
     const test::Ground ground(mesh, grid, 12.0);
     const contact::ContactQuery query(ground.voxmap, shell);
-    contact::VirtualTool tool({.points = shell.size(), .reach_m = query.reach_m(), .edge_m = e});
-    const contact::ToolGround at_rest{&query, &ground.field, Vec3::Zero()};
+    const EdgeLookup edges(mesh, grid, tool_mesh);
+    contact::VirtualTool tool({.points = shell.size(), .edge_points = edges.query.shell().size(), .reach_m = query.reach_m(), .edge_m = e});
+    const contact::ToolGround at_rest = edges.with({&query, &ground.field, Vec3::Zero()});
     for (int n = 0; n < o.tries; ++n) {  // in the plate's own frame
       const Quat turn = o.turned ? Quat(Eigen::AngleAxisd(uniform(random, 0, 3), random_direction(random))) : lie.conjugate();
       const double lean = uniform(random, -1.4, 1.4);
@@ -293,9 +296,7 @@ StartFigures starts(const StartOptions& o) {
 
 TumbleFigures tumble(const TumbleOptions& o) {
   std::mt19937_64 random(o.seed);
-  const pointshell::Pointshell shell =
-      o.box ? shell_of(test::box_mesh(Vec3(0.008, 0.012, 0.03), {Vec3(1e-4, 2e-4, 3e-4), Quat::Identity()}), o.edge) : ball_shell(o.edge);
-  Rig rig(scene_mesh(o.scene), o.edge, shell);
+  Rig rig(scene_mesh(o.scene), o.edge, o.box ? test::box_mesh(Vec3(0.008, 0.012, 0.03), {Vec3(1e-4, 2e-4, 3e-4), Quat::Identity()}) : ball_mesh());
   TumbleFigures figures;
   Pose hand{Vec3(0, 0, 0.14), Quat::Identity()};
   if (!rig.place(hand)) throw std::logic_error("tumble: the start is not free");
@@ -327,7 +328,7 @@ TumbleFigures tumble(const TumbleOptions& o) {
 
 EdgeFigures over_edge(double edge, double depth_m, double speed, std::uint64_t seed, int tries) {
   std::mt19937_64 random(seed);
-  Rig rig(test::box_mesh(Vec3(0.06, 0.06, 0.06), {Vec3(0.21e-3, -0.34e-3, -0.03), Quat::Identity()}), edge, ball_shell(edge));
+  Rig rig(test::box_mesh(Vec3(0.06, 0.06, 0.06), {Vec3(0.21e-3, -0.34e-3, -0.03), Quat::Identity()}), edge, ball_mesh());
   EdgeFigures figures;
   std::vector<double> sizes;
   for (int n = 0; n < tries; ++n) {

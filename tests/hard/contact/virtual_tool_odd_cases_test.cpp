@@ -16,7 +16,7 @@ namespace voxtouch::virtual_tool {
 namespace {
 
 TEST(VirtualToolPoses, ThatAreNoneLeaveTheToolWhereItIs) {
-  Rig rig(scene_mesh("plane"), kEdge, ball_shell(kEdge));
+  Rig rig(scene_mesh("plane"), kEdge, ball_mesh());
   ASSERT_TRUE(rig.place({Vec3(0, 0, 0.0105), Quat::Identity()}));
   const Vec3 hand(0, 0, 0.004);
   contact::VirtualToolFrame good;
@@ -36,7 +36,7 @@ TEST(VirtualToolPoses, ThatAreNoneLeaveTheToolWhereItIs) {
 }
 
 TEST(VirtualToolPoses, AQuaternionAndItsNegativeAreOne) {
-  const pointshell::Pointshell box = shell_of(test::box_mesh(Vec3(0.008, 0.012, 0.03)), kEdge);
+  const mesh::TriangleMesh box = test::box_mesh(Vec3(0.008, 0.012, 0.03));
   Rig plus(scene_mesh("cup"), kEdge, box), minus(scene_mesh("cup"), kEdge, box);
   for (Rig* rig : {&plus, &minus}) ASSERT_TRUE(rig->place({Vec3(0, 0, 0.14), Quat::Identity()}));
   for (int n = 0; n < 800; ++n) {
@@ -51,7 +51,7 @@ TEST(VirtualToolPoses, AQuaternionAndItsNegativeAreOne) {
 
 /// A bar in a slot that cannot turn, a hand that turns on and on: the torque keeps its axis past half a turn by some degrees, then turns over.
 TEST(VirtualToolPoses, AHandTurnedRoundByHalfATurnGivesNoNoise) {
-  const pointshell::Pointshell bar = shell_of(test::box_mesh(Vec3(0.03, 0.008, 0.008)), 0.001);
+  const mesh::TriangleMesh bar = test::box_mesh(Vec3(0.03, 0.008, 0.008));
   Rig rig(slot_mesh(0.0095), 0.001, bar);
   const Quat along(Eigen::AngleAxisd(std::numbers::pi / 2, Vec3::UnitZ()));
   ASSERT_TRUE(rig.place({Vec3(0, 0, -0.01), along}));
@@ -70,7 +70,7 @@ TEST(VirtualToolPoses, AHandTurnedRoundByHalfATurnGivesNoNoise) {
 }
 
 TEST(VirtualToolPoses, AnyLeverFromATenthToTenTimesTheReachIsSound) {
-  const pointshell::Pointshell box = shell_of(test::box_mesh(Vec3(0.008, 0.012, 0.03)), kEdge);
+  const mesh::TriangleMesh box = test::box_mesh(Vec3(0.008, 0.012, 0.03));
   for (const double lever : {0.1, 1.0, 10.0}) {
     Rig rig(scene_mesh("cup"), kEdge, box, lever * 0.017);
     std::mt19937_64 random(testing::seed(9));
@@ -90,11 +90,12 @@ TEST(VirtualToolPoses, AnyLeverFromATenthToTenTimesTheReachIsSound) {
 
 /// 10^4 points flat on a plane: bounded rows, no turn, the same force for any order of the points.
 TEST(VirtualToolMany, PointsFlatOnAPlaneAreAsGoodAsFew) {
-  const pointshell::Pointshell shell = shell_of(test::box_mesh(Vec3(0.05, 0.05, 0.004)), 0.0005);
+  const mesh::TriangleMesh plate = test::box_mesh(Vec3(0.05, 0.05, 0.004));
+  const pointshell::Pointshell shell = shell_of(plate, 0.0005);
   ASSERT_GT(shell.size(), 20000U);
   std::vector<std::uint32_t> backwards(shell.size());
   for (std::uint32_t n = 0; n < backwards.size(); ++n) backwards[n] = static_cast<std::uint32_t>(shell.size()) - 1 - n;
-  Rig a(scene_mesh("plane"), kEdge, shell), b(scene_mesh("plane"), kEdge, test::reordered(shell, backwards));
+  Rig a(scene_mesh("plane"), kEdge, plate, shell), b(scene_mesh("plane"), kEdge, plate, test::reordered(shell, backwards));
   contact::VirtualToolFrame fa, fb;
   for (Rig* rig : {&a, &b}) ASSERT_TRUE(rig->place({Vec3(0, 0, 0.003), Quat::Identity()}));
   for (int n = 0; n < 100; ++n) {
@@ -110,7 +111,7 @@ TEST(VirtualToolMany, PointsFlatOnAPlaneAreAsGoodAsFew) {
 
 /// Ball on ball: the top of a ball is no minimum. Energy is only lost: what the hand puts in on a closed loop is not less than nothing.
 TEST(VirtualToolBalls, OnABallSlideOffAndGiveNoEnergy) {
-  Rig rig(test::sphere_mesh(0.02, 4), 0.001, ball_shell(0.001));
+  Rig rig(test::sphere_mesh(0.02, 4), 0.001, ball_mesh());
   ASSERT_TRUE(rig.place({Vec3(1e-5, 0, 0.032), Quat::Identity()}));
   double work = 0.0;
   Vec3 last_force = Vec3::Zero(), last(1e-5, 0, 0.032);
@@ -129,7 +130,7 @@ TEST(VirtualToolBalls, OnABallSlideOffAndGiveNoEnergy) {
 /// A box that stands on its edge has no minimum either: it tips over or turns back. A hand that presses it on a closed way gets no energy.
 TEST(VirtualToolBoxes, OnTheirEdgeGiveNoEnergy) {
   for (const double edge : {0.002, 0.001}) {
-    Rig rig(test::box_mesh(Vec3(0.06, 0.06, 0.04), {Vec3(0.3e-3, 0.1e-3, -0.02), Quat::Identity()}), edge, shell_of(test::box_mesh(Vec3(0.02, 0.02, 0.02)), edge));
+    Rig rig(test::box_mesh(Vec3(0.06, 0.06, 0.04), {Vec3(0.3e-3, 0.1e-3, -0.02), Quat::Identity()}), edge, test::box_mesh(Vec3(0.02, 0.02, 0.02)));
     const Quat turn(Eigen::AngleAxisd(0.25 * std::numbers::pi, Vec3::UnitY()));
     ASSERT_TRUE(rig.place({Vec3(0.3e-3, 0, 0.016), turn}));
     double work = 0.0, most = 0.0;
@@ -162,8 +163,7 @@ TEST(VirtualToolTraps, NoFrameOfATumblingToolIsInvalidOverflowsOrDividesByZero) 
   SCOPED_TRACE(testing::seed_trace(seed));
   for (const bool box : {false, true})
     for (const double friction : {0.0, 0.5}) {
-      const pointshell::Pointshell shell = box ? shell_of(test::box_mesh(Vec3(0.008, 0.012, 0.03)), kEdge) : ball_shell(kEdge);
-      Rig rig(scene_mesh("cup"), kEdge, shell);
+      Rig rig(scene_mesh("cup"), kEdge, box ? test::box_mesh(Vec3(0.008, 0.012, 0.03)) : ball_mesh());
       std::mt19937_64 random(seed);
       Pose hand{Vec3(0, 0, 0.14), Quat::Identity()};
       Vec3 target = Vec3::Zero();
@@ -211,7 +211,7 @@ TEST_P(BrokenMesh, GivesSoundFrames) {
     }
   }
   if (GetParam() == 3) mesh = test::joined(mesh, test::box_mesh(Vec3(0.02, 0.02, 0.04)));  // overlapping
-  Rig rig(mesh, 0.001, ball_shell(0.001));
+  Rig rig(mesh, 0.001, ball_mesh());
   std::mt19937_64 random(testing::seed(31));
   Vec3 hand(0, 0, 0.06), target = Vec3::Zero();
   ASSERT_TRUE(rig.place({hand, Quat::Identity()}));
@@ -231,7 +231,7 @@ INSTANTIATE_TEST_SUITE_P(OpenInvertedMoebiusOverlapping, BrokenMesh, ::testing::
 TEST(VirtualToolNoise, OfTheEncoderIsNotMadeLarger) {
   std::mt19937_64 random(testing::seed(41));
   for (const char* scene : {"plane", "tilted", "cylinder"}) {
-    Rig rig(scene_mesh(scene), kEdge, ball_shell(kEdge));
+    Rig rig(scene_mesh(scene), kEdge, ball_mesh());
     const Place place = random_place(scene, rig.mesh, random);
     ASSERT_TRUE(rig.place({place.point + (kBall + 0.001) * place.normal, Quat::Identity()}));
     Vec3 hand;
@@ -254,17 +254,16 @@ TEST(VirtualToolNoise, OfTheEncoderIsNotMadeLarger) {
 TEST(VirtualToolBits, AreTheSameWhereTheSceneIsMovedByVoxels) {
   const double e = 0x1p-9;
   const Vec3 shift = e * Vec3(512, -1024, 256);
-  const pointshell::Pointshell shell = ball_shell(e);
   const auto moved = [&](const Vec3& by) {
     mesh::TriangleMesh mesh = test::box_mesh(e * Vec3(32, 32, 16), {Vec3::Zero(), Quat::Identity()});
     for (Vec3& v : mesh.vertices) v += by;
     return mesh;
   };
-  Rig here(moved(Vec3::Zero()), e, shell), there(moved(shift), e, shell);
+  Rig here(moved(Vec3::Zero()), e, ball_mesh()), there(moved(shift), e, ball_mesh());
   const Vec3 start(0, 0, e * 16);
   ASSERT_TRUE(here.place({start, Quat::Identity()}));
   ASSERT_TRUE(there.place({start + shift, Quat::Identity()}));
-  for (int n = 0; n < 600; ++n) {
+  for (int n = 0; n < 1600; ++n) {  // over the edge
     const Vec3 hand = start + 0x1p-16 * Vec3(2 * n, n, -2 * n);
     const contact::VirtualToolFrame a = here.frame(hand), b = there.frame(Vec3(hand + shift));
     ASSERT_EQ(a.wrench(1.0).force, b.wrench(1.0).force) << n;
@@ -278,20 +277,12 @@ TEST(VirtualToolBits, AreTheSameWhereAllIsScaledByAPowerOfTwo) {
     mesh::TriangleMesh mesh = test::box_mesh(by * e * Vec3(32, 32, 16), {Vec3::Zero(), Quat::Identity()});
     return mesh;
   };
-  const auto shell = [&](double by) {
-    pointshell::Pointshell points = ball_shell(e);
-    for (auto* axis : {&points.x, &points.y, &points.z})
-      for (double& x : *axis) x *= by;
-    for (double& a : points.area_m2) a *= by * by;
-    points.edge *= by;
-    return points;
-  };
   for (const double by : {0.25, 8.0}) {
-    Rig one(scaled(1.0), e, shell(1.0)), other(scaled(by), by * e, shell(by));
+    Rig one(scaled(1.0), e, ball_mesh()), other(scaled(by), by * e, ball_mesh(by * kBall));
     const Vec3 start(0, 0, e * 16);
     ASSERT_TRUE(one.place({start, Quat::Identity()}));
     ASSERT_TRUE(other.place({by * start, Quat::Identity()}));
-    for (int n = 0; n < 600; ++n) {
+    for (int n = 0; n < 1600; ++n) {  // over the edge
       const Vec3 hand = start + 0x1p-16 * Vec3(2 * n, n, -2 * n);
       const Vec3 a = one.frame(hand).wrench(1.0).force, b = other.frame(Vec3(by * hand)).wrench(1.0).force;
       ASSERT_EQ(Vec3(by * a), b) << "by " << by << ", frame " << n;

@@ -18,7 +18,7 @@ struct Plate {
   Rig rig;
   Plate(double thick_edges, bool askew)
       : lie(askew ? tilt() : Quat::Identity()),
-        rig(test::box_mesh(Vec3(0.08, 0.08, thick_edges * kEdge), {Vec3(0.3e-3, 0.1e-3, 0), lie}), kEdge, ball_shell(kEdge)) {}
+        rig(test::box_mesh(Vec3(0.08, 0.08, thick_edges * kEdge), {Vec3(0.3e-3, 0.1e-3, 0), lie}), kEdge, ball_mesh()) {}
 };
 
 /// The hand starts in a wall's middle, or half in, rests there and leaves: no force, and no tool, until it is out. Then it touches, from its own side.
@@ -117,10 +117,10 @@ TEST(VirtualToolStartBesideThinWalls, IsAStart) {
         const double far = kBall + (gap + 0.5 * thick) * kEdge;
         const auto plate = [&](double side) { return test::box_mesh(Vec3(0.08, 0.08, thick * kEdge), {lie * Vec3(0, 0, side * far), lie}); };
         const Pose middle{lie * Vec3(0.3e-3, 0.2e-3, 0), lie};
-        EXPECT_TRUE(Rig(test::joined(plate(1), plate(-1)), kEdge, ball_shell(kEdge)).place(middle));
-        EXPECT_TRUE(Rig(plate(1), kEdge, ball_shell(kEdge)).place(middle));
+        EXPECT_TRUE(Rig(test::joined(plate(1), plate(-1)), kEdge, ball_mesh()).place(middle));
+        EXPECT_TRUE(Rig(plate(1), kEdge, ball_mesh()).place(middle));
         // A box of the ball's height fills the slot with its sides, and stands flat.
-        const pointshell::Pointshell box = shell_of(test::box_mesh(Vec3(0.02, 0.016, 2 * kBall)), kEdge);
+        const mesh::TriangleMesh box = test::box_mesh(Vec3(0.02, 0.016, 2 * kBall));
         if (gap > 0.25) {  // else rows of its rims may be too deep
           EXPECT_TRUE(Rig(test::joined(plate(1), plate(-1)), kEdge, box).place(middle));
         }

@@ -37,7 +37,7 @@ TEST(VirtualToolWalls, HoldAgainstAHandFarBehind) {
   std::mt19937_64 random(testing::seed(22));
   for (const bool askew : {false, true}) {
     const Quat turn = askew ? tilt() : Quat::Identity();
-    Rig rig(test::box_mesh(Vec3(0.08, 0.08, 0.5 * kEdge), {Vec3(0.3e-3, 0.1e-3, 0), turn}), kEdge, ball_shell(kEdge));
+    Rig rig(test::box_mesh(Vec3(0.08, 0.08, 0.5 * kEdge), {Vec3(0.3e-3, 0.1e-3, 0), turn}), kEdge, ball_mesh());
     const Vec3 n = turn * Vec3::UnitZ();
     ASSERT_TRUE(rig.place({0.015 * n, Quat::Identity()}));
     for (int k = 0; k < 400; ++k) rig.frame((0.015 - 5e-4 * k) * n);
@@ -51,7 +51,7 @@ TEST(VirtualToolWalls, HoldAgainstAHandFarBehind) {
 
 /// Round the rim of a plate and back on the other side.
 TEST(VirtualToolWalls, LetTheHandGoRoundARim) {
-  Rig rig(test::box_mesh(Vec3(0.05, 0.05, 0.001), {Vec3(0.3e-3, 0.1e-3, 0.2e-3), tilt()}), kEdge, ball_shell(kEdge));
+  Rig rig(test::box_mesh(Vec3(0.05, 0.05, 0.001), {Vec3(0.3e-3, 0.1e-3, 0.2e-3), tilt()}), kEdge, ball_mesh());
   ASSERT_TRUE(rig.place({tilt() * Vec3(0, 0, 0.03), Quat::Identity()}));
   for (int n = 0; n <= 2000; ++n) {
     const double angle = 2 * std::numbers::pi * n / 2000;
@@ -64,7 +64,7 @@ TEST(VirtualToolWalls, LetTheHandGoRoundARim) {
 }
 
 TEST(VirtualToolSlots, NarrowerThanTheToolKeepItOut) {
-  Rig rig(slot_mesh(0.016), kEdge, ball_shell(kEdge));
+  Rig rig(slot_mesh(0.016), kEdge, ball_mesh());
   ASSERT_TRUE(rig.place({Vec3(0, 0, 0.02), Quat::Identity()}));
   contact::VirtualToolFrame f;
   for (int n = 0; n < 800; ++n) {
@@ -76,7 +76,7 @@ TEST(VirtualToolSlots, NarrowerThanTheToolKeepItOut) {
 }
 
 TEST(VirtualToolSlots, WiderThanTheToolLetItInWithoutAForce) {
-  Rig rig(slot_mesh(0.026), 0.001, ball_shell(0.001));
+  Rig rig(slot_mesh(0.026), 0.001, ball_mesh());
   ASSERT_TRUE(rig.place({Vec3(0, 0, 0.02), Quat::Identity()}));
   for (int n = 0; n < 600; ++n) {
     const contact::VirtualToolFrame f = rig.frame(Vec3(0, 0, 0.02 - 5e-5 * n));
@@ -91,7 +91,7 @@ TEST(VirtualToolSlots, InAWedgeTheToolRestsOnBothFaces) {
     const Quat lean(Eigen::AngleAxisd(side * half, Vec3::UnitY()));
     return test::box_mesh(Vec3(0.02, 0.06, 0.1), {lean * Vec3(side * 0.01, 0, 0.03), lean});
   };
-  Rig rig(test::joined(wall(1), wall(-1)), 0.001, ball_shell(0.001));
+  Rig rig(test::joined(wall(1), wall(-1)), 0.001, ball_mesh());
   ASSERT_TRUE(rig.place({Vec3(0, 0, 0.05), Quat::Identity()}));
   contact::VirtualToolFrame f;
   for (int n = 0; n < 900; ++n) {
@@ -123,17 +123,17 @@ TEST(VirtualToolSlots, APinGoesIntoItsHoleWhereTheGridIsFineEnough) {
 TEST(VirtualToolTorque, OfABarOverAnEdgeIsTheExactOnes) {
   const std::uint64_t seed = testing::seed(61);
   SCOPED_TRACE(testing::seed_trace(seed));
-  for (const double edge : {0.002, 0.001}) EXPECT_LT(lever(edge, seed).torque_error, 0.05);
+  for (const double edge : {0.002, 0.001}) EXPECT_LT(lever(edge, seed).torque_error, 0.005);
 }
 
-/// A pin in its hole, 15 mm deep, the hand turned slowly to 12 degrees: the torque is that of the exact pin, with its play, at every turn.
+/// A pin in its hole, 15 mm deep, the hand turned slowly: the torque is that of the exact pin, with its play, at every turn. The mouth's edge has points of its own at every height.
 TEST(VirtualToolTorque, OfAPinTurnedInItsHoleIsTheExactOnes) {
   const std::uint64_t seed = testing::seed(62);
   SCOPED_TRACE(testing::seed_trace(seed));
-  for (const auto& [edge, clearance] : {std::pair{0.001, 2e-4}, {0.001, 1e-4}, {0.0005, 1e-4}}) {
-    const PinFigures f = pin(edge, clearance, 12 * std::numbers::pi / 180, seed);
-    std::printf("e %g, clearance %g: %.4f N m, off by %.3f, step %.4f of it\n", edge, clearance, f.torque_nm, f.torque_error, f.step_over_torque);
-    EXPECT_GT(f.torque_nm, 0.01);
+  for (const auto& [edge, clearance, degrees] : {std::tuple{0.001, 2e-4, 12.0}, {0.001, 1e-4, 12.0}, {0.0005, 1e-4, 12.0}, {0.001, 2e-4, 6.0}, {0.0005, 2e-4, 3.0}, {0.0005, 1e-4, 3.0}}) {
+    const PinFigures f = pin(edge, clearance, degrees * std::numbers::pi / 180, seed);
+    std::printf("e %g, clearance %g, %g degrees: %.4f N m, off by %.3f, step %.4f of it\n", edge, clearance, degrees, f.torque_nm, f.torque_error, f.step_over_torque);
+    EXPECT_GT(f.torque_nm, 0.001);
     EXPECT_LT(f.torque_error, 0.05);
     EXPECT_LT(f.step_over_torque, 0.01);
   }
@@ -212,7 +212,7 @@ TEST(VirtualToolObjects, FasterThanHalfAVoxelAFrameAreToldOf) {
 }
 
 TEST(VirtualToolStart, InsideGivesNoForceUntilTheHandIsOut) {
-  Rig rig(scene_mesh("plane"), kEdge, ball_shell(kEdge));
+  Rig rig(scene_mesh("plane"), kEdge, ball_mesh());
   bool placed = false;
   double first_force = 0.0;
   for (int n = 0; n < 600; ++n) {
@@ -233,7 +233,7 @@ TEST(VirtualToolStart, InsideGivesNoForceUntilTheHandIsOut) {
 }
 
 TEST(VirtualToolStart, InsideIsNoPlaceForAToolOfASceneBefore) {
-  Rig rig(scene_mesh("plane"), kEdge, ball_shell(kEdge));
+  Rig rig(scene_mesh("plane"), kEdge, ball_mesh());
   EXPECT_FALSE(rig.place({Vec3(0, 0, -0.01), Quat::Identity()}));
   EXPECT_FALSE(rig.place({Vec3(0, 0, kBall - kEdge), Quat::Identity()}));
   EXPECT_TRUE(rig.place({Vec3(0, 0, kBall - 0.1 * kEdge), Quat::Identity()}));
@@ -241,7 +241,7 @@ TEST(VirtualToolStart, InsideIsNoPlaceForAToolOfASceneBefore) {
 }
 
 TEST(VirtualToolStart, FadesInAfterAReset) {
-  Rig rig(scene_mesh("plane"), kEdge, ball_shell(kEdge));
+  Rig rig(scene_mesh("plane"), kEdge, ball_mesh());
   rig.frame(Vec3(0, 0, 0.02));
   for (int n = 0; n < 120; ++n) {
     const contact::VirtualToolFrame f = rig.frame(Vec3(0, 0, 0.02 - 1e-4 * n));

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <ostream>
@@ -63,22 +64,64 @@ TEST(VirtualTool, FeelsNoVoxelsInTheDirectionOfARoundThing) {
   EXPECT_LT(f.rest_worst, 1e-3);
 }
 
-/// Square onto a block's right angle: the interpolated distance rounds it, so the force is short by a third to a half of a voxel of way, at any depth. Bounds stand close to
-/// what is measured, so that it gets no worse unseen; they are no goal.
-TEST(VirtualTool, IsShortOfTheForceAtAConvexEdgeByHalfAVoxelAtMost) {
+/// Square onto a block's right angle. Its points lie on it exactly, half a voxel apart: a ball between two of them lacks e^2 / 32 R.
+TEST(VirtualTool, GivesTheForceOfTheExactGodObjectAtAConvexEdge) {
   const std::uint64_t seed = testing::seed(7);
   SCOPED_TRACE(testing::seed_trace(seed));
-  for (const auto& [edge, depth, direction_95, least] :
-       {std::tuple{0.002, 0.003, 15.0, 0.42}, {0.002, 0.007, 11.0, 0.19}, {0.001, 0.003, 8.0, 0.20}, {0.001, 0.007, 7.0, 0.09}})
+  for (const auto& [edge, depth, direction_95] : {std::tuple{0.002, 0.003, 4.0}, {0.002, 0.007, 4.0}, {0.001, 0.003, 2.0}, {0.001, 0.007, 2.0}})
     for (const bool turned : {false, true}) {
       const PressFigures f = press({.scene = "edge", .edge = edge, .depth_m = depth, .places = 60, .turned = turned, .seed = seed});
       std::printf("edge, e %g, %g m deep%s: %s\n", edge, depth, turned ? ", turned" : "", told(f).c_str());
       EXPECT_LT(f.direction_95, direction_95);
-      EXPECT_GT(f.size_median, -0.47 * edge / depth);
-      EXPECT_GT(f.size_least, -least);
-      EXPECT_LT(f.size_most, 0.02);
+      EXPECT_GT(f.size_least, -0.02);
+      EXPECT_LT(f.size_most, 0.005);
       EXPECT_LT(f.rest_worst, 1e-3);
     }
+}
+
+/// An object that moves takes its edges along: the same force, whose place is the edge's.
+TEST(VirtualTool, FeelsTheEdgesOfAnObjectThatHasMovedWhereTheyAre) {
+  const double e = 0.002, half = 0.03, depth = 0.005;
+  const Vec3 slant = Vec3(1, 0, 1).normalized(), edge(half, 0.0007, 0.0);
+  for (const Vec3& moved : {Vec3(0, 0, 0), Vec3(0.013, -0.004, 0.0071)}) {
+    Rig rig(test::box_mesh(2 * half * Vec3::Ones(), {Vec3(0, 0, -half), Quat::Identity()}), e, ball_mesh());
+    rig.grounds[0].displacement = moved;
+    ASSERT_TRUE(rig.place({moved + edge + (kBall + 0.001) * slant, Quat::Identity()}));
+    contact::VirtualToolFrame f;
+    for (int n = 0; n <= 120; ++n) f = rig.frame(Vec3(moved + edge + (kBall + 0.001 - 5e-5 * n) * slant));
+    EXPECT_NEAR(f.wrench(1.0).force.norm(), depth, 0.02 * depth);
+    EXPECT_LT(degrees_between(f.wrench(1.0).force, slant), 4.0);
+    EXPECT_NEAR((f.contact_point - moved - edge).head<1>().norm(), 0.0, 1e-9);
+    EXPECT_NEAR(f.contact_point.z() - moved.z(), 0.0, 1e-9);
+  }
+}
+
+/// A plate of two voxels with a block's edge in it, some way in from the side that it came through: pushed out on that side, and never on through the other.
+TEST(EdgeRows, PushAThinToolOffTheObjectAndNotThroughIt) {
+  const double e = 0.002, half = 0.03, thick = 2 * e;
+  const mesh::TriangleMesh block = test::box_mesh(2 * half * Vec3::Ones(), {Vec3(0, 0, -half), Quat::Identity()});
+  const Rig rig(block, e, test::box_mesh(Vec3(0.03, 0.024, thick)));
+  const Vec3 slant = Vec3(1, 0, 1).normalized();
+  const Quat turn(Eigen::AngleAxisd(0.25 * std::numbers::pi, Vec3::UnitY()));
+  contact::HitList hits;
+  hits.reserve(rig.edges.query.shell().size());
+  for (const double depth : {0.1, 0.25, 0.6, 0.75, 0.9}) {  // in the middle the distance has no direction
+    const Vec3 tool = Vec3(half, 0.0003, 0.0) + (0.5 - depth) * thick * slant;
+    const contact::RowFrame frame{tool - rig.ground.field.grid().origin, 0.01, 0};
+    rig.edges.query.find({turn.conjugate() * -frame.local, turn.conjugate()}, hits);
+    std::vector<contact::ConstraintRow> rows;
+    contact::add_edge_rows(hits, rig.edges.query, rig.edges.tool.field, true, frame, turn, rows);
+    EXPECT_EQ(rows.empty(), depth > 0.5) << depth;
+    for (const contact::ConstraintRow& row : rows) {
+      EXPECT_NEAR((tool + row.arm).x(), half, 1e-9);
+      EXPECT_NEAR((tool + row.arm).z(), 0.0, 1e-9);
+      EXPECT_GT(row.normal().dot(slant), 0.1);  // less than one at the plate's rim
+      EXPECT_NEAR(row.jacobian.tail<3>().norm(), row.arm.cross(row.normal()).norm() / 0.01, 1e-12);
+    }
+    if (rows.empty()) continue;
+    const auto middle = std::min_element(rows.begin(), rows.end(), [](const auto& a, const auto& b) { return a.arm.norm() < b.arm.norm(); });
+    EXPECT_NEAR(middle->gap_m, -depth * thick, 1e-6);
+  }
 }
 
 /// Three walls that meet: the ball lies on all of them, or on two.
@@ -96,7 +139,7 @@ TEST(VirtualTool, GivesTheForceOfTheExactGodObjectInAConcaveCorner) {
 }
 
 TEST(VirtualTool, GivesTheSpringsForceAtEveryDepthUpToTwentyFiveMillimetres) {
-  Rig rig(scene_mesh("plane"), 0.002, ball_shell(0.002));
+  Rig rig(scene_mesh("plane"), 0.002, ball_mesh());
   const Vec3 free(0.0013, 0.0007, kBall + 0.002);
   ASSERT_TRUE(rig.place({free, Quat::Identity()}));
   double last = 0.0;
@@ -126,12 +169,13 @@ TEST(VirtualTool, SlidesWithoutNoiseOnPlanesAndWithLittleRoundACylinder) {
 }
 
 TEST(VirtualTool, GivesWayAtAnEdgeAsARamp) {
-  for (const double edge : {0.002, 0.001}) {
-    const EdgeFigures f = over_edge(edge, 0.01, 0.05, testing::seed(5), 6);
-    std::printf("e %g: step %.3f N, %.3f of the force, energy %.4f J\n", edge, f.step_worst, f.step_over_force, f.energy);
-    EXPECT_LT(f.step_over_force, 0.1);
-    EXPECT_LT(f.energy, 0.0);
-  }
+  for (const double edge : {0.002, 0.001})
+    for (const double depth : {0.003, 0.01}) {
+      const EdgeFigures f = over_edge(edge, depth, 0.05, testing::seed(5), 6);
+      std::printf("e %g, %g m deep: step %.3f N, %.3f of the force, energy %.4f J\n", edge, depth, f.step_worst, f.step_over_force, f.energy);
+      EXPECT_LT(f.step_over_force, 0.06);
+      EXPECT_LT(f.energy, 0.0);
+    }
 }
 
 /// Ball, hand on a path that never touches: to the bit, up to four voxels a frame.
@@ -139,7 +183,7 @@ TEST(VirtualTool, IsTheHandToTheBitInFreeSpace) {
   const std::uint64_t seed = testing::seed(7);
   SCOPED_TRACE(testing::seed_trace(seed));
   std::mt19937_64 random(seed);
-  Rig rig(scene_mesh("plane"), 0.002, ball_shell(0.002));
+  Rig rig(scene_mesh("plane"), 0.002, ball_mesh());
   Pose hand{Vec3(0, 0, 0.02), Quat::Identity()};
   Vec3 way = Vec3::Zero();
   int queries = 0;
@@ -165,7 +209,7 @@ TEST(VirtualTool, IsTheHandToTheBitInFreeSpace) {
 }
 
 TEST(VirtualTool, FollowsTheHandToTheBitUpToFourVoxelsAFrameOverASurface) {
-  Rig rig(scene_mesh("plane"), 0.002, ball_shell(0.002));
+  Rig rig(scene_mesh("plane"), 0.002, ball_mesh());
   for (const double edges : {0.1, 1.0, 2.0, 3.9}) {
     ASSERT_TRUE(rig.place({Vec3(-0.04, 0, kBall + 2e-4), Quat::Identity()}));
     for (double x = -0.04; x < 0.04; x += edges * 0.002) {
@@ -178,7 +222,7 @@ TEST(VirtualTool, FollowsTheHandToTheBitUpToFourVoxelsAFrameOverASurface) {
 }
 
 TEST(VirtualTool, SaysThatItLagsWhereAFreeHandIsFasterThanAFrameReaches) {
-  Rig rig(scene_mesh("plane"), 0.002, ball_shell(0.002));
+  Rig rig(scene_mesh("plane"), 0.002, ball_mesh());
   ASSERT_TRUE(rig.place({Vec3(-0.04, 0, kBall + 2e-4), Quat::Identity()}));
   const Vec3 hand(0.02, 0, kBall + 2e-4);
   contact::VirtualToolFrame f = rig.frame(hand);
@@ -191,7 +235,7 @@ TEST(VirtualTool, SaysThatItLagsWhereAFreeHandIsFasterThanAFrameReaches) {
 }
 
 TEST(VirtualTool, ShowsAStiffnessOfAtMostTheSprings) {
-  Rig rig(scene_mesh("plane"), 0.002, ball_shell(0.002));
+  Rig rig(scene_mesh("plane"), 0.002, ball_mesh());
   ASSERT_TRUE(rig.place({Vec3(0, 0, kBall + 0.001), Quat::Identity()}));
   contact::VirtualToolFrame f;
   for (int n = 0; n < 100; ++n) f = rig.frame(Vec3(1e-5 * n, 0, kBall + 0.001 - 5e-5 * n));
@@ -209,7 +253,7 @@ TEST(VirtualTool, ShowsAStiffnessOfAtMostTheSprings) {
 }
 
 TEST(VirtualTool, SumsItsPushesToTheSpring) {
-  Rig rig(scene_mesh("cup"), 0.002, ball_shell(0.002));
+  Rig rig(scene_mesh("cup"), 0.002, ball_mesh());
   ASSERT_TRUE(rig.place({Vec3(0, 0, 0.05), Quat::Identity()}));
   for (int n = 0; n < 400; ++n) {
     const contact::VirtualToolFrame f = rig.frame(Vec3(1e-4 * n, 2e-5 * n, 0.05 - 5e-5 * n));
@@ -230,7 +274,7 @@ TEST(VirtualToolFriction, IsCoulombsOnAPlane) {
 
 /// A hand that pulls along the plane with less than mu N: the tool stands, to the bit, for two seconds.
 TEST(VirtualToolFriction, SticksWithinTheConeAndDoesNotCreep) {
-  Rig rig(scene_mesh("tilted"), 0.002, ball_shell(0.002));
+  Rig rig(scene_mesh("tilted"), 0.002, ball_mesh());
   const Vec3 n = tilt() * Vec3::UnitZ(), t = tilt() * Vec3::UnitX();
   ASSERT_TRUE(rig.place({(kBall + 0.001) * n, Quat::Identity()}));
   for (int k = 0; k < 120; ++k) rig.frame((kBall + 0.001 - 5e-5 * k) * n, Quat::Identity(), 0.4);  // 5 mm deep
@@ -248,7 +292,7 @@ TEST(VirtualToolFriction, SticksWithinTheConeAndDoesNotCreep) {
 }
 
 TEST(VirtualToolFriction, OfZeroChangesNoBit) {
-  Rig with(scene_mesh("cup"), 0.002, ball_shell(0.002)), without(scene_mesh("cup"), 0.002, ball_shell(0.002));
+  Rig with(scene_mesh("cup"), 0.002, ball_mesh()), without(scene_mesh("cup"), 0.002, ball_mesh());
   for (Rig* rig : {&with, &without}) ASSERT_TRUE(rig->place({Vec3(0, 0, 0.05), Quat::Identity()}));
   for (int n = 0; n < 300; ++n) {
     const Vec3 hand(1e-4 * n, 2e-5 * n, 0.05);
@@ -258,7 +302,7 @@ TEST(VirtualToolFriction, OfZeroChangesNoBit) {
 
 /// A square box of half width a on a plane: even pressure on its corners holds a turn by mu N r, r their distance from the middle.
 TEST(VirtualToolFriction, HoldsATurnAboutTheNormal) {
-  Rig rig(scene_mesh("plane"), 0.001, shell_of(test::box_mesh(Vec3(0.012, 0.012, 0.008)), 0.001));
+  Rig rig(scene_mesh("plane"), 0.001, test::box_mesh(Vec3(0.012, 0.012, 0.008)));
   const double mu = 0.3, depth = 0.004;
   ASSERT_TRUE(rig.place({Vec3(3e-4, 2e-4, 0.005), Quat::Identity()}));
   contact::VirtualToolFrame f;

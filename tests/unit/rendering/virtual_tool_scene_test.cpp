@@ -3,6 +3,7 @@
 
 #include <Eigen/Eigenvalues>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -242,6 +243,42 @@ void holds_plate(double thick) {
 
 TEST(VirtualToolScene, HoldsPlatesOfAVoxelAndLess) {
   for (const double thick : {0.0005, 0.002, 0.003}) holds_plate(thick);
+}
+
+/// Square onto the rim of a thick plate, at rest and carried by an object: the spring's force for the exact ball's way.
+TEST(VirtualToolScene, GivesTheExactBallsForceAtAConvexEdge) {
+  const double depth = 0.005;
+  for (const bool moves : {false, true}) {
+    Rig rig(scene_of("[]", "[{mesh: " + plate(0.02) + (moves ? ", object: {name: lift, moves: {path: [[0, 0, 0.004], [0, 0, 0.0041]], speed_m_per_s: 0.0001}}}]" : "}]")));
+    EXPECT_EQ(rig.built->contacts().object(0).edges.has_value(), true);
+    ToolState hand;
+    const Vec3 slant = Vec3(1, 0, 1).normalized();
+    SceneFrame frame;
+    const auto hand_at = [&](double way) { hand.pose.position = Vec3(0.03, 0.0007, moves ? 0.004 + 1e-7 * rig.n : 0.0) + (0.01 + way) * slant; };
+    for (int n = 0; n < 250; ++n) hand_at(0.002), frame = rig(hand);
+    for (int n = 0; n <= 140; ++n) hand_at(0.002 - n * (0.002 + depth) / 140), frame = rig(hand);
+    for (int n = 0; n < 50; ++n) hand_at(-depth), frame = rig(hand);
+    EXPECT_NEAR(frame.wrench.force.norm(), kSpring * depth, 0.02 * kSpring * depth) << moves;
+    EXPECT_GT(frame.wrench.force.normalized().dot(slant), 0.998);
+  }
+}
+
+/// What is looked up at edges, and why not.
+TEST(VirtualToolScene, TellsOfItsEdgesAndWhyThereAreNone) {
+  const auto has = [](const std::vector<std::string>& lines, const char* one, const char* other) {
+    return std::any_of(lines.begin(), lines.end(), [&](const std::string& line) { return line.find(one) != std::string::npos && line.find(other) != std::string::npos; });
+  };
+  const auto built = build_scene(scene_of(), serial_for());
+  EXPECT_TRUE(has(built->plan().built, "Sharp convex edges", "points"));
+  EXPECT_TRUE(std::any_of(built->plan().parts.begin(), built->plan().parts.end(), [](const PlanPart& part) { return part.name == "sharp edges" && part.bytes > 0 && part.expected_ns > 0.0; }));
+  const std::string open = std::filesystem::temp_directory_path() / "voxtouch_open_tool.obj";
+  std::ofstream(open) << "v 0 0 0\nv 0.01 0 0\nv 0 0.01 0\nv 0 0 0.01\nf 1 3 2\nf 1 2 4\nf 1 4 3\n";
+  const scene::Scene scene = scene::parse_scene("scene: tool\nvoxel_size: 0.002\nstatic: [{mesh: plane.obj}]\ndynamic: {mesh: " + open +
+                                 "}\ncontact: {rendering: virtual_tool}\ncoupling: {design: auto}\neffects: []\n",
+                             std::string(VOXTOUCH_DEPLOY) + "/meshes/test.yaml");
+  const auto without = build_scene(scene, serial_for());
+  EXPECT_FALSE(without->contacts().object(0).edges.has_value());
+  EXPECT_TRUE(has(without->plan().left_out, "Sharp edges", "not closed"));
 }
 
 }  // namespace

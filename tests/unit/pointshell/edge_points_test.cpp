@@ -1,0 +1,103 @@
+// The points of sharp convex edges against the edges themselves.
+#include "core/pointshell/edge_points.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "tests/unit/contact/field_scenes.hpp"
+
+namespace voxtouch::pointshell {
+namespace {
+
+constexpr double kEdge = 0.002;
+
+Pointshell points_of(const mesh::TriangleMesh& mesh, const voxmap::Grid& grid) { return edge_points(voxmap::ClosedMesh(mesh, grid), grid); }
+Pointshell points_of(const mesh::TriangleMesh& mesh) { return points_of(mesh, voxmap::default_grid(mesh, kEdge)); }
+
+/// Triangles that share no vertices, as STL files have them.
+mesh::TriangleMesh torn(const mesh::TriangleMesh& mesh) {
+  mesh::TriangleMesh out;
+  for (const auto& t : mesh.triangles) {
+    const auto first = static_cast<std::uint32_t>(out.vertices.size());
+    for (const std::uint32_t v : t) out.vertices.push_back(mesh.vertices[v]);
+    out.triangles.push_back({first, first + 1, first + 2});
+  }
+  return out;
+}
+
+TEST(EdgePoints, OfABlockLieOnItsTwelveEdgesNoFartherApartThanHalfAVoxelAndItsCornersAreAmongThem) {
+  const Vec3 half(0.02, 0.013, 0.0071);
+  const Pose pose{Vec3(0.31, -0.02, 0.004), Quat(Eigen::AngleAxisd(0.4, Vec3(1, 2, 3).normalized()))};
+  const mesh::TriangleMesh block = test::box_mesh(2 * half, pose);
+  const voxmap::Grid grid = voxmap::default_grid(block, kEdge);
+  for (const mesh::TriangleMesh& mesh : {block, test::inside_out(block), torn(block)}) {
+    const Pointshell points = points_of(mesh, grid);
+    std::vector<Vec3> own;
+    for (std::size_t p = 0; p < points.size(); ++p) {
+      const Vec3 at = pose.orientation.conjugate() * (points.point(p) + grid.origin - pose.position), off = (at.cwiseAbs() - half).cwiseAbs();
+      EXPECT_LE((off.array() < 1e-12).count(), 3);
+      ASSERT_GE((off.array() < 1e-12).count(), 2) << at.transpose();
+      EXPECT_LE((at.cwiseAbs() - half).maxCoeff(), 1e-12);
+      EXPECT_LT(points.normal(p).dot(pose.orientation * at), 0.0) << "a normal leads inward";
+      EXPECT_NEAR(points.normal(p).norm(), 1.0, 1e-12);
+      own.push_back(at);
+    }
+    const double kApart = kEdgePointsApart * kEdge * 1.0001;
+    for (int axis = 0; axis < 3; ++axis)
+      for (int side = 0; side < 4; ++side)
+        for (double share = -1.0; share <= 1.0; share += 0.01) {
+          Vec3 at = half;
+          at[(axis + 1) % 3] *= side & 1 ? 1.0 : -1.0, at[(axis + 2) % 3] *= side & 2 ? 1.0 : -1.0, at[axis] *= share;
+          double nearest = std::numeric_limits<double>::infinity();
+          for (const Vec3& p : own) nearest = std::min(nearest, (p - at).norm());
+          ASSERT_LE(nearest, std::abs(share) == 1.0 ? 1e-12 : 0.5 * kApart);
+        }
+    EXPECT_LE(points.size(), static_cast<std::size_t>(8.0 * half.sum() / kApart) + 24);
+  }
+}
+
+/// An L turned round its length, and a block with a hollow: none on the edge within, where shells' points and distances are right by themselves.
+TEST(EdgePoints, AreNotOfConcaveEdges) {
+  mesh::TriangleMesh prism;  // an L of 20 mm, its inner edge at (0, 0)
+  const Vec3 outline[] = {{-0.01, -0.01, 0}, {0.01, -0.01, 0}, {0.01, 0, 0}, {0, 0, 0}, {0, 0.01, 0}, {-0.01, 0.01, 0}};
+  for (const double z : {-0.01, 0.01})
+    for (const Vec3& v : outline) prism.vertices.push_back(v + z * Vec3::UnitZ());
+  for (std::uint32_t n = 0; n < 6; ++n) {
+    const std::uint32_t m = (n + 1) % 6;
+    prism.triangles.push_back({n, m, m + 6});
+    prism.triangles.push_back({n, m + 6, n + 6});
+  }
+  for (const auto& t : {std::array<std::uint32_t, 3>{3, 0, 1}, {3, 1, 2}, {3, 4, 5}, {3, 5, 0}}) {
+    prism.triangles.push_back({t[0], t[2], t[1]});
+    prism.triangles.push_back({t[0] + 6, t[1] + 6, t[2] + 6});
+  }
+  const voxmap::Grid grid = voxmap::default_grid(prism, kEdge);
+  const Pointshell points = points_of(prism, grid);
+  EXPECT_GT(points.size(), 100U);
+  for (std::size_t p = 0; p < points.size(); ++p) {
+    const Vec3 at = points.point(p) + grid.origin;
+    EXPECT_TRUE(at.head<2>().norm() > 1e-3 || std::abs(at.z()) > 0.0099) << at.transpose();
+  }
+}
+
+/// A cylinder's facets are 3.75 degrees apart.
+TEST(EdgePoints, AreNotOfARoundThingsFacets) {
+  const mesh::TriangleMesh cylinder = test::cylinder_mesh(0.02, 0.06, 96);
+  const voxmap::Grid grid = voxmap::default_grid(cylinder, kEdge);
+  const Pointshell points = points_of(cylinder, grid);
+  EXPECT_GT(points.size(), 200U);
+  for (std::size_t p = 0; p < points.size(); ++p) EXPECT_NEAR(std::abs((points.point(p) + grid.origin).z()), 0.03, 1e-12);
+  EXPECT_EQ(points_of(test::sphere_mesh(0.02, 4)).size(), 0U);
+}
+
+TEST(EdgePoints, AreNotOfAnOpenMesh) {
+  mesh::TriangleMesh open = test::box_mesh(Vec3(0.02, 0.02, 0.02));
+  open.triangles.pop_back();
+  EXPECT_EQ(points_of(open).size(), 0U);
+}
+
+}  // namespace
+}  // namespace voxtouch::pointshell
