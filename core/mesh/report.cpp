@@ -132,7 +132,7 @@ std::vector<std::string> MeshReport::sentences() const {
   say(not_finite_vertices, "vertex is not finite", "vertices are not finite", "vertex",
       ": triangles there have no place in the grid; repair the file, nothing can be built from this mesh");
   say(open_edges, "open edge", "open edges", "at triangle",
-      ": the mesh has no interior, so a tool that goes through the surface is not pushed back");
+      ": the mesh has no interior, so forces of depth do not push a tool back that goes through the surface");
   if (inverted)
     all.push_back("the whole mesh faces inward (its signed volume is negative): it is felt as if all triangles were turned "
                   "round; other programs may see it inside out");

@@ -10,6 +10,7 @@ namespace voxtouch::reference {
 namespace {
 
 constexpr double kDeep = 0.1, kOff = 0.02, kFree = 0.2, kSettled = 0.02, kShortSpring = 0.25;  ///< in edges
+constexpr double kHalfWall = 0.0625;  ///< in edges: a mesh that is open is held off as a wall so thick to either side of it
 constexpr double kDirection = 6.0 * std::numbers::pi / 180.0;
 constexpr double kAlongSpring = 1e-6;  ///< rad
 constexpr double kSamePose = 1e-12;    ///< m, and of a unit quaternion
@@ -49,15 +50,15 @@ std::string tool_breach(const JudgeSettings& s, const ToolSettings& tool, const 
   const double sag = radius > 0.0 ? g * g / (8.0 * radius) : 0.5 * g;
   const bool force = !r.wrench.zero(), settled = r.residual_m <= kSettled * e;
   if (!force) {
-    if (at_hand.inside_known && -at_hand.gap_m > sag + kFree * e + c)
+    if (-at_hand.gap_m > sag + kFree * e + c)
       return fmt::format("no force, though the hand's tool is {:.3g} mm inside", in_mm(-at_hand.gap_m));
     return "";
   }
   const Vec3 shift = r.hand.position - r.tool.position;
   out.depth_error_m = -at_tool.gap_m;
-  if (at_tool.inside_known && -at_tool.gap_m > kDeep * e + c)
+  if (-at_tool.gap_m > kDeep * e + c)
     return fmt::format("the virtual tool is {:.3g} mm inside, more than {:.3g} mm", in_mm(-at_tool.gap_m), in_mm(kDeep * e + c));
-  const double off = (at_tool.unique_face ? kOff : 1.0) * e + sag + c + r.residual_m;
+  const double off = ((at_tool.unique_face ? kOff : 1.0) + (at_tool.inside_known ? 0.0 : kHalfWall)) * e + sag + c + r.residual_m;
   if (at_tool.gap_m > off)
     return fmt::format("a force of {:.3g} N, though the virtual tool is {:.3g} mm off, more than {:.3g} mm", r.wrench.force.norm(),
                        in_mm(at_tool.gap_m), in_mm(off));

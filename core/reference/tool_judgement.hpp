@@ -11,7 +11,7 @@
 ///  - No force, tool placed and not lagging, but the virtual tool is not the hand.
 ///  - The force is not along the way from the hand to the virtual tool.
 ///  - A force, and the virtual tool is deeper in the wall than e/10 + c; or farther off than sag + e/50 + c + r, where it touches one
-///    face. In corners and at edges, where an interpolated distance is blunt, than e + sag + c + r.
+///    face. In corners and at edges, where an interpolated distance is blunt, than e + sag + c + r. By e/16 more where a mesh is open, which is a wall then.
 ///  - A force, though nothing is between virtual tool and hand: the hand's gap is larger than way + e/5 + c, and r is small.
 ///  - No force, though the hand is deeper inside than sag + e/5 + c.
 ///  - The force is more than 6 degrees off the contact's normal, where one face is touched, the spring is longer than e/4, r is small

@@ -76,8 +76,8 @@ struct BuildChoices {
 };
 
 /// Reads the scene's meshes and builds what it calls for, and nothing else; what the store has is as if it were built, bit for bit. Throws MeshError,
-/// VoxelBudgetError and std::invalid_argument, each a sentence; the last also for `field` where no static mesh has an inside,
-/// and for effects that ask for distances where no static mesh is closed or for a lever that the tool is longer than.
+/// VoxelBudgetError and std::invalid_argument, each a sentence; the last also for forces of depth with `field` where no static mesh
+/// has an inside, and for effects that ask for distances where no static mesh is closed or for a lever that the tool is longer than.
 std::unique_ptr<BuiltScene> build_scene(const scene::Scene& scene, const ParallelFor& parallel_for,
                                         const BuildChoices& choices = {}, const Progress& progress = {});
 

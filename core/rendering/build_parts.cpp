@@ -101,18 +101,18 @@ auto with_hints(const BuildCounts& counts, Build&& build) {
   }
 }
 
-/// Only a body with an inside can push by depth. `edges`: gets the points of its sharp edges, where a virtual tool asks for them.
+/// Only a body with an inside can push by depth; a virtual tool is held by any surface. `edges`: gets the points of its sharp edges, where a virtual tool asks for them.
 voxmap::DistanceField build_field(const BuildContext& context, const ObjectMesh& fixed, const voxmap::Voxmap& voxmap, pointshell::Pointshell& edges) {
   const scene::Scene& scene = context.scene;
   BuildCounts& counts = context.counts;
   const ParallelFor& parallel_for = context.parallel_for;
   voxmap::DistanceFieldOptions options;
   options.depth_voxels = context.choices.field_depth_voxels.value_or(options.depth_voxels);
+  if (scene.virtual_tool()) options.open_wall_voxels = voxmap::kOpenWallVoxels;
   const voxmap::ClosedMesh closed(fixed.mesh, voxmap.grid());
   voxmap::DistanceField field =
       with_hints(counts, [&] { return voxmap::build_distance_field(closed, voxmap, options, parallel_for); });
-  const bool surface_will_do = scene.virtual_tool() && fixed.open < fixed.specs.size();  // thin walls hold without an inside
-  if (!field.has_inside() && !surface_will_do)
+  if (!(scene.virtual_tool() ? field.stored_nodes() > 0 : field.has_inside()))
     throw std::invalid_argument(fmt::format(
         "{}: the contact model 'field' pushes by the depth inside a static mesh, but {}. Close the mesh, use a smaller "
         "voxel_size, or choose the model 'adapted', which needs a surface only.",

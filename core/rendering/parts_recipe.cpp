@@ -34,7 +34,7 @@ std::string recipe_of(const PartsRequest& request, const SceneStore& store) {
   ByteWriter out;
   out(std::string(builders_digest()));
   out(scene.voxel_size_m), out(scene.grid_origin), out(scene.shell), out(request.choices.shell_voxel_m), out(request.choices.field_depth_voxels);
-  // A field is built for the model `field` alone, and one without an inside will do for a virtual tool.
+  // A field is built for the model `field` alone, and for a virtual tool open parts are walls in it.
   out(request.model == contact::ContactModelKind::kField), out(scene.virtual_tool());
   out(needs.body), out(needs.proximity_m), out(needs.smoothing_m), out(needs.lever_m);
   for (const scene::ObjectSpec& object : scene.objects) out(object.name), out(object.grid_origin);

@@ -9,6 +9,7 @@
 #include "core/contact/limits.hpp"
 #include "core/coupling/coupling_spec.hpp"
 #include "core/rendering/time_budget.hpp"
+#include "core/voxmap/distance_field.hpp"
 
 namespace voxtouch::rendering {
 namespace {
@@ -232,8 +233,9 @@ void say_left_out(const scene::Scene& scene, const BuildCounts& n, Plan& plan) {
 void say_virtual_tool_warnings(const scene::Scene& scene, const BuildCounts& n, Plan& plan) {
   for (const std::string& mesh : n.open_meshes)
     plan.warnings.push_back(
-        fmt::format("{}: the mesh is open. A virtual tool goes through what of it is not closed, and nothing is felt there. Close it, or feel it with "
-                    "contact: {{model: adapted, stiffness_n_per_m: 200}}.", mesh));
+        fmt::format("{}: the mesh is open. What of it is not closed holds a virtual tool from either side as a wall of {:.2g} mm would, and its rims, which a tool may "
+                    "go round, {:.2g} mm early. There is nothing behind it: a tool goes in through every hole that is wide enough.",
+                    mesh, 1e3 * voxmap::kOpenWallVoxels * scene.voxel_size_m, 1e3 * voxmap::kOpenRimVoxels * scene.voxel_size_m));
   const double voxels = n.thinnest_m / scene.voxel_size_m;
   if (voxels < 1.0)
     plan.warnings.push_back(fmt::format(

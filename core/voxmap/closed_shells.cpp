@@ -244,6 +244,7 @@ ClosedShells find_closed_shells(const GridMesh& mesh, const std::vector<std::uin
     left = std::move(rest);
     if (left.empty()) break;
   }
+  shells.open = std::move(left);
   return shells;
 }
 

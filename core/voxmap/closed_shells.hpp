@@ -37,6 +37,7 @@ struct ClosedShells {
   std::vector<std::uint32_t> patch;
   std::size_t closed_parts = 0;      ///< parts that enclose space
   std::size_t open_parts = 0;        ///< parts that do not: they have a surface, but no interior
+  std::vector<std::uint32_t> open;   ///< the sound triangles of those, ascending
 };
 
 /// Parts of `mesh` that enclose space. `welded`: the vertex that each vertex is one with; `state`: of each triangle. Allocates.

@@ -11,8 +11,10 @@
 /// also judges the groups of the fill (winding.hpp). Triangles' planes are never asked, so a facet that is turned round, or
 /// an edge seen from either side, gives no wrong sign.
 ///
-/// Parts that are open have no inside: they give no distance and no force. Closed parts that overlap are one body (signs are
-/// those of the union), but walls buried in it count as surface: depth there is at most the distance to them.
+/// Parts that are open have no inside: they give no distance and no force, unless the options make thin walls of them. Then the distance to such a part is
+/// the unsigned one less half the wall's thickness, and at its rims (open_walls.hpp) less kOpenRimVoxels: a rim as thin as the wall would come in between a
+/// tool's points. Closed parts and walls that overlap are one body (signs are those of the union), but surfaces buried in it count: depth there is at most the
+/// distance to them.
 ///
 /// Layout: bricks of 8^3 voxels with their 9^3 nodes (2916 bytes), so that a lookup meets one brick. Nodes on common faces
 /// are equal to the bit, so the interpolation is continuous everywhere. Distances are cut off at `band_voxels` outside and
@@ -46,7 +48,13 @@ struct DistanceFieldOptions {
   /// Outside, up to here; at least 2, more than a voxel's diagonal. A band above 2 widens the table beyond the voxmap's, so
   /// that it is held on every side.
   double band_voxels = 2.0;
+  /// Thickness of the walls that open parts become, half of it on either side of their triangles; 0: none, they give no distance.
+  double open_wall_voxels = 0.0;
 };
+/// How thick they are for a virtual tool, which they hold from either side; force begins half of that early.
+inline constexpr double kOpenWallVoxels = 0.125;
+/// How far the rims of such walls reach.
+inline constexpr double kOpenRimVoxels = 0.375;
 
 class DistanceField {
  public:
@@ -83,7 +91,7 @@ class DistanceField {
   std::size_t bytes() const noexcept;
   /// Nodes in memory, those on common faces once for each brick.
   std::size_t stored_nodes() const noexcept { return bricks_.size() * Brick().size(); }
-  /// Whether anything is inside. An open mesh has nothing; neither has one so thin that no voxel's corner lies in it.
+  /// Whether any node is inside. An open mesh of which no wall is made has none; neither has one so thin that no voxel's corner lies in it.
   bool has_inside() const noexcept { return has_inside_; }
   /// Depth at which the field stops to grow [m].
   double depth_m() const noexcept { return grid_.edge * depth_voxels_; }

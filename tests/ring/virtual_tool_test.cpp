@@ -19,13 +19,17 @@ namespace {
 
 constexpr double kRadius = 0.01;
 
-/// A slab of 120 mm whose top goes through the origin and faces along `up`'s z axis.
+/// A slab of 120 mm whose top goes through the origin and faces along `up`'s z axis; of no thickness: an open sheet.
 void write_plate(const std::filesystem::path& file, double thick_m, const Quat& up = Quat::Identity()) {
   std::ofstream out(file);
   out.precision(17);
   for (int k = 0; k < 8; ++k) {
     const Vec3 v = up * Vec3(k & 1 ? 0.06 : -0.06, k & 2 ? 0.06 : -0.06, k & 4 ? 0.0 : -thick_m);
     out << "v " << v.x() << " " << v.y() << " " << v.z() << "\n";
+  }
+  if (thick_m == 0.0) {
+    out << "f 5 6 8 7\n";
+    return;
   }
   out << "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
 }
@@ -149,6 +153,11 @@ TEST(VirtualToolRing, IsHeldByPlatesOfAQuarterToFiveVoxelsByBothDevicesAtAnySpee
   int n = 0;  // the devices take turns
   for (const double edges : {0.25, 0.5, 1.0, 2.0, 5.0})
     for (const double speed : {0.02, 0.5, 3.0}) holds(edges, speed, n++ % 2 == 0 ? "sim-phantom" : "sim-lwr");
+}
+
+TEST(VirtualToolRing, IsHeldByAnOpenSheet) {
+  holds(0.0, 0.02, "sim-phantom");
+  holds(0.0, 0.5, "sim-phantom", Quat(Eigen::AngleAxisd(0.3, Vec3(1, 2, 0.5).normalized())));
 }
 
 /// Ten minutes, by --gtest_also_run_disabled_tests. Plates of any thickness and place, half of them askew by up to 20 degrees; where walls of about a

@@ -43,6 +43,14 @@ mesh::TriangleMesh box_mesh(const Vec3& size, const Pose& pose) {
   return mesh;
 }
 
+mesh::TriangleMesh plate_mesh(double wide_m, double thick_m, const Pose& pose) {
+  if (thick_m > 0.0) return box_mesh(Vec3(wide_m, wide_m, thick_m), pose);
+  mesh::TriangleMesh sheet;
+  for (const Vec3& v : {Vec3(-1, -1, 0), Vec3(1, -1, 0), Vec3(1, 1, 0), Vec3(-1, 1, 0)}) sheet.vertices.push_back(pose * (0.5 * wide_m * v));
+  sheet.triangles = {{0, 1, 2}, {0, 2, 3}};
+  return sheet;
+}
+
 mesh::TriangleMesh sphere_mesh(double radius_m, int splits) {
   const double g = std::numbers::phi;
   mesh::TriangleMesh mesh;
@@ -102,12 +110,13 @@ mesh::TriangleMesh inside_out(mesh::TriangleMesh mesh) {
   return mesh;
 }
 
-Ground::Ground(const mesh::TriangleMesh& mesh, double edge, double depth_voxels)
-    : Ground(mesh, voxmap::default_grid(mesh, edge), depth_voxels) {}
+Ground::Ground(const mesh::TriangleMesh& mesh, double edge, double depth_voxels, double open_wall_voxels)
+    : Ground(mesh, voxmap::default_grid(mesh, edge), depth_voxels, open_wall_voxels) {}
 
-Ground::Ground(const mesh::TriangleMesh& mesh, const voxmap::Grid& grid, double depth_voxels)
+Ground::Ground(const mesh::TriangleMesh& mesh, const voxmap::Grid& grid, double depth_voxels, double open_wall_voxels)
     : voxmap(voxmap::voxelise(mesh, grid, serial_for())),
-      field(voxmap::build_distance_field(mesh, voxmap, {.depth_voxels = depth_voxels, .band_voxels = 2.0}, serial_for())) {}
+      field(voxmap::build_distance_field(mesh, voxmap, {.depth_voxels = depth_voxels, .band_voxels = 2.0, .open_wall_voxels = open_wall_voxels},
+                                         serial_for())) {}
 
 contact::ContactRenderer Ground::renderer(const pointshell::Pointshell& tool, contact::ContactModelKind kind, bool alone) const {
   return {voxmap, tool, kind, {kPressure, contact::PointWeights::kArea, alone}, &field};

@@ -11,6 +11,8 @@
 namespace voxtouch::test {
 
 mesh::TriangleMesh box_mesh(const Vec3& size, const Pose& pose = {});
+/// A square of the pose's x and y, `thick_m` thick; 0: an open sheet of two triangles.
+mesh::TriangleMesh plate_mesh(double wide_m, double thick_m, const Pose& pose = {});
 /// An icosahedron whose faces are split in four `splits` times, its vertices on the sphere.
 mesh::TriangleMesh sphere_mesh(double radius_m, int splits);
 /// About the z axis, from -length/2 to length/2.
@@ -23,8 +25,8 @@ mesh::TriangleMesh inside_out(mesh::TriangleMesh mesh);
 struct Ground {
   voxmap::Voxmap voxmap;
   voxmap::DistanceField field;
-  Ground(const mesh::TriangleMesh& mesh, double edge, double depth_voxels = 12.0);
-  Ground(const mesh::TriangleMesh& mesh, const voxmap::Grid& grid, double depth_voxels);
+  Ground(const mesh::TriangleMesh& mesh, double edge, double depth_voxels = 12.0, double open_wall_voxels = 0.0);
+  Ground(const mesh::TriangleMesh& mesh, const voxmap::Grid& grid, double depth_voxels, double open_wall_voxels = 0.0);
   /// With k = 1 N/mm^3.
   contact::ContactRenderer renderer(const pointshell::Pointshell& tool,
                                     contact::ContactModelKind kind = contact::ContactModelKind::kField, bool alone = false) const;

@@ -77,6 +77,22 @@ TEST(ToolJudge, FindsAForceThatIsNotTheSprings) {
   EXPECT_TRUE(finds(said(report, 0.0, -0.01), "spring's way"));
 }
 
+/// It is held off as a wall of an eighth of a voxel; which side is its inside is not asked.
+TEST(ToolJudge, FindsAnOpenMeshInTheTool) {
+  const auto of_open = [](double at_tool, double at_hand, double way_m) {
+    Judgement out;
+    GapResult tool_gap = gap_of(at_tool), hand_gap = gap_of(at_hand);
+    tool_gap.inside_known = hand_gap.inside_known = false;
+    return tool_breach(kSettings, kTool, tool_gap, hand_gap, tool(way_m), out);
+  };
+  const double deep = 0.1 * kE + kChord, off = 0.0825 * kE + kSag + kChord;
+  EXPECT_EQ(of_open(0.99 * off, -0.01, 0.01), "");
+  EXPECT_TRUE(finds(of_open(1.01 * off, -0.01, 0.01), "mm off"));
+  EXPECT_EQ(of_open(-0.99 * deep, -0.01, 0.01), "");
+  EXPECT_TRUE(finds(of_open(-1.01 * deep, -0.01, 0.01), "mm inside"));
+  EXPECT_TRUE(finds(of_open(-0.01, -0.01, 0.0), "no force"));
+}
+
 TEST(ToolJudge, FindsAToolInTheWallOrOffIt) {
   const double deep = 0.1 * kE + kChord, off = 0.02 * kE + kSag + kChord;
   EXPECT_EQ(said(tool(0.01), -0.99 * deep, -0.01), "");

@@ -84,6 +84,19 @@ TEST_F(FieldScene, WarnsOfWallsThatPushAVirtualToolAskew) {
   EXPECT_FALSE(any_has(warnings(0.005), "thinnest"));
 }
 
+TEST_F(FieldScene, AnOpenMeshIsAWallForAVirtualToolAndForNothingElse) {
+  const char* const kTool = "rendering: virtual_tool}\ncoupling: {design: auto";
+  const auto alone = built("{mesh: open.obj}", kTool), beside = built("{mesh: thick.obj}, {mesh: open.obj, position: [0, 0, 0.1]}", kTool);
+  const auto forces = built("{mesh: thick.obj}, {mesh: open.obj, position: [0, 0, 0.1]}", kField), closed = built("{mesh: thick.obj}", kField);
+  for (const auto* scene : {&alone, &beside})
+    EXPECT_TRUE(any_has((*scene)->plan().warnings, "open.obj: the mesh is open. What of it is not closed holds a virtual tool from either side as a wall of 0.25 mm"));
+  const auto at = [](const BuiltScene& scene, const Vec3& x) { return scene.field()->at(scene.field()->grid().to_grid(x)).distance_m; };
+  EXPECT_NEAR(at(*alone, Vec3(0.04, 0.04, -0.002)), 0.002 - 0.0625 * 0.002, 1e-6);
+  EXPECT_NEAR(at(*beside, Vec3(0.04, 0.04, 0.098)), 0.002 - 0.0625 * 0.002, 1e-6);
+  EXPECT_EQ(at(*forces, Vec3(0.04, 0.04, 0.098)), 0.004) << "forces of depth know of no wall there";
+  EXPECT_EQ(at(*closed, Vec3(0.04, 0.04, 0.01)), at(*beside, Vec3(0.04, 0.04, 0.01)));
+}
+
 TEST_F(FieldScene, AnOpenMeshIsNamedAndRefusedWhereItIsAllThereIs) {
   const auto both = built("{mesh: thick.obj}, {mesh: open.obj, position: [0, 0, 0.1]}", kField);
   EXPECT_TRUE(any_has(both->plan().warnings, "open.obj: "));
