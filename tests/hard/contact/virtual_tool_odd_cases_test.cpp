@@ -178,6 +178,30 @@ TEST(VirtualToolTraps, NoFrameOfATumblingToolIsInvalidOverflowsOrDividesByZero) 
     }
 }
 
+/// Eight at most, whatever the hand does. In contact seven, but for a frame that comes to it with its eighth.
+TEST(VirtualToolTumbling, TakesNoMoreQueriesThanItsBound) {
+  const std::uint64_t seed = testing::seed(53);
+  SCOPED_TRACE(testing::seed_trace(seed));
+  const pointshell::Pointshell shell = shell_of(test::box_mesh(Vec3(0.008, 0.012, 0.03)), kEdge);
+  Rig rig(scene_mesh("cup"), kEdge, shell);
+  std::mt19937_64 random(seed);
+  Pose hand{Vec3(0, 0, 0.14), Quat::Identity()};
+  Vec3 target = Vec3::Zero();
+  int most = 0, in_contact = 0, at_seven = 0, at_eight = 0;
+  for (int n = 0; n < 4000; ++n) {
+    if (n % 30 == 0) target = Vec3(uniform(random, -0.06, 0.06), uniform(random, -0.06, 0.06), uniform(random, -0.02, 0.12));
+    hand.position += 0.08 * (target - hand.position);
+    hand.orientation = (Quat(Eigen::AngleAxisd(0.09, random_direction(random))) * hand.orientation).normalized();
+    const contact::VirtualToolFrame& frame = rig.frame(hand);
+    most = std::max(most, static_cast<int>(frame.queries));
+    if (frame.rows > 0) ++in_contact, at_seven += frame.queries == 7, at_eight += frame.queries == 8;
+  }
+  std::printf("%d frames in contact, %d took seven queries, %d eight\n", in_contact, at_seven, at_eight);
+  EXPECT_EQ(most, 8);
+  EXPECT_GT(at_seven, 50);
+  EXPECT_LT(at_eight, at_seven / 10);
+}
+
 TEST(VirtualToolTumbling, NeverHasItsMiddleInsideAndIsFreeToTheBit) {
   const std::uint64_t seed = testing::seed(52);
   SCOPED_TRACE(testing::seed_trace(seed));

@@ -2,7 +2,6 @@
 /// A ball of 10 mm on a virtual tool, e = 2 mm, in a hand on a simulated device: the whole loop as function calls (LoopRig), beside what the device
 /// does not tell, its pose before the encoder.
 #include <fstream>
-#include <numeric>
 
 #include "core/scene/scene_file.hpp"
 #include "tests/experiments/long_runs/loop_rig.hpp"
