@@ -173,10 +173,12 @@ void build_edges(const BuildContext& context, const mesh::ImportedMesh& moving, 
   for (const auto& object : parts.objects) counts.edge_points += object->edge_points.size();
   if (counts.edge_points == 0) return;
   parts.tool_body = build_tool_body(context, moving);
-  if (!parts.tool_body) counts.edge_points = 0;
-  for (const auto& object : parts.objects)
-    if (!parts.tool_body) object->edge_points = {};
-  if (parts.tool_body) counts.edge_bytes = parts.tool_body->voxmap.bytes() + parts.tool_body->field.bytes();
+  if (parts.tool_body) {
+    counts.edge_bytes = parts.tool_body->voxmap.bytes() + parts.tool_body->field.bytes();
+    return;
+  }
+  counts.edge_points = 0;
+  for (const auto& object : parts.objects) object->edge_points = {};
 }
 
 /// What is made of the dynamic mesh.

@@ -26,7 +26,7 @@ std::string measured_text(const PlanReport& report, const rendering::PlanPart& p
   if (const PartTime* time = time_of(report, part.name)) return fmt::format("{:.0f}", time->measured_ns);
   if (!report.times) return "";
   if (part.name == "voxmap" || part.name == "culling tree") return "(pointshell)";
-  if (report.times->slides && part.name.starts_with("contact model ")) return "(virtual tool)";
+  if (report.times->slides && (part.name.starts_with("contact model ") || part.name == "sharp edges")) return "(virtual tool)";
   if (part.name == "distance field") return report.times->slides ? "(virtual tool)" : "(contact)";
   return "-";
 }
