@@ -51,8 +51,8 @@ Quat tilt();
 double uniform(std::mt19937_64& random, double low, double high);
 Vec3 random_direction(std::mt19937_64& random);
 
-/// A point of the surface by area and its outward normal, of "open:" shapes either one; of "plane", "tilted" and plates on the upper face, away from edges. Of "edge" a point of
-/// the edge and a direction between its faces' normals, 5 degrees from either or more; of "corner" a way in from a free place.
+/// A point of the surface by area and its outward normal, of "open:" shapes either one; of "plane", "tilted" and plates on the upper face, away from edges. Of "edge" a point
+/// of the edge and a direction between its faces' normals, 5 degrees from either or more; of "corner" a way in from a free place.
 struct Place {
   Vec3 point, normal;
 };
