@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "loops.hpp"
+#include "open_meshes.hpp"
 #include "thrown.hpp"
 #include "trials.hpp"
 
@@ -41,7 +42,7 @@ void tell_starts(std::uint64_t seed) {
   const Tool tools[] = {{"ball of 5 e", Vec3::Zero(), 5.0}, {"ball of 2.5 e", Vec3::Zero(), 2.5}, {"box of 4 x 6 x 15 e", Vec3(4, 6, 15), 0.0},
                         {"bar of 2 x 2 x 15 e", Vec3(2, 2, 15), 0.0}};
   for (const Tool& tool : tools)
-    for (const double thick : {0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0})
+    for (const double thick : {0.0, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0})
       for (const bool askew : {false, true}) {
         StartOptions o{.box = tool.box, .radius_edges = tool.radius, .thick_edges = thick, .askew = askew, .seed = seed};
         const auto taken = [&](bool rim, bool turned, double from, double to) {
@@ -60,13 +61,13 @@ void tell_starts(std::uint64_t seed) {
 void tell_thrown(std::uint64_t seed) {
   using voxtouch::contact::ContactModelKind;
   const std::pair<const char*, Holder> holders[] = {
+      {"virtual tool", {std::nullopt}},
       {"original", {ContactModelKind::kOriginal}}, {"original, nothing held", {ContactModelKind::kOriginal, false}},
       {"adapted", {ContactModelKind::kAdapted}},   {"adapted, nothing held", {ContactModelKind::kAdapted, false}},
-      {"field", {ContactModelKind::kField}},       {"field, nothing held", {ContactModelKind::kField, false}},
-      {"virtual tool", {std::nullopt}}};
+      {"field", {ContactModelKind::kField}},       {"field, nothing held", {ContactModelKind::kField, false}}};
   for (const auto& [name, holder] : holders)
     for (const double thick : {0.0, 0.5, 1.0, 2.0, 5.0, 20.0}) {
-      if (thick == 0.0 && (!holder.model || *holder.model == ContactModelKind::kField)) continue;  // without an inside
+      if (thick == 0.0 && holder.model == ContactModelKind::kField) continue;  // without an inside
       ThrowFigures all;
       for (const bool askew : {false, true}) {
         const ThrowFigures f = thrown({.holder = holder, .thick_edges = thick, .askew = askew, .seed = seed});
@@ -78,6 +79,23 @@ void tell_thrown(std::uint64_t seed) {
     }
 }
 
+/// What of open meshes and other odd ones a ball is held by.
+void tell_open(std::uint64_t seed, int places) {
+  DriveFigures all;
+  for (const char* const shape : open_shapes()) {
+    for (const double radius : {5.0, 2.5})
+      for (const bool askew : {false, true}) {
+        const DriveFigures f = drive({.shape = shape, .radius_edges = radius, .askew = askew, .seed = seed});
+        all.runs += f.runs, all.passed += f.passed, all.rims += f.rims;
+        fmt::print("open {:9} ball of {} e {:5} | passed {} of {}, at a rim {} | touched {} | into the ball {:.3f} e | rest 95 % {:.4f}, worst {:.4f} N\n", shape, radius,
+                   askew ? "askew" : "", f.passed, f.runs, f.rims, f.touched, f.into_worst, f.rest_95, f.rest_worst);
+        std::fflush(stdout);
+      }
+    tell_press({.scene = std::string("open:") + shape, .places = places, .turned = true, .seed = seed});
+  }
+  fmt::print("open: passed {} of {}, at a rim {}\n", all.passed, all.runs, all.rims);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -85,7 +103,7 @@ int main(int argc, char** argv) {
   std::string what = "all";
   std::uint64_t seed = 1;
   int places = 60;
-  app.add_option("what", what, "press, plates, corners, slide, friction, walls, starts, thrown, tumble, edge, stability, torque or all");
+  app.add_option("what", what, "press, plates, corners, slide, friction, walls, starts, thrown, open, tumble, edge, stability, torque or all");
   app.add_option("--seed", seed, "of the random places");
   app.add_option("--places", places, "of each press");
   app.add_option("--shell-voxel", shell_ratio, "edge of the voxels of the tool's shell over the scene's");
@@ -107,7 +125,7 @@ int main(int argc, char** argv) {
   }
   if (all || what == "press" || what == "plates") {
     for (const double e : {0.002, 0.001})
-      for (const char* scene : {"plate:0.002", "plate:0.0005", "plate:0.002:askew", "plate:0.0005:askew", "plate:0.0025:askew"})
+      for (const char* scene : {"plate:0.002", "plate:0.0005", "plate:0.002:askew", "plate:0.0005:askew", "plate:0.0025:askew", "plate:0", "plate:0:askew"})
         for (const bool turned : {false, true}) tell_press({.scene = scene, .edge = e, .places = places, .turned = turned, .seed = seed});
   }
   if (all || what == "slide") {
@@ -120,7 +138,7 @@ int main(int argc, char** argv) {
   }
   if (all || what == "walls") {
     int runs = 0, passed = 0;
-    for (const double thick : {0.25, 0.5, 1.0, 1.5, 2.0, 3.0, 5.0})
+    for (const double thick : {0.0, 0.25, 0.5, 1.0, 1.5, 2.0, 3.0, 5.0})
       for (const bool askew : {false, true})
         for (const double phase : {0.0, 0.25, 0.5}) {
           const WallFigures f = walls({.thick_edges = thick, .askew = askew, .phase_edges = phase, .seed = seed});
@@ -133,6 +151,7 @@ int main(int argc, char** argv) {
   }
   if (all || what == "starts") tell_starts(seed);
   if (all || what == "thrown") tell_thrown(seed);
+  if (all || what == "open") tell_open(seed, places);
   if (all || what == "tumble") {
     for (const double e : {0.002, 0.001})
       for (const bool box : {false, true})

@@ -6,6 +6,7 @@
 #include "core/mesh/import.hpp"
 #include "core/pointshell/edge_points.hpp"
 #include "core/voxmap/object_grid.hpp"
+#include "open_meshes.hpp"
 #include "tests/support/exact_shell.hpp"
 
 namespace voxtouch::virtual_tool {
@@ -23,7 +24,7 @@ Rig::Rig(const mesh::TriangleMesh& of, double edge_m, const mesh::TriangleMesh& 
     : Rig(of, edge_m, tool_mesh, shell_of(tool_mesh, edge_m), lever_m) {}
 
 Rig::Rig(const mesh::TriangleMesh& of, double edge_m, const mesh::TriangleMesh& tool_mesh, const pointshell::Pointshell& shell, double lever_m)
-    : mesh(of), ground(mesh, edge_m), query(ground.voxmap, shell), edges(mesh, ground.field.grid(), tool_mesh),
+    : mesh(of), ground(mesh, edge_m, 12.0, voxmap::kOpenWallVoxels), query(ground.voxmap, shell), edges(mesh, ground.field.grid(), tool_mesh),
       tool({.points = shell.size(), .edge_points = edges.query.shell().size(), .reach_m = query.reach_m(), .edge_m = edge_m, .lever_m = lever_m}),
       grounds{edges.with({&query, &ground.field, Vec3::Zero()})}, edge(edge_m) {}
 
@@ -46,8 +47,9 @@ mesh::TriangleMesh scene_mesh(const std::string& name) {
   if (name.starts_with("plate:")) {
     const bool askew = name.ends_with(":askew");
     const double thick = std::stod(name.substr(6));
-    return test::box_mesh(Vec3(0.08, 0.08, thick), {Vec3(0.37e-3, 0.11e-3, 0.0), askew ? tilt() : Quat::Identity()});
+    return test::plate_mesh(0.08, thick, {Vec3(0.37e-3, 0.11e-3, 0.0), askew ? tilt() : Quat::Identity()});
   }
+  if (name.starts_with("open:")) return open_shape(name.substr(5));
   if (name.starts_with("cylinder:")) {  // with other facets than the shipped one's 96
     mesh::TriangleMesh mesh = test::cylinder_mesh(0.04, 0.2, static_cast<std::uint32_t>(std::stoul(name.substr(9))));
     for (Vec3& v : mesh.vertices) v = Vec3(v.x(), v.z(), -v.y());
@@ -95,6 +97,7 @@ Place random_place(const std::string& scene, const mesh::TriangleMesh& mesh, std
     Place place;
     place.point = (1 - a) * mesh.corner(t, 0) + a * (1 - b) * mesh.corner(t, 1) + a * b * mesh.corner(t, 2);
     place.normal = (mesh.corner(t, 1) - mesh.corner(t, 0)).cross(mesh.corner(t, 2) - mesh.corner(t, 0)).normalized();
+    if (scene.starts_with("open:") && random() % 2 == 0) place.normal = -place.normal;  // it has no outside
     // Round about its axis only: the ends are planes.
     if (scene.starts_with("cylinder") && (std::abs(place.normal.y()) > 0.5 || std::abs(place.point.y()) > 0.07)) continue;
     return place;

@@ -59,7 +59,8 @@ pointshell::Pointshell ball_shell(double edge, double radius_m = kBall);
 pointshell::Pointshell shell_of(const mesh::TriangleMesh& mesh, double edge);
 
 /// "plane", "tilted", "cylinder", "cylinder:<sides>", "cup", "edge" (a block's right angle, askew), "corner" (three walls that meet at the
-/// origin, along the grid), or "plate:<thickness in m>[:askew]".
+/// origin, along the grid), or "plate:<thickness in m>[:askew]", at 0 an open sheet; "open:<shape>"
+/// is one of `open_shapes`.
 mesh::TriangleMesh scene_mesh(const std::string& name);
 /// Turn of what is tilted in `scene_mesh`.
 Quat tilt();
@@ -67,8 +68,8 @@ Quat tilt();
 double uniform(std::mt19937_64& random, double low, double high);
 Vec3 random_direction(std::mt19937_64& random);
 
-/// A point of the surface by area and its outward normal; of "plane", "tilted" and plates on the upper face, away from edges. Of "edge" a point of
-/// the edge and a direction between its faces' normals, 5 degrees from either or more; of "corner" a way in from a free place.
+/// A point of the surface by area and its outward normal, of "open:" shapes either one; of "plane", "tilted" and plates on the upper face, away from edges. Of "edge" a point
+/// of the edge and a direction between its faces' normals, 5 degrees from either or more; of "corner" a way in from a free place.
 struct Place {
   Vec3 point, normal;
 };

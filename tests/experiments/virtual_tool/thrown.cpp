@@ -11,11 +11,7 @@ constexpr double kHalfSide = 0.08;  ///< of the wall: no throw goes as far aside
 
 mesh::TriangleMesh wall_mesh(const ThrowOptions& o) {
   const Pose at{Vec3(0.37e-3, 0.11e-3, 0.0), o.askew ? tilt() : Quat::Identity()};
-  if (o.thick_edges > 0.0) return test::box_mesh(Vec3(2 * kHalfSide, 2 * kHalfSide, o.thick_edges * o.edge), at);
-  mesh::TriangleMesh sheet;
-  for (const Vec3& v : {Vec3(-1, -1, 0), Vec3(1, -1, 0), Vec3(1, 1, 0), Vec3(-1, 1, 0)}) sheet.vertices.push_back(at * (kHalfSide * v));
-  sheet.triangles = {{0, 1, 2}, {0, 2, 3}};
-  return sheet;
+  return test::plate_mesh(2 * kHalfSide, o.thick_edges * o.edge, at);
 }
 
 /// The cap of the coupling: the whole wrench scaled until its stiffness against shifts is kStiffness at most.

@@ -182,7 +182,7 @@ WallFigures walls(const WallOptions& o) {
   const Quat turn = o.askew ? tilt() : Quat::Identity();
   const Vec3 normal = turn * Vec3::UnitZ();
   // The grid's phase is the mesh's lower corner: a block far away fixes it, so that the plate's place in its voxel is chosen.
-  const mesh::TriangleMesh mesh = test::box_mesh(Vec3(40 * e, 40 * e, thick), {Vec3::Zero(), turn});
+  const mesh::TriangleMesh mesh = test::plate_mesh(40 * e, thick, {Vec3::Zero(), turn});
   voxmap::Grid grid = voxmap::default_grid(mesh, e);
   grid.origin += o.phase_edges * e * Vec3::Ones();
   const pointshell::Pointshell shell = ball_shell(e, 5 * e);
@@ -191,7 +191,7 @@ WallFigures walls(const WallOptions& o) {
     contact::ContactQuery query;
     EdgeLookup edges;
     contact::VirtualTool tool;
-  } wall{test::Ground(mesh, grid, 12.0), contact::ContactQuery(wall.ground.voxmap, shell), {mesh, grid, ball_mesh(5 * e)},
+  } wall{test::Ground(mesh, grid, 12.0, voxmap::kOpenWallVoxels), contact::ContactQuery(wall.ground.voxmap, shell), {mesh, grid, ball_mesh(5 * e)},
          contact::VirtualTool({.points = shell.size(), .edge_points = wall.edges.query.shell().size(), .reach_m = 5.1 * e, .edge_m = e, .work = o.work})};
   const contact::ToolGround ground = wall.edges.with({&wall.query, &wall.ground.field, Vec3::Zero()});
   const double k = kStiffness * 0.002 / e;
@@ -251,7 +251,7 @@ StartFigures starts(const StartOptions& o) {
   const double radius = o.radius_edges * e, reach = ball ? radius : half.norm();
   const mesh::TriangleMesh tool_mesh = ball ? ball_mesh(radius) : test::box_mesh(e * o.box);
   const pointshell::Pointshell shell = shell_of(tool_mesh, e);
-  const mesh::TriangleMesh mesh = test::box_mesh(Vec3(wide, wide, thick), {Vec3::Zero(), lie});
+  const mesh::TriangleMesh mesh = test::plate_mesh(wide, thick, {Vec3::Zero(), lie});
   const auto out_of_tool = [&](const Vec3& x) {
     if (ball) return x.norm() - radius;
     const Vec3 beyond = x.cwiseAbs() - half;
@@ -261,7 +261,7 @@ StartFigures starts(const StartOptions& o) {
   for (const double phase : {0.0, 0.25, 0.5, 0.75}) {
     voxmap::Grid grid = voxmap::default_grid(mesh, e);
     grid.origin += phase * e * Vec3::Ones();
-    const test::Ground ground(mesh, grid, 12.0);
+    const test::Ground ground(mesh, grid, 12.0, voxmap::kOpenWallVoxels);
     const contact::ContactQuery query(ground.voxmap, shell);
     const EdgeLookup edges(mesh, grid, tool_mesh);
     contact::VirtualTool tool({.points = shell.size(), .edge_points = edges.query.shell().size(), .reach_m = query.reach_m(), .edge_m = e});

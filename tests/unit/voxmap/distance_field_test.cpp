@@ -326,8 +326,16 @@ TEST(DistanceField, ACrackIsNoRim) {
   const Vec3 over_the_middle(0.0, 0.0, 1e-3);
   EXPECT_NEAR(wall_beside(halves(1e-5), over_the_middle), 1.0 - 0.0625, 0.01);
   EXPECT_LT(wall_beside(halves(2e-3), over_the_middle), 1.1) << "wide enough to be two rims";
-  const mesh::TriangleMesh standing = joined(box_mesh(Vec3(0.03, 0.03, 0.01)), plate_mesh(0.01, 0.0, {Vec3(0.0, 0.0003, 0.01), Quat(Eigen::AngleAxisd(M_PI / 2, Vec3::UnitX()))}));
-  EXPECT_GT(wall_beside(standing, Vec3(0.0, 0.0018, 0.0055)), 0.4) << "beside its foot, over the block by half a voxel";
+  const Vec3 block(0.03, 0.03, 0.01);
+  const mesh::TriangleMesh sheet = plate_mesh(0.01, 0.0, {Vec3(0.0, 0.0003, 0.01), Quat(Eigen::AngleAxisd(M_PI / 2, Vec3::UnitX()))});
+  const Ground standing(joined(box_mesh(block), sheet), kEdge, 12.0, voxmap::kOpenWallVoxels);
+  for (int x = -2; x <= 2; ++x)
+    for (int y = -3; y <= 3; ++y)
+      for (int z = 4; z <= 7; ++z) {  // round its foot, far from its other rims
+        const voxmap::VoxelIndex node = voxmap::Grid::voxel_of(standing.field.grid().to_grid(kEdge * Vec3(x, y, z)));
+        const Vec3 at = standing.field.grid().origin + kEdge * Vec3(node.i, node.j, node.k);
+        ASSERT_NEAR(standing.field.node(node), std::min({box_distance(block, at) / kEdge, brute_distance(sheet, at) / kEdge - 0.0625, 2.0}), 1e-6) << at.transpose();
+      }
 }
 
 TEST(DistanceField, OverlappingBodiesAreOne) {
