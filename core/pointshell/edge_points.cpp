@@ -3,12 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <span>
 
 #include "core/pointshell/build_shell.hpp"
 #include "core/voxmap/outward.hpp"
 
 namespace voxtouch::pointshell {
 namespace {
+
+/// Triangles of a closed part that meet at so flat an angle enclose nothing between them [rad].
+constexpr double kNoThickness = 1e-6;
 
 /// A triangle's side, its ends welded and in ascending order.
 struct Side {
@@ -17,11 +21,10 @@ struct Side {
   auto operator<=>(const Side&) const = default;
 };
 
-std::vector<Side> sides_of_closed_parts(const voxmap::ClosedMesh& mesh) {
-  const std::vector<std::uint32_t> welded = voxmap::weld_vertices(mesh.in_grid);
+std::vector<Side> sides_of(const voxmap::GridMesh& mesh, const std::vector<std::uint32_t>& welded, const std::vector<std::uint32_t>& triangles) {
   std::vector<Side> sides;
-  for (const std::uint32_t t : voxmap::triangles_of_closed_parts(mesh.shells)) {
-    const std::array<std::uint32_t, 3>& corners = (*mesh.in_grid.triangles)[t];
+  for (const std::uint32_t t : triangles) {
+    const std::array<std::uint32_t, 3>& corners = (*mesh.triangles)[t];
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t a = welded[corners[k]], b = welded[corners[(k + 1) % 3]];
       if (a != b) sides.push_back({std::min(a, b), std::max(a, b), t, welded[corners[(k + 2) % 3]]});
@@ -29,6 +32,33 @@ std::vector<Side> sides_of_closed_parts(const voxmap::ClosedMesh& mesh) {
   }
   std::sort(sides.begin(), sides.end());
   return sides;
+}
+
+/// Sides that are one edge.
+using Meeting = std::span<const Side>;
+
+template <class F>
+void for_each_edge(const std::vector<Side>& sides, F&& f) {
+  for (std::size_t n = 0, next = 0; n < sides.size(); n = next) {
+    for (next = n + 1; next < sides.size() && sides[next].same_edge(sides[n]);) ++next;
+    f(Meeting(sides).subspan(n, next - n));
+  }
+}
+
+/// The mean of the ways from the edge into its triangles, in their planes: unit. Zero where they do not all lead to one side of the edge by half of
+/// kSharpRad at least, so that it stands out of none of them.
+Vec3 inward_of(const voxmap::GridMesh& mesh, Meeting edge) {
+  const Vec3 &a = mesh.u[edge[0].low], along = (mesh.u[edge[0].high] - a).stableNormalized();
+  const auto into = [&](const Side& side) -> Vec3 {
+    const Vec3 arm = mesh.u[side.opposite] - a;
+    return (arm - arm.dot(along) * along).stableNormalized();
+  };
+  Vec3 inward = Vec3::Zero();
+  for (const Side& side : edge) inward += into(side);
+  inward = inward.stableNormalized();
+  for (const Side& side : edge)
+    if (!(into(side).dot(inward) >= std::sin(0.5 * kSharpRad))) return Vec3::Zero();
+  return inward;
 }
 
 using Cell = std::array<std::int64_t, 3>;
@@ -54,23 +84,23 @@ void add_edge(const Vec3& a, const Vec3& b, const Vec3& inward, std::map<Cell, S
 
 }  // namespace
 
-Pointshell edge_points(const voxmap::ClosedMesh& mesh, const voxmap::Grid& grid) {
-  const std::vector<std::int8_t> outward = voxmap::outward_sides(mesh.in_grid, mesh.shells);
-  const std::vector<Side> sides = sides_of_closed_parts(mesh);
-  const auto normal_of = [&](std::uint32_t t) -> Vec3 {
-    const Vec3 &a = mesh.in_grid.corner(t, 0), &b = mesh.in_grid.corner(t, 1), &c = mesh.in_grid.corner(t, 2);
-    return outward[t] * (b - a).cross(c - a).stableNormalized();
-  };
+Pointshell edge_points(const voxmap::ClosedMesh& of, const voxmap::Grid& grid) {
+  const voxmap::GridMesh& mesh = of.in_grid;
+  const std::vector<std::int8_t> outward = voxmap::outward_sides(mesh, of.shells);
+  const std::vector<std::uint32_t> welded = voxmap::weld_vertices(mesh);
   std::map<Cell, ShellPoint> points;
-  for (std::size_t n = 0, next = 0; n < sides.size(); n = next) {
-    for (next = n + 1; next < sides.size() && sides[next].same_edge(sides[n]);) ++next;
-    if (next - n != 2) continue;
-    const Vec3 one = normal_of(sides[n].triangle), other = normal_of(sides[n + 1].triangle);
-    const Vec3 &a = mesh.in_grid.u[sides[n].low], &b = mesh.in_grid.u[sides[n].high];
-    const bool convex = one.dot(mesh.in_grid.u[sides[n + 1].opposite] - a) < 0.0;
-    if (!convex || one.isZero() || other.isZero() || one.dot(other) > std::cos(kSharpRad)) continue;
-    add_edge(a, b, -(one + other).stableNormalized(), points);
-  }
+  const auto add = [&](Meeting edge) {
+    const Vec3 inward = inward_of(mesh, edge);
+    if (!inward.isZero(0.0)) add_edge(mesh.u[edge[0].low], mesh.u[edge[0].high], inward, points);
+  };
+  for_each_edge(sides_of(mesh, welded, voxmap::triangles_of_closed_parts(of.shells)), [&](Meeting edge) {
+    if (edge.size() != 2) return;
+    const std::uint32_t t = edge[0].triangle;
+    const Vec3 &a = mesh.corner(t, 0), &b = mesh.corner(t, 1), &c = mesh.corner(t, 2);
+    const Vec3 normal = outward[t] * (b - a).cross(c - a).stableNormalized(), across = mesh.u[edge[1].opposite] - mesh.u[edge[1].low];
+    if (normal.dot(across) <= kNoThickness * across.norm()) add(edge);  // convex, or both triangles are one
+  });
+  for_each_edge(sides_of(mesh, welded, of.shells.open), add);
   std::vector<ShellPoint> kept;
   kept.reserve(points.size());
   for (auto& [cell, point] : points) {

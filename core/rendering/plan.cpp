@@ -200,7 +200,7 @@ void say_built(const scene::Scene& scene, const BuildCounts& n, Plan& plan) {
     say_forces_of_depth(scene, plan);
   if (n.edge_points > 0)
     plan.built.push_back(fmt::format(
-        "Sharp convex edges of the static meshes: {} at most half a voxel apart, {}, which the virtual tool looks up in distances to itself on voxels of half the edge, {}.",
+        "Sharp edges and rims of the static meshes: {} at most half a voxel apart, {}, which the virtual tool looks up in distances to itself on voxels of half the edge, {}.",
         counted(n.edge_points, "point", "points"), bytes_text(edge_lookup_bytes(n.edge_points)), bytes_text(n.edge_bytes)));
   if (scene.budget_us && (n.budget_points > 0 || n.virtual_tool_lever_m > 0.0)) plan.built.push_back(budget_sentence(scene, n));
   plan.built.push_back(scene.design ? design_sentence(*scene.design) : coupling_sentence(scene.coupling));
@@ -217,7 +217,7 @@ void say_left_out(const scene::Scene& scene, const BuildCounts& n, Plan& plan) {
   if (n.field_bytes == 0)
     plan.left_out.push_back("Signed distance field: only the contact model 'field' would ask for it.");
   if (!n.edges_left_out.empty())
-    plan.left_out.push_back(fmt::format("Sharp edges of the static meshes: {}. At a convex edge the force is short by a third to a half of a voxel of way.", n.edges_left_out));
+    plan.left_out.push_back(fmt::format("Sharp edges and rims of the static meshes: {}. At a convex edge the force is short by a third to a half of a voxel of way, and a rim thinner than a voxel may come in between the tool's points.", n.edges_left_out));
   const effects::EffectNeeds needs = effects::needs_of(scene.effects);
   if (!(needs.proximity_m > 0.0)) plan.left_out.push_back("Distances outside the surface: no effect asks for them.");
   if (!needs.twist) plan.left_out.push_back("The tool's velocity: no effect asks for it.");
@@ -233,9 +233,9 @@ void say_left_out(const scene::Scene& scene, const BuildCounts& n, Plan& plan) {
 void say_virtual_tool_warnings(const scene::Scene& scene, const BuildCounts& n, Plan& plan) {
   for (const std::string& mesh : n.open_meshes)
     plan.warnings.push_back(
-        fmt::format("{}: the mesh is open. What of it is not closed holds a virtual tool from either side as a wall of {:.2g} mm would, and its rims, which a tool may "
-                    "go round, {:.2g} mm early. There is nothing behind it: a tool goes in through every hole that is wide enough.",
-                    mesh, 1e3 * voxmap::kOpenWallVoxels * scene.voxel_size_m, 1e3 * voxmap::kOpenRimVoxels * scene.voxel_size_m));
+        fmt::format("{}: the mesh is open. What of it is not closed holds a virtual tool from either side as a wall of {:.2g} mm would. There is nothing behind it: "
+                    "a tool goes round its rims, and in through every hole that is wide enough.",
+                    mesh, 1e3 * voxmap::kOpenWallVoxels * scene.voxel_size_m));
   const double voxels = n.thinnest_m / scene.voxel_size_m;
   if (voxels < 1.0)
     plan.warnings.push_back(fmt::format(

@@ -7,7 +7,6 @@
 #include "core/voxmap/closed_mesh.hpp"
 #include "core/voxmap/distance_field.hpp"
 #include "core/voxmap/brick_range.hpp"
-#include "core/voxmap/open_walls.hpp"
 #include "core/voxmap/winding.hpp"
 
 namespace voxtouch::voxmap {
@@ -47,8 +46,8 @@ class Kinds {
 class DistanceFieldBuilder {
  public:
   DistanceFieldBuilder(const ClosedMesh& mesh, const Voxmap& voxmap, const DistanceFieldOptions& options)
-      : voxmap_(voxmap), mesh_(mesh.in_grid), shells_(mesh.shells), tree_(mesh.tree), walls_(mesh, options.open_wall_voxels > 0.0),
-        half_wall_(0.5 * options.open_wall_voxels) {
+      : voxmap_(voxmap), mesh_(mesh.in_grid), shells_(mesh.shells), tree_(mesh.tree), half_wall_(0.5 * options.open_wall_voxels),
+        has_walls_(half_wall_ > 0.0 && !shells_.open.empty()), walls_(mesh_, has_walls_ ? shells_.open : std::vector<std::uint32_t>{}) {
     field_.grid_ = voxmap.grid(), field_.base_ = voxmap.base(), field_.cells_ = voxmap.cells();
     field_.depth_voxels_ = static_cast<float>(options.depth_voxels);  // as the nodes hold it
     field_.band_voxels_ = static_cast<float>(options.band_voxels);
@@ -58,7 +57,7 @@ class DistanceFieldBuilder {
   DistanceField build(const ParallelFor& parallel_for, std::uint64_t memory_limit_bytes) {
     const std::size_t cells = static_cast<std::size_t>(field_.cells_[0] * field_.cells_[1] * field_.cells_[2]);
     field_.table_.assign(cells, DistanceField::kFree);
-    if (shells_.closed_parts == 0 && !walls_.any()) return std::move(field_);
+    if (shells_.closed_parts == 0 && !has_walls_) return std::move(field_);
     const auto layer = static_cast<std::size_t>(field_.cells_[0] * field_.cells_[1]);
     std::vector<std::vector<Wanted>> of_layer(cells / layer);
     parallel_for(of_layer.size(), [&](std::size_t z) {
@@ -104,8 +103,8 @@ class DistanceFieldBuilder {
     // No surface that near, so the centre's own voxel tells the side of the whole cell.
     const VoxelKind kind = voxmap_.at({v.i + 4, v.j + 4, v.k + 4});
     std::uint32_t wall = DistanceTree::kNoPlace;
-    const double walls = walls_.any() ? outer + kOpenRimVoxels : 0.0;  // nothing of them reaches farther
-    if (kind == VoxelKind::kFree && tree_.nearest(centre, outer, place) >= outer && walls_.faces().nearest(centre, walls, wall) >= walls)
+    const double walls = has_walls_ ? outer + half_wall_ : 0.0;
+    if (kind == VoxelKind::kFree && tree_.nearest(centre, outer, place) >= outer && walls_.nearest(centre, walls, wall) >= walls)
       return DistanceField::kFree;
     if (kind == VoxelKind::kInterior && tree_.nearest(centre, inner, place) >= inner) return DistanceField::kDeep;
     return kWanted;
@@ -164,22 +163,20 @@ class DistanceFieldBuilder {
           limit[own_node(x, y, z)] = inside ? -field_.depth_voxels_ : field_.band_voxels_;
         }
     signed_distances(tree_, Vec3(first.i, first.j, first.k), limit, place, brick);
-    if (!walls_.any()) return;
-    add_wall(walls_.faces(), half_wall_, first, brick);
-    add_wall(walls_.rims(), kOpenRimVoxels, first, brick);
+    if (has_walls_) add_walls(first, brick);
   }
 
-  /// The union of what the own nodes hold with all that is within `radius` of the tree's triangles.
-  void add_wall(const DistanceTree& tree, double radius, const VoxelIndex& first, DistanceField::Brick& brick) const {
+  /// The union of what the own nodes hold with the walls of open parts.
+  void add_walls(const VoxelIndex& first, DistanceField::Brick& brick) const {
     BrickLimits limit;
-    limit.fill(field_.band_voxels_ + radius);
+    limit.fill(field_.band_voxels_ + half_wall_);
     DistanceField::Brick open;
-    signed_distances(tree, Vec3(first.i, first.j, first.k), limit, DistanceTree::kNoPlace, open);
+    signed_distances(walls_, Vec3(first.i, first.j, first.k), limit, DistanceTree::kNoPlace, open);
     for (int z = 0; z < kEdge; ++z)
       for (int y = 0; y < kEdge; ++y)
         for (int x = 0; x < kEdge; ++x) {
           float& distance = brick[node_of_brick(x, y, z)];
-          distance = std::min(distance, open[node_of_brick(x, y, z)] - static_cast<float>(radius));
+          distance = std::min(distance, open[node_of_brick(x, y, z)] - static_cast<float>(half_wall_));
         }
   }
 
@@ -217,8 +214,9 @@ class DistanceFieldBuilder {
   const GridMesh& mesh_;
   const ClosedShells& shells_;
   const DistanceTree& tree_;
-  OpenWalls walls_;
-  double half_wall_;  ///< [voxels]
+  double half_wall_;  ///< of open parts [voxels]
+  bool has_walls_;
+  DistanceTree walls_;
   DistanceField field_;
 };
 

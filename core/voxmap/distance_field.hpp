@@ -12,9 +12,8 @@
 /// an edge seen from either side, gives no wrong sign.
 ///
 /// Parts that are open have no inside: they give no distance and no force, unless the options make thin walls of them. Then the distance to such a part is
-/// the unsigned one less half the wall's thickness, and at its rims (open_walls.hpp) less kOpenRimVoxels: a rim as thin as the wall would come in between a
-/// tool's points. Closed parts and walls that overlap are one body (signs are those of the union), but surfaces buried in it count: depth there is at most the
-/// distance to them.
+/// the unsigned one less half the wall's thickness. Closed parts and walls that overlap are one body (signs are those of the union), but surfaces buried in it
+/// count: depth there is at most the distance to them.
 ///
 /// Layout: bricks of 8^3 voxels with their 9^3 nodes (2916 bytes), so that a lookup meets one brick. Nodes on common faces
 /// are equal to the bit, so the interpolation is continuous everywhere. Distances are cut off at `band_voxels` outside and
@@ -53,8 +52,6 @@ struct DistanceFieldOptions {
 };
 /// How thick they are for a virtual tool, which they hold from either side; force begins half of that early.
 inline constexpr double kOpenWallVoxels = 0.125;
-/// How far the rims of such walls reach.
-inline constexpr double kOpenRimVoxels = 0.375;
 
 class DistanceField {
  public:

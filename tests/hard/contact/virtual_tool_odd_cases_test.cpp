@@ -266,13 +266,13 @@ TEST(VirtualToolOpenMeshes, HoldABallFromEitherSide) {
       runs += f.runs, rims += f.rims;
     }
   std::printf("%d runs, %d rims in the ball\n", runs, rims);
-  EXPECT_LT(rims, runs / 20);
+  EXPECT_EQ(rims, 0);
 }
 
 /// The force begins half a wall before the sheet, 0.0625 e, on both of its sides alike.
 TEST(VirtualToolOpenMeshes, PushFromHalfAWallBeforeThemOn) {
   for (const double side : {-1.0, 1.0}) {
-    Rig rig(scene_mesh("plate:0"), kEdge, ball_shell(kEdge));
+    Rig rig(scene_mesh("plate:0"), kEdge, ball_mesh());
     ASSERT_TRUE(rig.place({Vec3(1e-3, 2e-3, side * (kBall + 0.002)), Quat::Identity()}));
     contact::VirtualToolFrame f;
     for (int n = 1; n <= 240; ++n) f = rig.frame(Vec3(1e-3, 2e-3, side * (kBall + 0.002 - 5e-5 * n)));

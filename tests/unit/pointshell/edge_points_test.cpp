@@ -93,10 +93,58 @@ TEST(EdgePoints, AreNotOfARoundThingsFacets) {
   EXPECT_EQ(points_of(test::sphere_mesh(0.02, 4)).size(), 0U);
 }
 
-TEST(EdgePoints, AreNotOfAnOpenMesh) {
+/// Whether there is a point at a place in W, and its normal is along `inward`.
+bool has(const Pointshell& points, const voxmap::Grid& grid, const Vec3& at, const Vec3& inward) {
+  for (std::size_t p = 0; p < points.size(); ++p)
+    if ((points.point(p) + grid.origin - at).norm() < 0.26 * kEdge && points.normal(p).dot(inward.normalized()) > 0.999) return true;
+  return false;
+}
+
+/// A block without its last triangle: the edges that it has still, of which two are rims now, and the rim across the side.
+TEST(EdgePoints, OfAnOpenMeshAreItsSharpEdgesAndItsRims) {
   mesh::TriangleMesh open = test::box_mesh(Vec3(0.02, 0.02, 0.02));
+  const voxmap::Grid grid = voxmap::default_grid(open, kEdge);
+  const std::size_t closed = points_of(open, grid).size();
+  const std::array<std::uint32_t, 3> gone = open.triangles.back();
   open.triangles.pop_back();
-  EXPECT_EQ(points_of(open).size(), 0U);
+  const Pointshell points = points_of(open, grid);
+  EXPECT_GT(points.size(), closed + 20U);
+  EXPECT_TRUE(has(points, grid, Vec3(0.01, 0.01, 0.0), Vec3(-1, -1, 0)) || has(points, grid, Vec3(-0.01, 0.01, 0.0), Vec3(1, -1, 0))) << "a fold";
+  const Vec3 &a = open.vertices[gone[0]], &b = open.vertices[gone[1]], &c = open.vertices[gone[2]];
+  const Vec3 normal = (b - a).cross(c - a), inward = normal.dot(a) > 0.0 ? Vec3(-normal) : normal;
+  for (const auto& [from, to, opposite] : {std::array{a, b, c}, {b, c, a}, {c, a, b}}) {
+    const Vec3 middle = 0.5 * (from + to), along = (to - from).normalized();
+    const bool across = along.cwiseAbs().maxCoeff() < 0.9;  // in the side; the two others end the sides beside it
+    const Vec3 away = (opposite - middle).dot(along) * along - (opposite - middle);
+    EXPECT_TRUE(has(points, grid, middle, across ? away : inward)) << middle.transpose();
+  }
+}
+
+/// Where sheets stand on a sheet, and where one goes on flat, none stands out; where two triangles are one, it has an end as a sheet has.
+TEST(EdgePoints, OfSheetsAreWhereTheyEndOrFold) {
+  const mesh::TriangleMesh sheet = test::plate_mesh(0.02, 0.0);
+  const voxmap::Grid grid = voxmap::default_grid(sheet, kEdge);
+  mesh::TriangleMesh doubled = sheet;
+  for (const auto& t : sheet.triangles) doubled.triangles.push_back({t[0], t[2], t[1]});
+  for (const mesh::TriangleMesh& mesh : {sheet, torn(sheet), doubled}) {
+    const Pointshell points = points_of(mesh, grid);
+    ASSERT_GT(points.size(), 70U);
+    for (std::size_t p = 0; p < points.size(); ++p) {
+      const Vec3 at = points.point(p) + grid.origin;
+      ASSERT_NEAR(at.cwiseAbs().maxCoeff(), 0.01, 1e-12) << at.transpose();
+      EXPECT_LT(points.normal(p).dot(at), 0.0) << at.transpose();
+    }
+    EXPECT_TRUE(has(points, grid, Vec3(0.01, 0.001, 0.0), Vec3(-1, 0, 0)));
+  }
+  mesh::TriangleMesh tee;  // three halves at the x axis
+  tee.vertices = {{-0.01, 0, 0}, {0.01, 0, 0}, {0, 0.01, 0}, {0, -0.01, 0}, {0, 0, 0.01}};
+  tee.triangles = {{0, 1, 2}, {0, 1, 3}, {0, 1, 4}};
+  const voxmap::Grid beside = voxmap::default_grid(tee, kEdge);
+  const Pointshell points = points_of(tee, beside);
+  for (std::size_t p = 0; p < points.size(); ++p) {
+    const Vec3 at = points.point(p) + beside.origin;
+    EXPECT_TRUE(at.tail<2>().norm() > 1e-6 || std::abs(at.x()) > 0.0099) << at.transpose();
+  }
 }
 
 }  // namespace

@@ -269,7 +269,7 @@ TEST(VirtualToolScene, TellsOfItsEdgesAndWhyThereAreNone) {
     return std::any_of(lines.begin(), lines.end(), [&](const std::string& line) { return line.find(one) != std::string::npos && line.find(other) != std::string::npos; });
   };
   const auto built = build_scene(scene_of(), serial_for());
-  EXPECT_TRUE(has(built->plan().built, "Sharp convex edges", "points"));
+  EXPECT_TRUE(has(built->plan().built, "Sharp edges and rims", "points"));
   EXPECT_TRUE(std::any_of(built->plan().parts.begin(), built->plan().parts.end(), [](const PlanPart& part) { return part.name == "sharp edges" && part.bytes > 0 && part.expected_ns > 0.0; }));
   const std::string open = std::filesystem::temp_directory_path() / "voxtouch_open_tool.obj";
   std::ofstream(open) << "v 0 0 0\nv 0.01 0 0\nv 0 0.01 0\nv 0 0 0.01\nf 1 3 2\nf 1 2 4\nf 1 4 3\n";
