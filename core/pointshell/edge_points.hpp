@@ -14,7 +14,8 @@ inline constexpr double kEdgePointsCell = 0.25;
 
 /// Points of the edges of the closed parts at which two triangles meet and the solid is convex and sharp, with both ends. `mesh` in `grid`, whose
 /// voxels the lengths above are in. Positions [m] along W's axes from `grid.origin`, exact to rounding; a normal points into the object, the opposite of
-/// the mean of the triangles' at the point. Areas are 0. In Morton order. Edges of triangles without area, and where more than two meet, give none. Loading only: allocates.
+/// the mean of the triangles' at the point. Areas are 0. In Morton order. Edges of triangles without area, and where more than two meet, give none.
+/// Loading only: allocates.
 Pointshell edge_points(const voxmap::ClosedMesh& mesh, const voxmap::Grid& grid);
 
 }  // namespace voxtouch::pointshell
