@@ -261,9 +261,9 @@ EquilibriumStep VirtualTool::follow(const Pose& hand, double friction, std::span
 /// Whether one more query with its step would cost more than is left.
 bool VirtualTool::work_is_done(const VirtualToolFrame& out) const noexcept {
   const ToolWork& work = options_.work;
-  const double lookups = static_cast<double>(lookups_);
+  const double lookups = static_cast<double>(lookups_), queries = std::max(1, out.queries);
   const double so_far = work.per_query * lookups + work.per_point * static_cast<double>(tested_) + work.per_iteration * out.iterations;
-  const double next = work.per_query * lookups / std::max(1, out.queries) + work.per_point * out.points_tested + work.per_iteration * out.iterations / std::max(1, out.queries);
+  const double next = work.per_query * lookups / queries + work.per_point * out.points_tested + work.per_iteration * out.iterations / queries;
   return so_far + next > work.most;
 }
 

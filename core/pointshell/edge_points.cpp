@@ -68,11 +68,12 @@ void add_edge(const Vec3& a, const Vec3& b, const Vec3& inward, std::map<Cell, S
   const double pieces = std::max(1.0, std::ceil((b - a).norm() / kEdgePointsApart));
   for (double n = 0.0; n <= pieces; ++n) {
     const Vec3 u = n < pieces ? Vec3(a + n / pieces * (b - a)) : b, in_cells = u / kEdgePointsCell;
-    const Cell cell{static_cast<std::int64_t>(std::floor(in_cells.x())), static_cast<std::int64_t>(std::floor(in_cells.y())), static_cast<std::int64_t>(std::floor(in_cells.z()))};
+    const auto whole = [](double x) { return static_cast<std::int64_t>(std::floor(x)); };
+    const Cell cell{whole(in_cells.x()), whole(in_cells.y()), whole(in_cells.z())};
     const auto [place, fresh] = points.try_emplace(cell);
     ShellPoint& point = place->second;
     if (fresh) {
-      const auto voxel = [](double x) { return static_cast<std::int32_t>(std::floor(x)); };
+      const auto voxel = [&](double x) { return static_cast<std::int32_t>(whole(x)); };
       point.voxel = {voxel(u.x()), voxel(u.y()), voxel(u.z())};
       point.point = u;
       point.normal = inward;

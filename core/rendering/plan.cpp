@@ -107,7 +107,11 @@ std::string grid_sentence(const PlacedGrid& grid) {
 }
 
 FrameWork counted_work(const BuildCounts& n) {
-  return {.virtual_tool = n.virtual_tool_lever_m > 0.0, .objects = n.objects, .shell_points = n.shell_points, .edge_points = n.edge_points, .tool_points = n.tool_points};
+  return {.virtual_tool = n.virtual_tool_lever_m > 0.0,
+          .objects = n.objects,
+          .shell_points = n.shell_points,
+          .edge_points = n.edge_points,
+          .tool_points = n.tool_points};
 }
 
 std::string levels_text(const BuildCounts& n) {
@@ -200,7 +204,8 @@ void say_built(const scene::Scene& scene, const BuildCounts& n, Plan& plan) {
     say_forces_of_depth(scene, plan);
   if (n.edge_points > 0)
     plan.built.push_back(fmt::format(
-        "Sharp edges and rims of the static meshes: {} at most half a voxel apart, {}, which the virtual tool looks up in distances to itself on voxels of half the edge, {}.",
+        "Sharp edges and rims of the static meshes: {} at most half a voxel apart, {}, which the virtual tool looks up in distances to itself on voxels of "
+        "half the edge, {}.",
         counted(n.edge_points, "point", "points"), bytes_text(edge_lookup_bytes(n.edge_points)), bytes_text(n.edge_bytes)));
   if (scene.budget_us && (n.budget_points > 0 || n.virtual_tool_lever_m > 0.0)) plan.built.push_back(budget_sentence(scene, n));
   plan.built.push_back(scene.design ? design_sentence(*scene.design) : coupling_sentence(scene.coupling));
@@ -217,7 +222,9 @@ void say_left_out(const scene::Scene& scene, const BuildCounts& n, Plan& plan) {
   if (n.field_bytes == 0)
     plan.left_out.push_back("Signed distance field: only the contact model 'field' would ask for it.");
   if (!n.edges_left_out.empty())
-    plan.left_out.push_back(fmt::format("Sharp edges and rims of the static meshes: {}. At a convex edge the force is short by a third to a half of a voxel of way, and a rim thinner than a voxel may come in between the tool's points.", n.edges_left_out));
+    plan.left_out.push_back(fmt::format(
+        "Sharp edges and rims of the static meshes: {}. At a convex edge the force is short by a third to a half of a voxel of way, and a rim thinner than a "
+        "voxel may come in between the tool's points.", n.edges_left_out));
   const effects::EffectNeeds needs = effects::needs_of(scene.effects);
   if (!(needs.proximity_m > 0.0)) plan.left_out.push_back("Distances outside the surface: no effect asks for them.");
   if (!needs.twist) plan.left_out.push_back("The tool's velocity: no effect asks for it.");

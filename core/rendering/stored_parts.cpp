@@ -16,7 +16,8 @@ template <class Archive, class Counts>
 void counts_of(Archive& archive, Counts& counts) {
   auto& [static_triangles, dynamic_triangles, surface_voxels, interior_voxels, shell_points, objects, grids, voxmap_bytes, shell_bytes, field_bytes,
          field_nodes, field_depth_m, thinnest_m, thinnest_mesh, proximity_bytes, proximity_nodes, proximity_m, proximity_smoothing_m, tool_points,
-         tool_gap_m, open_meshes, virtual_tool_lever_m, budget_points, level_points, level_gap_m, level_bytes, edge_points, edge_bytes, edges_left_out, contact, closed, mesh_warnings] = counts;
+         tool_gap_m, open_meshes, virtual_tool_lever_m, budget_points, level_points, level_gap_m, level_bytes, edge_points, edge_bytes, edges_left_out,
+         contact, closed, mesh_warnings] = counts;
   archive(static_triangles), archive(dynamic_triangles), archive(surface_voxels), archive(interior_voxels), archive(shell_points), archive(objects);
   archive(voxmap_bytes), archive(field_bytes), archive(field_nodes), archive(field_depth_m), archive(thinnest_m), archive(thinnest_mesh);
   archive(proximity_bytes), archive(proximity_nodes), archive(proximity_m), archive(proximity_smoothing_m), archive(tool_points), archive(tool_gap_m);
@@ -79,7 +80,8 @@ void take_tool_body(ByteReader& in, BuiltParts& parts) {
   if (!there) return;
   voxmap::Voxmap map = voxmap::Voxmap::take(in);
   voxmap::DistanceField field = voxmap::DistanceField::take(in);
-  ByteReader::require(field.grid().edge == map.grid().edge && field.grid().origin == map.grid().origin && field.has_inside(), "distances to the tool of another grid");
+  ByteReader::require(field.grid().edge == map.grid().edge && field.grid().origin == map.grid().origin && field.has_inside(),
+                      "distances to the tool of another grid");
   parts.tool_body = std::make_unique<ToolBody>(std::move(map), std::move(field));
 }
 

@@ -106,8 +106,8 @@ Figures measure(contact::ContactRenderer renderer, const std::vector<Touch>& tou
                [](const Touch& touch) { return touch.truth; });
 }
 
-Figures measure_tool(const mesh::TriangleMesh& mesh, const test::Ground& ground, const mesh::TriangleMesh& ball, const pointshell::Pointshell& shell, const std::vector<Touch>& touches,
-                     const Vec3& shift) {
+Figures measure_tool(const mesh::TriangleMesh& mesh, const test::Ground& ground, const mesh::TriangleMesh& ball, const pointshell::Pointshell& shell,
+                     const std::vector<Touch>& touches, const Vec3& shift) {
   const contact::ContactQuery query(ground.voxmap, shell);
   const virtual_tool::EdgeLookup edges(mesh, ground.field.grid(), ball);
   contact::VirtualTool tool({.points = shell.size(), .edge_points = edges.query.shell().size(), .reach_m = query.reach_m(), .edge_m = kEdge});

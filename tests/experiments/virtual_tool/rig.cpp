@@ -12,7 +12,8 @@
 namespace voxtouch::virtual_tool {
 
 EdgeLookup::EdgeLookup(const mesh::TriangleMesh& fixed, const voxmap::Grid& grid, const mesh::TriangleMesh& tool_mesh)
-    : tool(tool_mesh, voxmap::object_grid(tool_mesh, (tool_ratio > 0.0 ? tool_ratio : 1.0) * grid.edge), 4.0), query(tool.voxmap, pointshell::edge_points(voxmap::ClosedMesh(fixed, grid), grid)) {}
+    : tool(tool_mesh, voxmap::object_grid(tool_mesh, (tool_ratio > 0.0 ? tool_ratio : 1.0) * grid.edge), 4.0),
+      query(tool.voxmap, pointshell::edge_points(voxmap::ClosedMesh(fixed, grid), grid)) {}
 
 contact::ToolGround EdgeLookup::with(const contact::ToolGround& ground) const {
   contact::ToolGround both = ground;

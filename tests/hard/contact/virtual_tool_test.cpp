@@ -126,13 +126,16 @@ TEST(VirtualToolTorque, OfABarOverAnEdgeIsTheExactOnes) {
   for (const double edge : {0.002, 0.001}) EXPECT_LT(lever(edge, seed).torque_error, 0.005);
 }
 
-/// A pin in its hole, 15 mm deep, the hand turned slowly: the torque is that of the exact pin, with its play, at every turn. The mouth's edge has points of its own at every height.
+/// A pin in its hole, 15 mm deep, the hand turned slowly: the torque is that of the exact pin, with its play, at every turn. The mouth's
+/// edge has points of its own at every height.
 TEST(VirtualToolTorque, OfAPinTurnedInItsHoleIsTheExactOnes) {
   const std::uint64_t seed = testing::seed(62);
   SCOPED_TRACE(testing::seed_trace(seed));
-  for (const auto& [edge, clearance, degrees] : {std::tuple{0.001, 2e-4, 12.0}, {0.001, 1e-4, 12.0}, {0.0005, 1e-4, 12.0}, {0.001, 2e-4, 6.0}, {0.0005, 2e-4, 3.0}, {0.0005, 1e-4, 3.0}}) {
+  for (const auto& [edge, clearance, degrees] :
+       {std::tuple{0.001, 2e-4, 12.0}, {0.001, 1e-4, 12.0}, {0.0005, 1e-4, 12.0}, {0.001, 2e-4, 6.0}, {0.0005, 2e-4, 3.0}, {0.0005, 1e-4, 3.0}}) {
     const PinFigures f = pin(edge, clearance, degrees * std::numbers::pi / 180, seed);
-    std::printf("e %g, clearance %g, %g degrees: %.4f N m, off by %.3f, step %.4f of it\n", edge, clearance, degrees, f.torque_nm, f.torque_error, f.step_over_torque);
+    std::printf("e %g, clearance %g, %g degrees: %.4f N m, off by %.3f, step %.4f of it\n", edge, clearance, degrees, f.torque_nm, f.torque_error,
+                f.step_over_torque);
     EXPECT_GT(f.torque_nm, 0.001);
     EXPECT_LT(f.torque_error, 0.05);
     EXPECT_LT(f.step_over_torque, 0.01);

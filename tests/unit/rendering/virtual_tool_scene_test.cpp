@@ -249,7 +249,8 @@ TEST(VirtualToolScene, HoldsPlatesOfAVoxelAndLess) {
 TEST(VirtualToolScene, GivesTheExactBallsForceAtAConvexEdge) {
   const double depth = 0.005;
   for (const bool moves : {false, true}) {
-    Rig rig(scene_of("[]", "[{mesh: " + plate(0.02) + (moves ? ", object: {name: lift, moves: {path: [[0, 0, 0.004], [0, 0, 0.0041]], speed_m_per_s: 0.0001}}}]" : "}]")));
+    const std::string lift = ", object: {name: lift, moves: {path: [[0, 0, 0.004], [0, 0, 0.0041]], speed_m_per_s: 0.0001}}";
+    Rig rig(scene_of("[]", "[{mesh: " + plate(0.02) + (moves ? lift : "") + "}]"));
     EXPECT_EQ(rig.built->contacts().object(0).edges.has_value(), true);
     ToolState hand;
     const Vec3 slant = Vec3(1, 0, 1).normalized();
@@ -266,11 +267,13 @@ TEST(VirtualToolScene, GivesTheExactBallsForceAtAConvexEdge) {
 /// What is looked up at edges, and why not.
 TEST(VirtualToolScene, TellsOfItsEdgesAndWhyThereAreNone) {
   const auto has = [](const std::vector<std::string>& lines, const char* one, const char* other) {
-    return std::any_of(lines.begin(), lines.end(), [&](const std::string& line) { return line.find(one) != std::string::npos && line.find(other) != std::string::npos; });
+    return std::any_of(lines.begin(), lines.end(),
+                       [&](const std::string& line) { return line.find(one) != std::string::npos && line.find(other) != std::string::npos; });
   };
   const auto built = build_scene(scene_of(), serial_for());
   EXPECT_TRUE(has(built->plan().built, "Sharp edges and rims", "points"));
-  EXPECT_TRUE(std::any_of(built->plan().parts.begin(), built->plan().parts.end(), [](const PlanPart& part) { return part.name == "sharp edges" && part.bytes > 0 && part.expected_ns > 0.0; }));
+  EXPECT_TRUE(std::any_of(built->plan().parts.begin(), built->plan().parts.end(),
+                          [](const PlanPart& part) { return part.name == "sharp edges" && part.bytes > 0 && part.expected_ns > 0.0; }));
   const std::string open = std::filesystem::temp_directory_path() / "voxtouch_open_tool.obj";
   std::ofstream(open) << "v 0 0 0\nv 0.01 0 0\nv 0 0.01 0\nv 0 0 0.01\nf 1 3 2\nf 1 2 4\nf 1 4 3\n";
   const scene::Scene scene = scene::parse_scene("scene: tool\nvoxel_size: 0.002\nstatic: [{mesh: plane.obj}]\ndynamic: {mesh: " + open +
