@@ -114,7 +114,7 @@ TEST(Auto, KeepsTheFilterUnlessAnotherShowsATenthMore) {
   EXPECT_NE(best.spec.kind, "shaping_filter");
 }
 
-/// Between a tenth and half as much again: direct. The simulated stylus as a virtual tool asks for it, 570 N/m for 384.
+/// Between a tenth and half as much again: direct. The simulated stylus as a virtual tool asks for it, 518 N/m for 371.
 TEST(Auto, LeavesTheFilterOutForLessThanHalfAsMuchAgain) {
   DesignProblem r = sim_stylus();
   r.goals = DesignGoals{};
