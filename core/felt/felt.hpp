@@ -6,7 +6,7 @@
 
 namespace voxtouch::felt {
 
-/// "What will be felt: 384 N/m at the hand, certified with a margin of 2: 3.84 N with the hand 10 mm deep, 45 % of the 8.5 N that ...
+/// "What will be felt: 371 N/m at the hand, certified with a margin of 2: 3.71 N with the hand 10 mm deep, 44 % of the 8.5 N that ...
 /// gives ...", with what limits it and what would give more: the change that helps most, and two where less than a fifth of the device's force
 /// can be shown 10 mm deep. Of a virtual tool, whose force is stiffness times depth, and of a body's grip, that is known; else a hand presses
 /// (press.hpp) where the scene's motion of this name touches first, which is named, or where `motion` is empty the first that touches. Empty where nothing may be

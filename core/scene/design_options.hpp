@@ -28,7 +28,7 @@ struct DesignOptions {
   double gain_margin = 2.0;   ///< >= 1
   double damping_floor = 0.3;  ///< of translation, with a hand, and a third of it released; 0: none
   double rotation_damping_floor = 0.0;  ///< likewise
-  double damper_share = coupling::kDamperShare;  ///< as CouplingSpec has it
+  std::optional<double> damper_share;   ///< as CouplingSpec has it; none: the designer chooses one
   /// Caps on the contact's stiffness in W that are wanted as they are; without both the designer is free to cap.
   std::optional<double> stiffness_cap_n_per_m, stiffness_cap_nm_per_rad;
   HandOption hand = HandOption::kAsDeviceIsHeld;

@@ -153,7 +153,7 @@ TEST(DesignedCoupling, HoldsTheForceOfThePapersFilterAtTheSameHand) {
     for (const auto& m : read_ring_topic<msg::ForceCommand>(bag / "bag", "/haptic/coupling/command")) force.push_back(runtime::from_msg(m.wrench).force);
     const double papers = steady_n(force);
     std::printf("%s: designed %.3f N, the paper's 5 Hz %.3f N\n", device, designed, papers);
-    EXPECT_GE(designed, 0.98 * papers) << device;  // a sim-phantom's dry friction holds it within some hundredths of a newton
+    EXPECT_GE(designed, 0.96 * papers) << device;  // a sim-phantom's dry friction holds it within some hundredths of a newton, and the bound on its damper takes 3 % of the stiffness
   }
 }
 

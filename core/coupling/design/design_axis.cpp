@@ -41,7 +41,7 @@ AxisProblem problem(const DesignProblem& request, bool rotation) {
   out.useful = rotation ? request.goals.useful_stiffness_nm_per_rad : request.goals.useful_stiffness_n_per_m;
   out.noise_limit = noise_limit(request, rotation);
   out.large_swing = std::max(kLargeSwing, 1.0 / out.margin);
-  out.damper_share = rotation ? 0.0 : request.goals.damper_share;
+  out.damper_share = rotation ? 0.0 : request.goals.damper_share.value_or(kDamperShare);
   return out;
 }
 

@@ -6,6 +6,8 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <span>
 #include <stdexcept>
 
 #include "core/coupling/design/axis_verdict.hpp"
@@ -22,8 +24,9 @@ constexpr std::array kShrinks{1.0, 0.9999, 0.999, 0.99, 0.97, 0.95, 0.9, 0.8, 0.
 constexpr double kWorthNoFilter = 1.1;
 /// Floors that take such a share of what is shown without them are what limits, and are told first; less is told behind what limits with and without them.
 constexpr double kLimitingFloor = 0.1;
-/// A bound on injected damping that leaves less than this of what is shown without it is not kept.
-constexpr double kWorthABound = 2.0 / 3.0;
+/// A bound on injected damping has to leave this of what is shown without it: the standard share, or one that was asked for; and a larger one, which is
+/// taken for the stiffness that it gives back.
+constexpr double kWorthABound = 2.0 / 3.0, kWorthALargerShare = 0.9;
 
 /// A coupling that was judged. What a person reads of it is worked out for the one that is taken alone: see `told`.
 struct Judged {
@@ -144,54 +147,56 @@ Judged designed(const DesignProblem& request, const std::vector<AxisProblem>& pr
   return best_of_all(request, problems, searched);
 }
 
-/// The design without floors, its damper bounded as the goals say. Where that takes more than a third, the damper is not bounded, which the request
-/// and the problems then say too.
-Judged with_bound(DesignProblem& request, std::vector<AxisProblem>& problems, Searched& searched) {
-  Judged bounded = designed(request, problems, searched);
-  if (!(request.goals.damper_share > 0.0) || bounded.design.status == DesignStatus::kAsRequested) return bounded;
-  const double with = worth(problems, bounded.design);
-  if (with >= kWorthABound) return bounded;
-  DesignProblem free = request;
-  free.goals.damper_share = 0.0;
-  std::vector<AxisProblem> free_problems = problems;
-  for (AxisProblem& axis : free_problems) axis.damper_share = 0.0;
-  Judged unbounded = designed(free, free_problems, searched);
-  const double without = worth(problems, unbounded.design);
-  if (with >= kWorthABound * without) return bounded;
-  unbounded.behind.push_back(fmt::format("Injected damping is not bounded by a share of the contact's force (damper_share {:.2g}), which would show {:.3g} % of "
-                                         "the stiffness wanted instead of {:.3g} %: a blow is felt as hard as its speed, not as the contact.",
-                                         request.goals.damper_share, 100.0 * with, 100.0 * without));
-  request = std::move(free), problems = std::move(free_problems);
-  return unbounded;
+/// A design with the floors of the goals, as far as they can be kept.
+struct Damped {
+  Judged judged;
+  std::vector<AxisProblem> problems;       ///< that it was made for
+  std::array<double, 2> without_floors{};  ///< shown by each axis
+  enum class Floors { kNotAsked, kKept, kTakeAll } floors = Floors::kNotAsked;
+};
+
+/// `floored`: `problems` with their floors.
+Damped damped(const DesignProblem& request, const std::vector<AxisProblem>& problems, const std::vector<AxisProblem>& floored, Searched& searched) {
+  const DampingFloors &floors = request.goals.floors, &turning = request.goals.rotation_floors;
+  Judged found = designed(request, problems, searched);
+  const std::array shown{found.design.translation.shown_stiffness, found.design.rotation.shown_stiffness};
+  if (!(floors.released + floors.held + turning.released + turning.held > 0.0) || found.design.status == DesignStatus::kInfeasible)
+    return {std::move(found), problems, shown, Damped::Floors::kNotAsked};
+  if (keeps_floors(request, floored, found.design.spec)) return {std::move(found), problems, shown, Damped::Floors::kKept};
+  Judged again = designed(request, floored, searched);
+  if (again.design.status == DesignStatus::kInfeasible) return {std::move(found), problems, shown, Damped::Floors::kTakeAll};
+  return {std::move(again), floored, shown, Damped::Floors::kKept};
 }
 
-/// `found`, made without the floors of the goals, or another that keeps them.
-Design with_floors(const DesignProblem& request, const std::vector<AxisProblem>& problems, Judged found, Searched& searched) {
-  const DampingFloors &floors = request.goals.floors, &turning = request.goals.rotation_floors;
-  const bool asked = floors.released + floors.held + turning.released + turning.held > 0.0;
-  if (!asked || found.design.status == DesignStatus::kInfeasible) return told(request, problems, std::move(found));
-  std::vector<AxisProblem> floored = problems;
-  const std::string out_of_reach = set_floors(request, floored);
-  const bool kept = keeps_floors(request, floored, found.design.spec);
-  const double shown = found.design.translation.shown_stiffness, shown_turning = found.design.rotation.shown_stiffness;
-  Judged again;
-  if (!kept) again = designed(request, floored, searched);
-  const bool takes_all = !kept && again.design.status == DesignStatus::kInfeasible, anew = !kept && !takes_all;
-  Design damped = anew ? told(request, floored, std::move(again)) : told(request, problems, std::move(found));
-  if (takes_all) {
-    damped.reasons.push_back(fmt::format("Damping ratios of {} released and {} held would leave less than is useful; they are not kept.",
+/// What the hand feels of the stiffness wanted with the share that was taken, with the standard one and without a bound, each over all.
+std::string share_sentence(double share, double standard, double first, double last, double none) {
+  return fmt::format("Injected damping adds up to {:.2g} of the contact's force: with {:.2g}, the standard, {:.3g} % of the stiffness wanted would be shown "
+                     "instead of {:.3g} %, and without a bound {:.3g} %.", share, standard, 100.0 * first, 100.0 * last, 100.0 * none);
+}
+std::string no_share_sentence(std::span<const double> shares, double first, double last, double none) {
+  const std::string largest = shares.size() > 1 ? fmt::format(" and with {:.2g} {:.3g} %", shares.back(), 100.0 * last) : "";
+  return fmt::format("Injected damping is not bounded by a share of the contact's force (damper_share {:.2g}), which would show {:.3g} %{} of the stiffness "
+                     "wanted instead of {:.3g} %: a blow is felt as hard as its speed, not as the contact.", shares.front(), 100.0 * first, largest, 100.0 * none);
+}
+
+Design told(const DesignProblem& request, Damped&& taken, const std::string& out_of_reach) {
+  const DampingFloors& floors = request.goals.floors;
+  Design design = told(request, taken.problems, std::move(taken.judged));
+  if (taken.floors == Damped::Floors::kNotAsked) return design;
+  if (taken.floors == Damped::Floors::kTakeAll) {
+    design.reasons.push_back(fmt::format("Damping ratios of {} released and {} held would leave less than is useful; they are not kept.",
                                          floors.released, floors.held));
   } else {
-    damped.floors.released = floors.released, damped.floors.held = floors.held;
-    damped.floors.cost_n_per_m = shown - damped.translation.shown_stiffness;
-    damped.floors.cost_nm_per_rad = shown_turning - damped.rotation.shown_stiffness;
-    const std::string cost = floors_cost(problems, damped);
-    const bool first = damped.floors.cost_n_per_m > kLimitingFloor * shown ||
-                       damped.floors.cost_nm_per_rad > kLimitingFloor * shown_turning;
-    if (!cost.empty()) damped.reasons.insert(first ? damped.reasons.begin() : damped.reasons.end(), cost);
+    design.floors.released = floors.released, design.floors.held = floors.held;
+    design.floors.cost_n_per_m = taken.without_floors[0] - design.translation.shown_stiffness;
+    design.floors.cost_nm_per_rad = taken.without_floors[1] - design.rotation.shown_stiffness;
+    const std::string cost = floors_cost(taken.problems, design);
+    const bool first = design.floors.cost_n_per_m > kLimitingFloor * taken.without_floors[0] ||
+                       design.floors.cost_nm_per_rad > kLimitingFloor * taken.without_floors[1];
+    if (!cost.empty()) design.reasons.insert(first ? design.reasons.begin() : design.reasons.end(), cost);
   }
-  damped.floors.out_of_reach = out_of_reach;
-  return damped;
+  design.floors.out_of_reach = out_of_reach;
+  return design;
 }
 
 }  // namespace
@@ -216,10 +221,31 @@ std::string_view name_of(DesignStatus status) noexcept {
 Design design_coupling(const DesignProblem& asked) {
   refuse_impossible(asked);
   DesignProblem request = asked;
-  std::vector<AxisProblem> problems = axis_problems(request);
+  std::vector<AxisProblem> problems = axis_problems(request), floored = problems;
+  const std::string out_of_reach = set_floors(request, floored);
   Searched searched;
-  Judged found = with_bound(request, problems, searched);
-  return with_floors(request, problems, std::move(found), searched);
+  const auto with_share = [&](double share) {
+    request.goals.damper_share = problems[0].damper_share = floored[0].damper_share = share;
+    return damped(request, problems, floored, searched);
+  };
+  const std::optional<double>& given = asked.goals.damper_share;
+  const std::span<const double> shares = given ? std::span(&*given, 1) : std::span<const double>(kDamperShares);
+  std::optional<Damped> unbounded;
+  double none = 1.0, first = 0.0, last = 0.0;  // shown over wanted, without a bound (no more than all), and with the first and the last share that was tried
+  for (const double share : shares) {
+    Damped bounded = with_share(share);
+    last = worth(problems, bounded.judged.design);
+    if (share == shares.front()) first = last;
+    const double worth_it = share == shares.front() ? kWorthABound : kWorthALargerShare;
+    if (!unbounded && share > 0.0 && last < worth_it && bounded.judged.design.status != DesignStatus::kAsRequested)
+      unbounded = with_share(0.0), none = worth(problems, unbounded->judged.design), request.goals.damper_share = share;
+    if (unbounded && last < worth_it * none) continue;
+    if (share != shares.front()) bounded.judged.behind.push_back(share_sentence(share, shares.front(), first, last, none));
+    return told(request, std::move(bounded), out_of_reach);
+  }
+  request.goals.damper_share = 0.0;
+  unbounded->judged.behind.push_back(no_share_sentence(shares, first, last, none));
+  return told(request, std::move(*unbounded), out_of_reach);
 }
 
 Design judge_coupling(const DesignProblem& asked, const CouplingSpec& spec) {

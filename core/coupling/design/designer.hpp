@@ -1,6 +1,8 @@
 #pragma once
 /// The virtual coupling that fits a device, a hand and a contact, with margins; or what it would take.
+#include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -10,6 +12,10 @@
 #include "core/coupling/design/sampled_loop.hpp"
 
 namespace voxtouch::coupling::design {
+
+/// Shares of the contact's force that injected damping may add, in the order in which they are tried, each two to four times the one before: a larger one is a touch
+/// that begins harder. With the last one a touch behind a filter still takes four milliseconds to be as hard as without a bound.
+inline constexpr std::array kDamperShares{kDamperShare, 0.7, 2.0, 6.0, 24.0};
 
 /// What is wanted; the designer gives up as little of it as it can.
 ///
@@ -28,7 +34,7 @@ struct DesignGoals {
   DampingFloors rotation_floors{0.0, 0.0};    ///< standard: none, since the damping that they ask for is felt in a torque
   bool allow_injected_damping = true;
   bool velocity_windows = true;       ///< injected damping may act on the velocity of a window too
-  double damper_share = kDamperShare; ///< of the spec that is designed; >= 0
+  std::optional<double> damper_share; ///< of the spec that is designed; >= 0. None: the first of kDamperShares if it leaves two thirds of what is shown without a bound, else the least that leaves nine tenths, else 0
   bool free_cap = false;              ///< the designer may cap the contact's total stiffness instead of scaling all of it
 };
 
@@ -103,7 +109,7 @@ std::string describe(const VelocityEstimate& velocity);
 /// "adds at most 0.35 of what contact and effects give, and 0.05 N", of the injected damping of `spec`, for a person. Empty where it is not bounded.
 std::string describe_bound(const CouplingSpec& spec);
 
-/// Pure arithmetic, 0.02 to 0.2 s of processor time for the devices here, up to half a second with long delays; not for the loop. The same
+/// Pure arithmetic, 0.04 to 0.25 s of processor time for the devices here, up to half a second with long delays; not for the loop. The same
 /// request gives the same bits. Throws std::invalid_argument with the first sentence of `check` for numbers that cannot be designed for.
 Design design_coupling(const DesignProblem& request);
 

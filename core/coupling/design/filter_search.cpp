@@ -77,9 +77,6 @@ class Search {
     tabulate();
     if (may_damp())
       if (auto found = with_damping()) return *found;
-    // The table says that a target is reached, and the exact look denies it: then the next step takes numbers that are below `enough`, so they have
-    // to come in the order in which the settings and cases are listed.
-    if (best_ > 1.0) in_order_ = true, tabulate();
     return stiffest();
   }
 
@@ -92,12 +89,11 @@ class Search {
   double ratio(Axis& axis, std::size_t shape, std::size_t velocity, std::size_t level, double enough) const {
     const AxisProblem& problem = *axis.problem;
     const double whole = problem.margin * problem.target;
-    const double critical = axis.table ? axis.table->critical(shapes_[shape], velocity, axis.damping(velocity, level), enough * whole, problem.damper_share, problem.large_swing, in_order_)
+    const double critical = axis.table ? axis.table->critical(shapes_[shape], velocity, axis.damping(velocity, level), enough * whole, problem.damper_share, problem.large_swing)
                                        : passive_limit(problem, law_of(shapes_[shape]));
     const double stable = critical / whole;
     if (!axis.swings || stable < enough) return stable;
-    if (in_order_ && breaks_floors(axis, velocity, level)) return 0.0;
-    return std::min(stable, axis.swings->critical(shapes_[shape], velocity, axis.damping(velocity, level), enough * problem.target, 0.0, 1.0, in_order_) / problem.target);
+    return std::min(stable, axis.swings->critical(shapes_[shape], velocity, axis.damping(velocity, level), enough * problem.target) / problem.target);
   }
 
   /// Exactly, by the rule that counts.
@@ -159,19 +155,14 @@ class Search {
     return *broken;
   }
 
-  /// Where the ratio does not say so yet.
-  bool breaks_unseen(Axis& axis, std::size_t velocity, std::size_t level) const { return !in_order_ && breaks_floors(axis, velocity, level); }
-
   /// All ratios of all points that the next steps may look at; [shape][velocity estimate][axis][level].
   void tabulate() {
     ratios_.assign(shapes_.size(), {});
     best_ = 0.0;
-    for (std::size_t n = 0; n < shapes_.size(); ++n) {
-      // The highest cut-off first, so that most of the others are seen to fall short soon.
-      const std::size_t s = in_order_ ? n : shapes_.size() - 1 - n;
+    for (std::size_t s = shapes_.size(); s-- > 0;) {  // the highest cut-off first, so that most of the others are seen to fall short soon
       for (std::size_t v = 0; v < velocities_.size(); ++v) {
         ratios_[s][v].resize(axes_.size());
-        const double enough = in_order_ ? std::min(kTableDoubt, kAsGood * best_) : kAsGood * std::min(best_, 1.0);  // no step takes anything below
+        const double enough = kAsGood * std::min(best_, 1.0);  // no step takes anything below
         double joint = kInfinity;
         for (std::size_t a = 0; a < axes_.size() && joint >= enough; ++a) {
           for (std::size_t level = 0; level < kLevels; ++level) {
@@ -188,11 +179,11 @@ class Search {
   /// What the axis shows there, and all above `least` of it; 0 where a floor is broken though the contact hardly acts. That is slow to find out, so
   /// only what may count is asked.
   bool shows(std::size_t shape, std::size_t velocity, std::size_t axis, std::size_t level, double least) {
-    return ratios_[shape][velocity][axis][level] >= least && (least <= 0.0 || !breaks_unseen(axes_[axis], velocity, level));
+    return ratios_[shape][velocity][axis][level] >= least && (least <= 0.0 || !breaks_floors(axes_[axis], velocity, level));
   }
   double ratio(const Candidate& candidate, std::size_t axis) {
     const std::size_t level = candidate.levels[axis];
-    return breaks_unseen(axes_[axis], candidate.velocity, level) ? 0.0 : ratios_[candidate.shape][candidate.velocity][axis][level];
+    return breaks_floors(axes_[axis], candidate.velocity, level) ? 0.0 : ratios_[candidate.shape][candidate.velocity][axis][level];
   }
   /// The most that the axes show together; 0 where it is not above `least`.
   double joint_above(double least, std::size_t shape, std::size_t velocity) {
@@ -201,7 +192,7 @@ class Search {
     for (std::size_t a = 0; a < axes_.size() && joint > least; ++a) {
       Levels levels = ratios_[shape][velocity][a];
       auto most = std::ranges::max_element(levels);
-      for (; *most > least && breaks_unseen(axes_[a], velocity, static_cast<std::size_t>(most - levels.begin())); most = std::ranges::max_element(levels)) *most = 0.0;
+      for (; *most > least && breaks_floors(axes_[a], velocity, static_cast<std::size_t>(most - levels.begin())); most = std::ranges::max_element(levels)) *most = 0.0;
       joint = std::min(joint, *most);
     }
     return joint > least ? joint : 0.0;
@@ -262,21 +253,19 @@ class Search {
   std::span<const VelocityEstimate> velocities_;
   std::vector<Axis> axes_;
   double best_ = 0.0;      ///< ratio of all axes together, on a filter's velocity
-  bool in_order_ = false;  ///< settings and cases as listed, and ratios of 0 where a floor is broken at once
   using Levels = std::array<double, kLevels>;
   std::vector<std::array<std::vector<Levels>, kVelocityEstimates.size()>> ratios_;
 };
 
 }  // namespace
 
-double FilterTable::critical(const FilterSetting& shape, std::size_t velocity, double injected_damping, double enough, double damper_share, double large_swing,
-                             bool in_order) {
+double FilterTable::critical(const FilterSetting& shape, std::size_t velocity, double injected_damping, double enough, double damper_share, double large_swing) {
   const bool damped = injected_damping > 0.0;
   const Question question(shape.cutoff_hz, shape.damping_ratio, damped ? velocity : 0, injected_damping, damped ? damper_share : 0.0, damped ? large_swing : 1.0);
   const auto [known, is_new] = known_.try_emplace(question);
   Answer& answer = known->second;
   const bool exact = !is_new && answer.critical >= answer.enough, below = answer.critical < enough;
-  if (!is_new && (in_order ? exact && !below : exact || below)) return answer.critical;
+  if (!is_new && (exact || below)) return answer.critical;
   if (used_.cutoff_hz != shape.cutoff_hz || used_.damping_ratio != shape.damping_ratio) {
     const double w0 = 2.0 * std::numbers::pi * shape.cutoff_hz;
     table_.use([&](const DecayingPhasor& at, double period) {
@@ -284,7 +273,7 @@ double FilterTable::critical(const FilterSetting& shape, std::size_t velocity, d
     });
     used_ = shape;
   }
-  answer = {table_.critical(velocity, injected_damping, enough, damper_share, large_swing, in_order), enough};
+  answer = {table_.critical(velocity, injected_damping, enough, damper_share, large_swing), enough};
   return answer.critical;
 }
 

@@ -39,9 +39,8 @@ class FilterTable {
  public:
   FilterTable(const std::vector<DesignCase>& cases, std::span<const VelocityEstimate> velocities, LoopLimit limit = LoopLimit::kStable)
       : table_(cases, velocities, limit) {}
-  /// `LoopTable::critical` behind `shape`; where it is below `enough`, some number below: with `in_order` the same as of a table that remembers nothing.
-  double critical(const FilterSetting& shape, std::size_t velocity, double injected_damping, double enough, double damper_share = 0.0, double large_swing = 1.0,
-                  bool in_order = false);
+  /// `LoopTable::critical` behind `shape`; where it is below `enough`, some number below.
+  double critical(const FilterSetting& shape, std::size_t velocity, double injected_damping, double enough, double damper_share = 0.0, double large_swing = 1.0);
 
  private:
   /// Cut-off, damping ratio, velocity, injected damping, share, large swing: all that the answer depends on.

@@ -131,10 +131,10 @@ double LoopTable::critical(Case& one, std::size_t velocity, double injected_damp
   return nyquist < 0.0 ? std::min(lowest, -1.0 / nyquist) : lowest;
 }
 
-double LoopTable::critical(std::size_t velocity, double injected_damping, double enough, double damper_share, double large_swing, bool in_order) {
+double LoopTable::critical(std::size_t velocity, double injected_damping, double enough, double damper_share, double large_swing) {
   double lowest = std::numeric_limits<double>::infinity();
   for (std::size_t n = 0; n < cases_.size(); ++n) {
-    const std::size_t c = in_order || n > first_ ? n : n == 0 ? first_ : n - 1;
+    const std::size_t c = n > first_ ? n : n == 0 ? first_ : n - 1;
     Case& one = cases_[c];
     lowest = std::min(lowest, critical(one, velocity, injected_damping, nullptr));
     if (damper_share > 0.0 && injected_damping > 0.0 && lowest >= enough)

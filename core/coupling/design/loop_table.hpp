@@ -24,11 +24,11 @@ class LoopTable {
   void use(const LoopLaw& law);
 
   /// Factor on the law at which the worst case passes the limit (for a law of unit stiffness: K k), with injected damping B
-  /// on the velocity of that index. Where a case lies below `enough`, the rest is not looked at, and the answer is some number below:
-  /// `in_order`: of the first such case; else the case that fell short last is looked at first. B has to keep the inner
+  /// on the velocity of that index. Where a case lies below `enough`, the rest is not looked at, and the answer is some number below;
+  /// the case that fell short last is looked at first. B has to keep the inner
   /// loop stable. `damper_share`: B adds no more than that of the law's force, and the same is
   /// asked with the parts of B that may be left of it (`damper_left`), times `large_swing`; 0: not bounded. Infinity: no crossing.
-  double critical(std::size_t velocity, double injected_damping, double enough = 0.0, double damper_share = 0.0, double large_swing = 1.0, bool in_order = false);
+  double critical(std::size_t velocity, double injected_damping, double enough = 0.0, double damper_share = 0.0, double large_swing = 1.0);
 
  private:
   struct Response {

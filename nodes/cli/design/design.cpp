@@ -75,7 +75,8 @@ void add_design(CLI::App& app, Action& action) {
                    "Stiffness is given up for it; 0: it is not. Default: the scene's, else 0.3")
       ->check(CLI::Range(0.0, 0.99));
   verb->add_option("--damper-share", o->damper_share,
-                   "Most that injected damping adds, as a share of what contact and effects give; 0: not bounded. Default: the scene's, else the standard")
+                   "Most that injected damping adds, as a share of what contact and effects give; 0: not bounded. Default: the scene's, else 0.35\n"
+                   "if that leaves two thirds of the stiffness, else the least of 0.7, 2, 6 and 24 that leaves nine tenths")
       ->check(CLI::NonNegativeNumber);
   verb->add_option("--stiffness", o->stiffness_n_per_m, "Without a scene: the contact's stiffness at the hand [N/m]")
       ->check(runtime::require_positive);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,7 +22,7 @@ struct Options {
   std::uint64_t limits = 150;  ///< designs: how many promises are compared with the simulated limit
   double overload =
       1.0;  ///< designs: every contact this many times stiffer than promised; to see that the campaign sees it
-  double damper_share = coupling::kDamperShare;  ///< designs: as CouplingSpec has it
+  std::optional<double> damper_share;  ///< designs: as CouplingSpec has it; none: the designer chooses
   std::function<void(std::uint64_t done, std::uint64_t all)> progress;  ///< may be empty
 };
 

@@ -27,7 +27,7 @@ coupling::design::LoopController controller_of(const coupling::CouplingSpec& spe
   return out;
 }
 
-coupling::design::DesignProblem request_for(const coupling_models::PopulationMember& member, double damper_share, coupling_models::Random& random) {
+coupling::design::DesignProblem request_for(const coupling_models::PopulationMember& member, std::optional<double> damper_share, coupling_models::Random& random) {
   coupling::design::DesignProblem out;
   out.goals.damper_share = damper_share;
   out.device = member.device;

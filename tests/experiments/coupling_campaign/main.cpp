@@ -13,7 +13,8 @@ namespace {
 struct Arguments {
   std::uint64_t runs = 10000, seed = 1, first = 0;
   std::vector<std::string> phases{"recipe", "designs", "predictor"};
-  double overload = 1.0, damper_share = coupling::kDamperShare;
+  double overload = 1.0;
+  std::optional<double> damper_share;
   bool json = false, corners = true;
 };
 
@@ -31,7 +32,7 @@ Arguments parse(CLI::App& app, int argc, char** argv) {
   app.add_option("--overload", a.overload,
                  "designs: contacts this many times stiffer than promised, to see that it is seen")
       ->check(CLI::PositiveNumber);
-  app.add_option("--damper-share", a.damper_share, "designs: most that injected damping adds, as a share of the law's force; 0: not bounded")
+  app.add_option("--damper-share", a.damper_share, "designs: most that injected damping adds, as a share of the law's force; 0: not bounded. Default: as the designer chooses")
       ->check(CLI::NonNegativeNumber);
   app.add_flag("--json", a.json, "one JSON array instead of the table");
   app.parse(argc, argv);

@@ -114,7 +114,7 @@ TEST(Auto, KeepsTheFilterUnlessAnotherShowsATenthMore) {
   EXPECT_NE(best.spec.kind, "shaping_filter");
 }
 
-/// Between a tenth and half as much again: direct. The simulated stylus as a virtual tool asks for it, 570 N/m for 384.
+/// Between a tenth and half as much again: direct. The simulated stylus as a virtual tool asks for it, 518 N/m for 371.
 TEST(Auto, LeavesTheFilterOutForLessThanHalfAsMuchAgain) {
   DesignProblem r = sim_stylus();
   r.goals = DesignGoals{};
@@ -205,18 +205,46 @@ TEST(FilterTable, AnswersEveryQuestionForItself) {
       ASSERT_EQ(found, expected) << i;
     else
       ASSERT_LT(found, enough) << i;
-    ASSERT_EQ(shared.critical(shape, v, damping, enough, share, swing, true), own.critical(v, damping, enough, share, swing, true)) << i;
   }
 }
 
-/// Where the table says that the target is reached and the exact look denies it, a setting may be taken for a number that is only above its own: here
-/// 556 N/m, and 627 N/m would hold. Whoever mends that changes this figure; who makes the search faster does not.
-TEST(FilterSearch, TakesTheSettingsAsListedWhereTheTableIsDenied) {
+/// Where the table says that the target is reached and the exact look denies it, the stiffest is looked for among the table's own numbers all the same, and
+/// none that is only known to be too little is taken for one: 627 N/m, where 556 N/m were taken.
+TEST(FilterSearch, TakesNothingForMoreThanItShowsWhereTheTableIsDenied) {
   Random random(4712);
   DesignProblem r;
   for (int i = 0; i < 72; ++i) r = random_request(random);
   r.goals.floors = {}, r.goals.damper_share = kDamperShare, r.goals.velocity_windows = true;
-  EXPECT_NEAR(designed(r).translation.shown_stiffness, 556.536, 0.001);
+  EXPECT_NEAR(designed(r).translation.shown_stiffness, 627.475, 0.001);
+}
+
+/// No setting that is tried, looked at exactly, shows more than a tenth more than the one that is taken, and the table's doubt.
+TEST(FilterSearch, TakesOneThatShowsNineTenthsOfTheBest) {
+  Random random(31);
+  int looked_at = 0;
+  for (int i = 0; i < 40; ++i) {
+    DesignProblem r = random_request(random);
+    r.goals.kind = "shaping_filter", r.goals.velocity_windows = true, r.goals.damper_share = i % 2 == 0 ? kDamperShare : 0.0;
+    const AxisProblem problem = axis_problems(r)[0];
+    if (problem.hand.any_passive) continue;
+    Searched searched;
+    const FilterChoice choice = search_filter({problem}, filter_settings(r), r.goals.allow_injected_damping, true, searched);
+    if (choice.status != DesignStatus::kStiffnessReduced) continue;
+    const auto shows = [&](const FilterSetting& shape, const VelocityEstimate& velocity, double damping, double enough) {
+      LoopController law = law_of(shape);
+      law.injected_damping = damping, law.use(velocity);
+      return std::min(problem.target, certified_stiffness(problem, law, enough));
+    };
+    const double taken = shows(choice.shape, choice.velocity, choice.damping[0], 0.0);
+    double best = 0.0;
+    for (const FilterSetting& shape : filter_settings(r))
+      for (const VelocityEstimate& velocity : kVelocityEstimates)
+        for (int level = 0; level <= (r.goals.allow_injected_damping ? 10 : 0); level += 2)
+          best = std::max(best, shows(shape, velocity, 0.1 * level * damping_limit(problem, velocity), best));
+    EXPECT_GE(taken, 0.9 * 0.97 * best) << i;
+    ++looked_at;
+  }
+  EXPECT_GT(looked_at, 8);
 }
 
 TEST(InnerLimits, KeepPlantsAndVelocitiesApart) {

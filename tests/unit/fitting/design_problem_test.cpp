@@ -80,6 +80,7 @@ TEST(DesignProblem, IsAllAtTheHand) {
   EXPECT_EQ(r.goals.kind, "auto");
   EXPECT_EQ(r.goals.cutoff_hz, 5);
   EXPECT_EQ(r.goals.max_cutoff_hz, coupling::design::DesignGoals{}.max_cutoff_hz);
+  EXPECT_EQ(r.goals.damper_share, std::nullopt) << "the designer's choice";
 }
 
 TEST(DesignProblem, CarriesEveryWishOfTheScene) {

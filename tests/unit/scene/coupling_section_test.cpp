@@ -69,8 +69,9 @@ TEST_F(CouplingSection, EveryKeyOfADesignArrives) {
   EXPECT_NE(with("design: auto").hash, with("design: auto, gain_margin: 2").hash);
 }
 
-TEST_F(CouplingSection, ADampersShareIsTheStandardUnlessTheSceneSaysAnother) {
-  EXPECT_EQ(with("design: auto").design->damper_share, 0.35);
+TEST_F(CouplingSection, ADampersShareIsTheDesignersAndByHandTheStandardUnlessTheSceneSaysAnother) {
+  EXPECT_EQ(with("design: auto").design->damper_share, std::nullopt);
+  EXPECT_EQ(with("design: auto, damper_share: 0.35").design->damper_share, 0.35);
   EXPECT_EQ(with("design: auto, damper_share: 0").design->damper_share, 0.0);
   EXPECT_EQ(with("injected_damping_ns_per_m: 3").coupling.damper_share, 0.35);
   EXPECT_EQ(with("injected_damping_ns_per_m: 3, damper_share: 0.2").coupling.damper_share, 0.2);
