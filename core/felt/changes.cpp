@@ -130,7 +130,7 @@ class Finder {
   /// Of forces of depth.
   void contact() {
     if (const double shown = as_virtual_tool(); shown > 0.0)
-      counts({"contact: {model: field, rendering: virtual_tool}, with closed meshes,", std::min(shown * kDepthToldM, now_.device.translation.max_effort)});
+      counts({"contact: {model: field, rendering: virtual_tool}", std::min(shown * kDepthToldM, now_.device.translation.max_effort)});
     stronger();
   }
 

@@ -1,6 +1,5 @@
 #include "core/first_scene/model_choice.hpp"
 
-
 #include <fmt/format.h>
 
 #include "core/accuracy/advice.hpp"
@@ -40,11 +39,9 @@ bool has_inside(const mesh::MeshReport& part) noexcept { return part.closed && !
 bool is_soon_measured(const mesh::MeshReport& part) noexcept { return part.triangles <= kMaxTriangles; }
 
 ModelChoice usual_model(const mesh::MeshReport& part) {
-  if (has_inside(part))
-    return {ContactModelKind::kField, true, "The part is closed, so it has an inside: the tool is held outside by a virtual tool, as stiff as the device allows."};
-  return {ContactModelKind::kAdapted, false,
-          fmt::format("The part is {}, so it has no inside that one could be held out of: the contact model is `adapted`, which a hard push passes.",
-                      part.closed ? "inside out" : "open")};
+  const std::string held = "by a virtual tool, as stiff as the device allows.";
+  if (part.closed) return {ContactModelKind::kField, true, "The part is closed, so it has an inside: the tool is held outside " + held};
+  return {ContactModelKind::kField, true, "The part is open, so it has no inside: what there is of it holds the tool from either side, as a thin wall, " + held};
 }
 
 std::vector<accuracy::AccuracySetting> models_to_measure(double voxel_m) {

@@ -17,13 +17,13 @@ struct ModelChoice {
 /// Contacts of the short measurement: the medians of so few are uncertain by half, which is enough to see a model that fails.
 inline constexpr std::uint32_t kMeasuredContacts = 20;
 
-/// Whether there is an inside that a tool can be held out of.
+/// Whether there is an inside whose contacts can be measured.
 bool has_inside(const mesh::MeshReport& part) noexcept;
 
 /// Whether its contacts can be measured within the minute that a first scene may take.
 bool is_soon_measured(const mesh::MeshReport& part) noexcept;
 
-/// Before anything is measured: a virtual tool for a part that has an inside, `adapted` for all others.
+/// Before anything is measured: a virtual tool, which a closed part holds out, whichever way round its triangles are, and an open one holds as a wall.
 ModelChoice usual_model(const mesh::MeshReport& part);
 
 /// What is measured on a part that has an inside: `adapted`, `field` and the virtual tool, at voxels of `voxel_m`.

@@ -30,10 +30,11 @@ TEST(ProposedScene, BoundsTheVoxelsOfAVeryThinAndOfASolidPart) {
   EXPECT_NEAR(proposal(box({0, 0, 0}, {0.2, 0.2, 0.2})).voxel_size_m, 0.2 / 100, 0.05 * 0.2 / 100);
 }
 
-TEST(ProposedScene, OfAnOpenPartHasNoVirtualTool) {
+TEST(ProposedScene, OfAnOpenPartHasAVirtualToolToo) {
   mesh::TriangleMesh open = box({0, 0, 0}, {0.1, 0.1, 0.1});
   open.triangles.pop_back();
-  EXPECT_FALSE(proposal(open).contact.virtual_tool);
+  EXPECT_TRUE(proposal(open).contact.virtual_tool);
+  EXPECT_NE(proposal(open).contact.reason.find("The part is open"), std::string::npos);
 }
 
 TEST(ProposedScene, ComesDownWithTheToolsLowestPointOverTheMiddle) {
