@@ -84,7 +84,7 @@ contact::ContactResult ConstrainedTool::render(const Pose& hand, double time_s, 
   frame_ = tool_.frame({.pose = hand, .period_s = dt_s, .friction = friction}, grounds_);
   out = {.constrained = frame_.constrained,
           .lag = frame_.lag || frame_.moved_too_far,
-          .unplaced = frame_.unplaced || frame_.pose_status != contact::PoseStatus::kUsable,
+          .unplaced = frame_.unplaced || frame_.pose_status != contact::PoseStatus::kUsable || (frame_.constrained && aim_n_per_m_ == 0.0),
           .cut_short = frame_.cut_short,
           .residual_m = frame_.residual_m,
           .queries = static_cast<std::uint32_t>(std::max(frame_.queries, 0)),

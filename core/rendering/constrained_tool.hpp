@@ -13,7 +13,7 @@ namespace voxtouch::rendering {
 struct ToolFrame {
   bool constrained = false;  ///< something holds it off the hand's pose
   bool lag = false;          ///< it has not come to its place within the frame, or an object moved so far that it may have passed it
-  bool unplaced = false;     ///< it has none: the hand has not been outside yet, or is where nothing can be looked up
+  bool unplaced = false;     ///< it has none: the hand has not been outside yet, or is where nothing can be looked up; or no spring is known yet to pull it
   bool cut_short = false;    ///< the frame ended by its time budget before the tool had come to its place
   double residual_m = 0.0;   ///< way that its last step would still have gone
   std::uint32_t queries = 0, iterations = 0;  ///< of all steps

@@ -75,7 +75,7 @@ constexpr SampleNote kSampleNotes[] = {
     {"buried_samples", 100,
      "the tool was wholly inside a static object, where there is no direction to push: does the motion start inside?"},
     {"unplaced_samples", 100,
-     "there was no virtual tool, for the hand was inside a static object since it came in without one: nothing was felt"},
+     "there was no virtual tool, for the hand was inside a static object since it came in without one, or the coupling was still being designed: nothing was felt"},
     {"lag_samples", 0, "the hand was too fast for the virtual tool, or an object moved more than half a voxel"},
     {"over_budget_samples", 0, "a frame took longer than the scene's budget_us by a tenth, by the clock, which counts other work on the machine too"},
     {"cut_short_samples", 0, "the time budget ended a frame before the virtual tool had come to its place; it went on in the next"},

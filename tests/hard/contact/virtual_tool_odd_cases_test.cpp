@@ -183,8 +183,7 @@ TEST(VirtualToolTraps, NoFrameOfATumblingToolIsInvalidOverflowsOrDividesByZero) 
 TEST(VirtualToolTumbling, TakesNoMoreQueriesThanItsBound) {
   const std::uint64_t seed = testing::seed(53);
   SCOPED_TRACE(testing::seed_trace(seed));
-  const pointshell::Pointshell shell = shell_of(test::box_mesh(Vec3(0.008, 0.012, 0.03)), kEdge);
-  Rig rig(scene_mesh("cup"), kEdge, shell);
+  Rig rig(scene_mesh("cup"), kEdge, test::box_mesh(Vec3(0.008, 0.012, 0.03)));
   std::mt19937_64 random(seed);
   Pose hand{Vec3(0, 0, 0.14), Quat::Identity()};
   Vec3 target = Vec3::Zero();

@@ -84,6 +84,22 @@ TEST(VirtualToolScene, GivesTheSpringTimesTheHandsWayAtEveryDepthAndRisesAllTheW
   }
 }
 
+/// While the coupling is still being designed: it is told, so that no force where the hand is deep in is not taken for a wrong one.
+TEST(VirtualToolScene, TellsThatNothingPullsItUntilItsSpringIsKnown) {
+  Rig rig(scene_of());
+  rig.live.aim_for_spring(0.0);
+  rig(at(0.012));
+  SceneFrame frame = rig.press(0.008);
+  EXPECT_TRUE(frame.tool.constrained && frame.tool.unplaced);
+  EXPECT_TRUE(frame.wrench.zero());
+  rig.live.aim_for_spring(kSpring);
+  const double at_once = rig(at(0.008)).wrench.force.norm();
+  EXPECT_LT(at_once, 0.01);
+  frame = rig.hold(at(0.008), 500);
+  EXPECT_FALSE(frame.tool.unplaced);
+  EXPECT_NEAR(frame.wrench.force.z(), kSpring * 0.002, 0.07);
+}
+
 TEST(VirtualToolScene, GivesNoForceBeforeTheHandHasBeenOutsideAndThenFadesIn) {
   Rig rig(scene_of());
   const SceneFrame inside = rig.hold(at(-0.01), 50);
