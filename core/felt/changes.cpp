@@ -91,13 +91,13 @@ class Finder {
     lever();
   }
 
-  /// What would be shown without it was worked out in the fit.
+  /// What would be shown without it with the same share of the damper was worked out in the fit, which is known at once; another share may show more.
   void without_floor(const scene::DesignOptions& asked) {
     const coupling::design::Design& design = now_.fitted.design;
     const double cost = design.floors.cost_n_per_m, cost_turning = design.floors.cost_nm_per_rad;
     if (!(asked.damping_floor > 0.0) || !(cost > 0.0 || cost_turning > 0.0)) return;
     const std::string what = "coupling.damping_floor: 0, with which swings take longer to die out,";
-    if (!rendering::is_spring(now_.contact) || !now_.scene.effects.empty() || asked.rotation_damping_floor > 0.0) {
+    if (search_ != Search::kKnown || !rendering::is_spring(now_.contact) || !now_.scene.effects.empty() || asked.rotation_damping_floor > 0.0) {
       gives(what, [](Felt& f) { f.scene.design->damping_floor = 0.0; });
       return;
     }

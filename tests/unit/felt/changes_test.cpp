@@ -60,7 +60,7 @@ bool made(const std::string& what, scene::Scene& scene, coupling::design::Device
   if (begins("coupling.damping_floor: 0,")) return scene.design->damping_floor = 0.0, true;
   if (begins("coupling.damper_share: 0,")) return scene.design->damper_share = 0.0, true;
   if (begins("coupling.released: false,")) return scene.design->released = false, true;
-  if (begins("contact: {model: field, rendering: virtual_tool},"))
+  if (begins("contact: {model: field, rendering: virtual_tool}"))
     return scene.contact = {.model = "field", .rendering = scene::RenderingKind::kVirtualTool}, true;
   if (begins("contact.stiffness_n_per_m: ")) return scene.contact.stiffness_n_per_m = number(), true;
   if (begins("contact.stiffness_n_per_m3: ")) return scene.contact.stiffness_n_per_m3 = number(), true;
