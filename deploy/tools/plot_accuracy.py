@@ -124,9 +124,9 @@ def page_title(rows):
     worst = {r["model"]: worst_depth(r) for r in rows}
 
     def said(model):
-        return f"{model.replace('_', ' ')} {100 * worst[model]['force_ratio']:.3g} % ({worst[model]['edges']:g} e)"
+        return f"{model.replace('_', ' ')} {100 * worst[model]['force_ratio']:.2g} % ({worst[model]['edges']:g} e)"
     best, last = (choose(worst, key=lambda m: abs(math.log(max(worst[m]["force_ratio"], 1e-6)))) for choose in (min, max))
-    title = f"Share of the true force where it is worst over depth: {said(best)}"
+    title = f"Share of the true force at the worst depth: {said(best)}"
     return title if best == last else f"{title}, {said(last)}"
 
 
