@@ -74,7 +74,7 @@ contact::ToolWork tool_work(const PartsRequest& request, const BuiltParts& parts
 void add_edges(BuiltParts& parts) {
   for (auto& object : parts.objects)
     if (parts.tool_body && object->edge_points.size() > 0)
-      object->edges.emplace(contact::ContactQuery(parts.tool_body->voxmap, std::move(object->edge_points)), &parts.tool_body->field);
+      object->edges = std::make_unique<EdgeContacts>(contact::ContactQuery(parts.tool_body->voxmap, std::move(object->edge_points)), &parts.tool_body->field);
 }
 
 /// One spring, whatever it touches.

@@ -36,7 +36,7 @@ struct StaticObject {
   pointshell::Pointshell edge_points;  ///< where there is a virtual tool, from the grid's origin; empty once `edges` has them
   std::optional<Motion> moves;  ///< displacement in W of all of it over the scene's time
   std::optional<contact::ContactRenderer> renderer;
-  std::optional<EdgeContacts> edges;
+  std::unique_ptr<EdgeContacts> edges;  ///< null where there are none
 };
 
 /// Sums the contacts of all objects. An object that moves is looked up where it rests, with the tool moved back by its

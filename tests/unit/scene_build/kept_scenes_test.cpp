@@ -27,7 +27,7 @@ std::string all_of(BuiltScene& built) {
     object.voxmap.put(out);
     out(object.field.has_value());
     if (object.field) object.field->put(out);
-    out(object.edges.has_value());
+    out(object.edges != nullptr);
     if (object.edges) put(object.edges->query.shell(), out), object.edges->query.voxmap().put(out), object.edges->tool_field->put(out);
   }
   const rendering::EffectGround& ground = built.effect_ground();
