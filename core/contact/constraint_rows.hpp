@@ -37,7 +37,7 @@ struct RowFrame {
 /// Where tool and wall are both thinner than a voxel, the normals of the tool's far side name the wrong face. Real-time safe.
 void add_rows(const Hits& hits, bool in_surface, const voxmap::DistanceField& field, const RowFrame& frame, std::vector<ConstraintRow>& rows) noexcept;
 
-/// The rows with the roles swapped: points of the object's sharp convex edges (core/pointshell/edge_points.hpp), as `edges` found them in the tool, whose
+/// The rows with the roles swapped: points of the object's sharp edges and rims (core/pointshell/edge_points.hpp), as `edges` found them in the tool, whose
 /// distance is `tool`'s. A row's normal is against the tool's gradient there, and its point is the edge's; `smooth`: as `smooth_normals` has it. None where the
 /// gradient does not lead into the object at the edge, on the far side of a thin part of the tool (limits::kEdgeAgree). `frame` and `orientation` are the
 /// tool's; `rows` must have room. Real-time safe.

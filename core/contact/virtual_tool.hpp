@@ -23,7 +23,7 @@ struct ToolGround {
   const ContactQuery* query = nullptr;
   const voxmap::DistanceField* field = nullptr;
   Vec3 displacement = Vec3::Zero();  ///< of the whole object from where its voxmap lies, in W, in this frame [m]
-  const ContactQuery* edges = nullptr;  ///< its sharp convex edges' points, from its grid's origin, looked up in the tool's voxmap; null: none are
+  const ContactQuery* edges = nullptr;  ///< the points of its sharp edges and rims, from its grid's origin, looked up in the tool's voxmap; null: none are
   const voxmap::DistanceField* tool_field = nullptr;  ///< with them: distances to the tool, in T
 };
 

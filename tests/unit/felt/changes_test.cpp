@@ -111,6 +111,7 @@ TEST(Changes, GiveAtLeastTheForceThatIsPromisedAndAreTwoWhereLittleIsFelt) {
       const double felt = changed.force();
       std::printf("%s, %s: %.4g N promised, %.4g N felt, %.4g N before\n", where.c_str(), t.what.c_str(), t.force_n, felt, now.force());
       EXPECT_GE(felt, 0.97 * t.force_n) << where << ", " << t.what << ": where the hand touches first is known to some 0.1 mm";
+      EXPECT_LE(felt, 1.05 * t.force_n) << where << ", " << t.what << ": nor is less told than is felt";
       EXPECT_GE(t.force_n, 1.09 * now.force()) << where << ", " << t.what;
       EXPECT_LE(t.force_n, before) << where << ": the best first";
       before = t.force_n;
