@@ -115,7 +115,7 @@ voxmap::DistanceField build_field(const BuildContext& context, const ObjectMesh&
   if (!(scene.virtual_tool() ? field.stored_nodes() > 0 : field.has_inside()))
     throw std::invalid_argument(fmt::format(
         "{}: the contact model 'field' pushes by the depth inside a static mesh, but {}. Close the mesh, use a smaller "
-        "voxel_size, or leave the stiffness away, for a virtual tool, which needs a surface only.",
+        "voxel_size, or leave out the stiffness, for a virtual tool, which needs a surface only.",
         scene.file.string(),
         fixed.open == fixed.specs.size() ? "no static mesh is closed, so none has an inside"
                                          : fmt::format("at {:g} m no corner of a voxel lies in one", scene.voxel_size_m)));
