@@ -124,7 +124,8 @@ def page_title(rows):
     worst = {r["model"]: worst_depth(r) for r in rows}
 
     def said(model):
-        return f"{model.replace('_', ' ')} {100 * worst[model]['force_ratio']:.2g} % ({worst[model]['edges']:g} e)"
+        percent = float(f"{100 * worst[model]['force_ratio']:.2g}")  # two digits, and no exponent from 100 % on
+        return f"{model.replace('_', ' ')} {percent:g} % ({worst[model]['edges']:g} e)"
     best, last = (choose(worst, key=lambda m: abs(math.log(max(worst[m]["force_ratio"], 1e-6)))) for choose in (min, max))
     title = f"Share of the true force at the worst depth: {said(best)}"
     return title if best == last else f"{title}, {said(last)}"
