@@ -94,6 +94,8 @@ std::vector<CouplingIssue> validate(const CouplingSpec& spec, const CouplingLimi
   find.not_negative("injected_damping_nms_per_rad", spec.injected_damping_nms_per_rad);
   find.positive("velocity_filter_hz", spec.velocity_filter_hz);
   find.window("velocity_window", spec.velocity_window);
+  find.not_negative("slow_velocity_hz", spec.slow_velocity_hz);
+  find.not_negative("velocity_band_m_per_s", spec.velocity_band_m_per_s);
   find.not_negative("damper_share", spec.damper_share);
   find.not_negative("damper_free_n", spec.damper_free_n);
   find.not_negative("passivity_damping_limit_ns_per_m", spec.passivity_damping_limit_ns_per_m);

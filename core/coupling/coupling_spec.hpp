@@ -32,6 +32,10 @@ struct CouplingSpec {
   double injected_damping_nms_per_rad = 0.0;
   double velocity_filter_hz = 100.0;          ///< > 0; not used behind a window
   std::uint32_t velocity_window = 0;          ///< n of the window, 0 to kMaxVelocityWindow; 0: the first-order filter
+  /// The linear part of that velocity goes over to the one of a slower first-order filter where the encoder's steps may be all that they differ by: along
+  /// each axis of W by up to `velocity_band_m_per_s`. What damping does to larger movements is changed by no more than that. 0 either: it does not.
+  double slow_velocity_hz = 0.0;
+  double velocity_band_m_per_s = 0.0;
   /// Most that injected damping may add to the law's force, as a share of that, and [N] that it may add besides, which is hardly felt: so a touch
   /// begins with the contact. What it takes is bounded by never pulling alone, and so is what it does to a torque. Share 0: without that bound.
   double damper_share = kDamperShare;

@@ -47,7 +47,9 @@ RunningCoupling::RunningCoupling(const CouplingSpec& spec, const CouplingLimits&
     : limits_(limits), nominal_s_(sample_time_s), policy_(sample_time_s, ramp_s),
       law_(law_of(checked(spec, limits, sample_time_s, ramp_s, speeds), sample_time_s)), cap_(spec),
       motion_(sample_time_s, spec.velocity_filter_hz, speeds, static_cast<int>(spec.velocity_window)), injected_(spec), passivity_(sample_time_s),
-      passivity_limits_(limits_of(spec)) {}
+      passivity_limits_(limits_of(spec)) {
+  motion_.set_slow(spec.slow_velocity_hz, spec.velocity_band_m_per_s);
+}
 
 RunningCoupling::Law RunningCoupling::law_of(const CouplingSpec& spec, double sample_time_s) noexcept {
   switch (kind_of(spec)) {
@@ -89,6 +91,7 @@ bool RunningCoupling::redesign(const CouplingSpec& spec) {
   cap_.redesign(spec);
   injected_.redesign(spec, ramp_behind_filter_s(kind() == CouplingKind::kShapingFilter ? cutoff_rad_per_s(spec) : 0.0));
   motion_.set_filter(spec.velocity_filter_hz, static_cast<int>(spec.velocity_window));
+  motion_.set_slow(spec.slow_velocity_hz, spec.velocity_band_m_per_s);
   passivity_limits_ = limits_of(spec);
   return true;
 }

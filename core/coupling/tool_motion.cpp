@@ -32,6 +32,11 @@ void ToolMotion::set_filter(double velocity_filter_hz, int velocity_window) noex
   window_ = velocity_window;
 }
 
+void ToolMotion::set_slow(double slow_velocity_hz, double band_m_per_s) noexcept {
+  slow_rad_per_s_ = 2.0 * std::numbers::pi * slow_velocity_hz;
+  band_m_per_s_ = band_m_per_s;
+}
+
 void ToolMotion::forget() noexcept {
   anchored_ = false;
   elapsed_s_ = 0.0;
@@ -41,7 +46,8 @@ void ToolMotion::forget() noexcept {
 
 /// As of a tool that has rested.
 void ToolMotion::forget_velocity() noexcept {
-  velocity_ = {};
+  fast_ = velocity_ = {};
+  slow_.setZero();
   ways_.fill({{}, nominal_s_});
   known_ = 0;
 }
@@ -73,6 +79,23 @@ Twist ToolMotion::velocity_of_window() const noexcept {
   return {last.linear + kWindowLead * (last.linear - before.linear), last.angular + kWindowLead * (last.angular - before.angular)};
 }
 
+void ToolMotion::estimate_velocity(const Vec3& shift, const Vec3& turn) noexcept {
+  if (window_ > 0) {
+    fast_ = velocity_of_window();
+  } else {
+    const double old_share = std::exp(-cutoff_rad_per_s_ * elapsed_s_);
+    blend(fast_.linear, old_share, shift / elapsed_s_);
+    blend(fast_.angular, old_share, turn / elapsed_s_);
+  }
+  velocity_ = fast_;
+  if (!(slow_rad_per_s_ > 0.0 && band_m_per_s_ > 0.0)) {
+    slow_ = fast_.linear;
+    return;
+  }
+  blend(slow_, std::exp(-slow_rad_per_s_ * elapsed_s_), shift / elapsed_s_);
+  velocity_.linear += (slow_ - fast_.linear).cwiseMax(-band_m_per_s_).cwiseMin(band_m_per_s_);
+}
+
 const ToolStep& ToolMotion::step(const Pose& tool, double dt_s) noexcept {
   step_ = {};
   const double gap_s = kGapPeriods * nominal_s_;
@@ -92,13 +115,7 @@ void ToolMotion::move_to(const Vec3& position, const Quat& orientation) noexcept
     if (shift.norm() <= limits_.linear_m_per_s * elapsed_s_ && turn.norm() <= limits_.angular_rad_per_s * elapsed_s_) {
       step_ = {true, shift, turn};
       remember(shift, turn);
-      if (window_ > 0) {
-        velocity_ = velocity_of_window();
-      } else {
-        const double old_share = std::exp(-cutoff_rad_per_s_ * elapsed_s_);
-        blend(velocity_.linear, old_share, shift / elapsed_s_);
-        blend(velocity_.angular, old_share, turn / elapsed_s_);
-      }
+      estimate_velocity(shift, turn);
     } else {
       ++jumps_;
       forget_velocity();

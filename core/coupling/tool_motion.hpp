@@ -33,6 +33,10 @@ struct ToolStep {
 /// With a window v^ is the formula of velocity_window.hpp for periods as measured, u and w each a way over its time. The way of a longer time
 /// than a period, of samples that were lost, counts as that many differences. Until the window is full v^ is u, as if the tool had rested
 /// before the first.
+///
+/// With a band the linear part of the velocity is v^ + clamp(u^ - v^, +- band), each axis by itself, u^ of a first-order filter of its own: an encoder's
+/// step is smoothed as u^ smooths it, and what moves by more than the band is as late as v^. Off v^ by no more than the band, so whatever is bounded
+/// on v^ is bounded on it.
 class ToolMotion {
  public:
   /// `nominal_s`: the sample time [s]; `limits`: a pose that would need a faster tool is a jump.
@@ -43,9 +47,12 @@ class ToolMotion {
   const ToolStep& step(const Pose& tool, double dt_s) noexcept;
   /// Another cut-off of v^ [Hz] or another window, from the next sample on.
   void set_filter(double velocity_filter_hz, int velocity_window = 0) noexcept;
+  /// Another cut-off of u^ [Hz] and another band [m/s], 0 either: none; from the next sample on.
+  void set_slow(double slow_velocity_hz, double band_m_per_s) noexcept;
   /// The next pose is the first: no way leads to it, and v^ begins at zero.
   void forget() noexcept;
-  const Twist& velocity() const noexcept { return velocity_; }  ///< v^, W axes
+  /// v^, within a band of it u^; W axes.
+  const Twist& velocity() const noexcept { return velocity_; }
   std::uint64_t jumps() const noexcept { return jumps_; }
 
  private:
@@ -59,14 +66,16 @@ class ToolMotion {
   void forget_velocity() noexcept;
   Twist quotient(int from, int count) const noexcept;
   Twist velocity_of_window() const noexcept;
+  void estimate_velocity(const Vec3& shift, const Vec3& turn) noexcept;
 
-  double nominal_s_, cutoff_rad_per_s_ = 0.0, elapsed_s_ = 0.0;
+  double nominal_s_, cutoff_rad_per_s_ = 0.0, slow_rad_per_s_ = 0.0, band_m_per_s_ = 0.0, elapsed_s_ = 0.0;
   int window_ = 0;
   ToolSpeedLimits limits_;
   bool anchored_ = false;
   Pose last_;
   ToolStep step_;
-  Twist velocity_;
+  Twist fast_, velocity_;  ///< v^, and what is told
+  Vec3 slow_;              ///< u^; v^ where there is none
   std::array<Way, window_span(kMaxVelocityWindow)> ways_;  ///< the last ones, a ring; for any window, so that another may be set
   int newest_ = 0, known_ = 0;
   std::uint64_t jumps_ = 0;

@@ -108,10 +108,13 @@ coupling::CouplingSpec read_by_hand(SceneSource& source, const YamlNode& node, c
   map.read("injected_damping_ns_per_m", spec.injected_damping_ns_per_m);
   map.read("injected_damping_nms_per_rad", spec.injected_damping_nms_per_rad);
   if (!map.has("injected_damping_ns_per_m") && !map.has("injected_damping_nms_per_rad"))
-    for (const auto& [key, job] : {std::pair("velocity_filter_hz", "is of the velocity for"), {"velocity_window", "is of the velocity for"}, {"damper_share", "bounds"}})
+    for (const auto& [key, job] : {std::pair("velocity_filter_hz", "is of the velocity for"), {"velocity_window", "is of the velocity for"}, {"slow_velocity_hz", "is of the velocity for"},
+                                    {"velocity_band_m_per_s", "is of the velocity for"}, {"damper_share", "bounds"}})
       map.refuse(key, fmt::format("{} injected damping; it goes with injected_damping_ns_per_m or injected_damping_nms_per_rad.", job));
   map.read("velocity_filter_hz", spec.velocity_filter_hz);
   map.read("velocity_window", spec.velocity_window);
+  map.read("slow_velocity_hz", spec.slow_velocity_hz);
+  map.read("velocity_band_m_per_s", spec.velocity_band_m_per_s);
   map.read("damper_share", spec.damper_share);
   judge(source, node, map, spec);
   return spec;

@@ -107,6 +107,8 @@ constexpr auto kCoupling = std::to_array<Key>({
   {"injected_damping_nms_per_rad", kNotNegative, kWithoutFirst, "0", "While in contact [Nms/rad]."},
   {"velocity_filter_hz", kPositive, kWithoutFirst, "100", "Of the velocity that is damped."},
   {"velocity_window", kCount, kWithoutFirst, "0", "n, up to 5: damping acts on the velocity of a window of 3 n samples instead; 0: on the filter's.", "", nullptr, 0, coupling::kMaxVelocityWindow},
+  {"slow_velocity_hz", kNotNegative, kWithoutFirst, "0", "Of a slower velocity, which is damped where the encoder's steps may be all that the other differs from it by; 0: none."},
+  {"velocity_band_m_per_s", kNotNegative, kWithoutFirst, "0", "How much that may be along each axis, in W [m/s]."},
   {"damper_share", kNotNegative, kOptional, "",
    "Most that injected damping adds to what contact and effects give, as a share of it, besides a little that is hardly felt: so a touch begins with the contact. 0: without that bound. Left out: 0.35, with design as long as it leaves two thirds of the stiffness, else the least of 0.7, 2, 6 and 24 that leaves nine tenths, else 0. One that is given and would take more than a third is not kept."},
   {"gain_margin", kNumber, kWithFirst, "2", "How much stiffer the worst case may get before it is unstable.", "", nullptr, 1},

@@ -11,6 +11,7 @@
 #include "core/coupling/design/certificates.hpp"
 #include "core/coupling/design/filter_search.hpp"
 #include "core/coupling/design/limit_cycle.hpp"
+#include "core/coupling/design/slow_velocity.hpp"
 
 namespace voxtouch::coupling::design {
 namespace {
@@ -95,6 +96,9 @@ void find_faults(const AxisProblem& problem, const LoopController& law, const Co
         "the injected damping of {:.4g} {} is above {:.4g}, half of what the worst case bears, or what its noise "
         "allows.",
         law.injected_damping, u.damping, most));
+  if (!is_rotation(problem) && !holds_on_slow_velocity(problem, spec, at))
+    fault(fmt::format("damped on the slow velocity of {:.3g} Hz alone, as movements within its band of {:.3g} m/s are, {:.4g} {} does not keep {:.3g} of the margin.",
+                      spec.slow_velocity_hz, spec.velocity_band_m_per_s, at.shown, u.stiffness, slow_share(problem, spec)));
 }
 
 }  // namespace
@@ -137,7 +141,7 @@ AxisVerdict judge_axis(const DesignProblem& request, const AxisProblem& problem,
 void describe_axis(const DesignProblem& request, const AxisProblem& problem, const CouplingSpec& spec, const ShownStiffness& shown, AxisDesign& out) {
   const LoopController law = controller_of(spec, problem, arm_squared(request));
   const double contact = law.law == Law::kSpringDamper ? shown.contact : shown.shown;
-  out.limit_cycle_bound = limit_cycle_bound(problem, law, contact, shown.shown);
+  out.limit_cycle_bound = limit_cycle_bound(problem, law, contact, shown.shown, is_rotation(problem) || !(spec.slow_velocity_hz > 0.0) ? 0.0 : spec.velocity_band_m_per_s);
   if (law.law == Law::kSpringDamper) {
     out.damping_required = out.damping_required_any_cutoff = passive_damping_required_series(problem);
   } else {

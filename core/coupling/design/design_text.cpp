@@ -94,6 +94,11 @@ std::vector<std::string> reasons_of(const DesignProblem& request, const std::vec
                                 p.units->name, p.model.max_stiffness, p.units->stiffness, p.contact.all_points));
     if (d.injected_damping > 0.0) out.push_back(damping_reason(request, p, design, d));
   }
+  if (const CouplingSpec& spec = design.spec; spec.slow_velocity_hz > 0.0 && spec.velocity_band_m_per_s > 0.0)
+    out.push_back(fmt::format("Movements within {:.2g} mm/s, which may be the encoder's steps, are damped on the velocity of a filter of {:.3g} Hz: a step makes {:.2g} N instead of "
+                              "{:.2g} N of injected damping.", 1e3 * spec.velocity_band_m_per_s, spec.slow_velocity_hz,
+                              spec.injected_damping_ns_per_m * step_speed(problems[0], {spec.slow_velocity_hz, 0}),
+                              spec.injected_damping_ns_per_m * spec.velocity_band_m_per_s));
   if (filter && design.spec.cutoff_hz > request.goals.cutoff_hz)
     out.push_back(cutoff_reason(request, problems, design));
   return out;

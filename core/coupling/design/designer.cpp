@@ -13,6 +13,7 @@
 #include "core/coupling/design/axis_verdict.hpp"
 #include "core/coupling/design/damping_floor.hpp"
 #include "core/coupling/design/design_steps.hpp"
+#include "core/coupling/design/slow_velocity.hpp"
 #include "core/types/enum_name.hpp"
 
 namespace voxtouch::coupling::design {
@@ -179,8 +180,13 @@ std::string no_share_sentence(std::span<const double> shares, double first, doub
                      "wanted instead of {:.3g} %: a blow is felt as hard as its speed, not as the contact.", shares.front(), 100.0 * first, largest, 100.0 * none);
 }
 
-Design told(const DesignProblem& request, Damped&& taken, const std::string& out_of_reach) {
+Design told(const DesignProblem& request, Damped&& taken, const std::vector<AxisProblem>& floored, const std::string& out_of_reach) {
   const DampingFloors& floors = request.goals.floors;
+  if (CouplingSpec& spec = taken.judged.design.spec; taken.judged.design.status != DesignStatus::kInfeasible) {
+    AxisProblem translation = taken.floors == Damped::Floors::kKept ? floored[0] : taken.problems[0];
+    translation.damper_share = spec.damper_share;
+    choose_slow_velocity(translation, shown_stiffness(request, taken.problems, spec)[0], spec);
+  }
   Design design = told(request, taken.problems, std::move(taken.judged));
   if (taken.floors == Damped::Floors::kNotAsked) return design;
   if (taken.floors == Damped::Floors::kTakeAll) {
@@ -241,11 +247,11 @@ Design design_coupling(const DesignProblem& asked) {
       unbounded = with_share(0.0), none = worth(problems, unbounded->judged.design), request.goals.damper_share = share;
     if (unbounded && last < worth_it * none) continue;
     if (share != shares.front()) bounded.judged.behind.push_back(share_sentence(share, shares.front(), first, last, none));
-    return told(request, std::move(bounded), out_of_reach);
+    return told(request, std::move(bounded), floored, out_of_reach);
   }
   request.goals.damper_share = 0.0;
   unbounded->judged.behind.push_back(no_share_sentence(shares, first, last, none));
-  return told(request, std::move(*unbounded), out_of_reach);
+  return told(request, std::move(*unbounded), floored, out_of_reach);
 }
 
 Design judge_coupling(const DesignProblem& asked, const CouplingSpec& spec) {

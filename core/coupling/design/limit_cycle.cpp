@@ -55,9 +55,8 @@ class Steps {
   std::array<double, window_span(kMaxVelocityWindow)> differences_{};
 };
 
-}  // namespace
-
-double quantisation_gain(const LoopPlant& p, const LoopController& law, double contact_stiffness) {
+/// Sum of |x[n]| after an error of the first position sample and an effort beside the first command.
+double gain_of(const LoopPlant& p, const LoopController& law, double contact_stiffness, double position_error, double effort) {
   const SampledPlant plant = sample_plant(p);
   Steps steps(law, contact_stiffness, p.period_s);
   const std::size_t places = static_cast<std::size_t>(plant.whole_delay) + 2;
@@ -68,7 +67,8 @@ double quantisation_gain(const LoopPlant& p, const LoopController& law, double c
   for (int span = 0; span < kMaxSpans; ++span) {
     double part = 0.0;
     for (int i = 0; i < kSpan; ++i) {
-      commands[now] = -plant.effort_unit * steps.effort(state[0] + (span == 0 && i == 0 ? 1.0 : 0.0));
+      const bool first = span == 0 && i == 0;
+      commands[now] = -plant.effort_unit * (steps.effort(state[0] + (first ? position_error : 0.0)) + (first ? effort : 0.0));
       const double newer = commands[(now + places - static_cast<std::size_t>(plant.whole_delay)) % places];
       const double older = commands[(now + 1) % places];
       state += plant.step_less_one * state + plant.newer * newer + plant.older * older;
@@ -84,19 +84,31 @@ double quantisation_gain(const LoopPlant& p, const LoopController& law, double c
   return sum;
 }
 
+}  // namespace
+
+double quantisation_gain(const LoopPlant& plant, const LoopController& law, double contact_stiffness) {
+  return gain_of(plant, law, contact_stiffness, 1.0, 0.0);
+}
+
+double effort_gain(const LoopPlant& plant, const LoopController& law, double contact_stiffness) {
+  return gain_of(plant, law, contact_stiffness, 0.0, 1.0);
+}
+
 double limit_cycle_bound(const AxisProblem& problem, const LoopController& law, double contact_stiffness,
-                         double shown_stiffness) {
+                         double shown_stiffness, double velocity_band) {
   const double q = problem.model.resolution;
   if (q == 0.0 || shown_stiffness == 0.0) return 0.0;
   const double shape = law.law == Law::kShapingFilter ? law.damping_ratio : 1.0;
   const double passed = step_share(law.velocity_filter_rad_per_s, law.velocity_window, problem.timing.period_s);
+  const double beside = law.injected_damping * velocity_band;
   const double needed =
-      limit_cycle_friction(shape, shown_stiffness, q) + law.injected_damping * q / problem.timing.period_s * passed;
+      limit_cycle_friction(shape, shown_stiffness, q) + law.injected_damping * q / problem.timing.period_s * passed + beside;
   if (problem.model.coulomb_friction >= needed) return 0.0;
   double worst = 0.0;
   for (const DesignCase& one : problem.cases)
-    worst = std::max(worst, quantisation_gain(one.plant, law, contact_stiffness));
-  return q * worst;
+    worst = std::max(worst, q * quantisation_gain(one.plant, law, contact_stiffness) +
+                                (beside > 0.0 ? 2.0 * beside * effort_gain(one.plant, law, contact_stiffness) : 0.0));
+  return worst;
 }
 
 }  // namespace voxtouch::coupling::design

@@ -9,9 +9,12 @@ namespace voxtouch::coupling::design {
 /// The tail beyond some ten thousand samples is extrapolated. The loop has to be stable.
 double quantisation_gain(const LoopPlant& plant, const LoopController& law, double contact_stiffness);
 
+/// Sum of |x[n]| after an effort of 1 that is given for one sample: what stays within +- e keeps the position within e times that.
+double effort_gain(const LoopPlant& plant, const LoopController& law, double contact_stiffness);
+
 /// Peak to peak that quantisation may leave, the worst over the cases; 0 where dry friction removes it: F_c >= S K k q / 2, plus
-/// the q/T (1 - exp(-wv T)) B that injected damping makes of one step.
+/// the q/T (1 - exp(-wv T)) B that injected damping makes of one step, plus B times the band within which a slow velocity may stand in for the law's.
 double limit_cycle_bound(const AxisProblem& problem, const LoopController& law, double contact_stiffness,
-                         double shown_stiffness);
+                         double shown_stiffness, double velocity_band);
 
 }  // namespace voxtouch::coupling::design

@@ -253,6 +253,8 @@ nlohmann::ordered_json to_json(const DesignReport& r) {
                    {"injected_damping_nms_per_rad", s.injected_damping_nms_per_rad},
                    {"velocity_filter_hz", s.velocity_filter_hz},
                    {"velocity_window", s.velocity_window},
+                   {"slow_velocity_hz", s.slow_velocity_hz},
+                   {"velocity_band_m_per_s", s.velocity_band_m_per_s},
                    {"damper_share", s.damper_share},
                    {"damper_free_n", s.damper_free_n}};
   if (std::isfinite(s.stiffness_cap_n_per_m)) j["coupling"]["stiffness_cap_n_per_m"] = s.stiffness_cap_n_per_m;

@@ -76,7 +76,7 @@ std::string describe(const coupling_models::NonlinearLoop& l, const coupling_mod
                                                                   : "direct";
   return fmt::format(
       "plant {{m {:.17g}, b {:.17g}, m_h {:.17g}, b_h {:.17g}, k_h {:.17g}, T {:.17g}, delay {:.17g}, lag {:.17g}}}, "
-      "{} {{w0 {:.17g}, d {}, K {:.17g}, c {:.17g}, r {:.17g}, B {:.17g}, w_v {:.17g}, n {}}}, k {:.17g} {} knee {:.17g}, q "
+      "{} {{w0 {:.17g}, d {}, K {:.17g}, c {:.17g}, r {:.17g}, B {:.17g}, w_v {:.17g}, n {}, slow {:.17g} within {:.17g}}}, k {:.17g} {} knee {:.17g}, q "
       "{:.17g}, "
       "F_c {:.17g}, F_max {:.17g}, jitter {}, measured {}, delay jitter {:.17g}, loss {:.17g} up to {}, contact "
       "damping {}, "
@@ -85,7 +85,7 @@ std::string describe(const coupling_models::NonlinearLoop& l, const coupling_mod
       "after {:.4g} s",
       p.mass, p.damping, p.hand_mass, p.hand_damping, p.hand_stiffness, p.period_s, p.delay_s, p.effort_lag_s, law,
       c.w0_rad_per_s, c.damping_ratio, c.gain, c.stiffness, c.damping, c.injected_damping, c.velocity_filter_rad_per_s,
-      c.velocity_window, l.contact_stiffness, name_of(l.wall), l.wall_knee, l.resolution, l.coulomb_friction, l.max_effort, l.jitter,
+      c.velocity_window, l.slow_velocity_rad_per_s, l.velocity_band, l.contact_stiffness, name_of(l.wall), l.wall_knee, l.resolution, l.coulomb_friction, l.max_effort, l.jitter,
       l.measured_period, l.delay_jitter_s, l.loss, l.most_lost_in_a_row, l.damping_only_in_contact, l.push,
       l.start_speed, l.duration_s, l.longest_s, l.seed, v.early_amplitude, v.late_amplitude, v.quiet, v.simulated_s);
 }

@@ -57,6 +57,7 @@ struct Tried {
     out.controller = controller;
     out.contact_stiffness = contact;
     out.damping_only_in_contact = true, out.damping_share = design.spec.damper_share, out.damping_free = design.spec.damper_free_n;
+    out.slow_velocity_rad_per_s = 2.0 * std::numbers::pi * design.spec.slow_velocity_hz, out.velocity_band = design.spec.velocity_band_m_per_s;
     return out;
   }
   /// The worst vertex, at the nominal timing and not at the slowest one, at which its promise holds.

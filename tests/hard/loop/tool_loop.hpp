@@ -12,9 +12,10 @@ namespace voxtouch::test {
 inline constexpr double kToolRadius = 0.01, kToolVoxel = 0.002;
 
 /// A scene over `mesh`; the hand's motion as text.
-inline std::string tool_scene(const TemporaryFolder& folder, const std::string& mesh, const std::string& motion, const std::string& kind = "shaping_filter") {
+inline std::string tool_scene(const TemporaryFolder& folder, const std::string& mesh, const std::string& motion, const std::string& kind = "shaping_filter",
+                              double voxel_m = kToolVoxel) {
   const std::string file = (folder / "tool.yaml").string();
-  std::ofstream(file) << "scene: tool\nvoxel_size: " << kToolVoxel << "\nstatic: [{mesh: " << mesh << "}]\ndynamic: {mesh: " << VOXTOUCH_DEPLOY
+  std::ofstream(file) << "scene: tool\nvoxel_size: " << voxel_m << "\nstatic: [{mesh: " << mesh << "}]\ndynamic: {mesh: " << VOXTOUCH_DEPLOY
                       << "/meshes/sphere.obj, scale: " << kToolRadius << "}\ncontact: {model: field, rendering: virtual_tool}\n"
                       << "coupling: {design: auto, kind: " << kind << "}\nmotions: {it: {" << motion << "}}\n";
   return file;

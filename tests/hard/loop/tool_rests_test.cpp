@@ -75,14 +75,14 @@ TEST(ToolRests, WithinAStepOrTwoOfTheEncoderAndStillWhereTheDevicesFrictionHolds
 }
 
 /// Nothing but the hand's and the device's damping stops it: one step of the encoder goes on coming and going. What is commanded then is the damper's
-/// answer to it: little on a stylus; on an arm up to what the bound of the damper lets through.
-TEST(ToolRests, WithinAStepOrTwoWithoutAnyFrictionTooButAnArmsDamperAnswersEachStep) {
+/// answer to it; 2.8 N on the arm, were its velocity not a slower one where a step of 0.02 mm may be all that moves.
+TEST(ToolRests, WithinAStepOrTwoWithoutAnyFrictionTooAndADamperHardlyAnswersTheStep) {
   const Spread stylus = rests("sim-phantom", sim::sim_phantom(), "shaping_filter", false);
   expect_no_cycle_beyond_steps(stylus);
   EXPECT_LE(stylus.commanded_n, 0.1);
   const Spread arm = rests("sim-lwr", sim::sim_lwr(), "shaping_filter", false);
   expect_no_cycle_beyond_steps(arm);
-  EXPECT_LE(arm.commanded_n, 3.0) << "as it is: 125 Ns/m on steps of 0.02 mm";
+  EXPECT_LE(arm.commanded_n, 0.45) << "125 Ns/m on steps of 0.02 mm";
   const Spread without_damper = rests("sim-lwr", sim::sim_lwr(), "spring_damper", false);
   expect_no_cycle_beyond_steps(without_damper);
   EXPECT_LE(without_damper.commanded_n, 0.2);

@@ -4,7 +4,9 @@
 
 #include <cmath>
 #include <cstdio>
+#include <fstream>
 #include <functional>
+#include <numbers>
 #include <numeric>
 
 #include "tests/hard/loop/tool_loop.hpp"
@@ -78,9 +80,10 @@ Shares shares(const ToolRun& run, const Ground& ground) {
   return out;
 }
 
-Shares slide(const char* name, const sim::SimParameters& device, const Ground& ground, const char* kind, const LeftOut& left_out) {
+Shares slide(const char* name, const sim::SimParameters& device, const Ground& ground, const std::string& mesh, const char* kind, const LeftOut& left_out,
+             double voxel_m = kToolVoxel) {
   const TemporaryFolder folder;
-  const ToolRun run = run_tool(tool_scene(folder, std::string(VOXTOUCH_DEPLOY) + "/meshes/" + ground.mesh, ground.motion, kind), device, left_out, ground.duration_s);
+  const ToolRun run = run_tool(tool_scene(folder, mesh, ground.motion, kind, voxel_m), device, left_out, ground.duration_s);
   const Shares s = shares(run, ground);
   std::printf("%-11s %-12s %-14s%s%s: %.0f N/m, %.2f N for %.2f s, noise %.2f %%: true depth %.2f, encoder %.2f, rendering %.2f, coupling %.2f\n", name, ground.mesh, kind,
               left_out.encoder ? ", no steps" : "", left_out.friction ? ", no dry friction" : "", run.spring_n_per_m, s.force_n, s.slid_s, 100 * s.total, 100 * s.moved,
@@ -88,6 +91,28 @@ Shares slide(const char* name, const sim::SimParameters& device, const Ground& g
   EXPECT_GT(s.slid_s, 0.7);
   EXPECT_GT(s.force_n, 0.5);
   return s;
+}
+Shares slide(const char* name, const sim::SimParameters& device, const Ground& ground, const char* kind, const LeftOut& left_out) {
+  return slide(name, device, ground, std::string(VOXTOUCH_DEPLOY) + "/meshes/" + ground.mesh, kind, left_out);
+}
+
+/// A closed tube as high and as wide as the cup's wall, about z.
+std::string tube(const TemporaryFolder& folder, int sides) {
+  const std::string file = (folder / "tube.obj").string();
+  std::ofstream out(file);
+  out.precision(12);
+  for (const double z : {0.0, 0.05})
+    for (int i = 0; i < sides; ++i) {
+      const double turn = 2.0 * std::numbers::pi * (i + 0.5) / sides;
+      out << "v " << 0.04 * std::cos(turn) << ' ' << 0.04 * std::sin(turn) << ' ' << z << '\n';
+    }
+  out << "v 0 0 0\nv 0 0 0.05\n";
+  for (int i = 0; i < sides; ++i) {
+    const int a = i + 1, b = (i + 1) % sides + 1, bottom = 2 * sides + 1, top = bottom + 1;
+    out << "f " << a << ' ' << b << ' ' << b + sides << "\nf " << a << ' ' << b + sides << ' ' << a + sides << '\n';
+    out << "f " << b << ' ' << a << ' ' << bottom << "\nf " << a + sides << ' ' << b + sides << ' ' << top << '\n';
+  }
+  return file;
 }
 
 /// What the encoder's steps add to the noise without them.
@@ -100,21 +125,40 @@ TEST(ToolSlides, QuietlyOnAStylusWithAndWithoutTheEncodersSteps) {
   }
 }
 
-/// Neither its dry friction nor the steps in the depth: the damper, 125 Ns/m on a velocity of steps of 0.02 mm. It is more than the 4 % that are asked for.
-TEST(ToolSlides, OnAnArmItIsTheDampersAnswerToTheEncodersStepsThatIsFelt) {
+/// Of a damper of 125 Ns/m on steps of 0.02 mm. On a velocity of 50 Hz alone it would be 7.6, 7.7 and 17.6 %: a slower one takes its place within the
+/// speed that a step makes.
+TEST(ToolSlides, QuietlyOnAnArmWithAndWithoutTheEncodersSteps) {
   for (const Ground& ground : grounds()) {
-    const bool cup = !ground.depth;  // of facets, over which the arm itself moves
+    const bool cup = !ground.depth;
     const Shares as_it_is = slide("sim-lwr", sim::sim_lwr(), ground, "shaping_filter", {}),
                  no_steps = slide("sim-lwr", sim::sim_lwr(), ground, "shaping_filter", {.encoder = true, .friction = false}),
                  no_friction = slide("sim-lwr", sim::sim_lwr(), ground, "shaping_filter", {.encoder = false, .friction = true});
-    EXPECT_LE(no_steps.total, cup ? 0.09 : 0.003) << "with its dry friction";
-    EXPECT_GE(no_friction.total, 0.5 * as_it_is.total) << "it is not the friction";
+    EXPECT_LE(as_it_is.total, cup ? 0.11 : 0.04);
+    EXPECT_LE(no_friction.total, cup ? 0.11 : 0.04) << "nor does dry friction hide it";
+    EXPECT_LE(no_steps.total, cup ? 0.09 : 0.003);
+    EXPECT_LE(of_steps(as_it_is, no_steps), cup ? 0.06 : 0.04);
     EXPECT_LE(as_it_is.moved, cup ? 0.04 : 0.003);
     EXPECT_LE(as_it_is.encoder, 0.025);
     EXPECT_LE(as_it_is.rendered, 0.002);
-    EXPECT_GE(as_it_is.coupled, 0.8 * as_it_is.total);
-    EXPECT_LE(as_it_is.total, cup ? 0.2 : 0.09) << "as it is";
   }
+}
+
+/// What is left on the cup is what the arm feels of its 64 sides and of the points of its own ball, 2 mm apart: on a tube of 512 sides it is less, and with
+/// a ball of finer points less again; with these the 64 sides alone are felt most.
+TEST(ToolSlides, OnAnArmAMeshsSidesAndTheToolsPointsAreWhatIsFeltOfACup) {
+  const auto noise_of = [](int sides, double voxel_m, const LeftOut& left_out) {
+    const TemporaryFolder folder;
+    const Ground round{"tube.obj", grounds().back().motion, 4.5, {}};
+    std::printf("%d sides, %g mm ", sides, 1e3 * voxel_m);
+    return slide("sim-lwr", sim::sim_lwr(), round, tube(folder, sides), "shaping_filter", left_out, voxel_m).total;
+  };
+  const LeftOut no_steps{.encoder = true, .friction = false};
+  const double cup = noise_of(64, 2e-3, no_steps), round = noise_of(512, 2e-3, no_steps), fine = noise_of(512, 5e-4, no_steps), sides = noise_of(64, 5e-4, no_steps);
+  EXPECT_LE(fine, 0.025);
+  EXPECT_GE(round, 2.0 * fine);
+  EXPECT_GE(cup, round);
+  EXPECT_GE(sides, 3.0 * fine);
+  EXPECT_LE(noise_of(512, 5e-4, {}), 0.065);
 }
 
 /// Its law damps a motion between hand and object, not the encoder's steps. Its swings along last longer, and these are what is left.

@@ -27,9 +27,7 @@ LoopLaw::LoopLaw(const NonlinearLoop& loop)
       max_effort_(loop.max_effort > 0.0 ? loop.max_effort : std::numeric_limits<double>::infinity()),
       input_limit_(controller_.law == coupling::design::LoopController::Law::kSpringDamper ? std::numeric_limits<double>::infinity()
                                                                          : max_effort_ / std::abs(controller_.gain)),
-      velocity_decay_(controller_.velocity_filter_rad_per_s > 0.0
-                          ? std::exp(-controller_.velocity_filter_rad_per_s * loop.plant.period_s)
-                          : 0.0),
+      nominal_s_(loop.plant.period_s), slow_rad_per_s_(loop.slow_velocity_rad_per_s), velocity_band_(loop.velocity_band),
       only_in_contact_(loop.damping_only_in_contact), measured_period_(loop.measured_period) {
   if (controller_.law == coupling::design::LoopController::Law::kShapingFilter)
     filter_ = Pt2(controller_.w0_rad_per_s, controller_.damping_ratio, controller_.gain);
@@ -49,14 +47,19 @@ double LoopLaw::velocity_of_window(double position, double period_s) {
   return 1.5 * slope(0, n) - 0.5 * slope(n, 3 * n);
 }
 
+double LoopLaw::filtered(double rad_per_s, double before, double difference, double period_s) const {
+  const double decay = rad_per_s > 0.0 ? std::exp(-rad_per_s * (measured_period_ ? period_s : nominal_s_)) : 0.0;
+  return decay * before + (1.0 - decay) * difference;
+}
+
 double LoopLaw::velocity(double position, double period_s) {
-  if (controller_.velocity_window > 0) return velocity_of_window(position, period_s);
-  const double decay = measured_period_ && velocity_decay_ > 0.0
-                           ? std::exp(-controller_.velocity_filter_rad_per_s * period_s)
-                           : velocity_decay_;
-  velocity_ = decay * velocity_ + (1.0 - decay) * (position - last_position_) / period_s;
+  const double difference = (position - last_position_) / period_s;
+  velocity_ = controller_.velocity_window > 0 ? velocity_of_window(position, period_s)
+                                              : filtered(controller_.velocity_filter_rad_per_s, velocity_, difference, period_s);
   last_position_ = position;
-  return velocity_;
+  if (!(velocity_band_ > 0.0)) return velocity_;
+  slow_velocity_ = filtered(slow_rad_per_s_, slow_velocity_, difference, period_s);
+  return velocity_ + std::clamp(slow_velocity_ - velocity_, -velocity_band_, velocity_band_);
 }
 
 double LoopLaw::coupled(double wall, double stiffness, double period_s) noexcept {

@@ -47,6 +47,8 @@ struct NonlinearLoop {
   bool damping_only_in_contact = false;  ///< injected damping as the ring does it: in contact, never pulling,
   double damping_share = 0.0;            ///< and adding at most this share of the law's effort, 0: without that bound,
   double damping_free = 0.0;             ///< and this
+  double slow_velocity_rad_per_s = 0.0;  ///< within `velocity_band` of the controller's velocity it acts on that of a filter with this cut-off
+  double velocity_band = 0.0;
   double push = 0.0;                     ///< constant effort of the hand into the wall
   double start_position = 0.0;
   double start_speed = 0.0;  ///< into the wall

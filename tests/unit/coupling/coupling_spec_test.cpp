@@ -70,6 +70,8 @@ TEST(CouplingSpec, NamesWhatAllKindsShare) {
     for (const double bad : {kNan, kInf, -1.0}) {
       EXPECT_EQ(refused(with(&CouplingSpec::injected_damping_ns_per_m, bad, kind)), "injected_damping_ns_per_m");
       EXPECT_EQ(refused(with(&CouplingSpec::injected_damping_nms_per_rad, bad, kind)), "injected_damping_nms_per_rad");
+      EXPECT_EQ(refused(with(&CouplingSpec::slow_velocity_hz, bad, kind)), "slow_velocity_hz");
+      EXPECT_EQ(refused(with(&CouplingSpec::velocity_band_m_per_s, bad, kind)), "velocity_band_m_per_s");
       EXPECT_EQ(refused(with(&CouplingSpec::passivity_damping_limit_ns_per_m, bad, kind)),
                 "passivity_damping_limit_ns_per_m");
       EXPECT_EQ(refused(with(&CouplingSpec::passivity_damping_limit_nms_per_rad, bad, kind)),

@@ -359,6 +359,11 @@ TEST(InjectedDamping, TellsWhatItAddsAndWhereItWasCut) {
   }
 }
 
+CouplingSpec with_none(CouplingSpec spec) {
+  spec.slow_velocity_hz = spec.velocity_band_m_per_s = 0.0;
+  return spec;
+}
+
 /// A rested tool moves by one step: the damping is that of the velocity that the spec names.
 TEST(InjectedDamping, ActsOnTheVelocityThatTheSpecNames) {
   CouplingSpec spec = Moving::spec(2.0, 0.0, 0.0, 0.0);
@@ -370,6 +375,38 @@ TEST(InjectedDamping, ActsOnTheVelocityThatTheSpecNames) {
     in.tool.position.x() -= 1e-4;
     const double share = window > 0 ? window_weight(4, 0) : 1.0 - std::exp(-2.0 * std::numbers::pi * 100.0 * kT);
     EXPECT_NEAR(coupling.step(in, kT).wrench.force.x(), 5.0 + 2.0 * 0.1 * share, 1e-9) << window;
+  }
+}
+
+/// Steps of an encoder, along each axis by itself: one is smoothed as the slow velocity smooths it, whichever way; of more the velocity that the spec
+/// names is off by the band and no more.
+TEST(InjectedDamping, ActsOnASlowVelocityWithinABand) {
+  constexpr double kStep = 1e-4, kSlow = 10.0, kB = 2.0;
+  const auto share = [](double hz) { return 1.0 - std::exp(-2.0 * std::numbers::pi * hz * kT); };
+  for (const std::uint32_t window : {0U, 4U}) {
+    CouplingSpec spec = Moving::spec(kB, 0.0, 0.0, 0.0);
+    spec.velocity_window = window, spec.velocity_filter_hz = 100.0;
+    const double fast = window > 0 ? window_weight(4, 0) : share(100.0), speed = kStep / kT;
+    spec.slow_velocity_hz = kSlow, spec.velocity_band_m_per_s = fast * speed;
+    for (const double steps : {1.0, -1.0, 10.0, -10.0}) {
+      RunningCoupling coupling(spec, {}, kT);
+      CouplingInput in = corner({5, 0, 0}, 1000, 0);
+      for (int n = 0; n < 300; ++n) coupling.step(in, kT);
+      in.tool.position -= steps * Vec3(kStep, 5.0 * kStep, 0);  // what steps along another axis is nothing to this one
+      const double damped = std::abs(steps) > 1.0 ? steps * fast * speed - std::copysign(fast * speed, steps) : steps * share(kSlow) * speed;
+      EXPECT_NEAR(coupling.step(in, kT).wrench.force.x(), 5.0 + kB * damped, 1e-9) << window << ", " << steps;
+    }
+    RunningCoupling coupling(spec, {}, kT), without(with_none(spec), {}, kT);
+    CouplingInput in = corner({5, 0, 0}, 1000, 0);
+    for (int n = 0; n < 3000; ++n) {
+      in.tool.position.x() = 1e-3 * std::sin(0.05 * n) + kStep * (n % 3);
+      const double off = coupling.step(in, kT).wrench.force.x() - without.step(in, kT).wrench.force.x();
+      EXPECT_LE(std::abs(off), kB * spec.velocity_band_m_per_s * (1 + 1e-9)) << n;
+    }
+    EXPECT_TRUE(without.redesign(spec));
+    for (int n = 0; n < 300; ++n) coupling.step(in, kT), without.step(in, kT);
+    in.tool.position.x() -= kStep;
+    EXPECT_NEAR(without.step(in, kT).wrench.force.x(), coupling.step(in, kT).wrench.force.x(), 1e-9) << "and in a coupling that is changed to it";
   }
 }
 

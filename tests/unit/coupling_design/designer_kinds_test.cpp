@@ -46,6 +46,7 @@ TEST(LimitCycle, TheNormIsReachedByTheWorstErrors) {
   // Overdamped and slow, the response has one sign and the norm is that very figure.
   p.hand_damping = 60.0, law.w0_rad_per_s = 2000.0;
   EXPECT_NEAR(quantisation_gain(p, law, 20.0), 20.0 / 320.0, 1e-4 * 20.0 / 320.0);
+  EXPECT_NEAR(effort_gain(p, law, 20.0), 1.0 / 320.0, 1e-4 / 320.0) << "an effort of 1 for good";
   // Near its stability limit it grows.
   const double limit = critical_stiffness(p, law).stiffness;
   EXPECT_GT(quantisation_gain(p, law, 0.99 * limit), 5.0 * quantisation_gain(p, law, 0.5 * limit));

@@ -137,6 +137,7 @@ TEST(SpecInWorld, BringsTheDesignFromTheHandToTheWorld) {
   design.spec.stiffness_cap_n_per_m = 800, design.spec.stiffness_cap_nm_per_rad = 2;
   design.spec.injected_damping_ns_per_m = 3, design.spec.injected_damping_nms_per_rad = 0.01;
   design.spec.damper_share = 0.3, design.spec.damper_free_n = 0.2;
+  design.spec.slow_velocity_hz = 8, design.spec.velocity_band_m_per_s = 0.003;
   scene::Scene scene = scaled_scene();
   coupling::CouplingSpec spec = spec_W(design, scene);
   EXPECT_DOUBLE_EQ(spec.stiffness_cap_n_per_m, 400);
@@ -152,8 +153,11 @@ TEST(SpecInWorld, BringsTheDesignFromTheHandToTheWorld) {
   EXPECT_EQ(spec.velocity_window, 2U);
   EXPECT_EQ(spec.damper_share, 0.3);
   EXPECT_DOUBLE_EQ(spec.damper_free_n, 0.2 / scene.device.force_scale);
+  EXPECT_EQ(spec.slow_velocity_hz, 8);
+  EXPECT_DOUBLE_EQ(spec.velocity_band_m_per_s, 0.003 * scene.device.position_scale) << "a speed of the tool";
   const coupling::CouplingSpec back = spec_D(spec, scene.device);
   EXPECT_DOUBLE_EQ(back.damper_free_n, 0.2);
+  EXPECT_DOUBLE_EQ(back.velocity_band_m_per_s, 0.003);
   EXPECT_DOUBLE_EQ(back.stiffness_cap_nm_per_rad, 2);
   EXPECT_DOUBLE_EQ(back.injected_damping_nms_per_rad, 0.01);
   EXPECT_DOUBLE_EQ(back.damping_ns_per_m, 4);

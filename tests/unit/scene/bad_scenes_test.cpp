@@ -150,6 +150,9 @@ const std::vector<Bad> kBad = {
     {"gain: 0.5", "injected_damping_nms_per_rad: ^-1", "0 or above"},
     {"gain: 0.5", "^velocity_filter_hz: 50", "injected_damping_ns_per_m"},
     {"gain: 0.5", "injected_damping_ns_per_m: 1, velocity_filter_hz: ^0", "'velocity_filter_hz' is 0"},
+    {"gain: 0.5", "^slow_velocity_hz: 10", "goes with injected_damping_ns_per_m or"},
+    {"gain: 0.5", "^velocity_band_m_per_s: 0.01", "goes with injected_damping_ns_per_m or"},
+    {"gain: 0.5", "injected_damping_ns_per_m: 1, slow_velocity_hz: ^-1", "0 or above"},
     {"gain: 0.5", "^velocity_window: 2", "goes with injected_damping_ns_per_m or"},
     {"gain: 0.5", "injected_damping_ns_per_m: 1, velocity_window: ^6", "velocity_window is 6; it must be a whole number from 0 to 5."},
     // coupling: designed

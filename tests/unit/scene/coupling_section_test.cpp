@@ -14,7 +14,7 @@ class CouplingSection : public SceneFolder {
 TEST_F(CouplingSection, SetByHandMayCapAndDamp) {
   const Scene s = with(
       "kind: direct, stiffness_cap_n_per_m: 800, stiffness_cap_nm_per_rad: 2.5, injected_damping_ns_per_m: 3, "
-      "injected_damping_nms_per_rad: 0.01, velocity_filter_hz: 60, velocity_window: 3");
+      "injected_damping_nms_per_rad: 0.01, velocity_filter_hz: 60, velocity_window: 3, slow_velocity_hz: 12, velocity_band_m_per_s: 0.004");
   EXPECT_FALSE(s.design);
   EXPECT_EQ(s.coupling.kind, "direct");
   EXPECT_EQ(s.coupling.stiffness_cap_n_per_m, 800);
@@ -23,6 +23,8 @@ TEST_F(CouplingSection, SetByHandMayCapAndDamp) {
   EXPECT_EQ(s.coupling.injected_damping_nms_per_rad, 0.01);
   EXPECT_EQ(s.coupling.velocity_filter_hz, 60);
   EXPECT_EQ(s.coupling.velocity_window, 3U);
+  EXPECT_EQ(s.coupling.slow_velocity_hz, 12);
+  EXPECT_EQ(s.coupling.velocity_band_m_per_s, 0.004);
 }
 
 TEST_F(CouplingSection, CapsNothingAndDampsNothingUnlessAsked) {

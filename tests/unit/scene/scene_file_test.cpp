@@ -128,6 +128,8 @@ TEST_F(SceneFile, AKeyThatIsLeftOutMeansTheSameInTheTableOfKeysAndInTheValuesTha
   EXPECT_EQ(s.coupling.injected_damping_nms_per_rad, coupling.injected_damping_nms_per_rad);
   EXPECT_EQ(s.coupling.velocity_filter_hz, coupling.velocity_filter_hz);
   EXPECT_EQ(s.coupling.velocity_window, coupling.velocity_window);
+  EXPECT_EQ(s.coupling.slow_velocity_hz, coupling.slow_velocity_hz);
+  EXPECT_EQ(s.coupling.velocity_band_m_per_s, coupling.velocity_band_m_per_s);
   const DesignOptions asked = *parse(kSmall + "coupling: {design: auto}\n").design, ask;
   EXPECT_EQ(asked.gain_margin, ask.gain_margin);
   EXPECT_EQ(asked.released, ask.released);

@@ -1,0 +1,121 @@
+// The slower velocity that small movements are damped on: who gets one, what it keeps, and what it does to a simulated arm.
+#include <gtest/gtest.h>
+
+#include "core/coupling/design/damping_floor.hpp"
+#include "core/coupling/design/slow_velocity.hpp"
+#include "tests/support/coupling_models/nonlinear_loop.hpp"
+#include "tests/unit/coupling_design/designer_support.hpp"
+
+namespace voxtouch::testing {
+namespace {
+
+using namespace coupling;
+using namespace coupling::design;
+
+DesignProblem arm() {
+  DesignProblem r = sim_arm();
+  r.goals = {};
+  r.goals.force_layer_depth_m = 0.004;
+  return r;
+}
+
+AxisProblem judged_by(const DesignProblem& request, const Design& d) {
+  std::vector<AxisProblem> problems = axis_problems(request);
+  set_floors(request, problems);
+  problems[0].damper_share = d.spec.damper_share;
+  return problems[0];
+}
+
+bool keeps(const DesignProblem& request, const Design& d, double hz, double share) {
+  AxisProblem translation = judged_by(request, d);
+  LoopController law = controller_of(d.spec, translation, 0.0);
+  law.use({hz, 0});
+  for (DesignCase& one : translation.cases) one.least_damping_ratio *= share;
+  const double shown = shown_stiffness(request, axis_problems(request), d.spec)[0].coupling * d.translation.shown_stiffness;
+  return critical_case(translation, law).stiffness >= share * translation.margin * shown && keeps_floors(translation, law, d.translation.shown_stiffness);
+}
+
+/// The slowest that keeps three quarters of margin and floors, while the velocity that large movements are damped on keeps all of both.
+TEST(SlowVelocity, IsTheSlowestThatKeepsThreeQuarters) {
+  const DesignProblem request = arm();
+  const Design d = design_coupling(request);
+  ASSERT_GT(d.spec.slow_velocity_hz, 0.0);
+  const AxisProblem translation = judged_by(request, d);
+  EXPECT_DOUBLE_EQ(d.spec.velocity_band_m_per_s, step_speed(translation, velocity_of(d.spec)));
+  EXPECT_TRUE(keeps(request, d, d.spec.slow_velocity_hz, kLargeSwing));
+  EXPECT_FALSE(keeps(request, d, 0.79 * d.spec.slow_velocity_hz, kLargeSwing)) << "the next one down the list";
+  EXPECT_LT(step_speed(translation, {d.spec.slow_velocity_hz, 0}), 0.6 * d.spec.velocity_band_m_per_s);
+  EXPECT_NE(d.reasons.end(), std::ranges::find_if(d.reasons, [](const std::string& r) { return r.contains("which may be the encoder's steps"); }));
+}
+
+TEST(SlowVelocity, IsGivenWhereAStepOfTheEncoderIsFeltAndNowhereElse) {
+  EXPECT_EQ(design_coupling(sim_stylus()).spec.slow_velocity_hz, 0.0) << "0.05 N";
+  DesignProblem passive = arm(), fine = arm(), series = arm();
+  passive.hand.translation.any_passive = passive.hand.rotation.any_passive = true;
+  fine.device.translation.resolution = 1e-7;
+  series.goals.kind = "spring_damper";
+  for (const DesignProblem& request : {passive, fine, series}) {
+    const Design d = design_coupling(request);
+    EXPECT_EQ(d.spec.slow_velocity_hz, 0.0) << d.spec.kind;
+    EXPECT_EQ(d.spec.velocity_band_m_per_s, 0.0);
+  }
+}
+
+/// Chosen by somebody else it is judged likewise, and a band that is wider than the encoder's steps is no small movement.
+TEST(SlowVelocity, ThatDoesNotHoldIsRefused) {
+  const DesignProblem request = arm();
+  const Design d = design_coupling(request);
+  EXPECT_EQ(judge_coupling(request, d.spec).status, DesignStatus::kAsRequested);
+  CouplingSpec slower = d.spec, wider = d.spec;
+  slower.slow_velocity_hz = 2.0;
+  // Of the stiffness that three quarters of the margin leave: what the slow velocity has, and the other more of.
+  for (wider.velocity_band_m_per_s *= 2.0; wider.slow_velocity_hz > 1.0 && judge_coupling(request, wider).status == DesignStatus::kAsRequested;) wider.slow_velocity_hz *= 0.9;
+  for (const CouplingSpec& bad : {slower, wider}) {
+    const Design judged = judge_coupling(request, bad);
+    EXPECT_EQ(judged.status, DesignStatus::kInfeasible);
+    ASSERT_EQ(judged.reasons.size(), 1U);
+    EXPECT_NE(judged.reasons[0].find("damped on the slow velocity of"), std::string::npos) << judged.reasons[0];
+  }
+  CouplingSpec narrow = wider;
+  narrow.velocity_band_m_per_s = d.spec.velocity_band_m_per_s;
+  EXPECT_EQ(judge_coupling(request, narrow).status, DesignStatus::kAsRequested) << "three quarters of the margin are enough there";
+}
+
+/// What the encoder's steps may leave at rest: the band's effort as well.
+TEST(SlowVelocity, CountsInTheLimitCycle) {
+  DesignProblem request = arm();
+  request.device.translation.coulomb_friction = 0.0;
+  const Design d = design_coupling(request);
+  ASSERT_GT(d.spec.slow_velocity_hz, 0.0);
+  CouplingSpec without = d.spec;
+  without.slow_velocity_hz = 0.0;
+  EXPECT_GT(judge_coupling(request, d.spec).translation.limit_cycle_bound, 1.1 * judge_coupling(request, without).translation.limit_cycle_bound);
+}
+
+/// A simulated arm at rest on its encoder's steps: the damper's answer to them is a third and less, and the arm stays within what is told.
+TEST(SlowVelocity, QuietensASimulatedArm) {
+  DesignProblem request = arm();
+  request.device.translation.coulomb_friction = 0.0;
+  const Design d = design_coupling(request);
+  coupling_models::NonlinearLoop loop;
+  loop.controller = controller_of(d.spec, axis_problems(request)[0], 0.0);
+  loop.controller.gain = d.spec.gain;
+  loop.contact_stiffness = d.spec.stiffness_cap_n_per_m;
+  loop.damping_only_in_contact = true, loop.damping_share = d.spec.damper_share, loop.damping_free = d.spec.damper_free_n;
+  loop.resolution = request.device.translation.resolution;
+  loop.push = 3.0, loop.start_speed = 0.05, loop.duration_s = 6.0;
+  for (const LoopPlant& plant : {d.translation.worst_case, LoopPlant{.mass = 6.0, .damping = 30.0, .hand_mass = 2.0, .hand_damping = 3.0, .hand_stiffness = 50.0,
+                                                                     .delay_s = 2e-3, .effort_lag_s = 3e-3}}) {
+    loop.plant = plant;
+    loop.slow_velocity_rad_per_s = loop.velocity_band = 0.0;
+    const coupling_models::NonlinearVerdict loud = coupling_models::simulate(loop);
+    loop.slow_velocity_rad_per_s = 2.0 * std::numbers::pi * d.spec.slow_velocity_hz, loop.velocity_band = d.spec.velocity_band_m_per_s;
+    const coupling_models::NonlinearVerdict quiet = coupling_models::simulate(loop);
+    EXPECT_TRUE(loud.stable && quiet.stable);
+    EXPECT_LE(quiet.late_effort, std::max(0.7 * loud.late_effort, 0.1)) << plant.mass;
+    EXPECT_LE(quiet.late_amplitude, d.translation.limit_cycle_bound) << plant.mass;
+  }
+}
+
+}  // namespace
+}  // namespace voxtouch::testing
