@@ -19,7 +19,7 @@ double slow_share(const AxisProblem& translation, const CouplingSpec& spec) {
 
 bool holds_on_slow_velocity(const AxisProblem& translation, const CouplingSpec& spec, const ShownStiffness& shown) {
   if (!(spec.slow_velocity_hz > 0.0 && spec.velocity_band_m_per_s > 0.0 && spec.injected_damping_ns_per_m > 0.0)) return true;
-  if (spec.kind == "spring_damper" || translation.hand.any_passive) return false;
+  if (spec.kind == "spring_damper") return false;
   LoopController law = controller_of(spec, translation, 0.0);
   law.use({spec.slow_velocity_hz, 0});
   const double share = slow_share(translation, spec), needed = share * translation.margin * shown.coupling * shown.shown;

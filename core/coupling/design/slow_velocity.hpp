@@ -8,7 +8,7 @@ namespace voxtouch::coupling::design {
 /// that stay within the band: kLargeSwing, and all where the band is wider than the encoder's steps explain.
 double slow_share(const AxisProblem& translation, const CouplingSpec& spec);
 
-/// Whether that holds for `shown`; not for a spring-damper, nor for a hand of which only passivity is known. True where `spec` has no slow velocity.
+/// Whether that holds for `shown` in all cases; never for a spring-damper. True where `spec` damps on no slow velocity.
 bool holds_on_slow_velocity(const AxisProblem& translation, const CouplingSpec& spec, const ShownStiffness& shown);
 
 /// Gives `spec` the slowest velocity for which it holds, and the band of the encoder's steps, if what these make of injected damping may be felt.

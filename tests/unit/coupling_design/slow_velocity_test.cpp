@@ -76,6 +76,10 @@ TEST(SlowVelocity, ThatDoesNotHoldIsRefused) {
     ASSERT_EQ(judged.reasons.size(), 1U);
     EXPECT_NE(judged.reasons[0].find("damped on the slow velocity of"), std::string::npos) << judged.reasons[0];
   }
+  CouplingSpec series = d.spec;
+  series.kind = "spring_damper";
+  const std::vector<std::string> reasons = judge_coupling(request, series).reasons;
+  EXPECT_NE(reasons.end(), std::ranges::find_if(reasons, [](const std::string& r) { return r.contains("damped on the slow velocity of"); }));
   CouplingSpec narrow = wider;
   narrow.velocity_band_m_per_s = d.spec.velocity_band_m_per_s;
   EXPECT_EQ(judge_coupling(request, narrow).status, DesignStatus::kAsRequested) << "three quarters of the margin are enough there";
