@@ -61,7 +61,7 @@ TEST(Campaign, SeesDesignsThatAreTooStiff) {
   EXPECT_GT(design_phase(options).failures.size(), 12u);
 }
 
-/// The margin of 2 is a linear one; a swing that leaves the contact has 1.5. What is kept back beyond it, at the timing that the promise is for, is
+/// The margin of 2 is a linear one; a swing that leaves the contact has 1.5, and so has one within the encoder's steps, which a slower velocity damps. What is kept back beyond it, at the timing that the promise is for, is
 /// conservatism; at the nominal timing the room for jitter and lost samples is in the figure too.
 TEST(Campaign, PromisesKeepTheirMarginInTheSimulation) {
   Options options = sample(24);
@@ -69,7 +69,7 @@ TEST(Campaign, PromisesKeepTheirMarginInTheSimulation) {
   const PhaseResult result = design_phase(options);
   EXPECT_GE(figure(result, "limit / promise, slowest timing, least"), 1.5);
   EXPECT_LE(figure(result, "limit / promise, slowest timing, median"), 2.3);
-  EXPECT_GE(figure(result, "limit / promise, nominal timing, least"), 1.9);
+  EXPECT_GE(figure(result, "limit / promise, nominal timing, least"), 1.8);
 }
 
 TEST(Campaign, TheLiteralRecipeIsUnstableOnMostDevices) {
