@@ -65,6 +65,11 @@ std::string describe_bound(const CouplingSpec& spec) {
   return fmt::format("adds at most {:.3g} of what contact and effects give, and {:.2g} N", spec.damper_share, spec.damper_free_n);
 }
 
+std::string describe_slow_velocity(const CouplingSpec& spec) {
+  if (!(spec.slow_velocity_hz > 0.0 && spec.velocity_band_m_per_s > 0.0 && spec.injected_damping_ns_per_m > 0.0)) return "";
+  return fmt::format("acts on the velocity of a filter of {:.3g} Hz within {:.2g} mm/s, which may be the encoder's steps", spec.slow_velocity_hz, 1e3 * spec.velocity_band_m_per_s);
+}
+
 std::string describe(const VelocityEstimate& velocity) {
   return velocity.window > 0 ? fmt::format("a window of {} samples", window_span(velocity.window))
                              : fmt::format("a filter of {:.3g} Hz", velocity.filter_hz);
@@ -94,11 +99,6 @@ std::vector<std::string> reasons_of(const DesignProblem& request, const std::vec
                                 p.units->name, p.model.max_stiffness, p.units->stiffness, p.contact.all_points));
     if (d.injected_damping > 0.0) out.push_back(damping_reason(request, p, design, d));
   }
-  if (const CouplingSpec& spec = design.spec; spec.slow_velocity_hz > 0.0 && spec.velocity_band_m_per_s > 0.0)
-    out.push_back(fmt::format("Movements within {:.2g} mm/s, which may be the encoder's steps, are damped on the velocity of a filter of {:.3g} Hz: a step makes {:.2g} N instead of "
-                              "{:.2g} N of injected damping.", 1e3 * spec.velocity_band_m_per_s, spec.slow_velocity_hz,
-                              spec.injected_damping_ns_per_m * step_speed(problems[0], {spec.slow_velocity_hz, 0}),
-                              spec.injected_damping_ns_per_m * spec.velocity_band_m_per_s));
   if (filter && design.spec.cutoff_hz > request.goals.cutoff_hz)
     out.push_back(cutoff_reason(request, problems, design));
   return out;

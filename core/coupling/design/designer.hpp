@@ -108,6 +108,8 @@ struct Design {
 std::string describe(const VelocityEstimate& velocity);
 /// "adds at most 0.35 of what contact and effects give, and 0.05 N", of the injected damping of `spec`, for a person. Empty where it is not bounded.
 std::string describe_bound(const CouplingSpec& spec);
+/// "acts on the velocity of a filter of 16 Hz within 5.4 mm/s, which may be the encoder's steps", likewise. Empty where it acts on no slow velocity.
+std::string describe_slow_velocity(const CouplingSpec& spec);
 
 /// Pure arithmetic, 0.04 to 0.25 s of processor time for the devices here, up to half a second with long delays; not for the loop. The same
 /// request gives the same bits. Throws std::invalid_argument with the first sentence of `check` for numbers that cannot be designed for.

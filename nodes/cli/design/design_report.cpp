@@ -53,7 +53,8 @@ std::string coupling_lines(const coupling::design::Design& design) {
   if (s.injected_damping_ns_per_m > 0)
     text += fmt::format("\n                {:.3g} Ns/m of damping while in contact, velocity of {}", s.injected_damping_ns_per_m,
                         coupling::design::describe(coupling::design::velocity_of(s)));
-  if (const std::string bound = coupling::design::describe_bound(s); !bound.empty()) text += ";\n                it " + bound;
+  for (const std::string& more : {coupling::design::describe_slow_velocity(s), coupling::design::describe_bound(s)})
+    if (!more.empty()) text += ";\n                it " + more;
   if (std::isfinite(s.stiffness_cap_n_per_m))
     text += fmt::format("\n                contact capped at {:.4g} N/m", s.stiffness_cap_n_per_m);
   return text;

@@ -45,7 +45,8 @@ TEST(SlowVelocity, IsTheSlowestThatKeepsThreeQuarters) {
   EXPECT_TRUE(keeps(request, d, d.spec.slow_velocity_hz, kLargeSwing));
   EXPECT_FALSE(keeps(request, d, 0.79 * d.spec.slow_velocity_hz, kLargeSwing)) << "the next one down the list";
   EXPECT_LT(step_speed(translation, {d.spec.slow_velocity_hz, 0}), 0.6 * d.spec.velocity_band_m_per_s);
-  EXPECT_NE(d.reasons.end(), std::ranges::find_if(d.reasons, [](const std::string& r) { return r.contains("which may be the encoder's steps"); }));
+  EXPECT_EQ(describe_slow_velocity(d.spec), "acts on the velocity of a filter of 16 Hz within 5.4 mm/s, which may be the encoder's steps");
+  EXPECT_EQ(describe_slow_velocity(CouplingSpec{}), "");
 }
 
 TEST(SlowVelocity, IsGivenWhereAStepOfTheEncoderIsFeltAndNowhereElse) {
