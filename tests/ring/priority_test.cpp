@@ -3,6 +3,7 @@
 
 #include <pthread.h>
 #include <sched.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -160,7 +161,7 @@ TEST(Priority, OfARingInOneProcessIsOnOneCpu) {
   EXPECT_TRUE(comes([&] { return loops() == 3; })) << loops();
 }
 
-/// As the kernel has it, what is lent included: -1 - n for priority n of SCHED_FIFO, 20 for an ordinary thread.
+/// As the kernel has it, what is lent included: -1 - n for priority n of SCHED_FIFO, 20 and its nice value for an ordinary thread.
 int effective_priority(pid_t thread) {
   std::ifstream in("/proc/self/task/" + std::to_string(thread) + "/stat");
   std::string text((std::istreambuf_iterator<char>(in)), {});
@@ -185,7 +186,7 @@ TEST(Priority, OfWhoWaitsForALockIsLentToWhoHoldsIt) {
     pthread_mutex_unlock(&mutex);
   });
   ASSERT_TRUE(comes([&] { return holder != 0; }));
-  EXPECT_EQ(effective_priority(holder), 20);
+  EXPECT_EQ(effective_priority(holder), 20 + getpriority(PRIO_PROCESS, 0));
   std::thread waits([&] {
     const sched_param urgent{.sched_priority = 3};
     sched_setscheduler(0, SCHED_FIFO, &urgent);
