@@ -176,6 +176,8 @@ void RunningCoupling::add_damping(Wrench& sum, const Wrench& law, CouplingOutput
   const InjectedWrench injected = injected_.of(contact_, law.force, velocity);  // none where the contact does not push
   sum.force += injected.wrench.force, sum.torque += injected.wrench.torque;
   out.bounded = injected.bounded, out.injected_n = injected.wrench.force.stableNorm();
+  // Within the band on the slow velocity too: a device without friction that rests on the encoder's steps calls for it, and on the fast one it would answer
+  // each of them. Its limit, half of what the loop bears on the fast one, is less than what it bears on a slower one.
   PassivityDamping more = passivity_.control(contact_.contact.force, way_, velocity, passivity_limits_);
   // Across the contact it works as friction does: no more than the push, so that it comes and goes with it.
   clamp_length(more.tangential, law.force.stableNorm());

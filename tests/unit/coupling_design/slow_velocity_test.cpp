@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "core/coupling/design/damping_floor.hpp"
+#include "core/coupling/design/filter_search.hpp"
 #include "core/coupling/design/slow_velocity.hpp"
 #include "tests/support/coupling_models/nonlinear_loop.hpp"
 #include "tests/unit/coupling_design/designer_support.hpp"
@@ -84,6 +85,15 @@ TEST(SlowVelocity, ThatDoesNotHoldIsRefused) {
   CouplingSpec narrow = wider;
   narrow.velocity_band_m_per_s = d.spec.velocity_band_m_per_s;
   EXPECT_EQ(judge_coupling(request, narrow).status, DesignStatus::kAsRequested) << "three quarters of the margin are enough there";
+}
+
+/// What the passivity controller may add is half of what the loop bears on the fast velocity. On a slower one of first order it bears more than that.
+TEST(SlowVelocity, BearsWhatThePassivityControllerMayAdd) {
+  for (const DesignProblem& request : {arm(), sim_arm(), sim_stylus()}) {
+    const AxisProblem translation = axis_problems(request)[0];
+    for (const VelocityEstimate& fast : kVelocityEstimates)
+      for (const double hz : {8.0, 16.0, 32.0, 50.0}) EXPECT_GT(critical_damping(translation, {hz, 0}), 0.5 * critical_damping(translation, fast)) << request.device.name << " " << hz;
+  }
 }
 
 /// What the encoder's steps may leave at rest: the band's effort as well.
