@@ -131,15 +131,9 @@ void add_rows(const Hits& hits, bool in_surface, const voxmap::DistanceField& fi
     find_levers(block, planes, frame.lever_m, levers);
     for (std::size_t n = 0; n < block.count; ++n) {
       if (!(screened.kind[n] > 0.0 && planes.gap_m[n] <= widest)) continue;
-      ConstraintRow& row = rows.emplace_back();
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        const auto at = static_cast<Eigen::Index>(axis);
-        row.jacobian[at] = planes.normal[axis][n], row.jacobian[at + 3] = levers[axis][n], row.arm[at] = block.arm[axis][n];
-      }
-      row.gap_m = planes.gap_m[n];
-      row.point = hits.point(begin + n);
-      row.object = frame.object;
-      row.of_face = screened.kind[n] == Screened::kOfFace;
+      const Vec3 normal = taken(planes.normal, n), half = taken(levers, n);
+      rows.emplace_back(Vec6(normal.x(), normal.y(), normal.z(), half.x(), half.y(), half.z()), taken(block.arm, n), planes.gap_m[n], hits.point(begin + n),
+                        frame.object, screened.kind[n] == Screened::kOfFace);
     }
   }
 }
@@ -153,27 +147,39 @@ void add_edge_rows(const HitList& hits, const ContactQuery& edges, const voxmap:
   if (smooth) smooth_normals(tool, swapped, std::span(rows).subspan(first));
   std::size_t kept = first;
   for (std::size_t n = first; n < rows.size(); ++n) {
-    ConstraintRow& row = rows[n];
+    const ConstraintRow& row = rows[n];
     const Vec3 normal = -(orientation * row.normal());
     if (!(normal.dot(edges.shell().normal(row.point)) < -limits::kEdgeAgree)) continue;
-    row.arm = orientation * (hits.pose_WT.position + row.arm);
-    row.jacobian << normal, row.arm.cross(normal) / frame.lever_m;
-    row.of_face = true;
-    rows[kept++] = row;
+    const Vec3 arm = orientation * (hits.pose_WT.position + row.arm), half = arm.cross(normal) / frame.lever_m;
+    rows[kept++] = {Vec6(normal.x(), normal.y(), normal.z(), half.x(), half.y(), half.z()), arm, row.gap_m, row.point, row.object, true};
   }
   rows.erase(rows.begin() + static_cast<std::ptrdiff_t>(kept), rows.end());
 }
 
 void smooth_normals(const voxmap::DistanceField& field, const RowFrame& frame, std::span<ConstraintRow> rows) noexcept {
+  constexpr std::size_t kTogether = voxmap::DistanceField::kSmoothTogether;
   const double widest = limits::kSmoothGapEdges * field.grid().edge;
+  ConstraintRow* whose[kTogether];
+  Vec3 at[kTogether], gradients[kTogether];
+  std::size_t count = 0;
+  const auto smooth = [&]() noexcept {
+    field.smooth_gradients(count, at, gradients);
+    for (std::size_t n = 0; n < count; ++n) {
+      ConstraintRow& row = *whose[n];
+      const double steepness = gradients[n].norm();
+      if (!(steepness >= limits::kSmoothGradient)) continue;
+      row.jacobian.head<3>() = gradients[n] / steepness;
+      row.jacobian.tail<3>() = row.arm.cross(row.normal()) / frame.lever_m;
+    }
+    count = 0;
+  };
   for (ConstraintRow& row : rows) {
     if (row.object != frame.object || row.of_face || row.gap_m > widest) continue;
-    const Vec3 gradient = field.smooth_gradient((frame.local + row.arm) / field.grid().edge);
-    const double steepness = gradient.norm();
-    if (!(steepness >= limits::kSmoothGradient)) continue;
-    row.jacobian.head<3>() = gradient / steepness;
-    row.jacobian.tail<3>() = row.arm.cross(row.normal()) / frame.lever_m;
+    at[count] = (frame.local + row.arm) / field.grid().edge;
+    whose[count++] = &row;
+    if (count == kTogether) smooth();
   }
+  if (count > 0) smooth();
 }
 
 void keep_nearest(std::vector<ConstraintRow>& rows, double tilt) noexcept {

@@ -1,5 +1,6 @@
 #include "core/contact/wall_faces.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -14,20 +15,18 @@ using Lanes = double[kPoints];
 
 /// Distances at the corners of two voxels for each point: its own, and the one an edge farther out along the tool's normal.
 struct Corners {
-  alignas(64) Lanes from_point[kCorners][3], distance[kCorners];  ///< [e]; the distance as the field has it
-  alignas(64) Lanes is_there[kCorners];  ///< 1; 0 where it may be cut off, or the two voxels are one
+  alignas(64) Lanes way[2][3][2];  ///< from the point to the faces of either voxel, below and above on each axis [e]
+  alignas(64) Lanes distance[kCorners];  ///< [e]; as the field has it; beyond limits::kSheetFarEdges it may be cut off, or the two voxels are one
+
+  VOXTOUCH_INLINE double from_point(std::size_t k, std::size_t axis, std::size_t n) const noexcept { return way[k / 8][axis][k >> axis & 1][n]; }
 };
 
-/// Planes n.x = c, and what they are fitted to.
+/// Planes n.x = c that are fitted to them.
 struct Fits {
-  alignas(64) Lanes normal[3], c;
-  alignas(64) Lanes used, middle[3], mean, slopes[3], moments[6];
+  alignas(64) Lanes normal[3], c, is_plane;  ///< the last: 1; 0 where there is none, and the normal before stays
 };
 
-/// The points and their two voxels, in grid coordinates.
-struct Places {
-  alignas(64) Lanes at[3], voxel[2][3];
-};
+VOXTOUCH_INLINE bool is_there(double distance) noexcept { return distance <= limits::kSheetFarEdges; }
 
 /// The distances at the corners of one voxel.
 void look_up(const voxmap::DistanceField::Arrays& arrays, const voxmap::VoxelIndex& v, double (&distance)[8]) noexcept {
@@ -45,94 +44,77 @@ void look_up(const voxmap::DistanceField::Arrays& arrays, const voxmap::VoxelInd
 }
 
 /// \returns how many corners there are.
-std::size_t put_corners(const voxmap::DistanceField::Arrays& arrays, const Vec3& u, const Vec3& outward, std::size_t lane, Places& places,
-                        Corners& corners) noexcept {
+std::size_t put_corners(const voxmap::DistanceField::Arrays& arrays, const Vec3& u, const Vec3& outward, std::size_t lane, Corners& corners) noexcept {
   const voxmap::VoxelIndex here = voxmap::Grid::voxel_of(u), out = voxmap::Grid::voxel_of(u + outward);
   std::size_t count = 0;
   double distance[8];
   for (std::size_t which = 0; which < 2; ++which) {
     const voxmap::VoxelIndex& v = which == 0 ? here : out;
     const bool asked = which == 0 || !(out == here);
-    if (asked) look_up(arrays, v, distance);
-    for (std::size_t k = 0; k < 8; ++k) {
-      const bool there = asked && !(distance[k] > limits::kSheetFarEdges);
-      corners.distance[8 * which + k][lane] = distance[k];
-      corners.is_there[8 * which + k][lane] = there ? 1.0 : 0.0;
-      count += there;
+    if (asked) {
+      look_up(arrays, v, distance);
+    } else {
+      std::fill_n(distance, 8, 2.0 * limits::kSheetFarEdges);
     }
-    places.voxel[which][0][lane] = v.i, places.voxel[which][1][lane] = v.j, places.voxel[which][2][lane] = v.k;
+    for (std::size_t k = 0; k < 8; ++k) {
+      corners.distance[8 * which + k][lane] = distance[k];
+      count += is_there(distance[k]);
+    }
+    const double low[3] = {static_cast<double>(v.i), static_cast<double>(v.j), static_cast<double>(v.k)};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      for (const std::size_t above : {0, 1})
+        corners.way[which][axis][above][lane] = (low[axis] + static_cast<double>(above)) - u[static_cast<Eigen::Index>(axis)];
   }
-  for (std::size_t axis = 0; axis < 3; ++axis) places.at[axis][lane] = u[static_cast<Eigen::Index>(axis)];
   return count;
 }
 
-VOXTOUCH_CLONES void put_ways(const Places& __restrict places, Corners& __restrict corners) noexcept {
-  for (std::size_t k = 0; k < kCorners; ++k)
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const double beside = static_cast<double>(k >> axis & 1);
-      for (std::size_t n = 0; n < kPoints; ++n) corners.from_point[k][axis][n] = (places.voxel[k / 8][axis][n] + beside) - places.at[axis][n];
-    }
-}
-
-/// Sums over the corners on the side of the normal, in the corners' order. For these n.x_k - d_k is c; behind the wall it falls short of c by the wall's
-/// thickness and twice the distance, so they are those near the largest.
-VOXTOUCH_CLONES void sum_up(const Corners& __restrict corners, double tolerance, Fits& __restrict fits) noexcept {
+/// Fits the planes once more, to the corners on the side of the normal. For these n.x_k - d_k is c; behind the wall it falls short of c by the wall's
+/// thickness and twice the distance, so they are those near the largest. Sums are in the corners' order, unrolled so that they stay in registers;
+/// the planes are by the factors L D L' of the moments.
+VOXTOUCH_CLONES void fit(const Corners& __restrict corners, double tolerance, Fits& __restrict fits) noexcept {
   constexpr double kKeep = 1e-3;  // where the corners leave a direction open, the one before stays
-  alignas(64) Lanes reach[kCorners], most, here[3], low;
-  for (std::size_t n = 0; n < kPoints; ++n) most[n] = -std::numeric_limits<double>::infinity();
-  for (std::size_t k = 0; k < kCorners; ++k)
-    for (std::size_t n = 0; n < kPoints; ++n) {
-      const double along = (fits.normal[0][n] * corners.from_point[k][0][n] + fits.normal[1][n] * corners.from_point[k][1][n]) +
-                           fits.normal[2][n] * corners.from_point[k][2][n];
-      reach[k][n] = corners.is_there[k][n] > 0.0 ? along - corners.distance[k][n] : -std::numeric_limits<double>::infinity();
-      most[n] = reach[k][n] > most[n] ? reach[k][n] : most[n];
-    }
   for (std::size_t n = 0; n < kPoints; ++n) {
-    low[n] = most[n] - tolerance;
-    fits.used[n] = fits.mean[n] = fits.middle[0][n] = fits.middle[1][n] = fits.middle[2][n] = 0.0;
-  }
-  for (std::size_t k = 0; k < kCorners; ++k)
-    for (std::size_t n = 0; n < kPoints; ++n) {
-      const bool on = reach[k][n] >= low[n];
-      for (std::size_t axis = 0; axis < 3; ++axis)
-        fits.middle[axis][n] = on ? fits.middle[axis][n] + corners.from_point[k][axis][n] : fits.middle[axis][n];
-      fits.mean[n] = on ? fits.mean[n] + corners.distance[k][n] : fits.mean[n];
-      fits.used[n] = on ? fits.used[n] + 1.0 : fits.used[n];
+    const double nx0 = fits.normal[0][n], ny0 = fits.normal[1][n], nz0 = fits.normal[2][n];
+    double reach[kCorners], most = -std::numeric_limits<double>::infinity();
+#pragma GCC unroll 16
+    for (std::size_t k = 0; k < kCorners; ++k) {
+      const double along = (nx0 * corners.from_point(k, 0, n) + ny0 * corners.from_point(k, 1, n)) + nz0 * corners.from_point(k, 2, n);
+      reach[k] = is_there(corners.distance[k][n]) ? along - corners.distance[k][n] : -std::numeric_limits<double>::infinity();
+      most = reach[k] > most ? reach[k] : most;
     }
-  for (std::size_t n = 0; n < kPoints; ++n) {
-    fits.mean[n] /= fits.used[n];
-    for (std::size_t axis = 0; axis < 3; ++axis) fits.middle[axis][n] /= fits.used[n], fits.slopes[axis][n] = kKeep * fits.normal[axis][n];
-    for (std::size_t m = 0; m < 6; ++m) fits.moments[m][n] = m < 3 ? kKeep : 0.0;  // xx yy zz, xy xz yz
-  }
-  for (std::size_t k = 0; k < kCorners; ++k) {
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      for (std::size_t n = 0; n < kPoints; ++n) here[axis][n] = corners.from_point[k][axis][n] - fits.middle[axis][n];
-    for (std::size_t n = 0; n < kPoints; ++n) {
-      const bool on = reach[k][n] >= low[n];
-      const double x = here[0][n], y = here[1][n], z = here[2][n], off = corners.distance[k][n] - fits.mean[n];
-      const double of[6] = {x * x, y * y, z * z, x * y, x * z, y * z};
-      for (std::size_t m = 0; m < 6; ++m) fits.moments[m][n] = on ? fits.moments[m][n] + of[m] : fits.moments[m][n];
-      const double along[3] = {off * x, off * y, off * z};
-      for (std::size_t axis = 0; axis < 3; ++axis) fits.slopes[axis][n] = on ? fits.slopes[axis][n] + along[axis] : fits.slopes[axis][n];
+    const double low = most - tolerance;
+    double used = 0.0, mean = 0.0, mx = 0.0, my = 0.0, mz = 0.0;
+#pragma GCC unroll 16
+    for (std::size_t k = 0; k < kCorners; ++k) {
+      const bool on = reach[k] >= low;
+      mx = on ? mx + corners.from_point(k, 0, n) : mx;
+      my = on ? my + corners.from_point(k, 1, n) : my;
+      mz = on ? mz + corners.from_point(k, 2, n) : mz;
+      mean = on ? mean + corners.distance[k][n] : mean;
+      used = on ? used + 1.0 : used;
     }
-  }
-}
-
-/// The planes of the sums, by the factors L D L' of their moments. `is_plane`: 1; 0 where there is none, and the normal before stays.
-VOXTOUCH_CLONES void solve(Fits& __restrict fits, Lanes& __restrict is_plane) noexcept {
-  for (std::size_t n = 0; n < kPoints; ++n) {
-    const double xx = fits.moments[0][n], yy = fits.moments[1][n], zz = fits.moments[2][n], xy = fits.moments[3][n], xz = fits.moments[4][n], yz = fits.moments[5][n];
+    mean /= used, mx /= used, my /= used, mz /= used;
+    double xx = kKeep, yy = kKeep, zz = kKeep, xy = 0.0, xz = 0.0, yz = 0.0, sx = kKeep * nx0, sy = kKeep * ny0, sz = kKeep * nz0;
+#pragma GCC unroll 16
+    for (std::size_t k = 0; k < kCorners; ++k) {
+      const bool on = reach[k] >= low;
+      const double x = corners.from_point(k, 0, n) - mx, y = corners.from_point(k, 1, n) - my, z = corners.from_point(k, 2, n) - mz,
+                   off = corners.distance[k][n] - mean;
+      xx = on ? xx + x * x : xx, yy = on ? yy + y * y : yy, zz = on ? zz + z * z : zz;
+      xy = on ? xy + x * y : xy, xz = on ? xz + x * z : xz, yz = on ? yz + y * z : yz;
+      sx = on ? sx + off * x : sx, sy = on ? sy + off * y : sy, sz = on ? sz + off * z : sz;
+    }
     const double yx = xy / xx, zx = xz / xx, d_y = yy - yx * xy, rest = yz - yx * xz, zy = rest / d_y, d_z = (zz - zx * xz) - zy * rest;
-    const double a = fits.slopes[0][n], b = fits.slopes[1][n] - yx * a, c = (fits.slopes[2][n] - zx * a) - zy * b;
+    const double a = sx, b = sy - yx * a, c = (sz - zx * a) - zy * b;
     const double z = c / d_z, y = b / d_y - zy * z, x = (a / xx - yx * y) - zx * z;
-    const double length = std::sqrt((x * x + y * y) + z * z), enough = fits.used[n] >= static_cast<double>(limits::kSheetCorners) ? 1.0 : 0.0;
+    const double length = std::sqrt((x * x + y * y) + z * z), enough = used >= static_cast<double>(limits::kSheetCorners) ? 1.0 : 0.0;
     const double long_enough = length > 0.5 ? 1.0 : 0.0, divisor = length + (1.0 - long_enough);
     const double nx = x / divisor, ny = y / divisor, nz = z / divisor;
-    fits.normal[0][n] = long_enough > 0.0 ? nx : fits.normal[0][n];
-    fits.normal[1][n] = long_enough > 0.0 ? ny : fits.normal[1][n];
-    fits.normal[2][n] = long_enough > 0.0 ? nz : fits.normal[2][n];
-    fits.c[n] = (nx * fits.middle[0][n] + ny * fits.middle[1][n]) + nz * fits.middle[2][n] - fits.mean[n];
-    is_plane[n] = long_enough * enough;
+    fits.normal[0][n] = long_enough > 0.0 ? nx : nx0;
+    fits.normal[1][n] = long_enough > 0.0 ? ny : ny0;
+    fits.normal[2][n] = long_enough > 0.0 ? nz : nz0;
+    fits.c[n] = (nx * mx + ny * my) + nz * mz - mean;
+    fits.is_plane[n] = long_enough * enough;
   }
 }
 
@@ -142,10 +124,11 @@ VOXTOUCH_CLONES void ask_whether_reached(const Corners& __restrict corners, cons
   for (std::size_t n = 0; n < kPoints; ++n) reached[n] = 1.0;
   for (std::size_t k = 0; k < kCorners; ++k)
     for (std::size_t n = 0; n < kPoints; ++n) {
-      const double x = fits.c[n] * fits.normal[0][n] - corners.from_point[k][0][n], y = fits.c[n] * fits.normal[1][n] - corners.from_point[k][1][n],
-                   z = fits.c[n] * fits.normal[2][n] - corners.from_point[k][2][n];
+      const double x = fits.c[n] * fits.normal[0][n] - corners.from_point(k, 0, n), y = fits.c[n] * fits.normal[1][n] - corners.from_point(k, 1, n),
+                   z = fits.c[n] * fits.normal[2][n] - corners.from_point(k, 2, n);
       const double nearer = std::sqrt((x * x + y * y) + z * z) < std::abs(corners.distance[k][n]) - limits::kSheetBeyond ? 0.0 : 1.0;
-      reached[n] = corners.is_there[k][n] > nearer ? 0.0 : reached[n];
+      const double there = is_there(corners.distance[k][n]) ? 1.0 : 0.0;
+      reached[n] = there > nearer ? 0.0 : reached[n];
     }
 }
 
@@ -154,14 +137,12 @@ VOXTOUCH_CLONES void ask_whether_reached(const Corners& __restrict corners, cons
 void find_wall_faces(const voxmap::DistanceField& field, WallFaces& faces) noexcept {
   const voxmap::DistanceField::Arrays arrays = field.arrays();
   Corners corners;
-  Places places;
   Fits fits;
-  alignas(64) Lanes is_plane;
   std::size_t left = 0;
   for (std::size_t n = 0; n < kPoints; ++n) {
     const std::size_t p = n < faces.count ? n : 0;  // filled up with the first once more
     const Vec3 &u = faces.at[p], &outward = faces.outward[p];
-    faces.found[n] = put_corners(arrays, u, outward, n, places, corners) >= limits::kSheetCorners && n < faces.count;
+    faces.found[n] = put_corners(arrays, u, outward, n, corners) >= limits::kSheetCorners && n < faces.count;
     left += faces.found[n];
     Vec3 normal = outward;
     if (faces.found[n]) {
@@ -172,23 +153,25 @@ void find_wall_faces(const voxmap::DistanceField& field, WallFaces& faces) noexc
     for (std::size_t axis = 0; axis < 3; ++axis) fits.normal[axis][n] = normal[static_cast<Eigen::Index>(axis)];
     fits.c[n] = 0.0;
   }
-  if (left > 0) put_ways(places, corners);
   for (const double tolerance : {limits::kSheetCoarse, limits::kSheetFine, limits::kSheetFine}) {
     if (left == 0) return;
-    sum_up(corners, tolerance, fits);
-    solve(fits, is_plane);
+    fit(corners, tolerance, fits);
     for (std::size_t n = 0; n < faces.count; ++n)
-      if (faces.found[n] && !(is_plane[n] > 0.0)) faces.found[n] = false, --left;
+      if (faces.found[n] && !(fits.is_plane[n] > 0.0)) faces.found[n] = false, --left;
   }
-  alignas(64) Lanes reached;
-  ask_whether_reached(corners, fits, reached);
+  left = 0;
   for (std::size_t n = 0; n < faces.count; ++n) {
     faces.normal[n] = Vec3(fits.normal[0][n], fits.normal[1][n], fits.normal[2][n]);
     faces.gap_m[n] = -fits.c[n] * field.grid().edge;
     // In a thick body one is deeper an edge farther in. Without this a round hole would be too narrow for its pin.
-    faces.found[n] = faces.found[n] && faces.normal[n].dot(faces.outward[n]) >= limits::kSheetAgree && reached[n] > 0.0 &&
+    faces.found[n] = faces.found[n] && faces.normal[n].dot(faces.outward[n]) >= limits::kSheetAgree &&
                      field.at(faces.at[n] - faces.normal[n]).distance_m >= faces.gap_m[n];
+    left += faces.found[n];
   }
+  if (left == 0) return;
+  alignas(64) Lanes reached;
+  ask_whether_reached(corners, fits, reached);
+  for (std::size_t n = 0; n < faces.count; ++n) faces.found[n] = faces.found[n] && reached[n] > 0.0;
 }
 
 }  // namespace voxtouch::contact

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/voxmap/interpolation.hpp"
+#include "core/voxmap/smooth_block.hpp"
 
 namespace voxtouch::voxmap {
 
@@ -39,50 +40,75 @@ FieldSample DistanceField::at(const Vec3& u) const noexcept {
   return sample;
 }
 
-Vec3 DistanceField::smooth_gradient(const Vec3& u) const noexcept {
+/// The nodes of a brick, or, where none is stored, what all of them are cut off to.
+struct DistanceField::Nodes {
+  const float* stored;
+  double all;
+  double operator[](std::int64_t n) const noexcept { return stored != nullptr ? stored[n] : all; }
+};
+
+DistanceField::Nodes DistanceField::nodes_of(const std::array<std::int64_t, 3>& cell) const noexcept {
+  const std::int32_t entry = entry_at(cell[0], cell[1], cell[2]);
+  return {entry >= 0 ? bricks_[static_cast<std::size_t>(entry)].data() : nullptr, entry == kDeep ? -depth_voxels_ : band_voxels_};
+}
+
+/// The corners of the point's voxel, which are in one brick, and the nodes beyond them on one axis, in that brick or the next one on this axis.
+void DistanceField::put_smooth(const Vec3& u, std::size_t lane, SmoothBlock& block) const noexcept {
+  constexpr std::int64_t kStride[3] = {1, kNodeEdge, kNodeEdge * kNodeEdge};
+  constexpr std::size_t kPlace[3] = {1, 4, 16};
   const VoxelIndex voxel = Grid::voxel_of(u);
-  const std::int32_t at[3] = {voxel.i, voxel.j, voxel.k};
-  const double t[3] = {u.x() - voxel.i, u.y() - voxel.j, u.z() - voxel.k};
-  // The 4 x 4 x 4 nodes round the voxel, without those that lie beyond its corners on two axes.
-  constexpr std::size_t kStride[3] = {1, 4, 16};
-  double nodes[64];
-  const std::int64_t low[3] = {std::int64_t{at[0]} - base_.i - 1, std::int64_t{at[1]} - base_.j - 1, std::int64_t{at[2]} - base_.k - 1};
-  const bool in_table = (low[0] | low[1] | low[2]) >= 0 && (low[0] >> 3) < cells_[0] && (low[1] >> 3) < cells_[1] && (low[2] >> 3) < cells_[2];
-  const std::int32_t entry = in_table ? table_[static_cast<std::size_t>((low[0] >> 3) + cells_[0] * ((low[1] >> 3) + cells_[1] * (low[2] >> 3)))] : kFree;
-  const bool in_brick = entry >= 0 && (low[0] & 7) <= kNodeEdge - 4 && (low[1] & 7) <= kNodeEdge - 4 && (low[2] & 7) <= kNodeEdge - 4;
-  const float* const first = in_brick ? &bricks_[static_cast<std::size_t>(entry)][static_cast<std::size_t>(
-                                            (low[0] & 7) + kNodeEdge * ((low[1] & 7) + kNodeEdge * (low[2] & 7)))] : nullptr;
-  const auto beside = [](int i) noexcept { return i == 0 || i == 3; };
-  for (int z = 0; z < 4; ++z)
-    for (int y = 0; y < 4; ++y)
-      for (int x = 0; x < 4; ++x)
-        if (beside(x) + beside(y) + beside(z) < 2)
-          nodes[x + 4 * y + 16 * z] = in_brick ? first[x + kNodeEdge * (y + kNodeEdge * z)] : node({at[0] + x - 1, at[1] + y - 1, at[2] + z - 1});
-  Vec3 gradient;
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto n = static_cast<std::size_t>(axis), second = (n + 1) % 3, third = (n + 2) % 3;
-    const std::size_t along = kStride[n];
-    double line[4];
-    for (std::size_t k = 0; k < 4; ++k) {
-      const double* const d = nodes + kStride[second] * (1 + (k & 1)) + kStride[third] * (1 + (k >> 1));
-      const double d1 = d[along], d2 = d[2 * along];
-      const double d0 = d[0] >= band_voxels_ ? 2.0 * d1 - d2 : d[0], d3 = d[3 * along] >= band_voxels_ ? 2.0 * d2 - d1 : d[3 * along];
-      line[k] = 0.5 * mix(d2 - d0, d3 - d1, t[n]);
+  const std::int64_t at[3] = {std::int64_t{voxel.i} - base_.i, std::int64_t{voxel.j} - base_.j, std::int64_t{voxel.k} - base_.k};
+  block.t[0][lane] = u.x() - voxel.i, block.t[1][lane] = u.y() - voxel.j, block.t[2][lane] = u.z() - voxel.k;
+  const std::array<std::int64_t, 3> cell = {at[0] >> 3, at[1] >> 3, at[2] >> 3};
+  const std::int64_t in[3] = {at[0] & 7, at[1] & 7, at[2] & 7}, first = in[0] + kStride[1] * in[1] + kStride[2] * in[2];
+  const Nodes own = nodes_of(cell);
+  for (std::int64_t k = 0; k < 8; ++k)
+    block.node[21 + (k & 1) + 4 * (k >> 1 & 1) + 16 * (k >> 2)][lane] = own[first + (k & 1) + kStride[1] * (k >> 1 & 1) + kStride[2] * (k >> 2)];
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::size_t second = (axis + 1) % 3, third = (axis + 2) % 3;
+    const auto put = [&](const Nodes& nodes, std::int64_t from, std::size_t to) noexcept {
+      for (std::size_t k = 0; k < 4; ++k)
+        block.node[to + kPlace[second] * (1 + (k & 1)) + kPlace[third] * (1 + (k >> 1))][lane] =
+            nodes[from + kStride[second] * static_cast<std::int64_t>(k & 1) + kStride[third] * static_cast<std::int64_t>(k >> 1)];
+    };
+    std::array<std::int64_t, 3> next = cell;
+    if (in[axis] == 0) {
+      --next[axis];
+      put(nodes_of(next), first + (kBrickEdge - 1) * kStride[axis], 0);
+    } else {
+      put(own, first - kStride[axis], 0);
     }
-    gradient[axis] = mix(mix(line[0], line[1], t[second]), mix(line[2], line[3], t[second]), t[third]);
+    next = cell;
+    if (in[axis] == kBrickEdge - 1) {
+      ++next[axis];
+      put(nodes_of(next), first - (kBrickEdge - 2) * kStride[axis], 3 * kPlace[axis]);
+    } else {
+      put(own, first + 2 * kStride[axis], 3 * kPlace[axis]);
+    }
   }
-  return gradient;
+}
+
+void DistanceField::smooth_gradients(std::size_t count, const Vec3* u, Vec3* gradients) const noexcept {
+  SmoothBlock block;
+  if (count < kSmoothTogether) block = {};
+  for (std::size_t n = 0; n < count; ++n) put_smooth(u[n], n, block);
+  find_smooth(block, band_voxels_);
+  for (std::size_t n = 0; n < count; ++n) gradients[n] = {block.gradient[0][n], block.gradient[1][n], block.gradient[2][n]};
 }
 
 double DistanceField::node(const VoxelIndex& voxel) const noexcept {
   // In 64 bits: the difference of two int32.
   const std::int64_t x = std::int64_t{voxel.i} - base_.i, y = std::int64_t{voxel.j} - base_.j,
                      z = std::int64_t{voxel.k} - base_.k;
-  if ((x | y | z) < 0 || (x >> 3) >= cells_[0] || (y >> 3) >= cells_[1] || (z >> 3) >= cells_[2]) return band_voxels_;
-  const std::int32_t entry = table_[static_cast<std::size_t>((x >> 3) + cells_[0] * ((y >> 3) + cells_[1] * (z >> 3)))];
+  const std::int32_t entry = entry_at(x >> 3, y >> 3, z >> 3);
   if (entry < 0) return entry == kDeep ? -depth_voxels_ : band_voxels_;
   return bricks_[static_cast<std::size_t>(entry)]
                 [static_cast<std::size_t>((x & 7) + kNodeEdge * ((y & 7) + kNodeEdge * (z & 7)))];
+}
+
+std::int32_t DistanceField::entry_at(std::int64_t x, std::int64_t y, std::int64_t z) const noexcept {
+  if ((x | y | z) < 0 || x >= cells_[0] || y >= cells_[1] || z >= cells_[2]) return kFree;
+  return table_[static_cast<std::size_t>(x + cells_[0] * (y + cells_[1] * z))];
 }
 
 std::size_t DistanceField::bytes() const noexcept {

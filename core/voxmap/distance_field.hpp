@@ -32,6 +32,7 @@
 namespace voxtouch::voxmap {
 
 struct ClosedMesh;
+struct SmoothBlock;
 
 /// What the field says about one point.
 struct FieldSample {
@@ -63,10 +64,18 @@ class DistanceField {
   /// unknown. Real-time safe.
   FieldSample at(const Vec3& u) const noexcept;
 
-  /// Gradient at `u`, W axes, that does not jump from voxel to voxel: differences of the stored distances over two voxels at the corners of the point's
-  /// voxel, interpolated between these. Exact where the distance is a polynomial of second degree. Of a distance that is cut off outside,
-  /// the one that the nodes before it lead to is taken, so beside planes it is theirs. `u` must be finite and within int32. Real-time safe.
-  Vec3 smooth_gradient(const Vec3& u) const noexcept;
+  static constexpr std::size_t kSmoothTogether = 8;  ///< the most places that `smooth_gradients` takes
+  /// Gradients at `count` places `u`, in grid coordinates, W axes, that do not jump from voxel to voxel: differences of the stored distances over two
+  /// voxels at the corners of the point's voxel, interpolated between these. Exact where the distance is a polynomial of second degree. Of a distance
+  /// that is cut off outside, the one that the nodes before it lead to is taken, so beside planes it is theirs. `u` must be finite and within int32. Of
+  /// each place the same bits whatever is asked beside it, on every processor. Real-time safe.
+  void smooth_gradients(std::size_t count, const Vec3* u, Vec3* gradients) const noexcept;
+  /// Of one place.
+  Vec3 smooth_gradient(const Vec3& u) const noexcept {
+    Vec3 gradient;
+    smooth_gradients(1, &u, &gradient);
+    return gradient;
+  }
 
   /// The stored distance [voxels] of the node at the lower corner of `voxel`, cut off at the band outside and the depth
   /// inside; the band where nothing is stored. Real-time safe.
@@ -105,6 +114,12 @@ class DistanceField {
   friend class DistanceFieldBuilder;
   template <class Archive, class Field>
   static void fields(Archive& archive, Field& field);
+
+  /// The table's entry, or kFree beyond the table.
+  std::int32_t entry_at(std::int64_t x, std::int64_t y, std::int64_t z) const noexcept;
+  struct Nodes;
+  Nodes nodes_of(const std::array<std::int64_t, 3>& cell) const noexcept;
+  void put_smooth(const Vec3& u, std::size_t lane, SmoothBlock& block) const noexcept;
 
   Grid grid_;
   VoxelIndex base_;                      ///< first voxel of the table, a multiple of 8

@@ -1,5 +1,6 @@
 #include "tests/cost/cost.hpp"
 
+#include <map>
 #include <stdexcept>
 
 #include <nlohmann/json.hpp>
@@ -11,28 +12,45 @@ namespace {
 
 constexpr int kFrames = 300;
 
-}  // namespace
-
-FrameCost cost_of(const std::filesystem::path& scene, const std::string& motion, const std::string& way) {
-  const Finished run =
-      Process({"/bin/sh", "-c",
-               "exec valgrind --tool=callgrind --callgrind-out-file=/dev/null --instr-atstart=no --toggle-collect=counted_frame "
-               "\"$PROGRAM\" \"$SCENE\" \"$MOTION\" \"$FRAMES\" \"$WAY\""},
-              {{"PROGRAM", VOXTOUCH_FRAME_COST},
-               {"SCENE", scene.string()},
-               {"MOTION", motion},
-               {"FRAMES", std::to_string(kFrames)},
-               {"WAY", way}})
-          .wait(std::chrono::seconds(100));
+/// What the program printed and how many instructions callgrind counted in `counted_frame`.
+struct Counted {
+  nlohmann::json printed;
+  double instructions = 0.0;
+};
+Counted counted(const std::string& arguments, std::map<std::string, std::string> environment, const std::string& what) {
+  const Finished run = Process({"/bin/sh", "-c",
+                                "exec valgrind --tool=callgrind --callgrind-out-file=/dev/null --instr-atstart=no --toggle-collect=counted_frame "
+                                "\"$PROGRAM\" " + arguments},
+                               std::move(environment))
+                           .wait(std::chrono::seconds(100));
   const std::string key = "Collected : ";
   const std::size_t place = run.err.find(key);
   if (run.status != 0 || place == std::string::npos)
-    throw std::runtime_error("valgrind (deploy/packages.txt names it) did not count " + scene.string() + ": " +
-                             run.err);
-  const nlohmann::json j = nlohmann::json::parse(run.out);
+    throw std::runtime_error("valgrind (deploy/packages.txt names it) did not count " + what + ": " + run.err);
+  return {nlohmann::json::parse(run.out), std::stod(run.err.substr(place + key.size()))};
+}
+
+}  // namespace
+
+FrameCost cost_of(const std::filesystem::path& scene, const std::string& motion, const std::string& way) {
+  const Counted run = counted("\"$SCENE\" \"$MOTION\" \"$FRAMES\" \"$WAY\"",
+                              {{"PROGRAM", VOXTOUCH_FRAME_COST},
+                               {"SCENE", scene.string()},
+                               {"MOTION", motion},
+                               {"FRAMES", std::to_string(kFrames)},
+                               {"WAY", way}},
+                              scene.string());
+  const nlohmann::json& j = run.printed;
   FrameCost out;
-  out.instructions = std::stod(run.err.substr(place + key.size())) / kFrames;
+  out.instructions = run.instructions / kFrames;
   out.live_bytes = j["live"], out.peak_bytes = j["peak"], out.plan_bytes = j["plan"], out.force = j["sum"];
+  return out;
+}
+
+TumblingCost tumbling_cost() {
+  const Counted run = counted("", {{"PROGRAM", VOXTOUCH_TUMBLING_COST}}, "the tumbling box");
+  TumblingCost out{.frames = run.printed["frames"], .queries = run.printed["queries"]};
+  out.instructions = run.instructions / out.frames;
   return out;
 }
 

@@ -129,5 +129,16 @@ TEST_F(FrameCostTest, OfASceneWithAnEffectOfAnyKindIsThatOfItsContactAndThatEffe
   }
 }
 
+/// The virtual tool's longest frames: those that use all their queries. Counted on AVX2, which callgrind shows programs at most.
+TEST(TumblingCostTest, OfAFrameThatUsesAllItsQueriesIsBounded) {
+  const TumblingCost cost = tumbling_cost();
+  RecordProperty("instructions", std::to_string(cost.instructions));
+  RecordProperty("frames", std::to_string(cost.frames));
+  std::printf("%.0f instructions a frame, of %d frames of %.2f queries\n", cost.instructions, cost.frames, cost.queries / static_cast<double>(cost.frames));
+  EXPECT_GT(cost.frames, 50);
+  EXPECT_EQ(cost.queries, 7 * cost.frames);
+  EXPECT_LT(cost.instructions, 500'000);  // 453,000 by GCC 12; with sums over rows and corners that went through memory 620,000
+}
+
 }  // namespace
 }  // namespace voxtouch::test

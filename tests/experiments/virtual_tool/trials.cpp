@@ -294,22 +294,27 @@ StartFigures starts(const StartOptions& o) {
   return figures;
 }
 
+const Pose& TumblingHand::next() {
+  if ((target_ - pose_.position).norm() < speed_ * kPeriod) {
+    target_ = Vec3(uniform(random_, -0.06, 0.06), uniform(random_, -0.06, 0.06), uniform(random_, -0.02, 0.14));
+    axis_ = random_direction(random_);
+  }
+  pose_.position += speed_ * kPeriod * (target_ - pose_.position).normalized();
+  pose_.orientation = (Quat(Eigen::AngleAxisd(spin_ * kPeriod, axis_)) * pose_.orientation).normalized();
+  return pose_;
+}
+
+mesh::TriangleMesh tumbling_box() { return test::box_mesh(Vec3(0.008, 0.012, 0.03), {Vec3(1e-4, 2e-4, 3e-4), Quat::Identity()}); }
+
 TumbleFigures tumble(const TumbleOptions& o) {
-  std::mt19937_64 random(o.seed);
-  Rig rig(scene_mesh(o.scene), o.edge, o.box ? test::box_mesh(Vec3(0.008, 0.012, 0.03), {Vec3(1e-4, 2e-4, 3e-4), Quat::Identity()}) : ball_mesh());
+  TumblingHand tumbling(o.speed, o.spin, o.seed);
+  Rig rig(scene_mesh(o.scene), o.edge, o.box ? tumbling_box() : ball_mesh());
   TumbleFigures figures;
-  Pose hand{Vec3(0, 0, 0.14), Quat::Identity()};
-  if (!rig.place(hand)) throw std::logic_error("tumble: the start is not free");
-  Vec3 target = Vec3(0, 0, 0.05), axis = Vec3::UnitX();
+  if (!rig.place(tumbling.pose())) throw std::logic_error("tumble: the start is not free");
   Clock clock;
   double contacts = 0.0, lags = 0.0;
   for (int n = 0; n < o.frames; ++n) {
-    if ((target - hand.position).norm() < o.speed * kPeriod) {
-      target = Vec3(uniform(random, -0.06, 0.06), uniform(random, -0.06, 0.06), uniform(random, -0.02, 0.14));
-      axis = random_direction(random);
-    }
-    hand.position += o.speed * kPeriod * (target - hand.position).normalized();
-    hand.orientation = (Quat(Eigen::AngleAxisd(o.spin * kPeriod, axis)) * hand.orientation).normalized();
+    const Pose& hand = tumbling.next();
     const contact::VirtualToolFrame frame = timed_frame(rig, hand, clock.us);
     contacts += frame.constrained, lags += frame.lag;
     figures.depth_worst = std::max(figures.depth_worst, frame.worst_depth_m / o.edge);

@@ -82,6 +82,23 @@ struct StartFigures {
 };
 StartFigures starts(const StartOptions& options);
 
+/// A hand that goes straight on to one random place after the other, in and out of the cup, and turns.
+class TumblingHand {
+ public:
+  TumblingHand(double speed, double spin, std::uint64_t seed) : random_(seed), speed_(speed), spin_(spin) {}
+  const Pose& pose() const noexcept { return pose_; }
+  /// Where it is a period later.
+  const Pose& next();
+
+ private:
+  std::mt19937_64 random_;
+  double speed_, spin_;  ///< [m/s], [rad/s]
+  Pose pose_{Vec3(0, 0, 0.14), Quat::Identity()};
+  Vec3 target_ = Vec3(0, 0, 0.05), axis_ = Vec3::UnitX();
+};
+/// The box that tumbles.
+mesh::TriangleMesh tumbling_box();
+
 /// Ball or box that tumbles in and out of the cup.
 struct TumbleOptions {
   std::string scene = "cup";

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "core/contact/constraint_rows.hpp"
+#include "core/contact/equilibrium_step.hpp"
 #include "core/contact/field_samples.hpp"
 #include "field_scenes.hpp"
 #include "fixtures.hpp"
@@ -169,6 +170,51 @@ TEST(ConstraintRows, OfWhichTheNearestAreKeptAsOneByOne) {
       ASSERT_EQ(rows.size(), plain.size());
       for (std::size_t k = 0; k < rows.size(); ++k) ASSERT_EQ(rows[k].point, plain[k].point) << count << " rows, kept row " << k;
     }
+}
+
+/// Rows of any number, some of which push: at a step that converged the spring's pull is what these push with, and the hessian is theirs.
+TEST(EquilibriumStep, IsWhereSpringAndRowsBalanceWhateverTheirNumber) {
+  constexpr double kRho = contact::limits::kRowStiffness, kPull = 1e-3;
+  std::mt19937_64 random(36);
+  int most = 0, steps = 0, converged = 0;
+  double iterations = 0.0;
+  for (std::size_t count = 1; count <= contact::limits::kMaxRows; ++count)
+    for (int n = 0; n < 20; ++n, ++steps) {
+      const auto number = [&] { return uniform(random, -1.0, 1.0); };
+      const Vec3 face = Vec3(number(), number(), number()).normalized();  // most rows lean towards it
+      std::vector<contact::ConstraintRow> rows(count);
+      for (contact::ConstraintRow& row : rows) {
+        const Vec3 normal = (face + 0.7 * Vec3(number(), number(), number())).normalized(), arm(number(), number(), number());
+        row.jacobian << normal, arm.cross(normal);
+        row.gap_m = 0.5 * kPull * (0.9 + number());
+      }
+      Vec6 spring;
+      for (int k = 0; k < 6; ++k) spring[k] = kPull * number();
+      spring.head<3>() -= kPull * face;
+      const contact::EquilibriumStep step = contact::equilibrium_step(rows, spring);
+      Vec6 left = spring - step.delta;
+      Mat6 hessian = Mat6::Identity();
+      int pushing = 0;
+      for (const contact::ConstraintRow& row : rows) {
+        const double depth = contact::depth_after(row, step.delta);
+        left += kRho * depth * row.jacobian;
+        if (depth > 0.0) hessian += kRho * row.jacobian * row.jacobian.transpose(), ++pushing;
+      }
+      iterations += step.iterations;
+      most = std::max(most, pushing);
+      ASSERT_EQ(step.pushed, pushing > 0);
+      ASSERT_TRUE(step.hessian.isApprox(hessian, 1e-9)) << count << " rows";
+      if (!step.converged) continue;
+      ++converged;
+      ASSERT_LT(left.norm(), 1e-9 * kPull) << count << " rows";
+      if (!step.pushed) {
+        ASSERT_EQ(step.delta, spring);
+      }
+    }
+  std::printf("%.3f iterations a step, %d of %d converged, at most %d rows pushed\n", iterations / steps, converged, steps, most);
+  EXPECT_GT(most, 6);
+  EXPECT_GT(converged, 1200);
+  EXPECT_LT(iterations / steps, 6.3);
 }
 
 TEST(FieldModel, StiffnessBoundsHowTheForceChangesWithThePose) {

@@ -94,6 +94,52 @@ TEST(DistanceField, SmoothGradientPointsAwayFromABallsCentreAndDoesNotJumpAtVoxe
   EXPECT_GT(plain_jump, 0.03);
 }
 
+/// As distance_field.hpp says, of one place, each node looked up on its own.
+Vec3 plain_smooth_gradient(const voxmap::DistanceField& field, const Vec3& u, double band) {
+  const voxmap::VoxelIndex voxel = voxmap::Grid::voxel_of(u);
+  const double t[3] = {u.x() - voxel.i, u.y() - voxel.j, u.z() - voxel.k};
+  const auto mix = [](double a, double b, double s) { return a + s * (b - a); };
+  Vec3 gradient;
+  for (int axis = 0; axis < 3; ++axis) {
+    const int second = (axis + 1) % 3, third = (axis + 2) % 3;
+    double line[4];
+    for (int k = 0; k < 4; ++k) {
+      double d[4];
+      for (int n = 0; n < 4; ++n) {
+        int at[3] = {voxel.i, voxel.j, voxel.k};
+        at[axis] += n - 1, at[second] += k & 1, at[third] += k >> 1;
+        d[n] = field.node({at[0], at[1], at[2]});
+      }
+      const double before = d[0] >= band ? 2.0 * d[1] - d[2] : d[0], after = d[3] >= band ? 2.0 * d[2] - d[1] : d[3];
+      line[k] = 0.5 * mix(d[2] - before, after - d[1], t[axis]);
+    }
+    gradient[axis] = mix(mix(line[0], line[1], t[second]), mix(line[2], line[3], t[second]), t[third]);
+  }
+  return gradient;
+}
+
+TEST(DistanceField, SmoothGradientsOfManyPlacesAreThoseOfEachToTheBit) {
+  const Ground ground(box_mesh(Vec3(0.05, 0.04, 0.031), {Vec3(0.2, -0.1, 0.33), turned(0.5)}), kEdge);
+  const voxmap::DistanceField& field = ground.field;
+  constexpr std::size_t kMost = voxmap::DistanceField::kSmoothTogether;
+  std::mt19937_64 random(4);
+  const Vec3 middle = field.grid().to_grid(Vec3(0.2, -0.1, 0.33));
+  int sloped = 0;
+  for (int n = 0; n < 3000; ++n) {
+    const std::size_t count = 1 + random() % kMost;
+    Vec3 u[kMost], many[kMost];
+    for (std::size_t k = 0; k < count; ++k)  // in the body, in its band, and beyond the table
+      u[k] = middle + Vec3(number(random, -40, 40), number(random, -40, 40), number(random, -40, 40));
+    field.smooth_gradients(count, u, many);
+    for (std::size_t k = 0; k < count; ++k) {
+      const Vec3 one = plain_smooth_gradient(field, u[k], field.arrays().band_voxels);
+      ASSERT_EQ(many[k], one) << u[k].transpose() << ", place " << k << " of " << count;
+      sloped += one.norm() > 0.5;
+    }
+  }
+  EXPECT_GT(sloped, 1000);
+}
+
 TEST(DistanceField, IsTheDistanceToABoxThatStandsAskew) {
   const Vec3 size(0.05, 0.04, 0.031);
   const Pose pose{Vec3(0.2, -0.1, 0.33), turned(0.5)};
