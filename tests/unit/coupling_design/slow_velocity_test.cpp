@@ -3,8 +3,10 @@
 
 #include "core/coupling/design/damping_floor.hpp"
 #include "core/coupling/design/filter_search.hpp"
+#include "core/coupling/design/loop_response.hpp"
 #include "core/coupling/design/slow_velocity.hpp"
 #include "tests/support/coupling_models/nonlinear_loop.hpp"
+#include "tests/support/coupling_models/population.hpp"
 #include "tests/unit/coupling_design/designer_support.hpp"
 
 namespace voxtouch::testing {
@@ -85,6 +87,47 @@ TEST(SlowVelocity, ThatDoesNotHoldIsRefused) {
   CouplingSpec narrow = wider;
   narrow.velocity_band_m_per_s = d.spec.velocity_band_m_per_s;
   EXPECT_EQ(judge_coupling(request, narrow).status, DesignStatus::kAsRequested) << "three quarters of the margin are enough there";
+}
+
+/// Within the band and beyond it the damper is a mean of the two velocities, D = (1 - n) D_v + n D_u of the loop's equation, 0 <= n <= 1. Both ends are
+/// stable, so all between are if no D is zero on the unit circle: the way from one end to the other leaves out the origin at every frequency. Here at
+/// nine tenths of the stiffness that the ends are stable at.
+double least_between(const LoopPlant& plant, const LoopController& law, double slow_hz, double stiffness) {
+  const SampledPlant sampled = sample_plant(plant);
+  const VelocityResponse fast(plant.period_s, law.velocity_filter_rad_per_s, law.velocity_window), slow(plant.period_s, VelocityEstimate{slow_hz}.filter_rad_per_s());
+  double least = kInfinity;
+  for (double angle = 1e-4; angle < std::numbers::pi; angle *= 1.005) {
+    const Phasor at(angle);
+    const Complex g = plant_response(sampled, at);
+    const Complex law_of_k = law.law == LoopController::Law::kShapingFilter ? filter_response(0.5 * law.w0_rad_per_s * plant.period_s, law.damping_ratio, at) : Complex(1.0);
+    const Complex rest = 1.0 + stiffness * g * law_of_k, one = rest + law.injected_damping * g * fast(at), way = law.injected_damping * g * (slow(at) - fast(at));
+    const double n = std::clamp(-(one * std::conj(way)).real() / std::max(std::norm(way), 1e-300), 0.0, 1.0);
+    least = std::min(least, std::abs(one + n * way) / std::max(1.0, std::abs(rest - 1.0)));
+  }
+  return least;
+}
+
+TEST(SlowVelocity, HoldsBetweenTheTwoVelocitiesToo) {
+  int designs = 0, cases = 0;
+  double least = kInfinity;
+  for (std::uint64_t index = 0; index < 40; ++index) {
+    const coupling_models::PopulationMember member = coupling_models::draw_member(3, index);
+    if (member.hand.any_passive) continue;
+    DesignProblem request;
+    request.device = member.device, request.hand.translation = member.hand, request.contact = member.contact;
+    const Design d = design_coupling(request);
+    if (!(d.spec.slow_velocity_hz > 0.0)) continue;
+    ++designs;
+    const AxisProblem translation = axis_problems(request)[0];
+    const LoopController law = controller_of(d.spec, translation, 0.0);
+    for (const DesignCase& one : translation.cases) {
+      ++cases;
+      least = std::min(least, least_between(one.plant, law, d.spec.slow_velocity_hz, 0.9 * kLargeSwing * translation.margin * d.translation.shown_stiffness));
+    }
+  }
+  std::printf("%d designs with a slow velocity, %d cases: the loop's equation is %.3f from zero at least\n", designs, cases, least);
+  EXPECT_GT(designs, 8);
+  EXPECT_GT(least, 0.03);
 }
 
 /// What the passivity controller may add is half of what the loop bears on the fast velocity. On a slower one of first order it bears more than that.
