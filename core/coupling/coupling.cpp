@@ -59,6 +59,10 @@ double lag_s(const CouplingSpec& spec) noexcept {
   return spec.kind == name_of(CouplingKind::kShapingFilter) ? 2.0 * spec.damping_ratio / cutoff_rad_per_s(spec) : 0.0;
 }
 
+bool damps_on_slow_velocity(const CouplingSpec& spec) noexcept {
+  return spec.slow_velocity_hz > 0.0 && spec.velocity_band_m_per_s > 0.0 && spec.injected_damping_ns_per_m > 0.0;
+}
+
 double displayed_stiffness_n_per_m(const CouplingSpec& spec, double contact_n_per_m) noexcept {
   if (contact_n_per_m > spec.stiffness_cap_n_per_m) contact_n_per_m = spec.stiffness_cap_n_per_m;
   if (spec.kind == name_of(CouplingKind::kShapingFilter)) return spec.gain * contact_n_per_m;

@@ -67,6 +67,8 @@ std::vector<CouplingIssue> validate(const CouplingSpec& spec, const CouplingLimi
 
 /// w0 [rad/s] of a shaping filter.
 double cutoff_rad_per_s(const CouplingSpec& spec) noexcept;
+/// Whether injected damping acts on a slower velocity within a band.
+bool damps_on_slow_velocity(const CouplingSpec& spec) noexcept;
 /// Low-frequency lag [s] that the coupling puts into the loop: 2 d / w0 of the shaping filter, 0 of the others (the
 /// spring-damper leads, it does not lag).
 double lag_s(const CouplingSpec& spec) noexcept;

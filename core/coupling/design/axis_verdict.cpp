@@ -16,8 +16,6 @@
 namespace voxtouch::coupling::design {
 namespace {
 
-/// Room for rounding where a bound is met exactly.
-constexpr double kRounding = 1.0 + 1e-9;
 using Law = LoopController::Law;
 
 bool is_rotation(const AxisProblem& problem) { return problem.units == &kRotationUnits; }
@@ -141,7 +139,7 @@ AxisVerdict judge_axis(const DesignProblem& request, const AxisProblem& problem,
 void describe_axis(const DesignProblem& request, const AxisProblem& problem, const CouplingSpec& spec, const ShownStiffness& shown, AxisDesign& out) {
   const LoopController law = controller_of(spec, problem, arm_squared(request));
   const double contact = law.law == Law::kSpringDamper ? shown.contact : shown.shown;
-  out.limit_cycle_bound = limit_cycle_bound(problem, law, contact, shown.shown, is_rotation(problem) || !(spec.slow_velocity_hz > 0.0) ? 0.0 : spec.velocity_band_m_per_s);
+  out.limit_cycle_bound = limit_cycle_bound(problem, law, contact, shown.shown, !is_rotation(problem) && damps_on_slow_velocity(spec) ? spec.velocity_band_m_per_s : 0.0);
   if (law.law == Law::kSpringDamper) {
     out.damping_required = out.damping_required_any_cutoff = passive_damping_required_series(problem);
   } else {

@@ -9,6 +9,8 @@
 namespace voxtouch::coupling::design {
 
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
+/// Room for rounding where a bound is met exactly.
+inline constexpr double kRounding = 1.0 + 1e-9;
 
 /// The design of axis 0, translation, or 1, rotation.
 inline const AxisDesign& axis_of(const Design& design, std::size_t axis) noexcept {

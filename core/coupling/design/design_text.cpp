@@ -66,7 +66,7 @@ std::string describe_bound(const CouplingSpec& spec) {
 }
 
 std::string describe_slow_velocity(const CouplingSpec& spec) {
-  if (!(spec.slow_velocity_hz > 0.0 && spec.velocity_band_m_per_s > 0.0 && spec.injected_damping_ns_per_m > 0.0)) return "";
+  if (!damps_on_slow_velocity(spec)) return "";
   return fmt::format("acts on the velocity of a filter of {:.3g} Hz within {:.2g} mm/s, which may be the encoder's steps", spec.slow_velocity_hz, 1e3 * spec.velocity_band_m_per_s);
 }
 

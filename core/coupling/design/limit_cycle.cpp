@@ -67,8 +67,8 @@ double gain_of(const LoopPlant& p, const LoopController& law, double contact_sti
   for (int span = 0; span < kMaxSpans; ++span) {
     double part = 0.0;
     for (int i = 0; i < kSpan; ++i) {
-      const bool first = span == 0 && i == 0;
-      commands[now] = -plant.effort_unit * (steps.effort(state[0] + (first ? position_error : 0.0)) + (first ? effort : 0.0));
+      commands[now] = -plant.effort_unit * (steps.effort(state[0] + position_error) + effort);
+      position_error = effort = 0.0;
       const double newer = commands[(now + places - static_cast<std::size_t>(plant.whole_delay)) % places];
       const double older = commands[(now + 1) % places];
       state += plant.step_less_one * state + plant.newer * newer + plant.older * older;

@@ -7,9 +7,8 @@
 namespace voxtouch::coupling::design {
 namespace {
 
+/// What is tried [Hz], the slowest first; all below the slowest velocity that is certified in full, 50 Hz.
 constexpr std::array kSlowHz{8.0, 10.0, 12.5, 16.0, 20.0, 25.0, 32.0};
-/// Room for rounding where a bound is met exactly.
-constexpr double kRounding = 1.0 + 1e-9;
 
 }  // namespace
 
@@ -18,7 +17,7 @@ double slow_share(const AxisProblem& translation, const CouplingSpec& spec) {
 }
 
 bool holds_on_slow_velocity(const AxisProblem& translation, const CouplingSpec& spec, const ShownStiffness& shown) {
-  if (!(spec.slow_velocity_hz > 0.0 && spec.velocity_band_m_per_s > 0.0 && spec.injected_damping_ns_per_m > 0.0)) return true;
+  if (!damps_on_slow_velocity(spec)) return true;
   if (spec.kind == "spring_damper") return false;
   LoopController law = controller_of(spec, translation, 0.0);
   law.use({spec.slow_velocity_hz, 0});
