@@ -5,10 +5,14 @@ namespace voxtouch::devices {
 GateVerdict CommandGate::accept(std::uint64_t writer, std::uint64_t session, std::uint64_t sequence,
                                 std::uint64_t newest_sample) noexcept {
   // The writer last of the three: one that only answers foreign sessions must not take the place.
-  if (session != session_) return GateVerdict::kForeignSession;
-  if (writer_ && *writer_ != writer) return GateVerdict::kForeignWriter;
-  if (sequence > newest_sample) return GateVerdict::kFutureSequence;
-  if (last_ && sequence <= *last_) return GateVerdict::kOldSequence;
+  if (session != session_)
+    return GateVerdict::kForeignSession;
+  if (writer_ && *writer_ != writer)
+    return GateVerdict::kForeignWriter;
+  if (sequence > newest_sample)
+    return GateVerdict::kFutureSequence;
+  if (last_ && sequence <= *last_)
+    return GateVerdict::kOldSequence;
   writer_ = writer;
   last_ = sequence;
   return GateVerdict::kAccepted;

@@ -1,5 +1,6 @@
 #pragma once
-/// Which commands a device listens to at all, by who sent them and when; their content is the guard's matter.
+/// Which commands a device listens to at all, by who sent them and when; their content is the
+/// guard's matter.
 #include <cstdint>
 #include <optional>
 
@@ -10,22 +11,24 @@ enum class GateVerdict : std::uint8_t {
   kForeignWriter,   ///< another writer spoke first and has not gone
   kForeignSession,  ///< answers a sample of another device session
   kOldSequence,     ///< as old as the last accepted command, or older
-  kFutureSequence,  ///< answers a sample that has not been given out yet; would lock out every command after it
+  kFutureSequence,  ///< answers a sample that has not been given out yet; would lock out every
+                    ///< command after it
 };
 
-/// One device session follows one writer, the first whose command is good, and takes each answer once and in
-/// order. Real-time safe.
+/// One device session follows one writer, the first whose command is good, and takes each answer
+/// once and in order. Real-time safe.
 class CommandGate {
  public:
   /// `session`: the device's own session id.
   explicit CommandGate(std::uint64_t session) noexcept : session_(session) {}
 
-  /// `writer`: whatever identifies the sender (a publication handle). `newest_sample`: the last sequence
-  /// number that the device has given out. A refused command changes nothing.
+  /// `writer`: whatever identifies the sender (a publication handle). `newest_sample`: the last
+  /// sequence number that the device has given out. A refused command changes nothing.
   GateVerdict accept(std::uint64_t writer, std::uint64_t session, std::uint64_t sequence,
                      std::uint64_t newest_sample) noexcept;
 
-  /// The writer has gone: the next good command of any writer takes its place. Sequence numbers go on.
+  /// The writer has gone: the next good command of any writer takes its place. Sequence numbers go
+  /// on.
   void release_writer() noexcept { writer_.reset(); }
   std::optional<std::uint64_t> writer() const noexcept { return writer_; }
   std::optional<std::uint64_t> last_sequence() const noexcept { return last_; }

@@ -18,18 +18,23 @@ struct RecordedHand;
 
 namespace voxtouch::devices {
 
-/// KEY and VALUE as typed, in their order. What a device knows stands in its page of deploy/devices.
+/// KEY and VALUE as typed, in their order. What a device knows stands in its page of
+/// deploy/devices.
 using DeviceSettings = std::vector<std::pair<std::string, std::string>>;
 
 struct DeviceOptions {
-  std::uint64_t seed = 0;              ///< of a simulated hand's tremor, and of a simulated counterpart's noise
-  std::optional<Motion> motion;        ///< where a simulated hand goes, in D; absent: it stays at the origin
+  std::uint64_t seed = 0;  ///< of a simulated hand's tremor, and of a simulated counterpart's noise
+  std::optional<Motion>
+      motion;  ///< where a simulated hand goes, in D; absent: it stays at the origin
   std::optional<sim::OperatorConfig> hand;  ///< absent: the usual grip, usual_hand(name)
-  bool lockstep = false;               ///< a simulated counterpart runs in virtual time; hardware cannot
+  bool lockstep = false;  ///< a simulated counterpart runs in virtual time; hardware cannot
   DeviceSettings settings;
-  std::shared_ptr<const recorded::RecordedHand> recorded;  ///< of `replay:BAG`, whose bag the caller has read
-  std::optional<DeviceDescription> described;  ///< of `sim:FILE`, whose file the caller has read: drivers read none
-  /// Set by another thread when whoever opens the device no longer wants it: opening then ends with DeviceOpenError. Null: never.
+  std::shared_ptr<const recorded::RecordedHand>
+      recorded;  ///< of `replay:BAG`, whose bag the caller has read
+  std::optional<DeviceDescription>
+      described;  ///< of `sim:FILE`, whose file the caller has read: drivers read none
+  /// Set by another thread when whoever opens the device no longer wants it: opening then ends with
+  /// DeviceOpenError. Null: never.
   const std::atomic<bool>* cancelled = nullptr;
 };
 
@@ -40,9 +45,9 @@ inline Motion motion_of(const DeviceOptions& options) {
   return options.motion.value_or(rest);
 }
 
-/// Where a device's own rest pose lies in D unless it is told otherwise: in the middle of x -0.09..0.03, y -0.09..0, z 0..0.13 m,
-/// the volume that the shipped scenes' motions fill, so that a Phantom on a desk and an arm at its rest posture both reach all of
-/// it.
+/// Where a device's own rest pose lies in D unless it is told otherwise: in the middle of x
+/// -0.09..0.03, y -0.09..0, z 0..0.13 m, the volume that the shipped scenes' motions fill, so that
+/// a Phantom on a desk and an arm at its rest posture both reach all of it.
 inline Vec3 usual_rest_in_d() { return {-0.03, -0.045, 0.065}; }
 
 }  // namespace voxtouch::devices

@@ -24,7 +24,8 @@ enum class DeviceError : std::uint8_t {
   kNotFinite,     ///< a command held NaN or Inf; it was not sent
   kLimit,         ///< a command was over a limit; it was not sent
   kProtocol,      ///< the device said something that its protocol forbids
-  kRecoverable,   ///< the device dropped its force (warm motors, too fast) and will take commands again
+  kRecoverable,   ///< the device dropped its force (warm motors, too fast) and will take commands
+                  ///< again
   kFault,         ///< the device stopped and needs a person
 };
 /// One word, for logs and messages. Real-time safe.
@@ -47,47 +48,55 @@ struct DeviceSample {
   bool pose_valid = true;     ///< false: the device marked the sample as not to be trusted
 };
 
-/// An open device. It exists only while connected; destruction and every error path end in zero force.
+/// An open device. It exists only while connected; destruction and every error path end in zero
+/// force.
 ///
-/// One thread owns a driver: `read`, then one `write`, once a period. All three calls below are real-time
-/// safe: no allocation, no lock that a slower thread holds, no log, no throw.
+/// One thread owns a driver: `read`, then one `write`, once a period. All three calls below are
+/// real-time safe: no allocation, no lock that a slower thread holds, no log, no throw.
 ///
-/// Who paces the loop: a real device does, and `read` blocks until its next sample, so the caller does not
-/// sleep.
-///  - FRI: `read` waits for the next measurement packet. The controller wants an answer to each one within
-///    its period, so the `write` that follows is due even where the command is zero; leaving it out costs
-///    connection quality.
-///  - HDAPI: the vendor's servo thread runs a callback every tick. The callback puts the sample into a
-///    lock-free slot, wakes `read`, and sets the force that the last `write` left, once: a tick that finds no
-///    new command sets none, which that interface turns into zero. A command thus reaches the motors one tick
-///    after the sample that it answers; that tick is part of `description().delay_s`.
+/// Who paces the loop: a real device does, and `read` blocks until its next sample, so the caller
+/// does not sleep.
+///  - FRI: `read` waits for the next measurement packet. The controller wants an answer to each one
+///  within
+///    its period, so the `write` that follows is due even where the command is zero; leaving it out
+///    costs connection quality.
+///  - HDAPI: the vendor's servo thread runs a callback every tick. The callback puts the sample
+///  into a
+///    lock-free slot, wakes `read`, and sets the force that the last `write` left, once: a tick
+///    that finds no new command sets none, which that interface turns into zero. A command thus
+///    reaches the motors one tick after the sample that it answers; that tick is part of
+///    `description().delay_s`.
 /// A simulated device answers at once; the caller paces it, or drives it in lockstep.
 class Driver {
  public:
   virtual ~Driver() = default;
   /// What the device is and can give; the same from opening to the end.
   virtual const DeviceDescription& description() const noexcept = 0;
-  /// The next sample that has not been given out yet, the newest if several have come; waits at most
-  /// `timeout` for it.
+  /// The next sample that has not been given out yet, the newest if several have come; waits at
+  /// most `timeout` for it.
   virtual DeviceResult<DeviceSample> read(std::chrono::microseconds timeout) noexcept = 0;
-  /// Force and torque in D, applied for one period. Refuses non-finite and over-limit commands (the last
-  /// check before the wire, beside the guard's; see limits.hpp): a refused command is zero force for that
-  /// period, not the one before it.
+  /// Force and torque in D, applied for one period. Refuses non-finite and over-limit commands (the
+  /// last check before the wire, beside the guard's; see limits.hpp): a refused command is zero
+  /// force for that period, not the one before it.
   virtual DeviceResult<void> write(const Wrench& command) noexcept = 0;
-  /// Zero force, now; what is still under way to the motors is dropped. Safe to call twice. The next accepted
-  /// `write` pushes again: whoever has to stay at zero keeps its guard stopped.
+  /// Zero force, now; what is still under way to the motors is dropped. Safe to call twice. The
+  /// next accepted `write` pushes again: whoever has to stay at zero keeps its guard stopped.
   virtual void stop() noexcept = 0;
-  /// True where `write`, or `read`, advances simulated time by one period and `read` needs no waiting (lockstep
-  /// can drive it).
+  /// True where `write`, or `read`, advances simulated time by one period and `read` needs no
+  /// waiting (lockstep can drive it).
   virtual bool simulated() const noexcept = 0;
-  /// How many samples a device gives that plays a recording, whose hand feels nothing; 0: it is no recording.
+  /// How many samples a device gives that plays a recording, whose hand feels nothing; 0: it is no
+  /// recording.
   virtual std::uint64_t recorded_samples() const noexcept { return 0; }
-  /// What keeps the device from giving samples or taking force now, and what to do about it; empty: nothing that it knows of. For
-  /// people: allocates, so not for the loop, but any other thread may ask while the loop runs.
+  /// What keeps the device from giving samples or taking force now, and what to do about it; empty:
+  /// nothing that it knows of. For people: allocates, so not for the loop, but any other thread may
+  /// ask while the loop runs.
   virtual std::string trouble() const { return {}; }
-  /// The arm that the device is, the same from opening to the end; null where it is none, or its joints are not told.
+  /// The arm that the device is, the same from opening to the end; null where it is none, or its
+  /// joints are not told.
   virtual const arm::ArmDescription* arm_description() const noexcept { return nullptr; }
-  /// Angles of its joints in the last sample that `read` gave, if that had a valid pose [rad]. Of the thread that owns it; real-time safe.
+  /// Angles of its joints in the last sample that `read` gave, if that had a valid pose [rad]. Of
+  /// the thread that owns it; real-time safe.
   virtual std::span<const double> joints() const noexcept { return {}; }
 
  protected:

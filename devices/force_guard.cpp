@@ -17,8 +17,8 @@ constexpr double kSecondsPerNs = 1e-9;
 // An hour: everything is over by then, and sums cannot overflow.
 constexpr std::int64_t kLongestGapNs = 3'600'000'000'000;
 
-/// From `earlier` to `later`, an hour at most. Unsigned: the difference of two far stamps does not fit the
-/// signed type.
+/// From `earlier` to `later`, an hour at most. Unsigned: the difference of two far stamps does not
+/// fit the signed type.
 std::int64_t gap_ns(std::int64_t earlier, std::int64_t later) noexcept {
   const std::uint64_t gap = static_cast<std::uint64_t>(later) - static_cast<std::uint64_t>(earlier);
   return static_cast<std::int64_t>(std::min(gap, static_cast<std::uint64_t>(kLongestGapNs)));
@@ -41,18 +41,22 @@ ForceGuard::ForceGuard(const GuardConfig& config)
 
 Wrench ForceGuard::pass(const std::optional<GuardInput>& command, std::int64_t now_ns) noexcept {
   const std::int64_t dt_ns = elapsed_ns(now_ns);
-  if (phase_ == Phase::kStopped) return {};
+  if (phase_ == Phase::kStopped)
+    return {};
   const bool faded_out = age(dt_ns, now_ns);
-  if (command) accept(*command, now_ns);
+  if (command)
+    accept(*command, now_ns);
   // The way to zero was this period's slew; a new command sets out from there in the next.
-  if (faded_out) return output_;
+  if (faded_out)
+    return output_;
   lead(static_cast<double>(std::min(dt_ns, hold_ns_)) * kSecondsPerNs);
   return output_;
 }
 
 std::int64_t ForceGuard::elapsed_ns(std::int64_t now_ns) noexcept {
   const std::optional<std::int64_t> last = std::exchange(last_ns_, now_ns);
-  if (!last) return period_ns_;
+  if (!last)
+    return period_ns_;
   if (now_ns <= *last) {
     ++counts_.clock_faults;
     return period_ns_;
@@ -61,10 +65,12 @@ std::int64_t ForceGuard::elapsed_ns(std::int64_t now_ns) noexcept {
 }
 
 bool ForceGuard::age(std::int64_t dt_ns, std::int64_t now_ns) noexcept {
-  if (phase_ == Phase::kIdle) return false;
+  if (phase_ == Phase::kIdle)
+    return false;
   age_ns_ = std::min(age_ns_ + dt_ns, kLongestGapNs);
   std::int64_t over_ns = age_ns_ - hold_ns_;
-  if (now_ns > valid_until_ns_) over_ns = std::max(over_ns, gap_ns(valid_until_ns_, now_ns));
+  if (now_ns > valid_until_ns_)
+    over_ns = std::max(over_ns, gap_ns(valid_until_ns_, now_ns));
   if (phase_ == Phase::kLive && over_ns > 0) {
     phase_ = Phase::kFading;
     fade_from_ = output_;
@@ -72,11 +78,13 @@ bool ForceGuard::age(std::int64_t dt_ns, std::int64_t now_ns) noexcept {
     ++counts_.faded;
   }
   if (phase_ == Phase::kLive) {
-    raise(static_cast<double>(dt_ns) * kSecondsPerNs);  // no gap: a longer one than the hold is a fade
+    raise(static_cast<double>(dt_ns) *
+          kSecondsPerNs);  // no gap: a longer one than the hold is a fade
     return false;
   }
   fade_ = std::min(fade_, 1.0 - static_cast<double>(over_ns) * kSecondsPerNs / config_.fade_s);
-  if (fade_ > 0.0) return false;
+  if (fade_ > 0.0)
+    return false;
   phase_ = Phase::kIdle;
   output_ = {};
   fraction_ = 0.0;
@@ -86,7 +94,8 @@ bool ForceGuard::age(std::int64_t dt_ns, std::int64_t now_ns) noexcept {
 void ForceGuard::raise(double dt_s) noexcept {
   const double ramp_s = ramped_once_ ? config_.return_ramp_s : config_.start_ramp_s;
   fraction_ = ramp_s > 0.0 ? std::min(1.0, fraction_ + dt_s / ramp_s) : 1.0;
-  if (fraction_ >= 1.0) ramped_once_ = true;
+  if (fraction_ >= 1.0)
+    ramped_once_ = true;
 }
 
 void ForceGuard::accept(const GuardInput& command, std::int64_t now_ns) noexcept {
@@ -104,36 +113,47 @@ void ForceGuard::accept(const GuardInput& command, std::int64_t now_ns) noexcept
   counts_.clamped_force += cut.force, counts_.clamped_torque += cut.torque;
   age_ns_ = 0;
   valid_until_ns_ = command.valid_until_ns;
-  if (phase_ == Phase::kFading) fraction_ *= fade_;
-  if (phase_ == Phase::kIdle) fraction_ = 0.0, raise(0.0);
+  if (phase_ == Phase::kFading)
+    fraction_ *= fade_;
+  if (phase_ == Phase::kIdle)
+    fraction_ = 0.0, raise(0.0);
   phase_ = Phase::kLive;
 }
 
 void ForceGuard::lead(double dt_s) noexcept {
-  if (phase_ == Phase::kIdle) return;
+  if (phase_ == Phase::kIdle)
+    return;
   if (phase_ == Phase::kFading) {
-    // Starts at the output and is never steeper than limit / fade_s, which `validate` holds under the slew
-    // limit.
+    // Starts at the output and is never steeper than limit / fade_s, which `validate` holds under
+    // the slew limit.
     output_ = {fade_from_.force * fade_, fade_from_.torque * fade_};
   } else {
     const double force_step = config_.max_force_rate_n_per_s * dt_s;
     const double torque_step = config_.max_torque_rate_nm_per_s * dt_s;
     const bool force_cut = slew(output_.force, command_.force * fraction_, force_step);
     const bool torque_cut = slew(output_.torque, command_.torque * fraction_, torque_step);
-    if (force_cut || torque_cut) ++counts_.clamped_slew;
+    if (force_cut || torque_cut)
+      ++counts_.clamped_slew;
   }
-  // Both ends of a slew lie in the ball of the limit, and so does what is between, up to rounding: this takes
-  // the rounding.
+  // Both ends of a slew lie in the ball of the limit, and so does what is between, up to rounding:
+  // this takes the rounding.
   clamp_wrench(output_, config_.max_force_n, config_.max_torque_nm);
 }
 
 void ForceGuard::count(GateVerdict verdict) noexcept {
   switch (verdict) {
-    case GateVerdict::kAccepted: return;
-    case GateVerdict::kForeignWriter: ++counts_.refused_writer; return;
-    case GateVerdict::kForeignSession: ++counts_.refused_session; return;
+    case GateVerdict::kAccepted:
+      return;
+    case GateVerdict::kForeignWriter:
+      ++counts_.refused_writer;
+      return;
+    case GateVerdict::kForeignSession:
+      ++counts_.refused_session;
+      return;
     case GateVerdict::kOldSequence:
-    case GateVerdict::kFutureSequence: ++counts_.refused_sequence; return;
+    case GateVerdict::kFutureSequence:
+      ++counts_.refused_sequence;
+      return;
   }
 }
 
@@ -167,23 +187,31 @@ GuardConfig guard_config(const DeviceDescription& device) noexcept {
 
 void GuardConfig::validate() const {
   const auto require = [](bool good, std::string_view field, double value, std::string_view rule) {
-    if (!good) throw std::runtime_error(fmt::format("force guard: {} is {}, but has to be {}", field, value, rule));
+    if (!good)
+      throw std::runtime_error(
+          fmt::format("force guard: {} is {}, but has to be {}", field, value, rule));
   };
-  const auto in = [](double value, double low, double high) { return value >= low && value <= high; };
+  const auto in = [](double value, double low, double high) {
+    return value >= low && value <= high;
+  };
   constexpr double kMaxPush = 1e9;  // of anything a device could push with
   require(in(period_s, 1e-6, 1.0), "period_s", period_s, "in [1e-6, 1] s");
   require(max_force_n > 0.0 && max_force_n <= kMaxPush, "max_force_n", max_force_n,
           "over 0 and finite: a guard without a limit guards nothing");
-  require(in(max_torque_nm, 0.0, kMaxPush), "max_torque_nm", max_torque_nm, "0 (no torque) or more, and finite");
+  require(in(max_torque_nm, 0.0, kMaxPush), "max_torque_nm", max_torque_nm,
+          "0 (no torque) or more, and finite");
   require(in(hold_periods, 1.0, 1000.0), "hold_periods", hold_periods, "in [1, 1000]");
   require(fade_s > 0.0 && fade_s <= 1.0, "fade_s", fade_s, "over 0 and at most 1 s");
   require(in(start_ramp_s, 0.0, 10.0), "start_ramp_s", start_ramp_s, "in [0, 10] s");
   require(in(return_ramp_s, 0.0, 10.0), "return_ramp_s", return_ramp_s, "in [0, 10] s");
   const double force_fade = max_force_n / fade_s, torque_fade = max_torque_nm / fade_s;
   require(max_force_rate_n_per_s >= force_fade, "max_force_rate_n_per_s", max_force_rate_n_per_s,
-          fmt::format("at least max_force_n / fade_s = {}, or a fade could not keep to it", force_fade));
-  require(max_torque_rate_nm_per_s >= torque_fade, "max_torque_rate_nm_per_s", max_torque_rate_nm_per_s,
-          fmt::format("at least max_torque_nm / fade_s = {}, or a fade could not keep to it", torque_fade));
+          fmt::format("at least max_force_n / fade_s = {}, or a fade could not keep to it",
+                      force_fade));
+  require(max_torque_rate_nm_per_s >= torque_fade, "max_torque_rate_nm_per_s",
+          max_torque_rate_nm_per_s,
+          fmt::format("at least max_torque_nm / fade_s = {}, or a fade could not keep to it",
+                      torque_fade));
 }
 
 }  // namespace voxtouch::devices

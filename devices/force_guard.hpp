@@ -1,6 +1,6 @@
 #pragma once
-/// The last stop before any device: whatever comes in, what goes out is finite, within the limits, and fades
-/// when nobody speaks any more.
+/// The last stop before any device: whatever comes in, what goes out is finite, within the limits,
+/// and fades when nobody speaks any more.
 #include <cstdint>
 #include <optional>
 
@@ -12,14 +12,16 @@ namespace voxtouch::devices {
 /// What the guard keeps to. "No slew limit" is infinity.
 struct GuardConfig {
   double period_s = 1e-3;
-  double max_force_n = 0.0;            ///< (0, finite)
-  double max_torque_nm = 0.0;          ///< [0, finite); 0: the device gives no torque, so torque is left out
-  double max_force_rate_n_per_s = 0.0;   ///< at least max_force_n / fade_s, so that a fade never breaks it
-  double max_torque_rate_nm_per_s = 0.0; ///< likewise
-  double hold_periods = 3.0;           ///< a command is held this long at most, [1, 1000]
-  double fade_s = 0.02;                ///< then it is zero after this, (0, 1]
-  double start_ramp_s = 0.5;           ///< at the start full force is reached after this, [0, 10]
-  double return_ramp_s = 0.1;          ///< likewise after a fade, [0, 10]
+  double max_force_n = 0.0;  ///< (0, finite)
+  double max_torque_nm =
+      0.0;  ///< [0, finite); 0: the device gives no torque, so torque is left out
+  double max_force_rate_n_per_s =
+      0.0;  ///< at least max_force_n / fade_s, so that a fade never breaks it
+  double max_torque_rate_nm_per_s = 0.0;  ///< likewise
+  double hold_periods = 3.0;              ///< a command is held this long at most, [1, 1000]
+  double fade_s = 0.02;                   ///< then it is zero after this, (0, 1]
+  double start_ramp_s = 0.5;   ///< at the start full force is reached after this, [0, 10]
+  double return_ramp_s = 0.1;  ///< likewise after a fade, [0, 10]
 
   /// Throws std::runtime_error that names field, value and rule.
   void validate() const;
@@ -35,17 +37,17 @@ struct GuardInput {
 };
 
 struct GuardCounts {
-  std::uint64_t passed = 0;              ///< commands taken, clamped ones among them
+  std::uint64_t passed = 0;  ///< commands taken, clamped ones among them
   std::uint64_t refused_not_finite = 0;
-  std::uint64_t refused_stale = 0;       ///< were over before they came
-  std::uint64_t refused_writer = 0;      ///< this and the next two are the gate's
+  std::uint64_t refused_stale = 0;   ///< were over before they came
+  std::uint64_t refused_writer = 0;  ///< this and the next two are the gate's
   std::uint64_t refused_session = 0;
   std::uint64_t refused_sequence = 0;
-  std::uint64_t clamped_force = 0;       ///< commands
+  std::uint64_t clamped_force = 0;  ///< commands
   std::uint64_t clamped_torque = 0;
-  std::uint64_t clamped_slew = 0;        ///< periods
-  std::uint64_t faded = 0;               ///< fades begun
-  std::uint64_t clock_faults = 0;        ///< periods whose time stood still or went back
+  std::uint64_t clamped_slew = 0;  ///< periods
+  std::uint64_t faded = 0;         ///< fades begun
+  std::uint64_t clock_faults = 0;  ///< periods whose time stood still or went back
 
   std::uint64_t refused() const noexcept {
     return refused_not_finite + refused_stale + refused_writer + refused_session + refused_sequence;
@@ -53,22 +55,22 @@ struct GuardCounts {
   std::uint64_t clamped() const noexcept { return clamped_force + clamped_torque + clamped_slew; }
 };
 
-/// Pure: no clock, no thread; time comes in. Call `pass` once a period with the command that has come since,
-/// if any. `pass` and all the rest but the constructor are real-time safe.
+/// Pure: no clock, no thread; time comes in. Call `pass` once a period with the command that has
+/// come since, if any. `pass` and all the rest but the constructor are real-time safe.
 ///
-/// The output is fraction * command, led to by the slew limit. The fraction rises from 0 to 1 over the ramp
-/// while commands come, so that a start inside a contact does not kick; it falls to 0 over the fade once the
-/// last command is older than `hold_periods` or than its valid-until, and a command that comes during the
-/// fade takes it up from where it is.
+/// The output is fraction * command, led to by the slew limit. The fraction rises from 0 to 1 over
+/// the ramp while commands come, so that a start inside a contact does not kick; it falls to 0 over
+/// the fade once the last command is older than `hold_periods` or than its valid-until, and a
+/// command that comes during the fade takes it up from where it is.
 class ForceGuard {
  public:
   /// Throws as GuardConfig::validate does.
   explicit ForceGuard(const GuardConfig& config);
 
-  /// What the device is to push with. `now_ns` is the device's clock. A time that stands still or goes back
-  /// counts as one nominal period, so that a broken clock cannot hold a force for ever; a gap opens the slew
-  /// limit by no more than the hold time. A refused command is as no command: the one before it is held, then
-  /// faded.
+  /// What the device is to push with. `now_ns` is the device's clock. A time that stands still or
+  /// goes back counts as one nominal period, so that a broken clock cannot hold a force for ever; a
+  /// gap opens the slew limit by no more than the hold time. A refused command is as no command:
+  /// the one before it is held, then faded.
   Wrench pass(const std::optional<GuardInput>& command, std::int64_t now_ns) noexcept;
 
   /// Adds what the gate refused to the counts.
@@ -89,7 +91,8 @@ class ForceGuard {
  private:
   enum class Phase : std::uint8_t { kIdle, kLive, kFading, kStopped };
   std::int64_t elapsed_ns(std::int64_t now_ns) noexcept;
-  bool age(std::int64_t dt_ns, std::int64_t now_ns) noexcept;  // true: faded out in this very period
+  bool age(std::int64_t dt_ns,
+           std::int64_t now_ns) noexcept;  // true: faded out in this very period
   void raise(double dt_s) noexcept;
   void accept(const GuardInput& command, std::int64_t now_ns) noexcept;
   void lead(double dt_s) noexcept;
@@ -99,12 +102,13 @@ class ForceGuard {
   GuardCounts counts_;
   Phase phase_ = Phase::kIdle;
   std::optional<std::int64_t> last_ns_;
-  std::int64_t age_ns_ = 0;          // of the command, by elapsed time rather than by stamps: the clock may jump
+  std::int64_t age_ns_ =
+      0;  // of the command, by elapsed time rather than by stamps: the clock may jump
   std::int64_t valid_until_ns_ = 0;
   Wrench command_, output_;
-  Wrench fade_from_;                 // the output when the fade began
-  double fraction_ = 0.0;            // while fading: the fraction when the fade began
-  double fade_ = 0.0;                // 1 to 0 while fading
+  Wrench fade_from_;       // the output when the fade began
+  double fraction_ = 0.0;  // while fading: the fraction when the fade began
+  double fade_ = 0.0;      // 1 to 0 while fading
   bool ramped_once_ = false;
 };
 

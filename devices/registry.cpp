@@ -20,8 +20,8 @@ namespace {
 std::unique_ptr<Driver> open_simulated(std::string_view name, const sim::SimParameters& parameters,
                                        const DeviceOptions& options) {
   const SettingReader none(name, options.settings, {});
-  return std::make_unique<sim::SimulatedDevice>(parameters, options.hand.value_or(parameters.hand), motion_of(options),
-                                           options.seed);
+  return std::make_unique<sim::SimulatedDevice>(parameters, options.hand.value_or(parameters.hand),
+                                                motion_of(options), options.seed);
 }
 
 DeviceDescription describe_simulated(std::string_view name, const sim::SimParameters& parameters,
@@ -31,7 +31,8 @@ DeviceDescription describe_simulated(std::string_view name, const sim::SimParame
 }
 
 const DeviceDescription& described(const DeviceOptions& options) {
-  if (!options.described) throw DeviceOpenError("the file of a device 'sim:FILE' has not been read");
+  if (!options.described)
+    throw DeviceOpenError("the file of a device 'sim:FILE' has not been read");
   return *options.described;
 }
 
@@ -43,36 +44,57 @@ struct Entry {
 };
 
 const std::array kEntries{
-    Entry{"sim-phantom", [](const DeviceOptions& o) { return open_simulated("sim-phantom", sim::sim_phantom(), o); },
-          [](const DeviceOptions& o) { return describe_simulated("sim-phantom", sim::sim_phantom(), o); },
-          [](const DeviceOptions&) { return sim::sim_phantom().hand; }},
-    Entry{"sim-lwr", [](const DeviceOptions& o) { return open_simulated("sim-lwr", sim::sim_lwr(), o); },
+    Entry{
+        "sim-phantom",
+        [](const DeviceOptions& o) { return open_simulated("sim-phantom", sim::sim_phantom(), o); },
+        [](const DeviceOptions& o) {
+          return describe_simulated("sim-phantom", sim::sim_phantom(), o);
+        },
+        [](const DeviceOptions&) { return sim::sim_phantom().hand; }},
+    Entry{"sim-lwr",
+          [](const DeviceOptions& o) { return open_simulated("sim-lwr", sim::sim_lwr(), o); },
           [](const DeviceOptions& o) { return describe_simulated("sim-lwr", sim::sim_lwr(), o); },
           [](const DeviceOptions&) { return sim::sim_lwr().hand; }},
-    Entry{"wire-phantom", phantom::open_wire_phantom, phantom::describe_wire_phantom, [](const DeviceOptions&) { return sim::sim_phantom().hand; }},
-    Entry{"wire-lwr", lwr::open_wire_lwr, lwr::describe_wire_lwr, [](const DeviceOptions&) { return arm::usual_hand_at_wire(); }},
-    Entry{"wire-fr3", fr3::open_wire_fr3, fr3::describe_wire_fr3, [](const DeviceOptions&) { return arm::usual_hand_at_wire(); }},
+    Entry{"wire-phantom", phantom::open_wire_phantom, phantom::describe_wire_phantom,
+          [](const DeviceOptions&) { return sim::sim_phantom().hand; }},
+    Entry{"wire-lwr", lwr::open_wire_lwr, lwr::describe_wire_lwr,
+          [](const DeviceOptions&) { return arm::usual_hand_at_wire(); }},
+    Entry{"wire-fr3", fr3::open_wire_fr3, fr3::describe_wire_fr3,
+          [](const DeviceOptions&) { return arm::usual_hand_at_wire(); }},
     Entry{"phantom", phantom::open_phantom, phantom::describe_phantom_device, nullptr},
     Entry{"lwr", lwr::open_lwr, lwr::describe_lwr_device, nullptr},
     Entry{"fr3", fr3::open_fr3, fr3::describe_fr3_device, nullptr},
 };
 
-const Entry kDescribed{kDescribedPrefix, [](const DeviceOptions& o) { return open_simulated("sim:FILE", sim::simulated(described(o)), o); },
-                       [](const DeviceOptions& o) { return describe_simulated("sim:FILE", sim::simulated(described(o)), o); },
+const Entry kDescribed{kDescribedPrefix,
+                       [](const DeviceOptions& o) {
+                         return open_simulated("sim:FILE", sim::simulated(described(o)), o);
+                       },
+                       [](const DeviceOptions& o) {
+                         return describe_simulated("sim:FILE", sim::simulated(described(o)), o);
+                       },
                        [](const DeviceOptions& o) { return sim::simulated(described(o)).hand; }};
 
-const Entry kRecorded{kRecordedPrefix, recorded::open_recorded, recorded::describe_recorded, nullptr};
+const Entry kRecorded{kRecordedPrefix, recorded::open_recorded, recorded::describe_recorded,
+                      nullptr};
 
 const Entry& find(std::string_view name) {
-  if (name.starts_with(kDescribedPrefix)) return kDescribed;
-  if (name.starts_with(kRecordedPrefix)) return kRecorded;
-  const auto found = std::find_if(kEntries.begin(), kEntries.end(), [&](const Entry& e) { return e.name == name; });
+  if (name.starts_with(kDescribedPrefix))
+    return kDescribed;
+  if (name.starts_with(kRecordedPrefix))
+    return kRecorded;
+  const auto found = std::find_if(kEntries.begin(), kEntries.end(),
+                                  [&](const Entry& e) { return e.name == name; });
   if (found == kEntries.end())
-    throw DeviceOpenError(fmt::format("device '{}' is unknown; known are {}, sim:FILE for a device that a file describes, and replay:BAG for a recorded hand", name, fmt::join(device_names(), ", ")));
+    throw DeviceOpenError(
+        fmt::format("device '{}' is unknown; known are {}, sim:FILE for a device that a file "
+                    "describes, and replay:BAG for a recorded hand",
+                    name, fmt::join(device_names(), ", ")));
   return *found;
 }
 
-/// A faulty file or a controller that says nonsense must not become what force is limited and designed by.
+/// A faulty file or a controller that says nonsense must not become what force is limited and
+/// designed by.
 void require_possible(std::string_view name, const DeviceDescription& description) {
   if (const std::string wrong = what_is_wrong(description); !wrong.empty())
     throw DeviceOpenError(fmt::format("device '{}' cannot be used: {}", name, wrong));
@@ -83,7 +105,8 @@ void require_possible(std::string_view name, const DeviceDescription& descriptio
 const std::vector<std::string>& device_names() {
   static const std::vector<std::string> names = [] {
     std::vector<std::string> all;
-    for (const Entry& entry : kEntries) all.emplace_back(entry.name);
+    for (const Entry& entry : kEntries)
+      all.emplace_back(entry.name);
     return all;
   }();
   return names;
@@ -96,8 +119,10 @@ std::unique_ptr<Driver> open_device(std::string_view name, const DeviceOptions& 
     require_possible(name, driver->description());
     return driver;
   } catch (const DeviceOpenError& error) {
-    if (entry.hand != nullptr || is_recording(name)) throw;
-    throw DeviceOpenError(fmt::format("{} (without the hardware: '--device wire-{}')", error.what(), name));
+    if (entry.hand != nullptr || is_recording(name))
+      throw;
+    throw DeviceOpenError(
+        fmt::format("{} (without the hardware: '--device wire-{}')", error.what(), name));
   } catch (const std::runtime_error& error) {
     throw DeviceOpenError(fmt::format("device '{}' cannot be opened: {}", name, error.what()));
   }
@@ -105,7 +130,8 @@ std::unique_ptr<Driver> open_device(std::string_view name, const DeviceOptions& 
 
 DeviceDescription describe_device(std::string_view name, const DeviceOptions& options) {
   DeviceDescription description = find(name).describe(options);
-  description.simulated = name.starts_with("sim-") || name.starts_with(kDescribedPrefix) || is_recording(name);
+  description.simulated =
+      name.starts_with("sim-") || name.starts_with(kDescribedPrefix) || is_recording(name);
   require_possible(name, description);
   return description;
 }
@@ -116,9 +142,12 @@ bool has_simulated_hand(std::string_view name) { return find(name).hand != nullp
 
 sim::OperatorConfig usual_hand(std::string_view name, const DeviceOptions& options) {
   const Entry& entry = find(name);
-  if (is_recording(name)) throw DeviceOpenError("a recorded hand goes where it was recorded: no other hand can be simulated on it");
+  if (is_recording(name))
+    throw DeviceOpenError(
+        "a recorded hand goes where it was recorded: no other hand can be simulated on it");
   if (entry.hand == nullptr)
-    throw DeviceOpenError(fmt::format("device '{}' is held by a person: no hand can be simulated on it", name));
+    throw DeviceOpenError(
+        fmt::format("device '{}' is held by a person: no hand can be simulated on it", name));
   return entry.hand(options);
 }
 

@@ -10,23 +10,26 @@
 
 namespace voxtouch::devices {
 
-/// "sim-phantom", "sim-lwr": arithmetic alone; so is "sim:FILE", any device as a file describes it, which is not among the names. "wire-phantom", "wire-lwr", "wire-fr3": the drivers of the hardware, with the vendor's library or
-/// the controller's side of the network simulated. "phantom", "lwr", "fr3": the hardware.
+/// "sim-phantom", "sim-lwr": arithmetic alone; so is "sim:FILE", any device as a file describes it,
+/// which is not among the names. "wire-phantom", "wire-lwr", "wire-fr3": the drivers of the
+/// hardware, with the vendor's library or the controller's side of the network simulated.
+/// "phantom", "lwr", "fr3": the hardware.
 const std::vector<std::string>& device_names();
 
-/// Opens a device. Throws DeviceOpenError: an unknown name (the sentence lists the known ones), an option that the device has not
-/// got or a value that it cannot take, a motion or hand that cannot be simulated, or hardware that is not there; it says what to
-/// do.
+/// Opens a device. Throws DeviceOpenError: an unknown name (the sentence lists the known ones), an
+/// option that the device has not got or a value that it cannot take, a motion or hand that cannot
+/// be simulated, or hardware that is not there; it says what to do.
 std::unique_ptr<Driver> open_device(std::string_view name, const DeviceOptions& options = {});
 
-/// The device's numbers, as far as they are known without opening it: hardware may say others once it is open. Throws as
-/// open_device does for names and settings.
+/// The device's numbers, as far as they are known without opening it: hardware may say others once
+/// it is open. Throws as open_device does for names and settings.
 DeviceDescription describe_device(std::string_view name, const DeviceOptions& options = {});
 
 /// A name that stands for a device in a file.
 inline constexpr std::string_view kDescribedPrefix = "sim:";
 
-/// Before the folder or file of a recording, whose device samples are played: a device without a hand that feels.
+/// Before the folder or file of a recording, whose device samples are played: a device without a
+/// hand that feels.
 inline constexpr std::string_view kRecordedPrefix = "replay:";
 /// Whether the name is one of those.
 bool is_recording(std::string_view name) noexcept;
@@ -34,7 +37,8 @@ bool is_recording(std::string_view name) noexcept;
 /// A simulated hand holds it, and follows options.motion; else it is a person's, or a recorded one.
 bool has_simulated_hand(std::string_view name);
 
-/// How a simulated hand usually holds the device: a start for options.hand. Throws for an unknown name, for hardware and for a recording.
+/// How a simulated hand usually holds the device: a start for options.hand. Throws for an unknown
+/// name, for hardware and for a recording.
 sim::OperatorConfig usual_hand(std::string_view name, const DeviceOptions& options = {});
 
 }  // namespace voxtouch::devices

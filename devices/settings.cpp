@@ -23,7 +23,8 @@ DeviceSettings parse_settings(const std::vector<std::string>& texts) {
   for (const std::string& text : texts) {
     const auto equals = text.find('=');
     if (equals == std::string::npos || equals == 0)
-      throw DeviceOpenError(fmt::format("'{}' is no device option: it has to be KEY=VALUE, like port=49938", text));
+      throw DeviceOpenError(
+          fmt::format("'{}' is no device option: it has to be KEY=VALUE, like port=49938", text));
     settings.emplace_back(text.substr(0, equals), text.substr(equals + 1));
   }
   return settings;
@@ -32,14 +33,16 @@ DeviceSettings parse_settings(const std::vector<std::string>& texts) {
 SettingReader::SettingReader(std::string_view device, const DeviceSettings& settings,
                              std::initializer_list<std::string_view> known,
                              std::initializer_list<std::string_view> many)
-    : device_(device), settings_(settings) {
+    : device_(device),
+      settings_(settings) {
   std::set<std::string_view> seen;
   for (const auto& [key, value] : settings) {
     if (!among(key, known))
       throw DeviceOpenError(
           known.size() == 0
               ? fmt::format("device '{}': it takes no options, so there is no '{}'", device, key)
-              : fmt::format("device '{}': there is no option '{}'; it takes {}", device, key, fmt::join(known, ", ")));
+              : fmt::format("device '{}': there is no option '{}'; it takes {}", device, key,
+                            fmt::join(known, ", ")));
     if (!seen.insert(key).second && !among(key, many))
       throw DeviceOpenError(fmt::format("device '{}': option {} is there twice", device, key));
   }
@@ -47,27 +50,34 @@ SettingReader::SettingReader(std::string_view device, const DeviceSettings& sett
 
 std::optional<std::string> SettingReader::text(std::string_view key) const {
   for (const auto& [name, value] : settings_)
-    if (name == key) return value;
+    if (name == key)
+      return value;
   return std::nullopt;
 }
 
 std::vector<std::string> SettingReader::all(std::string_view key) const {
   std::vector<std::string> values;
   for (const auto& [name, value] : settings_)
-    if (name == key) values.push_back(value);
+    if (name == key)
+      values.push_back(value);
   return values;
 }
 
-void SettingReader::refuse(std::string_view key, std::string_view value, std::string_view rule) const {
-  throw DeviceOpenError(fmt::format("device '{}': option {} is '{}', but has to be {}", device_, key, value, rule));
+void SettingReader::refuse(std::string_view key, std::string_view value,
+                           std::string_view rule) const {
+  throw DeviceOpenError(
+      fmt::format("device '{}': option {} is '{}', but has to be {}", device_, key, value, rule));
 }
 
 template <class Number>
-std::optional<Number> SettingReader::within(std::string_view key, Number low, Number high, std::string_view kind) const {
+std::optional<Number> SettingReader::within(std::string_view key, Number low, Number high,
+                                            std::string_view kind) const {
   const auto value = text(key);
-  if (!value) return std::nullopt;
+  if (!value)
+    return std::nullopt;
   const auto parsed = parse_number<Number>(*value);
-  if (!parsed || !(*parsed >= low && *parsed <= high)) refuse(key, *value, fmt::format("{} in [{}, {}]", kind, low, high));
+  if (!parsed || !(*parsed >= low && *parsed <= high))
+    refuse(key, *value, fmt::format("{} in [{}, {}]", kind, low, high));
   return *parsed;
 }
 
@@ -75,21 +85,25 @@ std::optional<double> SettingReader::number(std::string_view key, double low, do
   return within(key, low, high, "a number");
 }
 
-std::optional<std::uint32_t> SettingReader::whole(std::string_view key, std::uint32_t low, std::uint32_t high) const {
+std::optional<std::uint32_t> SettingReader::whole(std::string_view key, std::uint32_t low,
+                                                  std::uint32_t high) const {
   return within(key, low, high, "a whole number");
 }
 
 std::optional<Vec3> SettingReader::vector(std::string_view key) const {
   const auto value = text(key);
-  if (!value) return std::nullopt;
+  if (!value)
+    return std::nullopt;
   Vec3 out;
   std::string_view rest = *value;
   for (int axis = 0; axis < 3; ++axis) {
     const auto comma = rest.find(',');
     const auto number = parse_finite(rest.substr(0, comma));
-    if (!number || (axis < 2) != (comma != std::string_view::npos)) refuse(key, *value, "three finite numbers X,Y,Z");
+    if (!number || (axis < 2) != (comma != std::string_view::npos))
+      refuse(key, *value, "three finite numbers X,Y,Z");
     out[axis] = *number;
-    if (axis < 2) rest.remove_prefix(comma + 1);
+    if (axis < 2)
+      rest.remove_prefix(comma + 1);
   }
   return out;
 }

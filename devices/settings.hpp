@@ -1,5 +1,6 @@
 #pragma once
-/// Settings of a device, read strictly: what is not known, doubled, or no value of its kind is refused with a sentence.
+/// Settings of a device, read strictly: what is not known, doubled, or no value of its kind is
+/// refused with a sentence.
 #include <cstdint>
 #include <initializer_list>
 #include <optional>
@@ -19,21 +20,26 @@ DeviceSettings parse_settings(const std::vector<std::string>& texts);
 class SettingReader {
  public:
   /// `known`: every key that this device takes. Those in `many` may come more than once.
-  SettingReader(std::string_view device, const DeviceSettings& settings, std::initializer_list<std::string_view> known,
+  SettingReader(std::string_view device, const DeviceSettings& settings,
+                std::initializer_list<std::string_view> known,
                 std::initializer_list<std::string_view> many = {});
 
   /// Absent: the key was not given.
   std::optional<std::string> text(std::string_view key) const;
   /// The next two: from `low` to `high`, in the unit of the key's name.
   std::optional<double> number(std::string_view key, double low, double high) const;
-  std::optional<std::uint32_t> whole(std::string_view key, std::uint32_t low, std::uint32_t high) const;
-  std::optional<Vec3> vector(std::string_view key) const;          ///< "X,Y,Z", finite
-  std::vector<std::string> all(std::string_view key) const;        ///< of a key that may come more than once
-  [[noreturn]] void refuse(std::string_view key, std::string_view value, std::string_view rule) const;
+  std::optional<std::uint32_t> whole(std::string_view key, std::uint32_t low,
+                                     std::uint32_t high) const;
+  std::optional<Vec3> vector(std::string_view key) const;  ///< "X,Y,Z", finite
+  std::vector<std::string> all(
+      std::string_view key) const;  ///< of a key that may come more than once
+  [[noreturn]] void refuse(std::string_view key, std::string_view value,
+                           std::string_view rule) const;
 
  private:
   template <class Number>
-  std::optional<Number> within(std::string_view key, Number low, Number high, std::string_view kind) const;
+  std::optional<Number> within(std::string_view key, Number low, Number high,
+                               std::string_view kind) const;
 
   std::string device_;
   const DeviceSettings& settings_;

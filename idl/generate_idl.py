@@ -16,14 +16,29 @@ import python_types
 import type_hash
 
 PRIMITIVES = {  # .msg name -> (idl name, bytes in CDR and in C)
-    "bool": ("boolean", 1), "byte": ("octet", 1), "char": ("uint8", 1), "int8": ("int8", 1), "uint8": ("uint8", 1),
-    "int16": ("int16", 2), "uint16": ("uint16", 2), "int32": ("int32", 4), "uint32": ("uint32", 4),
-    "int64": ("int64", 8), "uint64": ("uint64", 8), "float32": ("float", 4), "float64": ("double", 8),
+    "bool": ("boolean", 1),
+    "byte": ("octet", 1),
+    "char": ("uint8", 1),
+    "int8": ("int8", 1),
+    "uint8": ("uint8", 1),
+    "int16": ("int16", 2),
+    "uint16": ("uint16", 2),
+    "int32": ("int32", 4),
+    "uint32": ("uint32", 4),
+    "int64": ("int64", 8),
+    "uint64": ("uint64", 8),
+    "float32": ("float", 4),
+    "float64": ("double", 8),
 }
-CONSTANT_TYPES = {"byte": "std::uint8_t", **{f"{u}int{n}": f"std::{u}int{n}_t" for u in ("", "u") for n in (8, 16, 32, 64)}}
+CONSTANT_TYPES = {
+    "byte": "std::uint8_t",
+    **{f"{u}int{n}": f"std::{u}int{n}_t" for u in ("", "u") for n in (8, 16, 32, 64)},
+}
 # Types that walk round the ring a thousand times a second: fixed size, no padding (padding bytes would reach the wire).
 RING = ("DeviceState", "ContactState", "ForceCommand", "ExternalSample")
-FIELD = re.compile(r"^(?P<type>[\w/]+)(?P<array>\[(?P<bound><=)?(?P<size>\d*)\])?\s+(?P<name>\w+)\s*(?P<const>=\s*(?P<value>\S+))?$")
+FIELD = re.compile(
+    r"^(?P<type>[\w/]+)(?P<array>\[(?P<bound><=)?(?P<size>\d*)\])?\s+(?P<name>\w+)\s*(?P<const>=\s*(?P<value>\S+))?$"
+)
 
 
 def parse(path, package):
@@ -34,7 +49,9 @@ def parse(path, package):
     middle = next((n for n, (_, line) in enumerate(lines) if line.strip() == "---"), None)
     if middle is None:
         sys.exit(f"{path}: has no line '---' between request and response.")
-    return parse_lines(path, package, lines[:middle]), parse_lines(path, package, lines[middle + 1:])
+    return parse_lines(path, package, lines[:middle]), parse_lines(
+        path, package, lines[middle + 1 :]
+    )
 
 
 def parse_lines(path, package, lines):
@@ -45,7 +62,9 @@ def parse_lines(path, package, lines):
             continue
         match = FIELD.match(text)
         if not match:
-            sys.exit(f"{path}:{number}: cannot read '{text}'; expected 'type name' or 'type NAME=value'.")
+            sys.exit(
+                f"{path}:{number}: cannot read '{text}'; expected 'type name' or 'type NAME=value'."
+            )
         kind = match["type"]
         if match["const"]:
             constants.append((kind, match["name"], match["value"]))
@@ -70,7 +89,10 @@ def idl_text(package, name, fields, constants):
     body = []
     if constants:
         body.append(f"  module {name}_Constants {{")
-        body += [f"    const {PRIMITIVES[kind][0]} {constant} = {value};" for kind, constant, value in constants]
+        body += [
+            f"    const {PRIMITIVES[kind][0]} {constant} = {value};"
+            for kind, constant, value in constants
+        ]
         body.append("  };")
     return idl_file(package, "msg", name, fields, body + struct_lines(name, fields))
 
@@ -85,10 +107,23 @@ def service_idl_text(package, name, request, response):
 
 
 def idl_file(package, folder, name, fields, body):
-    includes = sorted({f'#include "{owner}/msg/{kind}_.idl"' for kind, owner, *_ in fields if owner})
+    includes = sorted(
+        {f'#include "{owner}/msg/{kind}_.idl"' for kind, owner, *_ in fields if owner}
+    )
     guard = f"{package}_{folder}_{name}_".upper()
-    return "\n".join([f"// Written by generate_idl.py from {name}.{folder}.", f"#ifndef {guard}", f"#define {guard}", *includes,
-                      f"module {package} {{ module {folder} {{ module dds_ {{", *body, "}; }; };", "#endif", ""])
+    return "\n".join(
+        [
+            f"// Written by generate_idl.py from {name}.{folder}.",
+            f"#ifndef {guard}",
+            f"#define {guard}",
+            *includes,
+            f"module {package} {{ module {folder} {{ module dds_ {{",
+            *body,
+            "}; }; };",
+            "#endif",
+            "",
+        ]
+    )
 
 
 def struct_lines(name, fields):
@@ -118,82 +153,145 @@ def packed_size(messages, package, name):
 
 
 def header_text(messages, own):
-    out = ["#pragma once", "/// Written by generate_idl.py: short names of the wire types, and what their layout must be.",
-           "#include <cstddef>", "#include <cstdint>", "#include <string_view>", "#include <dds/dds.h>"]
+    out = [
+        "#pragma once",
+        "/// Written by generate_idl.py: short names of the wire types, and what their layout must be.",
+        "#include <cstddef>",
+        "#include <cstdint>",
+        "#include <string_view>",
+        "#include <dds/dds.h>",
+    ]
     out += [f'#include "{package}/msg/{name}_.h"' for package, name in messages]
-    out += ["namespace voxtouch::msg {", "/// Descriptor and names of a wire type.",
-            "template <class T> struct Type;",
-            "/// The same as a value. `hash` is the type's RIHS01 hash, which ROS 2 tools compare from Iron on.",
-            "struct AnyType {", "  std::string_view ros_name;", "  const dds_topic_descriptor_t* descriptor;", "  std::string_view hash;", "};",
-            "template <class T> inline constexpr AnyType kAnyType{Type<T>::ros_name, Type<T>::descriptor, Type<T>::hash};", ""]
+    out += [
+        "namespace voxtouch::msg {",
+        "/// Descriptor and names of a wire type.",
+        "template <class T> struct Type;",
+        "/// The same as a value. `hash` is the type's RIHS01 hash, which ROS 2 tools compare from Iron on.",
+        "struct AnyType {",
+        "  std::string_view ros_name;",
+        "  const dds_topic_descriptor_t* descriptor;",
+        "  std::string_view hash;",
+        "};",
+        "template <class T> inline constexpr AnyType kAnyType{Type<T>::ros_name, Type<T>::descriptor, Type<T>::hash};",
+        "",
+    ]
     for package, name in messages:
         c_name = f"{package}_msg_dds__{name}_"
         short = name if package == own else f"{package}_{name}"
-        out += [f"using {short} = {c_name};",
-                f"template <> struct Type<{short}> {{",
-                f"  static constexpr const dds_topic_descriptor_t* descriptor = &{c_name}_desc;",
-                f'  static constexpr std::string_view ros_name = "{package}/msg/{name}";',
-                f'  static constexpr std::string_view dds_name = "{package}::msg::dds_::{name}_";',
-                f'  static constexpr std::string_view hash = "{type_hash.type_hash(messages, package, name)}";', "};"]
+        out += [
+            f"using {short} = {c_name};",
+            f"template <> struct Type<{short}> {{",
+            f"  static constexpr const dds_topic_descriptor_t* descriptor = &{c_name}_desc;",
+            f'  static constexpr std::string_view ros_name = "{package}/msg/{name}";',
+            f'  static constexpr std::string_view dds_name = "{package}::msg::dds_::{name}_";',
+            f'  static constexpr std::string_view hash = "{type_hash.type_hash(messages, package, name)}";',
+            "};",
+        ]
         constants = [c for c in messages[package, name][1] if c[0] in CONSTANT_TYPES]
         if constants:
             snake = re.sub(r"(?<!^)(?=[A-Z])", "_", name).lower()
             out.append(f"namespace {snake if package == own else f'{package}_{name}_constants'} {{")
-            out += [f"inline constexpr {CONSTANT_TYPES[kind]} k{''.join(w.capitalize() for w in constant.split('_'))} = {value};"
-                    for kind, constant, value in constants]
+            out += [
+                f"inline constexpr {CONSTANT_TYPES[kind]} k{''.join(w.capitalize() for w in constant.split('_'))} = {value};"
+                for kind, constant, value in constants
+            ]
             out.append("}")
     out.append("")
     for name in RING:
         size = packed_size(messages, own, name)
         if size is None or size % 8:
-            sys.exit(f"{name}.msg: a ring type must be fixed-size and a multiple of 8 bytes; add or remove a reserved field.")
-        out.append(f'static_assert(sizeof({name}) == {size}, "{name} holds padding; reorder its fields");')
+            sys.exit(
+                f"{name}.msg: a ring type must be fixed-size and a multiple of 8 bytes; add or remove a reserved field."
+            )
+        out.append(
+            f'static_assert(sizeof({name}) == {size}, "{name} holds padding; reorder its fields");'
+        )
     out += ["}  // namespace voxtouch::msg", ""]
     return "\n".join(out)
 
 
 def services_text(messages, services, own):
     """A C++ header with one tag type for each service."""
-    out = ["#pragma once", "/// Written by generate_idl.py: services in the wire form of rmw_cyclonedds.",
-           f'#include "{own}/messages.hpp"', *(f'#include "{package}/srv/{name}_.h"' for package, name in services), "namespace voxtouch::msg {"]
+    out = [
+        "#pragma once",
+        "/// Written by generate_idl.py: services in the wire form of rmw_cyclonedds.",
+        f'#include "{own}/messages.hpp"',
+        *(f'#include "{package}/srv/{name}_.h"' for package, name in services),
+        "namespace voxtouch::msg {",
+    ]
     for (package, name), (request, response) in services.items():
         c_name = f"{package}_srv_dds__{name}"
-        out += [f"struct {name if package == own else f'{package}_{name}'} {{",
-                f"  using Request = {c_name}_Request_;", f"  using Response = {c_name}_Response_;",
-                f'  static constexpr std::string_view ros_name = "{package}/srv/{name}";',
-                f'  static constexpr std::string_view hash = "{type_hash.service_hash(messages, package, name, request[0], response[0])}";',
-                f'  static constexpr AnyType request{{"{package}/srv/{name}_Request", &{c_name}_Request__desc, hash}};',
-                f'  static constexpr AnyType response{{"{package}/srv/{name}_Response", &{c_name}_Response__desc, hash}};', "};"]
+        out += [
+            f"struct {name if package == own else f'{package}_{name}'} {{",
+            f"  using Request = {c_name}_Request_;",
+            f"  using Response = {c_name}_Response_;",
+            f'  static constexpr std::string_view ros_name = "{package}/srv/{name}";',
+            f'  static constexpr std::string_view hash = "{type_hash.service_hash(messages, package, name, request[0], response[0])}";',
+            f'  static constexpr AnyType request{{"{package}/srv/{name}_Request", &{c_name}_Request__desc, hash}};',
+            f'  static constexpr AnyType response{{"{package}/srv/{name}_Response", &{c_name}_Response__desc, hash}};',
+            "};",
+        ]
     return "\n".join([*out, "}  // namespace voxtouch::msg", ""])
 
 
 def all_types_text(messages, own):
     """A C++ header with the descriptor of every type by its name, for what takes any topic of the table."""
     shorts = [name if package == own else f"{package}_{name}" for package, name in messages]
-    return "\n".join(["#pragma once", "/// Written by generate_idl.py: every wire type by its ROS name.",
-                      f'#include "{own}/messages.hpp"', "namespace voxtouch::msg {",
-                      "inline constexpr AnyType kAllTypes[] = {",
-                      *(f"    kAnyType<{short}>," for short in shorts),
-                      "};", "}  // namespace voxtouch::msg", ""])
+    return "\n".join(
+        [
+            "#pragma once",
+            "/// Written by generate_idl.py: every wire type by its ROS name.",
+            f'#include "{own}/messages.hpp"',
+            "namespace voxtouch::msg {",
+            "inline constexpr AnyType kAllTypes[] = {",
+            *(f"    kAnyType<{short}>," for short in shorts),
+            "};",
+            "}  // namespace voxtouch::msg",
+            "",
+        ]
+    )
 
 
 def definition(messages, texts, package, name):
     """The .msg with those of all types that it uses, as ROS 2 puts them together ("ros2msg"): so a bag explains itself."""
     parts = [texts[package, name]]
-    parts += [f"MSG: {owner}/{kind}\n{texts[owner, kind]}" for owner, kind in sorted(type_hash.used(messages, package, name))]
+    parts += [
+        f"MSG: {owner}/{kind}\n{texts[owner, kind]}"
+        for owner, kind in sorted(type_hash.used(messages, package, name))
+    ]
     return ("=" * 80 + "\n").join(part.rstrip("\n") + "\n" for part in parts)
 
 
 def definitions_text(messages, texts):
     """A C++ header with the definition of every type by its ROS name, for bags."""
-    out = ["#pragma once", "/// Written by generate_idl.py: every type as the text of its .msg file and of those that it uses.", "#include <string_view>",
-           "namespace voxtouch::msg {", "struct Definition {", "  std::string_view ros_name, text;", "};",
-           "inline constexpr Definition kDefinitions[] = {"]
-    out += [f'    {{"{package}/msg/{name}", R"ros2msg({definition(messages, texts, package, name)})ros2msg"}},' for package, name in messages]
-    return "\n".join([*out, "};", "/// Empty for a type that is not compiled in.",
-                      "constexpr std::string_view definition_of(std::string_view ros_name) noexcept {",
-                      "  for (const Definition& one : kDefinitions)", "    if (one.ros_name == ros_name) return one.text;", "  return {};", "}",
-                      "}  // namespace voxtouch::msg", ""])
+    out = [
+        "#pragma once",
+        "/// Written by generate_idl.py: every type as the text of its .msg file and of those that it uses.",
+        "#include <string_view>",
+        "namespace voxtouch::msg {",
+        "struct Definition {",
+        "  std::string_view ros_name, text;",
+        "};",
+        "inline constexpr Definition kDefinitions[] = {",
+    ]
+    out += [
+        f'    {{"{package}/msg/{name}", R"ros2msg({definition(messages, texts, package, name)})ros2msg"}},'
+        for package, name in messages
+    ]
+    return "\n".join(
+        [
+            *out,
+            "};",
+            "/// Empty for a type that is not compiled in.",
+            "constexpr std::string_view definition_of(std::string_view ros_name) noexcept {",
+            "  for (const Definition& one : kDefinitions)",
+            "    if (one.ros_name == ros_name) return one.text;",
+            "  return {};",
+            "}",
+            "}  // namespace voxtouch::msg",
+            "",
+        ]
+    )
 
 
 def write(path, text):
@@ -227,7 +325,10 @@ def main():
         write(out / package / "msg" / f"{name}_.idl", idl_text(package, name, fields, constants))
     for (package, name), ((request, _), (response, _)) in services.items():
         require_known(messages, f"{package}/{name}.srv", request + response)
-        write(out / package / "srv" / f"{name}_.idl", service_idl_text(package, name, request, response))
+        write(
+            out / package / "srv" / f"{name}_.idl",
+            service_idl_text(package, name, request, response),
+        )
     write(out / own / "messages.hpp", header_text(messages, own))
     write(out / own / "services.hpp", services_text(messages, services, own))
     write(out / own / "all_types.hpp", all_types_text(messages, own))

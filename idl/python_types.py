@@ -20,7 +20,12 @@ from .topics import TOPICS, join
 
 __all__ = ["TOPICS", "join"]
 '''
-SCALARS = {"bool": "False", "string": '""', "float32": "0.0", "float64": "0.0"}  # what a field is that is not given; else 0
+SCALARS = {
+    "bool": "False",
+    "string": '""',
+    "float32": "0.0",
+    "float64": "0.0",
+}  # what a field is that is not given; else 0
 
 
 def field_line(package, kind, owner, array, size, field):
@@ -40,17 +45,29 @@ def field_line(package, kind, owner, array, size, field):
 
 
 def class_text(package, name, fields, constants):
-    out = ["", "", "@dataclass", "@annotate.final", "@annotate.cdrv0",
-           f'class {name}(IdlStruct, typename="{package}::msg::dds_::{name}_"):']
+    out = [
+        "",
+        "",
+        "@dataclass",
+        "@annotate.final",
+        "@annotate.cdrv0",
+        f'class {name}(IdlStruct, typename="{package}::msg::dds_::{name}_"):',
+    ]
     out += [f"    {constant} = {value}" for _, constant, value in constants]
     return "\n".join(out + [field_line(package, *f) for f in fields])
 
 
 def module_text(package, own):
     """One package's module; `own` maps its names to (fields, constants). Classes follow those that they use."""
-    others = sorted({owner for fields, _ in own.values() for _, owner, *_ in fields if owner} - {package})
-    out = [f'"""Messages of {package}; written by `voxtouch types --python`."""', "from dataclasses import dataclass, field", "",
-           "from cyclonedds.idl import IdlStruct, annotations as annotate, types"]
+    others = sorted(
+        {owner for fields, _ in own.values() for _, owner, *_ in fields if owner} - {package}
+    )
+    out = [
+        f'"""Messages of {package}; written by `voxtouch types --python`."""',
+        "from dataclasses import dataclass, field",
+        "",
+        "from cyclonedds.idl import IdlStruct, annotations as annotate, types",
+    ]
     out += ["", f"from . import {', '.join(others)}"] if others else []
     done = set()
 
@@ -73,9 +90,18 @@ def header_text(messages):
     """A C++ header with every file's name and text; `messages` maps (package, name) to (fields, constants)."""
     files = {"__init__.py": INIT}
     for package in {package: None for package, _ in messages}:
-        files[f"{package}.py"] = module_text(package, {n: m for (p, n), m in messages.items() if p == package})
-    out = ["#pragma once", "/// Written by generate_idl.py: the Python package of `voxtouch types`, but for its topics.",
-           "#include <string_view>", "namespace voxtouch::msg {", "struct PythonFile {", "  std::string_view name, text;", "};",
-           "inline constexpr PythonFile kPythonFiles[] = {"]
+        files[f"{package}.py"] = module_text(
+            package, {n: m for (p, n), m in messages.items() if p == package}
+        )
+    out = [
+        "#pragma once",
+        "/// Written by generate_idl.py: the Python package of `voxtouch types`, but for its topics.",
+        "#include <string_view>",
+        "namespace voxtouch::msg {",
+        "struct PythonFile {",
+        "  std::string_view name, text;",
+        "};",
+        "inline constexpr PythonFile kPythonFiles[] = {",
+    ]
     out += [f'    {{"{name}", R"py({text})py"}},' for name, text in files.items()]
     return "\n".join([*out, "};", "}  // namespace voxtouch::msg", ""])

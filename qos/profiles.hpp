@@ -1,6 +1,6 @@
 #pragma once
-/// Named QoS profiles: every DDS endpoint of the project uses one of these, so that a single test can hold every writer
-/// against every reader.
+/// Named QoS profiles: every DDS endpoint of the project uses one of these, so that a single test
+/// can hold every writer against every reader.
 #include <cstdint>
 #include <memory>
 #include <string_view>
@@ -9,37 +9,58 @@
 
 namespace voxtouch::qos {
 
-enum class ProfileId : std::uint8_t { kStream, kLockstep, kLatched, kEvent, kStatus, kTap, kState, kService, kLog, kRecord };
+enum class ProfileId : std::uint8_t {
+  kStream,
+  kLockstep,
+  kLatched,
+  kEvent,
+  kStatus,
+  kTap,
+  kState,
+  kService,
+  kLog,
+  kRecord
+};
 
-/// Policies of a profile. All are shared ownership, by reception, automatic liveliness, no lifespan and no latency budget (a
-/// latency budget above 0 makes Cyclone DDS batch samples asynchronously).
+/// Policies of a profile. All are shared ownership, by reception, automatic liveliness, no lifespan
+/// and no latency budget (a latency budget above 0 makes Cyclone DDS batch samples asynchronously).
 struct Profile {
   ProfileId id;
   std::string_view name;
   bool reliable;
-  bool transient_local;         ///< the reader must ask for it too, or gets nothing
-  bool keep_all;                ///< bounded by `depth` as resource limit; else keep last `depth`
+  bool transient_local;  ///< the reader must ask for it too, or gets nothing
+  bool keep_all;         ///< bounded by `depth` as resource limit; else keep last `depth`
   std::int32_t depth;
-  double deadline_periods;      ///< 0: none. One period fires falsely; three do not
+  double deadline_periods;  ///< 0: none. One period fires falsely; three do not
 };
 
 inline constexpr Profile kProfiles[] = {
     // id, name, reliable, transient local, keep all, depth, deadline
-    {ProfileId::kStream, "stream", false, false, false, 1, 3.0},     // the ring in real time: newest sample wins
-    {ProfileId::kLockstep, "lockstep", true, false, true, 256, 0.0},  // the ring in simulated time: nothing is lost
-    {ProfileId::kLatched, "latched", true, true, false, 1, 0.0},     // one value that late joiners get too
-    {ProfileId::kEvent, "event", true, false, false, 256, 0.0},      // reports
-    {ProfileId::kStatus, "status", true, true, false, 64, 0.0},      // as latched; readers keep many writers' last
-    {ProfileId::kTap, "tap", false, false, false, 64, 0.0},          // matches every stream and event, slows none
-    {ProfileId::kState, "state", true, false, false, 10, 0.0},       // ROS standard types; a full history drops, nobody waits
-    {ProfileId::kService, "service", true, false, false, 64, 0.0},   // requests and replies; a client that stands still holds up nobody
-    {ProfileId::kLog, "log", true, true, false, 64, 0.0},            // /rosout: who comes later gets the last lines too
-    {ProfileId::kRecord, "record", true, true, false, 256, 0.0},     // what was done, all of it: also for a recorder that comes later or stood still
+    {ProfileId::kStream, "stream", false, false, false, 1,
+     3.0},  // the ring in real time: newest sample wins
+    {ProfileId::kLockstep, "lockstep", true, false, true, 256,
+     0.0},  // the ring in simulated time: nothing is lost
+    {ProfileId::kLatched, "latched", true, true, false, 1,
+     0.0},  // one value that late joiners get too
+    {ProfileId::kEvent, "event", true, false, false, 256, 0.0},  // reports
+    {ProfileId::kStatus, "status", true, true, false, 64,
+     0.0},  // as latched; readers keep many writers' last
+    {ProfileId::kTap, "tap", false, false, false, 64,
+     0.0},  // matches every stream and event, slows none
+    {ProfileId::kState, "state", true, false, false, 10,
+     0.0},  // ROS standard types; a full history drops, nobody waits
+    {ProfileId::kService, "service", true, false, false, 64,
+     0.0},  // requests and replies; a client that stands still holds up nobody
+    {ProfileId::kLog, "log", true, true, false, 64,
+     0.0},  // /rosout: who comes later gets the last lines too
+    {ProfileId::kRecord, "record", true, true, false, 256,
+     0.0},  // what was done, all of it: also for a recorder that comes later or stood still
 };
 
 constexpr const Profile& profile(ProfileId id) {
   for (const Profile& p : kProfiles)
-    if (p.id == id) return p;
+    if (p.id == id)
+      return p;
   return kProfiles[0];
 }
 

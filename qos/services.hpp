@@ -7,7 +7,8 @@
 
 namespace voxtouch::qos {
 
-/// One row. A node that serves it has it as /<rig>/<node>/<path>. Requests and replies have the profile kService.
+/// One row. A node that serves it has it as /<rig>/<node>/<path>. Requests and replies have the
+/// profile kService.
 struct Service {
   std::string_view path;
   std::string_view type;  ///< "pkg/srv/Name"
@@ -15,28 +16,43 @@ struct Service {
   std::string_view why;
 };
 
-inline constexpr Service kGetState{"get_state", "lifecycle_msgs/srv/GetState", kEveryNode, "The node's state in the words of ROS's life cycle."};
-inline constexpr Service kChangeEffect{"change_effect", "voxtouch_msgs/srv/ChangeEffect", kRendering, "An EffectChange whose answer comes back to whoever asked."};
-inline constexpr Service kListParameters{"list_parameters", "rcl_interfaces/srv/ListParameters", kRendering, "Gains, switches and values of the scene's effects."};
-inline constexpr Service kGetParameters{"get_parameters", "rcl_interfaces/srv/GetParameters", kRendering, "What they are set to."};
-inline constexpr Service kGetParameterTypes{"get_parameter_types", "rcl_interfaces/srv/GetParameterTypes", kRendering, "Their types."};
-inline constexpr Service kDescribeParameters{"describe_parameters", "rcl_interfaces/srv/DescribeParameters", kRendering, "Their meaning, unit and range."};
-inline constexpr Service kSetParameters{"set_parameters", "rcl_interfaces/srv/SetParameters", kRendering, "Changes, each judged by itself."};
-inline constexpr Service kSetParametersAtomically{"set_parameters_atomically", "rcl_interfaces/srv/SetParametersAtomically", kRendering,
-                                                  "Changes that are all made in one sample, or none."};
+inline constexpr Service kGetState{"get_state", "lifecycle_msgs/srv/GetState", kEveryNode,
+                                   "The node's state in the words of ROS's life cycle."};
+inline constexpr Service kChangeEffect{"change_effect", "voxtouch_msgs/srv/ChangeEffect",
+                                       kRendering,
+                                       "An EffectChange whose answer comes back to whoever asked."};
+inline constexpr Service kListParameters{"list_parameters", "rcl_interfaces/srv/ListParameters",
+                                         kRendering,
+                                         "Gains, switches and values of the scene's effects."};
+inline constexpr Service kGetParameters{"get_parameters", "rcl_interfaces/srv/GetParameters",
+                                        kRendering, "What they are set to."};
+inline constexpr Service kGetParameterTypes{
+    "get_parameter_types", "rcl_interfaces/srv/GetParameterTypes", kRendering, "Their types."};
+inline constexpr Service kDescribeParameters{"describe_parameters",
+                                             "rcl_interfaces/srv/DescribeParameters", kRendering,
+                                             "Their meaning, unit and range."};
+inline constexpr Service kSetParameters{"set_parameters", "rcl_interfaces/srv/SetParameters",
+                                        kRendering, "Changes, each judged by itself."};
+inline constexpr Service kSetParametersAtomically{
+    "set_parameters_atomically", "rcl_interfaces/srv/SetParametersAtomically", kRendering,
+    "Changes that are all made in one sample, or none."};
 
-inline constexpr Service kServices[] = {kGetState, kChangeEffect, kListParameters, kGetParameters, kGetParameterTypes, kDescribeParameters, kSetParameters,
-                                        kSetParametersAtomically};
+inline constexpr Service kServices[] = {
+    kGetState,          kChangeEffect,       kListParameters, kGetParameters,
+    kGetParameterTypes, kDescribeParameters, kSetParameters,  kSetParametersAtomically};
 
 namespace detail {
-inline std::string service_name(std::string_view prefix, const Service& service, std::string_view rig, std::string_view node, std::string_view suffix) {
+inline std::string service_name(std::string_view prefix, const Service& service,
+                                std::string_view rig, std::string_view node,
+                                std::string_view suffix) {
   std::string name(prefix);
   return name.append(rig).append("/").append(node).append("/").append(service.path).append(suffix);
 }
 }  // namespace detail
 
 /// "rq/haptic/rendering/get_parametersRequest"
-inline std::string request_name(const Service& service, std::string_view rig, std::string_view node) {
+inline std::string request_name(const Service& service, std::string_view rig,
+                                std::string_view node) {
   return detail::service_name("rq/", service, rig, node, "Request");
 }
 /// "rr/haptic/rendering/get_parametersReply"

@@ -11,7 +11,8 @@ namespace voxtouch::qos {
 
 /// Nodes of the ring, as a set.
 using Nodes = std::uint8_t;
-inline constexpr Nodes kNobody = 0, kDevice = 1, kRendering = 2, kCoupling = 4, kValidator = 8, kLogger = 16, kEveryNode = 31;
+inline constexpr Nodes kNobody = 0, kDevice = 1, kRendering = 2, kCoupling = 4, kValidator = 8,
+                       kLogger = 16, kEveryNode = 31;
 /// Beside nodes: who is no node of the ring writes it too.
 inline constexpr Nodes kAnybody = 128;
 
@@ -20,84 +21,235 @@ inline std::vector<std::string> names_of(Nodes nodes) {
   constexpr std::string_view kNames[] = {"device", "rendering", "coupling", "validator", "logger"};
   std::vector<std::string> names;
   for (std::size_t n = 0; n < std::size(kNames); ++n)
-    if ((nodes >> n) & 1U) names.emplace_back(kNames[n]);
+    if ((nodes >> n) & 1U)
+      names.emplace_back(kNames[n]);
   return names;
 }
 
 /// One row. `path` is relative to the rig's namespace, unless `global`.
 struct Topic {
   std::string_view path;
-  std::string_view type;   ///< "pkg/msg/Name"
-  ProfileId profile;       ///< in real time; see `profile_in`
-  double rate_hz;          ///< 0: on a change only
-  Nodes writers = kNobody; ///< kNobody: who is no node of the ring, such as `voxtouch change`
-  Nodes readers = kNobody; ///< of the ring; the logger is one of those that it records unasked
-  std::string_view why = {};  ///< it is written, for the scene's plan
-  bool global = false;     ///< outside the rig's namespace: /tf, /diagnostics
+  std::string_view type;       ///< "pkg/msg/Name"
+  ProfileId profile;           ///< in real time; see `profile_in`
+  double rate_hz;              ///< 0: on a change only
+  Nodes writers = kNobody;     ///< kNobody: who is no node of the ring, such as `voxtouch change`
+  Nodes readers = kNobody;     ///< of the ring; the logger is one of those that it records unasked
+  std::string_view why = {};   ///< it is written, for the scene's plan
+  bool global = false;         ///< outside the rig's namespace: /tf, /diagnostics
   bool lockstep_only = false;  ///< there is no writer in real time
-  bool with_external = false;  ///< its rendering's end is there only where the scene has the effect `external`, in real time
-  bool of_arms = false;        ///< there is a writer only where the device is an arm whose joints are known
+  bool with_external = false;  ///< its rendering's end is there only where the scene has the effect
+                               ///< `external`, in real time
+  bool of_arms =
+      false;  ///< there is a writer only where the device is an arm whose joints are known
 };
 
-inline constexpr Topic kDeviceState{"device/state", "voxtouch_msgs/msg/DeviceState", ProfileId::kStream, 1000, kDevice,
-                                    kRendering | kLogger, "The rendering answers each with a contact."};
-inline constexpr Topic kContactState{"rendering/contact", "voxtouch_msgs/msg/ContactState", ProfileId::kStream, 1000, kRendering,
-                                     kCoupling | kValidator | kLogger, "The coupling turns each into a command."};
-inline constexpr Topic kForceCommand{"coupling/command", "voxtouch_msgs/msg/ForceCommand", ProfileId::kStream, 1000, kCoupling,
-                                     kDevice | kLogger, "The device applies each; this closes the ring."};
-inline constexpr Topic kDeviceDescription{"device/description", "voxtouch_msgs/msg/DeviceDescription", ProfileId::kLatched, 0, kDevice,
-                                          kRendering | kCoupling | kLogger,
-                                          "It begins a session, and the coupling is designed for it. Once a session."};
-inline constexpr Topic kScenePlan{"rendering/plan", "voxtouch_msgs/msg/ScenePlan", ProfileId::kLatched, 0, kRendering,
-                                  kCoupling | kValidator | kLogger,
-                                  "The coupling is designed for the contact that it tells of. Once a session."};
-inline constexpr Topic kCouplingDesign{"coupling/design", "voxtouch_msgs/msg/CouplingDesign", ProfileId::kLatched, 0, kCoupling, kLogger,
-                                       "People and bags see from it what runs. Once a session and on a change."};
-inline constexpr Topic kValidation{"validation", "voxtouch_msgs/msg/ValidationReport", ProfileId::kEvent, 0, kValidator, kLogger,
-                                   "Verdicts; made only while a validator runs and somebody reads them."};
-inline constexpr Topic kNodeStatus{"node_status", "voxtouch_msgs/msg/NodeStatus", ProfileId::kStatus, 10, kEveryNode, kEveryNode,
-                                   "Nodes find each other by it. Ten times a second and on a change."};
-inline constexpr Topic kEffectChange{"rendering/change", "voxtouch_msgs/msg/EffectChange", ProfileId::kEvent, 0, kRendering | kAnybody,
-                                     kRendering | kLogger,
-                                     "Who changes the scene while it runs writes it: voxtouch change, or any ROS 2 tool; the rendering what came by a service."};
-inline constexpr Topic kEffectChanged{"rendering/changed", "voxtouch_msgs/msg/EffectChanged", ProfileId::kStatus, 0, kRendering, kLogger,
+inline constexpr Topic kDeviceState{"device/state",
+                                    "voxtouch_msgs/msg/DeviceState",
+                                    ProfileId::kStream,
+                                    1000,
+                                    kDevice,
+                                    kRendering | kLogger,
+                                    "The rendering answers each with a contact."};
+inline constexpr Topic kContactState{"rendering/contact",
+                                     "voxtouch_msgs/msg/ContactState",
+                                     ProfileId::kStream,
+                                     1000,
+                                     kRendering,
+                                     kCoupling | kValidator | kLogger,
+                                     "The coupling turns each into a command."};
+inline constexpr Topic kForceCommand{"coupling/command",
+                                     "voxtouch_msgs/msg/ForceCommand",
+                                     ProfileId::kStream,
+                                     1000,
+                                     kCoupling,
+                                     kDevice | kLogger,
+                                     "The device applies each; this closes the ring."};
+inline constexpr Topic kDeviceDescription{
+    "device/description",
+    "voxtouch_msgs/msg/DeviceDescription",
+    ProfileId::kLatched,
+    0,
+    kDevice,
+    kRendering | kCoupling | kLogger,
+    "It begins a session, and the coupling is designed for it. Once a session."};
+inline constexpr Topic kScenePlan{
+    "rendering/plan",
+    "voxtouch_msgs/msg/ScenePlan",
+    ProfileId::kLatched,
+    0,
+    kRendering,
+    kCoupling | kValidator | kLogger,
+    "The coupling is designed for the contact that it tells of. Once a session."};
+inline constexpr Topic kCouplingDesign{
+    "coupling/design",
+    "voxtouch_msgs/msg/CouplingDesign",
+    ProfileId::kLatched,
+    0,
+    kCoupling,
+    kLogger,
+    "People and bags see from it what runs. Once a session and on a change."};
+inline constexpr Topic kValidation{
+    "validation",
+    "voxtouch_msgs/msg/ValidationReport",
+    ProfileId::kEvent,
+    0,
+    kValidator,
+    kLogger,
+    "Verdicts; made only while a validator runs and somebody reads them."};
+inline constexpr Topic kNodeStatus{
+    "node_status",
+    "voxtouch_msgs/msg/NodeStatus",
+    ProfileId::kStatus,
+    10,
+    kEveryNode,
+    kEveryNode,
+    "Nodes find each other by it. Ten times a second and on a change."};
+inline constexpr Topic kEffectChange{
+    "rendering/change",
+    "voxtouch_msgs/msg/EffectChange",
+    ProfileId::kEvent,
+    0,
+    kRendering | kAnybody,
+    kRendering | kLogger,
+    "Who changes the scene while it runs writes it: voxtouch change, or any ROS 2 tool; the "
+    "rendering what came by a service."};
+inline constexpr Topic kEffectChanged{"rendering/changed",
+                                      "voxtouch_msgs/msg/EffectChanged",
+                                      ProfileId::kStatus,
+                                      0,
+                                      kRendering,
+                                      kLogger,
                                       "What became of each change."};
-inline constexpr Topic kEffectMade{"rendering/made", "voxtouch_msgs/msg/EffectChange", ProfileId::kRecord, 0, kRendering, kLogger,
-                                   "Each change that was made, with its session and first sample, whoever asked: a replay goes by it."};
-inline constexpr Topic kRecover{"recover", "voxtouch_msgs/msg/Recover", ProfileId::kEvent, 0, kNobody, kDevice | kCoupling | kLogger,
+inline constexpr Topic kEffectMade{"rendering/made",
+                                   "voxtouch_msgs/msg/EffectChange",
+                                   ProfileId::kRecord,
+                                   0,
+                                   kRendering,
+                                   kLogger,
+                                   "Each change that was made, with its session and first sample, "
+                                   "whoever asked: a replay goes by it."};
+inline constexpr Topic kRecover{"recover",
+                                "voxtouch_msgs/msg/Recover",
+                                ProfileId::kEvent,
+                                0,
+                                kNobody,
+                                kDevice | kCoupling | kLogger,
                                 "A person lets a locked node give force again: voxtouch recover."};
-inline constexpr Topic kExternalWrench{"external", "geometry_msgs/msg/WrenchStamped", ProfileId::kTap, 0, kNobody, kRendering,
-                                       "Somebody outside the ring writes what the effect 'external' gives; one writer is followed.", false, false, true};
-inline constexpr Topic kExternalSample{"rendering/external", "voxtouch_msgs/msg/ExternalSample", ProfileId::kEvent, 0, kRendering, kLogger,
-                                       "Which sample saw which value of the outside wrench, for a replay.", false, false, true};
-inline constexpr std::string_view kForRos = "For ROS tools; made and written only while somebody reads it, outside the loop.";
-inline constexpr Topic kDiagnostics{"diagnostics", "diagnostic_msgs/msg/DiagnosticArray", ProfileId::kState, 1, kEveryNode, kNobody,
-                                    "For ROS tools; made and written only while somebody reads it.", true};
-inline constexpr Topic kParameterEvents{"parameter_events", "rcl_interfaces/msg/ParameterEvent", ProfileId::kState, 0, kRendering, kNobody,
-                                        "Changes of parameters, for ROS tools; made and written only while somebody reads it.", true};
-inline constexpr Topic kRosout{"rosout", "rcl_interfaces/msg/Log", ProfileId::kLog, 0, kEveryNode, kNobody,
-                               "What each node says, for ROS tools; made and written only while somebody reads it.", true};
-inline constexpr Topic kJointStates{"joint_states", "sensor_msgs/msg/JointState", ProfileId::kState, 100, kDevice, kNobody,
-                                    "Joints of an arm, for ROS tools; made and written only while somebody reads it, outside the loop.", true, false, false, true};
-inline constexpr Topic kRobotDescription{"robot_description", "std_msgs/msg/String", ProfileId::kLatched, 0, kDevice, kNobody,
-                                         "The arm itself, for ROS tools; written once, and only while somebody reads it.", true, false, false, true};
-inline constexpr Topic kTf{"tf", "tf2_msgs/msg/TFMessage", ProfileId::kState, 100, kRendering, kNobody, kForRos, true};
-inline constexpr Topic kTfStatic{"tf_static", "tf2_msgs/msg/TFMessage", ProfileId::kLatched, 0, kRendering, kNobody,
-                                 "Frames that do not move, for ROS tools; made and written once, and only while somebody reads it.", true};
-inline constexpr Topic kClock{"clock", "rosgraph_msgs/msg/Clock", ProfileId::kState, 100, kRendering, kNobody,
-                              "Simulated time for ROS tools, in lockstep; made and written only while somebody reads it, outside the loop.", true, true};
-inline constexpr Topic kPose{"pose", "geometry_msgs/msg/PoseStamped", ProfileId::kState, 100, kRendering, kNobody, kForRos};
-inline constexpr Topic kWrench{"wrench", "geometry_msgs/msg/WrenchStamped", ProfileId::kState, 100, kRendering, kNobody, kForRos};
-inline constexpr Topic kMarkers{"markers", "visualization_msgs/msg/MarkerArray", ProfileId::kState, 10, kRendering, kNobody, kForRos};
+inline constexpr Topic kExternalWrench{
+    "external",
+    "geometry_msgs/msg/WrenchStamped",
+    ProfileId::kTap,
+    0,
+    kNobody,
+    kRendering,
+    "Somebody outside the ring writes what the effect 'external' gives; one writer is followed.",
+    false,
+    false,
+    true};
+inline constexpr Topic kExternalSample{
+    "rendering/external",
+    "voxtouch_msgs/msg/ExternalSample",
+    ProfileId::kEvent,
+    0,
+    kRendering,
+    kLogger,
+    "Which sample saw which value of the outside wrench, for a replay.",
+    false,
+    false,
+    true};
+inline constexpr std::string_view kForRos =
+    "For ROS tools; made and written only while somebody reads it, outside the loop.";
+inline constexpr Topic kDiagnostics{"diagnostics",
+                                    "diagnostic_msgs/msg/DiagnosticArray",
+                                    ProfileId::kState,
+                                    1,
+                                    kEveryNode,
+                                    kNobody,
+                                    "For ROS tools; made and written only while somebody reads it.",
+                                    true};
+inline constexpr Topic kParameterEvents{
+    "parameter_events",
+    "rcl_interfaces/msg/ParameterEvent",
+    ProfileId::kState,
+    0,
+    kRendering,
+    kNobody,
+    "Changes of parameters, for ROS tools; made and written only while somebody reads it.",
+    true};
+inline constexpr Topic kRosout{
+    "rosout",
+    "rcl_interfaces/msg/Log",
+    ProfileId::kLog,
+    0,
+    kEveryNode,
+    kNobody,
+    "What each node says, for ROS tools; made and written only while somebody reads it.",
+    true};
+inline constexpr Topic kJointStates{"joint_states",
+                                    "sensor_msgs/msg/JointState",
+                                    ProfileId::kState,
+                                    100,
+                                    kDevice,
+                                    kNobody,
+                                    "Joints of an arm, for ROS tools; made and written only while "
+                                    "somebody reads it, outside the loop.",
+                                    true,
+                                    false,
+                                    false,
+                                    true};
+inline constexpr Topic kRobotDescription{
+    "robot_description",
+    "std_msgs/msg/String",
+    ProfileId::kLatched,
+    0,
+    kDevice,
+    kNobody,
+    "The arm itself, for ROS tools; written once, and only while somebody reads it.",
+    true,
+    false,
+    false,
+    true};
+inline constexpr Topic kTf{
+    "tf", "tf2_msgs/msg/TFMessage", ProfileId::kState, 100, kRendering, kNobody, kForRos, true};
+inline constexpr Topic kTfStatic{"tf_static",
+                                 "tf2_msgs/msg/TFMessage",
+                                 ProfileId::kLatched,
+                                 0,
+                                 kRendering,
+                                 kNobody,
+                                 "Frames that do not move, for ROS tools; made and written once, "
+                                 "and only while somebody reads it.",
+                                 true};
+inline constexpr Topic kClock{"clock",
+                              "rosgraph_msgs/msg/Clock",
+                              ProfileId::kState,
+                              100,
+                              kRendering,
+                              kNobody,
+                              "Simulated time for ROS tools, in lockstep; made and written only "
+                              "while somebody reads it, outside the loop.",
+                              true,
+                              true};
+inline constexpr Topic kPose{
+    "pose", "geometry_msgs/msg/PoseStamped", ProfileId::kState, 100, kRendering, kNobody, kForRos};
+inline constexpr Topic kWrench{
+    "wrench", "geometry_msgs/msg/WrenchStamped", ProfileId::kState, 100, kRendering, kNobody,
+    kForRos};
+inline constexpr Topic kMarkers{
+    "markers", "visualization_msgs/msg/MarkerArray", ProfileId::kState, 10, kRendering, kNobody,
+    kForRos};
 
-inline constexpr Topic kTopics[] = {kDeviceState, kContactState, kForceCommand, kDeviceDescription, kScenePlan,
-                                    kCouplingDesign, kValidation, kNodeStatus, kEffectChange, kEffectChanged, kEffectMade, kRecover,
-                                    kDiagnostics, kParameterEvents, kRosout, kJointStates, kRobotDescription, kTf, kTfStatic, kClock, kPose, kWrench, kMarkers,
-                                    kExternalWrench, kExternalSample};
+inline constexpr Topic kTopics[] = {
+    kDeviceState,    kContactState,     kForceCommand, kDeviceDescription, kScenePlan,
+    kCouplingDesign, kValidation,       kNodeStatus,   kEffectChange,      kEffectChanged,
+    kEffectMade,     kRecover,          kDiagnostics,  kParameterEvents,   kRosout,
+    kJointStates,    kRobotDescription, kTf,           kTfStatic,          kClock,
+    kPose,           kWrench,           kMarkers,      kExternalWrench,    kExternalSample};
 
 enum class TimeMode : std::uint8_t { kRealTime, kLockstep };
 
-/// The profile that writers and full readers of `topic` use: in lockstep, streams and events must lose nothing.
+/// The profile that writers and full readers of `topic` use: in lockstep, streams and events must
+/// lose nothing.
 constexpr const Profile& profile_in(const Topic& topic, TimeMode mode) {
   const bool flows = topic.profile == ProfileId::kStream || topic.profile == ProfileId::kEvent;
   return profile(mode == TimeMode::kLockstep && flows ? ProfileId::kLockstep : topic.profile);
@@ -106,15 +258,18 @@ constexpr const Profile& profile_in(const Topic& topic, TimeMode mode) {
 /// "rt/<rig>/device/state", "rt/tf".
 inline std::string dds_name(const Topic& topic, std::string_view rig) {
   std::string name = "rt/";
-  if (!topic.global) name.append(rig).append("/");
+  if (!topic.global)
+    name.append(rig).append("/");
   return name.append(topic.path);
 }
 
-/// The row of the outside wrench under the topic that a scene names, absolute as ROS has it ("/sim/wrench"); its own under the rig where it names
-/// none. Looks into `ros_name` as long as it lives.
+/// The row of the outside wrench under the topic that a scene names, absolute as ROS has it
+/// ("/sim/wrench"); its own under the rig where it names none. Looks into `ros_name` as long as it
+/// lives.
 inline Topic external_topic(std::string_view ros_name) {
   Topic row = kExternalWrench;
-  if (!ros_name.empty()) row.path = ros_name.substr(1), row.global = true;
+  if (!ros_name.empty())
+    row.path = ros_name.substr(1), row.global = true;
   return row;
 }
 

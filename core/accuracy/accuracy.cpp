@@ -21,31 +21,42 @@
 namespace voxtouch::accuracy {
 namespace {
 
-constexpr int kRounds = 5;            ///< that times are taken in
-constexpr double kLookAheadEdges = 2.0, kLookInEdges = 1.5, kStepEdges = 1.0 / 32.0;  ///< where a force may begin
+constexpr int kRounds = 5;  ///< that times are taken in
+constexpr double kLookAheadEdges = 2.0, kLookInEdges = 1.5,
+                 kStepEdges = 1.0 / 32.0;  ///< where a force may begin
 constexpr int kHalvings = 12;
-constexpr double kPressEdges = 0.25;  ///< a frame, for the spread over depth: below half a voxel nothing counts as fast
+constexpr double kPressEdges =
+    0.25;  ///< a frame, for the spread over depth: below half a voxel nothing counts as fast
 
 /// Deeper than what is asked about, interpolated distances look at nodes within a voxel's diagonal.
 constexpr double kNodesBelowVoxels = 2.0;
 
-/// The gap at which the force begins on the way in; minus the last depth looked at where it never does.
+/// The gap at which the force begins on the way in; minus the last depth looked at where it never
+/// does.
 double onset_gap(contact::ContactRenderer& renderer, const ContactPlace& place, double edge) {
-  const auto pushes = [&](double depth) { return !renderer.probe(place.at(depth)).wrench.force.isZero(0.0); };
+  const auto pushes = [&](double depth) {
+    return !renderer.probe(place.at(depth)).wrench.force.isZero(0.0);
+  };
   double before = -kLookAheadEdges * edge, step = kStepEdges * edge;
-  while (before < kLookInEdges * edge && !pushes(before + step)) before += step;
+  while (before < kLookInEdges * edge && !pushes(before + step))
+    before += step;
   for (int n = 0; n < kHalvings; ++n) {
     step *= 0.5;
-    if (!pushes(before + step)) before += step;
+    if (!pushes(before + step))
+      before += step;
   }
   return -(before + step);
 }
 
-/// Stiffness of the law that a shell's points make up together [N/m^3], whatever each of them weighs.
-double law_stiffness(const contact::ContactParameters& parameters, const pointshell::Pointshell& shell) {
-  if (parameters.weights == contact::PointWeights::kArea) return parameters.stiffness;
+/// Stiffness of the law that a shell's points make up together [N/m^3], whatever each of them
+/// weighs.
+double law_stiffness(const contact::ContactParameters& parameters,
+                     const pointshell::Pointshell& shell) {
+  if (parameters.weights == contact::PointWeights::kArea)
+    return parameters.stiffness;
   double area = 0.0;
-  for (const double a : shell.area_m2) area += a;
+  for (const double a : shell.area_m2)
+    area += a;
   return parameters.stiffness * static_cast<double>(shell.size()) / area;
 }
 
@@ -55,7 +66,9 @@ GuessedCosts guessed_costs(const scene::Scene& scene) {
     const reference::ReferenceMesh mesh = reference::read_reference_mesh(spec);
     guess.triangles += static_cast<double>(mesh.triangles.size());
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-      guess.area_m2 += 0.5 * (mesh.corner(t, 1) - mesh.corner(t, 0)).cross(mesh.corner(t, 2) - mesh.corner(t, 0)).norm();
+      guess.area_m2 += 0.5 * (mesh.corner(t, 1) - mesh.corner(t, 0))
+                                 .cross(mesh.corner(t, 2) - mesh.corner(t, 0))
+                                 .norm();
   }
   return guess;
 }
@@ -67,51 +80,68 @@ void widen(Interval& all, double value) {
 
 class Measurement {
  public:
-  Measurement(const scene::Scene& scene, const AccuracyOptions& options, const ParallelFor& parallel_for,
-              const std::vector<AccuracySetting>& settings)
-      : scene_(scene), options_(options), parallel_for_(parallel_for), settings_(settings), guess_(guessed_costs(scene)), progress_(options.cpu_time_s, options.progress) {
+  Measurement(const scene::Scene& scene, const AccuracyOptions& options,
+              const ParallelFor& parallel_for, const std::vector<AccuracySetting>& settings)
+      : scene_(scene),
+        options_(options),
+        parallel_for_(parallel_for),
+        settings_(settings),
+        guess_(guessed_costs(scene)),
+        progress_(options.cpu_time_s, options.progress) {
     if (!scene.objects.empty())
       throw std::runtime_error(scene.file.string() +
-                               ": the true force is known for one material that rests; this scene has objects of their own");
+                               ": the true force is known for one material that rests; this scene "
+                               "has objects of their own");
     plan_steps();
-    progress_.begin(Step::kPlaces, "places where the tool touches", guess_.places_s(options.contacts));
+    progress_.begin(Step::kPlaces, "places where the tool touches",
+                    guess_.places_s(options.contacts));
     reference_ = std::make_unique<reference::ReferenceScene>(scene);
-    places_ = contact_places(scene, options.contacts, options.seed, [this](double share) { progress_.at(share); });
+    places_ = contact_places(scene, options.contacts, options.seed,
+                             [this](double share) { progress_.at(share); });
     if (places_.empty())
-      throw std::runtime_error(
-          scene.file.string() +
-          ": no place was found where the tool can touch from outside; is it larger than what it is to touch?");
+      throw std::runtime_error(scene.file.string() +
+                               ": no place was found where the tool can touch from outside; is it "
+                               "larger than what it is to touch?");
   }
 
   std::vector<AccuracyRow> rows() {
     std::vector<AccuracyRow> rows;
-    for (const AccuracySetting& setting : settings_) rows.push_back(row(setting));
-    for (const double voxel_m : voxel_sizes()) add_phases(voxel_m, rows);
+    for (const AccuracySetting& setting : settings_)
+      rows.push_back(row(setting));
+    for (const double voxel_m : voxel_sizes())
+      add_phases(voxel_m, rows);
     return rows;
   }
 
  private:
-  /// Made where a row asks for it: a scene without an inside has none, and then it is the row that says so.
+  /// Made where a row asks for it: a scene without an inside has none, and then it is the row that
+  /// says so.
   TrueForces& truth() {
-    if (!truth_) truth_ = std::make_unique<TrueForces>(scene_);
+    if (!truth_)
+      truth_ = std::make_unique<TrueForces>(scene_);
     return *truth_;
   }
   double now() const { return options_.cpu_time_s ? options_.cpu_time_s() : 0.0; }
-  std::size_t spread_count() const { return std::min<std::size_t>(options_.spread_contacts, places_.size()); }
+  std::size_t spread_count() const {
+    return std::min<std::size_t>(options_.spread_contacts, places_.size());
+  }
 
   /// In the order in which they come first.
   std::vector<double> voxel_sizes() const {
     std::vector<double> out;
     for (const AccuracySetting& s : settings_)
-      if (std::find(out.begin(), out.end(), s.voxel_m) == out.end()) out.push_back(s.voxel_m);
+      if (std::find(out.begin(), out.end(), s.voxel_m) == out.end())
+        out.push_back(s.voxel_m);
     return out;
   }
 
   /// Depths that the rows of a voxel size are judged at, and how many of the places.
   std::vector<std::pair<double, std::size_t>> truths_of(double voxel_m) const {
-    std::vector<std::pair<double, std::size_t>> out = {{options_.depth_edges * voxel_m, options_.contacts}};
+    std::vector<std::pair<double, std::size_t>> out = {
+        {options_.depth_edges * voxel_m, options_.contacts}};
     if (options_.spread_contacts > 0)
-      for (const double edges : options_.spread_depth_edges) out.emplace_back(edges * voxel_m, std::min(options_.spread_contacts, options_.contacts));
+      for (const double edges : options_.spread_depth_edges)
+        out.emplace_back(edges * voxel_m, std::min(options_.spread_contacts, options_.contacts));
     return out;
   }
 
@@ -119,34 +149,43 @@ class Measurement {
     progress_.plan(Step::kPlaces, guess_.places_s(options_.contacts));
     std::map<double, std::size_t> truths;
     for (const AccuracySetting& s : settings_) {
-      progress_.plan(Step::kBuild, guess_.build_s(s)), progress_.plan(Step::kJudge, guess_.judge_s(s, options_.contacts));
+      progress_.plan(Step::kBuild, guess_.build_s(s)),
+          progress_.plan(Step::kJudge, guess_.judge_s(s, options_.contacts));
       if (!s.virtual_tool)
-        for (const auto& [depth_m, count] : truths_of(s.voxel_m)) truths[depth_m] = std::max(truths[depth_m], count);
+        for (const auto& [depth_m, count] : truths_of(s.voxel_m))
+          truths[depth_m] = std::max(truths[depth_m], count);
     }
-    for (const auto& [depth_m, count] : truths) progress_.plan(Step::kTruth, guess_.truth_s(count));
+    for (const auto& [depth_m, count] : truths)
+      progress_.plan(Step::kTruth, guess_.truth_s(count));
     if (options_.spread_contacts > 0)
-      for (const double voxel_m : voxel_sizes()) progress_.plan(Step::kPhase, options_.phases * guess_.phase_s(voxel_m));
+      for (const double voxel_m : voxel_sizes())
+        progress_.plan(Step::kPhase, options_.phases * guess_.phase_s(voxel_m));
   }
 
   AccuracyRow row(const AccuracySetting& setting) {
     AccuracyRow row;
     row.setting = setting;
     try {
-      const std::string name(setting.virtual_tool ? "virtual tool" : contact::name_of(setting.model));
+      const std::string name(setting.virtual_tool ? "virtual tool"
+                                                  : contact::name_of(setting.model));
       progress_.begin(Step::kBuild, "building " + name, guess_.build_s(setting));
       const double begin = now();
       const std::unique_ptr<rendering::BuiltScene> built = build(setting, scene_.grid_origin);
       row.build_s = now() - begin;
       row.shell_points = built->plan().shell_points, row.bytes = built->plan().bytes;
       origins_.emplace(setting.voxel_m, built->voxmap().grid().origin);
-      if (!setting.virtual_tool) know_truth(setting.voxel_m);  // not before: what is too fine to be built is too fine to be integrated
+      if (!setting.virtual_tool)
+        know_truth(
+            setting
+                .voxel_m);  // not before: what is too fine to be built is too fine to be integrated
       progress_.begin(Step::kJudge, name, guess_.judge_s(setting, options_.contacts));
       if (setting.virtual_tool) {
         judge_tool(*built, row);
         return row;
       }
       const pointshell::Pointshell& shell = built->renderer().query().shell();
-      if (setting.budget >= 1.0) shells_.emplace(setting.shell_voxel_m, shell);
+      if (setting.budget >= 1.0)
+        shells_.emplace(setting.shell_voxel_m, shell);
       judge(built->renderer(), law_stiffness(parameters(setting, shell), shell), row);
     } catch (const std::exception& error) {
       row = {};
@@ -156,50 +195,62 @@ class Measurement {
     return row;
   }
 
-  /// `depth_m`: none of the tool's points goes deeper, so that no more of the distances is needed; none: all are built.
-  std::unique_ptr<rendering::BuiltScene> build(const AccuracySetting& setting, const std::optional<Vec3>& origin,
+  /// `depth_m`: none of the tool's points goes deeper, so that no more of the distances is needed;
+  /// none: all are built.
+  std::unique_ptr<rendering::BuiltScene> build(const AccuracySetting& setting,
+                                               const std::optional<Vec3>& origin,
                                                std::optional<double> depth_m = std::nullopt) {
     scene::Scene scene = scene_;
     scene.voxel_size_m = setting.voxel_m;
     scene.grid_origin = origin;
     scene.contact.model = contact::name_of(setting.model);
-    if (setting.virtual_tool) scene.contact.rendering = scene::RenderingKind::kVirtualTool;
+    if (setting.virtual_tool)
+      scene.contact.rendering = scene::RenderingKind::kVirtualTool;
     scene.effects.clear();
-    return rendering::build_scene(scene, parallel_for_,
-                       {.model = setting.model,
-                        .weights = setting.weights,
-                        .shell_voxel_m = setting.shell_voxel_m,
-                        .share_of_points = setting.budget < 1.0 ? std::optional(setting.budget) : std::nullopt,
-                        .field_depth_voxels = depth_m ? std::optional(std::max(0.0, *depth_m / setting.voxel_m) + kNodesBelowVoxels) : std::nullopt,
-                        .read = options_.read});
+    return rendering::build_scene(
+        scene, parallel_for_,
+        {.model = setting.model,
+         .weights = setting.weights,
+         .shell_voxel_m = setting.shell_voxel_m,
+         .share_of_points = setting.budget < 1.0 ? std::optional(setting.budget) : std::nullopt,
+         .field_depth_voxels =
+             depth_m ? std::optional(std::max(0.0, *depth_m / setting.voxel_m) + kNodesBelowVoxels)
+                     : std::nullopt,
+         .read = options_.read});
   }
-  contact::ContactParameters parameters(const AccuracySetting& setting, const pointshell::Pointshell& shell) const {
+  contact::ContactParameters parameters(const AccuracySetting& setting,
+                                        const pointshell::Pointshell& shell) const {
     return rendering::contact_parameters(scene_.contact, setting.model, shell, setting.weights);
   }
 
   /// What the rows of this voxel size are held beside.
   void know_truth(double voxel_m) {
-    if (!known_.insert({voxel_m, true}).second) return;
+    if (!known_.insert({voxel_m, true}).second)
+      return;
     for (const auto& [depth_m, count] : truths_of(voxel_m)) {
-      progress_.begin(Step::kTruth, "true forces", guess_.truth_s(truth().unknown(places_, count, depth_m)));
+      progress_.begin(Step::kTruth, "true forces",
+                      guess_.truth_s(truth().unknown(places_, count, depth_m)));
       truth().at(places_, count, depth_m, [this](double share) { progress_.at(share); });
     }
   }
 
-  /// Whether the way in is free from where an onset is looked for: a narrow place may have another wall behind the tool.
+  /// Whether the way in is free from where an onset is looked for: a narrow place may have another
+  /// wall behind the tool.
   const std::vector<bool>& clear_before(double edge) {
     std::vector<bool>& clear = clear_[edge];
     const double ahead = kLookAheadEdges * edge;
     while (clear.size() < places_.size()) {
       const ContactPlace& place = places_[clear.size()];
-      clear.push_back(reference_->apart_m(place.at(-ahead)) > 0.5 * ahead && reference_->apart_m(place.at(-0.5 * ahead)) > 0.25 * ahead);
+      clear.push_back(reference_->apart_m(place.at(-ahead)) > 0.5 * ahead &&
+                      reference_->apart_m(place.at(-0.5 * ahead)) > 0.25 * ahead);
     }
     return clear;
   }
 
   static std::vector<WrenchPair> scaled(const std::vector<Wrench>& wanted, double stiffness) {
     std::vector<WrenchPair> pairs;
-    for (const Wrench& w : wanted) pairs.push_back({{}, {stiffness * w.force, stiffness * w.torque}});
+    for (const Wrench& w : wanted)
+      pairs.push_back({{}, {stiffness * w.force, stiffness * w.torque}});
     return pairs;
   }
 
@@ -211,11 +262,13 @@ class Measurement {
     std::vector<double> onsets;
     for (std::size_t n = 0; n < places_.size(); ++n) {
       progress_.at(static_cast<double>(n) / static_cast<double>(places_.size()));
-      if (wanted[n].force.isZero(0.0)) continue;
+      if (wanted[n].force.isZero(0.0))
+        continue;
       const contact::ContactResult given = renderer.probe(places_[n].at(depth));
       pairs[n].given = given.wrench;
       row.left_out_depth_m = std::max(row.left_out_depth_m, given.left_out.depth_m);
-      if (clear[n]) onsets.push_back(onset_gap(renderer, places_[n], edge));
+      if (clear[n])
+        onsets.push_back(onset_gap(renderer, places_[n], edge));
     }
     judge_wrenches(pairs, row);
     judge_onsets(onsets, row);
@@ -224,16 +277,20 @@ class Measurement {
   }
 
   void judge_depths(contact::ContactRenderer& renderer, double stiffness, AccuracyRow& row) {
-    if (spread_count() == 0 || options_.spread_depth_edges.empty()) return;
+    if (spread_count() == 0 || options_.spread_depth_edges.empty())
+      return;
     const double edge = row.setting.voxel_m;
     std::vector<std::vector<WrenchPair>> pairs;
-    for (const double edges : options_.spread_depth_edges) pairs.push_back(scaled(truth().at(places_, spread_count(), edges * edge), stiffness));
+    for (const double edges : options_.spread_depth_edges)
+      pairs.push_back(scaled(truth().at(places_, spread_count(), edges * edge), stiffness));
     for (std::size_t n = 0; n < spread_count(); ++n) {
       renderer.reset();
       double at = -1.0;
       for (std::size_t d = 0; d < pairs.size(); ++d) {  // rising, as options are read
-        for (; at < options_.spread_depth_edges[d]; at += kPressEdges) renderer.render(places_[n].at(at * edge));
-        pairs[d][n].given = renderer.render(places_[n].at(options_.spread_depth_edges[d] * edge)).contact.wrench;
+        for (; at < options_.spread_depth_edges[d]; at += kPressEdges)
+          renderer.render(places_[n].at(at * edge));
+        pairs[d][n].given =
+            renderer.render(places_[n].at(options_.spread_depth_edges[d] * edge)).contact.wrench;
       }
     }
     renderer.reset();
@@ -245,9 +302,11 @@ class Measurement {
   }
 
   void judge_tool(rendering::BuiltScene& built, AccuracyRow& row) {
-    const double edge = row.setting.voxel_m, radius = drawn_radius_m(scene_), depth = kHandDepthEdges * edge;
+    const double edge = row.setting.voxel_m, radius = drawn_radius_m(scene_),
+                 depth = kHandDepthEdges * edge;
     ToolPress press(built, edge);
-    std::vector<WrenchPair> pairs = scaled(drawn_forces(*reference_, radius, places_, places_.size(), depth), 1.0);
+    std::vector<WrenchPair> pairs =
+        scaled(drawn_forces(*reference_, radius, places_, places_.size(), depth), 1.0);
     std::vector<std::vector<SlideFrame>> slides;
     for (std::size_t n = 0; n < places_.size(); ++n) {
       progress_.at(static_cast<double>(n) / static_cast<double>(places_.size()));
@@ -256,11 +315,14 @@ class Measurement {
     }
     judge_wrenches(pairs, row);
     keep_slides(slides, row);
-    row.onset_error_m = row.onset_worst_m = std::numeric_limits<double>::quiet_NaN();  // it has none
-    if (spread_count() == 0) return;
+    row.onset_error_m = row.onset_worst_m =
+        std::numeric_limits<double>::quiet_NaN();  // it has none
+    if (spread_count() == 0)
+      return;
     for (const double edges : options_.spread_depth_edges) {
       pairs = scaled(drawn_forces(*reference_, radius, places_, spread_count(), edges * edge), 1.0);
-      for (std::size_t n = 0; n < pairs.size(); ++n) pairs[n].given = press.into(places_[n], edges * edge);
+      for (std::size_t n = 0; n < pairs.size(); ++n)
+        pairs[n].given = press.into(places_[n], edges * edge);
       DepthFigures& figures = row.depths.emplace_back();
       figures.edges = edges;
       judge_forces(pairs, figures);
@@ -268,7 +330,8 @@ class Measurement {
   }
 
   static void keep_times(std::vector<double> times_us, AccuracyRow& row) {
-    if (times_us.empty()) return;
+    if (times_us.empty())
+      return;
     row.worst_us = *std::max_element(times_us.begin(), times_us.end());
     row.median_us = median_of(times_us), row.p95_us = p95_of(times_us);
     row.median_us_95 = median_interval(std::move(times_us));
@@ -281,12 +344,14 @@ class Measurement {
     std::vector<double> all, of_places;
     for (const std::vector<SlideFrame>& slide : slides) {
       std::vector<double> times;
-      for (const SlideFrame& frame : slide) queries += frame.queries, times.push_back(1e6 * std::max(frame.time_s - clock_s, 0.0));
+      for (const SlideFrame& frame : slide)
+        queries += frame.queries, times.push_back(1e6 * std::max(frame.time_s - clock_s, 0.0));
       all.insert(all.end(), times.begin(), times.end());
       of_places.push_back(median_of(std::move(times)));
     }
     row.queries_per_frame = queries / static_cast<double>(all.size());
-    if (!options_.cpu_time_s) return;
+    if (!options_.cpu_time_s)
+      return;
     keep_times(std::move(all), row);
     row.median_us_95 = median_interval(std::move(of_places));
   }
@@ -301,12 +366,15 @@ class Measurement {
     return clock_s;
   }
 
-  void measure_times(contact::ContactRenderer& renderer, const std::vector<Wrench>& wanted, double depth, AccuracyRow& row) const {
-    if (!options_.cpu_time_s) return;
+  void measure_times(contact::ContactRenderer& renderer, const std::vector<Wrench>& wanted,
+                     double depth, AccuracyRow& row) const {
+    if (!options_.cpu_time_s)
+      return;
     const double clock_s = clock_cost_s();
     std::vector<double> all;
     for (std::size_t n = 0; n < places_.size(); ++n) {
-      if (wanted[n].force.isZero(0.0)) continue;
+      if (wanted[n].force.isZero(0.0))
+        continue;
       double best = 1.0;
       for (int round = 0; round < kRounds; ++round) {
         renderer.reset();
@@ -322,7 +390,8 @@ class Measurement {
   /// One distance field serves all models: the grid is built once for each of its places.
   void add_phases(double voxel_m, std::vector<AccuracyRow>& rows) {
     const auto origin = origins_.find(voxel_m);
-    if (options_.phases == 0 || spread_count() == 0 || origin == origins_.end()) return;
+    if (options_.phases == 0 || spread_count() == 0 || origin == origins_.end())
+      return;
     std::mt19937_64 random(options_.seed);
     const auto share = [&random] { return static_cast<double>(random() >> 11) * 0x1p-53; };
     for (std::uint32_t n = 0; n < options_.phases; ++n) {
@@ -336,13 +405,17 @@ class Measurement {
     std::unique_ptr<rendering::BuiltScene> ground;
     for (AccuracyRow& row : rows) {
       const AccuracySetting& setting = row.setting;
-      if (setting.voxel_m != voxel_m || !row.refused.empty() || setting.budget < 1.0) continue;  // what a budget costs does not hang on the grid
+      if (setting.voxel_m != voxel_m || !row.refused.empty() || setting.budget < 1.0)
+        continue;  // what a budget costs does not hang on the grid
       try {
         ErrorFigures figures;
         if (setting.virtual_tool) {
           judge_forces(tool_at(origin, setting), figures);
         } else {
-          if (!ground) ground = build({contact::ContactModelKind::kField, contact::PointWeights::kArea, voxel_m, voxel_m}, origin, options_.depth_edges * voxel_m);
+          if (!ground)
+            ground = build(
+                {contact::ContactModelKind::kField, contact::PointWeights::kArea, voxel_m, voxel_m},
+                origin, options_.depth_edges * voxel_m);
           judge_forces(contacts_at(*ground, setting), figures);
         }
         ++row.phases.phases;
@@ -350,18 +423,22 @@ class Measurement {
         widen(row.phases.direction_mean_deg, figures.direction_mean_deg);
         widen(row.phases.missed_share, figures.missed_share());
         widen(row.phases.force_ratio, figures.force_ratio);
-      } catch (const std::exception&) {  // of this grid nothing is known: the row tells how many were
+      } catch (
+          const std::exception&) {  // of this grid nothing is known: the row tells how many were
       }
     }
   }
 
-  std::vector<WrenchPair> contacts_at(const rendering::BuiltScene& ground, const AccuracySetting& setting) {
+  std::vector<WrenchPair> contacts_at(const rendering::BuiltScene& ground,
+                                      const AccuracySetting& setting) {
     const pointshell::Pointshell& shell = shells_.at(setting.shell_voxel_m);
     const contact::ContactParameters law = parameters(setting, shell);
     contact::ContactRenderer renderer(ground.voxmap(), shell, setting.model, law, ground.field());
     const double depth = options_.depth_edges * setting.voxel_m;
-    std::vector<WrenchPair> pairs = scaled(truth().at(places_, spread_count(), depth), law_stiffness(law, shell));
-    for (std::size_t n = 0; n < pairs.size(); ++n) pairs[n].given = renderer.probe(places_[n].at(depth)).wrench;
+    std::vector<WrenchPair> pairs =
+        scaled(truth().at(places_, spread_count(), depth), law_stiffness(law, shell));
+    for (std::size_t n = 0; n < pairs.size(); ++n)
+      pairs[n].given = renderer.probe(places_[n].at(depth)).wrench;
     return pairs;
   }
 
@@ -369,8 +446,10 @@ class Measurement {
     const double depth = kHandDepthEdges * setting.voxel_m;
     const std::unique_ptr<rendering::BuiltScene> built = build(setting, origin, depth);
     ToolPress press(*built, setting.voxel_m);
-    std::vector<WrenchPair> pairs = scaled(drawn_forces(*reference_, drawn_radius_m(scene_), places_, spread_count(), depth), 1.0);
-    for (std::size_t n = 0; n < pairs.size(); ++n) pairs[n].given = press.into(places_[n], depth);
+    std::vector<WrenchPair> pairs = scaled(
+        drawn_forces(*reference_, drawn_radius_m(scene_), places_, spread_count(), depth), 1.0);
+    for (std::size_t n = 0; n < pairs.size(); ++n)
+      pairs[n].given = press.into(places_[n], depth);
     return pairs;
   }
 
@@ -383,16 +462,18 @@ class Measurement {
   std::unique_ptr<TrueForces> truth_;
   std::unique_ptr<reference::ReferenceScene> reference_;
   std::vector<ContactPlace> places_;
-  std::map<double, bool> known_;                   ///< voxel sizes whose truth is
-  std::map<double, std::vector<bool>> clear_;      ///< by voxel size, of each place
-  std::map<double, Vec3> origins_;                 ///< of the grid, by voxel size
+  std::map<double, bool> known_;                     ///< voxel sizes whose truth is
+  std::map<double, std::vector<bool>> clear_;        ///< by voxel size, of each place
+  std::map<double, Vec3> origins_;                   ///< of the grid, by voxel size
   std::map<double, pointshell::Pointshell> shells_;  ///< by the voxel size that they were made with
 };
 
 }  // namespace
 
-std::vector<AccuracyRow> measure_accuracy(const scene::Scene& scene, const std::vector<AccuracySetting>& settings,
-                                          const AccuracyOptions& options, const ParallelFor& parallel_for) {
+std::vector<AccuracyRow> measure_accuracy(const scene::Scene& scene,
+                                          const std::vector<AccuracySetting>& settings,
+                                          const AccuracyOptions& options,
+                                          const ParallelFor& parallel_for) {
   return Measurement(scene, options, parallel_for, settings).rows();
 }
 

@@ -9,7 +9,8 @@ namespace voxtouch::accuracy {
 namespace {
 
 double at_share(std::vector<double> values, double share) {
-  if (values.empty()) return 0.0;
+  if (values.empty())
+    return 0.0;
   const auto wanted = static_cast<std::size_t>(share * static_cast<double>(values.size()));
   const std::size_t n = std::min(wanted, values.size() - 1);
   std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(n), values.end());
@@ -23,9 +24,12 @@ struct Spread {
 Spread spread_of(const std::vector<double>& values) {
   Spread out;
   double variance = 0.0;
-  for (const double v : values) out.mean += v / static_cast<double>(values.size());
-  for (const double v : values) variance += (v - out.mean) * (v - out.mean) / static_cast<double>(values.size());
-  if (out.mean > 0.0) out.over_mean = std::sqrt(variance) / out.mean;
+  for (const double v : values)
+    out.mean += v / static_cast<double>(values.size());
+  for (const double v : values)
+    variance += (v - out.mean) * (v - out.mean) / static_cast<double>(values.size());
+  if (out.mean > 0.0)
+    out.over_mean = std::sqrt(variance) / out.mean;
   return out;
 }
 
@@ -33,7 +37,8 @@ Spread spread_of(const std::vector<double>& values) {
 std::size_t lower_rank(std::size_t n) {
   constexpr double kTail = 0.025, kSigmas = 1.959964;
   const auto count = static_cast<double>(n);
-  if (n > 1000) return static_cast<std::size_t>(std::floor(0.5 * count - 0.5 * kSigmas * std::sqrt(count)));
+  if (n > 1000)
+    return static_cast<std::size_t>(std::floor(0.5 * count - 0.5 * kSigmas * std::sqrt(count)));
   double share = std::pow(0.5, count), sum = 0.0;  // of rows with `l` heads, and with fewer
   std::size_t l = 0;
   for (; sum + share <= kTail; ++l) {
@@ -46,7 +51,8 @@ std::size_t lower_rank(std::size_t n) {
 }  // namespace
 
 double angle_deg(const Vec3& a, const Vec3& b) noexcept {
-  if (a.isZero(0.0) || b.isZero(0.0)) return 180.0;
+  if (a.isZero(0.0) || b.isZero(0.0))
+    return 180.0;
   return std::atan2(a.cross(b).norm(), a.dot(b)) * 180.0 / std::numbers::pi;
 }
 
@@ -55,7 +61,8 @@ double p95_of(std::vector<double> values) { return at_share(std::move(values), 0
 
 Interval median_interval(std::vector<double> values) {
   const std::size_t rank = lower_rank(values.size());
-  if (rank == 0) return {};
+  if (rank == 0)
+    return {};
   std::sort(values.begin(), values.end());
   return {values[rank - 1], values[values.size() - rank]};
 }
@@ -66,7 +73,8 @@ void judge_forces(const std::vector<WrenchPair>& pairs, ErrorFigures& figures) {
   figures.contacts = figures.missed = 0;
   for (const auto& [given, truth] : pairs) {
     const double size = given.force.norm(), wanted = truth.force.norm();
-    if (!(wanted > 0.0)) continue;
+    if (!(wanted > 0.0))
+      continue;
     ++(size > 0.0 ? figures.contacts : figures.missed);
     ratios.push_back(size / wanted);
     turned += angle_deg(given.force, truth.force);
@@ -82,9 +90,11 @@ void judge_wrenches(const std::vector<WrenchPair>& pairs, AccuracyRow& row) {
   std::vector<double> directions, levers;
   for (const auto& [given, truth] : pairs) {
     const double size = given.force.norm(), wanted = truth.force.norm();
-    if (!(wanted > 0.0)) continue;
+    if (!(wanted > 0.0))
+      continue;
     directions.push_back(angle_deg(given.force, truth.force));
-    levers.push_back(size > 0.0 ? (given.torque / size - truth.torque / wanted).norm() : std::numeric_limits<double>::infinity());
+    levers.push_back(size > 0.0 ? (given.torque / size - truth.torque / wanted).norm()
+                                : std::numeric_limits<double>::infinity());
   }
   row.direction_median_deg = median_of(directions);
   row.direction_p95_deg = p95_of(directions);
@@ -98,7 +108,8 @@ void judge_onsets(const std::vector<double>& gaps_m, AccuracyRow& row) {
   row.onset_error_95 = median_interval(gaps_m);
   row.onset_worst_m = 0.0;
   for (const double gap : gaps_m)
-    if (std::abs(gap) > std::abs(row.onset_worst_m)) row.onset_worst_m = gap;
+    if (std::abs(gap) > std::abs(row.onset_worst_m))
+      row.onset_worst_m = gap;
 }
 
 }  // namespace voxtouch::accuracy

@@ -24,7 +24,8 @@ class RandomNumbers {
   double uniform() { return static_cast<double>(engine_() >> 11) * 0x1p-53; }
   /// Shoemake 1992: uniform over all rotations.
   Quat rotation() {
-    const double u = uniform(), a = 2.0 * std::numbers::pi * uniform(), b = 2.0 * std::numbers::pi * uniform();
+    const double u = uniform(), a = 2.0 * std::numbers::pi * uniform(),
+                 b = 2.0 * std::numbers::pi * uniform();
     const double s = std::sqrt(1.0 - u), t = std::sqrt(u);
     return {t * std::cos(b), s * std::sin(a), s * std::cos(a), t * std::sin(b)};
   }
@@ -40,8 +41,8 @@ class Surface {
     for (const scene::MeshSpec& spec : scene.static_meshes) {
       const reference::ReferenceMesh mesh = reference::read_reference_mesh(spec);
       for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-        triangles_.push_back(
-            {spec.pose * mesh.corner(t, 0), spec.pose * mesh.corner(t, 1), spec.pose * mesh.corner(t, 2)});
+        triangles_.push_back({spec.pose * mesh.corner(t, 0), spec.pose * mesh.corner(t, 1),
+                              spec.pose * mesh.corner(t, 2)});
         area_ += 0.5 * normal(triangles_.back()).norm();
         sums_.push_back(area_);
       }
@@ -52,7 +53,8 @@ class Surface {
   };
   Aim aim(RandomNumbers& random) const {
     const auto found = std::upper_bound(sums_.begin(), sums_.end(), area_ * random.uniform());
-    const Triangle& t = triangles_[static_cast<std::size_t>(std::min(found, sums_.end() - 1) - sums_.begin())];
+    const Triangle& t =
+        triangles_[static_cast<std::size_t>(std::min(found, sums_.end() - 1) - sums_.begin())];
     const double r = std::sqrt(random.uniform()), v = random.uniform();
     return {(1.0 - r) * t[0] + r * (1.0 - v) * t[1] + r * v * t[2], normal(t).normalized()};
   }
@@ -72,29 +74,34 @@ struct Tool {
     const reference::ReferenceMesh mesh = reference::read_reference_mesh(scene.dynamic_mesh);
     const Pose& pose = scene.dynamic_mesh.pose;
     Vec3 low = pose * mesh.vertices.front(), high = low;
-    for (const Vec3& v : mesh.vertices) low = low.cwiseMin(pose * v), high = high.cwiseMax(pose * v);
+    for (const Vec3& v : mesh.vertices)
+      low = low.cwiseMin(pose * v), high = high.cwiseMax(pose * v);
     centre = 0.5 * (low + high);
-    for (const Vec3& v : mesh.vertices) reach = std::max(reach, (pose * v - centre).norm());
+    for (const Vec3& v : mesh.vertices)
+      reach = std::max(reach, (pose * v - centre).norm());
   }
   Vec3 centre = Vec3::Zero();
   double reach = 0.0;
 };
 
 /// Moves on by the gap, which no step can jump, until the tool touches.
-std::optional<ContactPlace> approach(const reference::ReferenceScene& reference, const Tool& tool, const Surface::Aim& aim,
-                                     const Quat& turn) {
+std::optional<ContactPlace> approach(const reference::ReferenceScene& reference, const Tool& tool,
+                                     const Surface::Aim& aim, const Quat& turn) {
   ContactPlace place;
   place.into = -aim.normal;
   place.touch.orientation = turn;
   place.touch.position = aim.point + kClear * tool.reach * aim.normal - turn * tool.centre;
   double gap = reference.apart_m(place.touch), gone = 0.0;
-  if (!(gap > 0.0) || !(reference.gap(place.touch).gap_m > 0.0)) return std::nullopt;  // something else is in the way
+  if (!(gap > 0.0) || !(reference.gap(place.touch).gap_m > 0.0))
+    return std::nullopt;  // something else is in the way
   for (int n = 0; n < kMaxSteps && gone <= 2.0 * kClear * tool.reach; ++n) {
-    if (gap <= kTouchShare * tool.reach) return place;
+    if (gap <= kTouchShare * tool.reach)
+      return place;
     place.touch.position += gap * place.into;
     gone += gap;
     const double left = reference.apart_m(place.touch);
-    if (!(left > 0.0)) return place;  // by rounding: the step was the gap itself
+    if (!(left > 0.0))
+      return place;  // by rounding: the step was the gap itself
     gap = left;
   }
   return std::nullopt;
@@ -102,11 +109,14 @@ std::optional<ContactPlace> approach(const reference::ReferenceScene& reference,
 
 }  // namespace
 
-std::vector<ContactPlace> contact_places(const scene::Scene& scene, std::uint32_t count, std::uint64_t seed,
+std::vector<ContactPlace> contact_places(const scene::Scene& scene, std::uint32_t count,
+                                         std::uint64_t seed,
                                          const std::function<void(double share)>& progress) {
-  scene::Scene by_triangles = scene;  // the contact models see triangles, not the primitives that stand for them
+  scene::Scene by_triangles =
+      scene;  // the contact models see triangles, not the primitives that stand for them
   by_triangles.dynamic_mesh.primitives.clear();
-  for (scene::MeshSpec& mesh : by_triangles.static_meshes) mesh.primitives.clear();
+  for (scene::MeshSpec& mesh : by_triangles.static_meshes)
+    mesh.primitives.clear();
   const reference::ReferenceScene reference(by_triangles);
   const Surface surface(scene);
   const Tool tool(scene);
@@ -115,8 +125,12 @@ std::vector<ContactPlace> contact_places(const scene::Scene& scene, std::uint32_
   for (std::uint32_t trial = 0; trial < kTrialsPerPlace * count && places.size() < count; ++trial) {
     const Surface::Aim aim = surface.aim(random);
     const Quat turn = random.rotation();
-    if (const auto place = approach(reference, tool, aim, turn)) places.push_back(*place);
-    if (progress) progress(std::max(static_cast<double>(places.size()) / count, static_cast<double>(trial) / (kTrialsPerPlace * static_cast<double>(count))));
+    if (const auto place = approach(reference, tool, aim, turn))
+      places.push_back(*place);
+    if (progress)
+      progress(
+          std::max(static_cast<double>(places.size()) / count,
+                   static_cast<double>(trial) / (kTrialsPerPlace * static_cast<double>(count))));
   }
   return places;
 }

@@ -1,5 +1,6 @@
 #pragma once
-/// Where a tool may touch a scene: places found by the reference alone, the same for every contact model.
+/// Where a tool may touch a scene: places found by the reference alone, the same for every contact
+/// model.
 #include <cstdint>
 #include <functional>
 #include <vector>
@@ -15,13 +16,16 @@ struct ContactPlace {
   Vec3 into = Vec3::Zero();  ///< unit: against the static surface's normal where it was aimed at
 
   /// The tool `depth_m` further in (negative: before the touch).
-  Pose at(double depth_m) const noexcept { return {touch.position + depth_m * into, touch.orientation}; }
+  Pose at(double depth_m) const noexcept {
+    return {touch.position + depth_m * into, touch.orientation};
+  }
 };
 
-/// Up to `count` places; fewer where most of the surface cannot be reached (a narrow slot). The same for the same seed,
-/// everywhere. Reads the scene's meshes itself; `progress` hears what share has been found. Throws std::runtime_error naming a file that
-/// cannot be read.
-std::vector<ContactPlace> contact_places(const scene::Scene& scene, std::uint32_t count, std::uint64_t seed,
+/// Up to `count` places; fewer where most of the surface cannot be reached (a narrow slot). The
+/// same for the same seed, everywhere. Reads the scene's meshes itself; `progress` hears what share
+/// has been found. Throws std::runtime_error naming a file that cannot be read.
+std::vector<ContactPlace> contact_places(const scene::Scene& scene, std::uint32_t count,
+                                         std::uint64_t seed,
                                          const std::function<void(double share)>& progress = {});
 
 }  // namespace voxtouch::accuracy

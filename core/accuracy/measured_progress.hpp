@@ -12,15 +12,18 @@ namespace voxtouch::accuracy {
 /// Steps of one kind take about as long as each other says.
 enum class Step : std::uint8_t { kPlaces, kBuild, kTruth, kJudge, kPhase, kCount };
 
-/// Each step is planned with the seconds that it is guessed to take. What a kind of step has taken so far over what was guessed corrects its
-/// other steps: a guess that is off by ten costs no more than one step of that kind. Without a clock the guesses stand.
+/// Each step is planned with the seconds that it is guessed to take. What a kind of step has taken
+/// so far over what was guessed corrects its other steps: a guess that is off by ten costs no more
+/// than one step of that kind. Without a clock the guesses stand.
 class MeasuredProgress {
  public:
   /// `left_s`: what is left of the clock's time, as reckoned.
   using Tell = std::function<void(const std::string& what, double share, double left_s)>;
 
   /// `now_s`: a clock, or none.
-  MeasuredProgress(std::function<double()> now_s, Tell tell) : now_s_(std::move(now_s)), tell_(std::move(tell)) {}
+  MeasuredProgress(std::function<double()> now_s, Tell tell)
+      : now_s_(std::move(now_s)),
+        tell_(std::move(tell)) {}
 
   void plan(Step kind, double guess_s) { of(kind).planned_s += guess_s; }
   /// The step before has ended, and the next of `kind` begins.
@@ -32,23 +35,29 @@ class MeasuredProgress {
   }
   /// `share` of the present step is done.
   void at(double share) {
-    if (!tell_) return;
+    if (!tell_)
+      return;
     const double gone = now_s_ ? now() - begun_s_ : share * guess_s_;
-    const bool tells = now_s_ && share > kTold && guess_s_ > 0.0;  // the present step, of itself and of its kind
-    double left = (1.0 - share) * (tells ? gone / share : std::max(guess_s_ * correction(kind_), gone));
+    const bool tells =
+        now_s_ && share > kTold && guess_s_ > 0.0;  // the present step, of itself and of its kind
+    double left =
+        (1.0 - share) * (tells ? gone / share : std::max(guess_s_ * correction(kind_), gone));
     for (std::size_t k = 0; k < kinds_.size(); ++k) {
       const bool present = tells && static_cast<Step>(k) == kind_;
-      left += kinds_[k].planned_s * (present ? (kinds_[k].took_s + gone) / (kinds_[k].guessed_s + share * guess_s_) : correction(static_cast<Step>(k)));
+      left += kinds_[k].planned_s *
+              (present ? (kinds_[k].took_s + gone) / (kinds_[k].guessed_s + share * guess_s_)
+                       : correction(static_cast<Step>(k)));
     }
     const double done = done_s_ + gone;
-    if (done + left > 0.0) last_ = std::max(last_, std::clamp(done / (done + left), 0.0, 1.0));
+    if (done + left > 0.0)
+      last_ = std::max(last_, std::clamp(done / (done + left), 0.0, 1.0));
     tell_(what_, last_, left);
   }
 
  private:
   struct Kind {
-    double planned_s = 0.0;               ///< guesses of the steps to come
-    double guessed_s = 0.0, took_s = 0.0; ///< of those done
+    double planned_s = 0.0;                ///< guesses of the steps to come
+    double guessed_s = 0.0, took_s = 0.0;  ///< of those done
   };
   static constexpr double kTold = 0.05;  ///< from this share on a step tells of itself
 
@@ -56,7 +65,8 @@ class MeasuredProgress {
   double now() const { return now_s_ ? now_s_() : 0.0; }
   double correction(Step kind) const {
     const Kind& k = kinds_[static_cast<std::size_t>(kind)];
-    if (k.guessed_s > 0.0) return k.took_s / k.guessed_s;
+    if (k.guessed_s > 0.0)
+      return k.took_s / k.guessed_s;
     return guessed_s_ > 0.0 ? took_s_ / guessed_s_ : 1.0;
   }
   void end() {
@@ -65,7 +75,8 @@ class MeasuredProgress {
       of(kind_).guessed_s += guess_s_, of(kind_).took_s += took;
       guessed_s_ += guess_s_, took_s_ += took;
     }
-    if (guess_s_ > 0.0 || !what_.empty()) done_s_ += took;
+    if (guess_s_ > 0.0 || !what_.empty())
+      done_s_ += took;
   }
 
   std::array<Kind, static_cast<std::size_t>(Step::kCount)> kinds_;
@@ -73,7 +84,8 @@ class MeasuredProgress {
   Tell tell_;
   Step kind_ = Step::kPlaces;
   std::string what_;
-  double guess_s_ = 0.0, begun_s_ = 0.0, done_s_ = 0.0, guessed_s_ = 0.0, took_s_ = 0.0, last_ = 0.0;
+  double guess_s_ = 0.0, begun_s_ = 0.0, done_s_ = 0.0, guessed_s_ = 0.0, took_s_ = 0.0,
+         last_ = 0.0;
 };
 
 }  // namespace voxtouch::accuracy

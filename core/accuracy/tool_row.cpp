@@ -9,13 +9,19 @@ namespace voxtouch::accuracy {
 
 double drawn_radius_m(const scene::Scene& scene) {
   const scene::MeshSpec& tool = scene.dynamic_mesh;
-  const auto* ball = tool.primitives.size() == 1 ? std::get_if<scene::SpherePrimitive>(&tool.primitives.front()) : nullptr;
+  const auto* ball = tool.primitives.size() == 1
+                         ? std::get_if<scene::SpherePrimitive>(&tool.primitives.front())
+                         : nullptr;
   if (ball == nullptr || (tool.pose * ball->centre).norm() > 1e-9)
-    throw std::runtime_error("the exact virtual tool is known for a ball about its origin: dynamic: {parts: [{sphere: ...}]}");
+    throw std::runtime_error(
+        "the exact virtual tool is known for a ball about its origin: dynamic: {parts: [{sphere: "
+        "...}]}");
   return ball->radius_m;
 }
 
-ToolPress::ToolPress(rendering::BuiltScene& built, double edge_m) : renderer_(built.scene_renderer()), edge_m_(edge_m) {
+ToolPress::ToolPress(rendering::BuiltScene& built, double edge_m)
+    : renderer_(built.scene_renderer()),
+      edge_m_(edge_m) {
   renderer_.aim_for_spring(1.0);
 }
 
@@ -25,18 +31,23 @@ Wrench ToolPress::into(const ContactPlace& place, double depth_m) {
   const double start_m = -kStartEdges * edge_m_, step_m = edge_m_ / 8.0;
   renderer_.reset();
   time_s_ = 0.0;
-  for (int n = 0; n < kFadeFrames; ++n) at(place.at(start_m), rendering::SceneRenderer::kLongestStepS);
-  for (double depth = start_m + step_m; depth < depth_m; depth += step_m) at(place.at(depth), rendering::SceneRenderer::kDefaultStepS);
+  for (int n = 0; n < kFadeFrames; ++n)
+    at(place.at(start_m), rendering::SceneRenderer::kLongestStepS);
+  for (double depth = start_m + step_m; depth < depth_m; depth += step_m)
+    at(place.at(depth), rendering::SceneRenderer::kDefaultStepS);
   rendering::SceneFrame frame;
-  for (int n = 0; n < kRestFrames; ++n) frame = at(place.at(depth_m), rendering::SceneRenderer::kDefaultStepS);
+  for (int n = 0; n < kRestFrames; ++n)
+    frame = at(place.at(depth_m), rendering::SceneRenderer::kDefaultStepS);
   return frame.wrench;
 }
 
-std::vector<SlideFrame> ToolPress::slide(const ContactPlace& place, double depth_m, const std::function<double()>& cpu_time_s) {
+std::vector<SlideFrame> ToolPress::slide(const ContactPlace& place, double depth_m,
+                                         const std::function<double()>& cpu_time_s) {
   constexpr int kFrames = 40, kRounds = 3;
   constexpr double kAlong = 0.9;  ///< of a direction that lies too near the way in
   Vec3 aside = place.touch.orientation * Vec3::UnitX();  // as random as the tool's attitude
-  if (std::abs(aside.dot(place.into)) > kAlong) aside = place.touch.orientation * Vec3::UnitY();
+  if (std::abs(aside.dot(place.into)) > kAlong)
+    aside = place.touch.orientation * Vec3::UnitY();
   aside = (aside - aside.dot(place.into) * place.into).normalized();
   std::vector<SlideFrame> out(kFrames);
   for (int round = 0; round < (cpu_time_s ? kRounds : 1); ++round) {

@@ -1,5 +1,6 @@
 #pragma once
-/// A virtual tool pressed into the places of a measurement; its truth is the exact ball drawn to the same hand (true_forces.hpp).
+/// A virtual tool pressed into the places of a measurement; its truth is the exact ball drawn to
+/// the same hand (true_forces.hpp).
 #include <cstdint>
 #include <functional>
 #include <vector>
@@ -9,11 +10,12 @@
 
 namespace voxtouch::accuracy {
 
-/// Hand this deep at each place [voxel edges of the setting]: a virtual tool is not asked about the depth of a layer.
+/// Hand this deep at each place [voxel edges of the setting]: a virtual tool is not asked about the
+/// depth of a layer.
 inline constexpr double kHandDepthEdges = 5.0;
 
-/// Radius of the scene's tool [m]. Throws std::runtime_error, a sentence, where it is no declared sphere about its origin: the exact tool is not
-/// known then.
+/// Radius of the scene's tool [m]. Throws std::runtime_error, a sentence, where it is no declared
+/// sphere about its origin: the exact tool is not known then.
 double drawn_radius_m(const scene::Scene& scene);
 
 /// A frame of a hand that slides in contact.
@@ -25,8 +27,8 @@ struct SlideFrame {
 /// The hand goes so far sideways in a frame: 50 mm/s at e = 2 mm and 1 kHz.
 inline constexpr double kSlideEdges = 1.0 / 40.0;
 
-/// Goes in by an eighth of a voxel a frame, and rests. It begins a voxel before the touch: a virtual tool is placed where nothing touches,
-/// and at a rim the touch itself may count as inside.
+/// Goes in by an eighth of a voxel a frame, and rests. It begins a voxel before the touch: a
+/// virtual tool is placed where nothing touches, and at a rim the touch itself may count as inside.
 class ToolPress {
  public:
   /// `built` has a virtual tool and must outlive this.
@@ -34,10 +36,13 @@ class ToolPress {
 
   /// Force at the end, for a spring of 1 N/m.
   Wrench into(const ContactPlace& place, double depth_m);
-  /// Frames of a hand that slides across the way in, kSlideEdges of a voxel each, from where `into` has left it. Each frame's time is the least
-  /// of several runs of the same slide, which give the same bits, so that interruptions do not count. A hand that goes on straight in is no
-  /// measure: the tool stays where it is, and a frame makes no query. `cpu_time_s`: a clock [s]; none: times read 0.
-  std::vector<SlideFrame> slide(const ContactPlace& place, double depth_m, const std::function<double()>& cpu_time_s);
+  /// Frames of a hand that slides across the way in, kSlideEdges of a voxel each, from where `into`
+  /// has left it. Each frame's time is the least of several runs of the same slide, which give the
+  /// same bits, so that interruptions do not count. A hand that goes on straight in is no measure:
+  /// the tool stays where it is, and a frame makes no query. `cpu_time_s`: a clock [s]; none: times
+  /// read 0.
+  std::vector<SlideFrame> slide(const ContactPlace& place, double depth_m,
+                                const std::function<double()>& cpu_time_s);
 
  private:
   rendering::SceneFrame at(const Pose& hand, double dt_s);

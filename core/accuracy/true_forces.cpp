@@ -10,35 +10,43 @@ namespace {
 constexpr double kFaintShare = 0.05;  ///< of the median true force
 }  // namespace
 
-std::vector<Wrench> TrueForces::at(const std::vector<ContactPlace>& places, std::size_t count, double depth_m,
+std::vector<Wrench> TrueForces::at(const std::vector<ContactPlace>& places, std::size_t count,
+                                   double depth_m,
                                    const std::function<void(double share)>& progress) {
   std::vector<Wrench>& known = known_[depth_m];
   const std::size_t wanted = std::min(count, places.size()), before = known.size();
   while (known.size() < wanted) {
-    if (progress) progress(static_cast<double>(known.size() - before) / static_cast<double>(wanted - before));
+    if (progress)
+      progress(static_cast<double>(known.size() - before) / static_cast<double>(wanted - before));
     known.push_back(reference_.at(places[known.size()].at(depth_m), depth_m).wrench);
   }
   std::vector<Wrench> out(known.begin(), known.begin() + static_cast<std::ptrdiff_t>(wanted));
   std::vector<double> sizes;
-  for (const Wrench& w : out) sizes.push_back(w.force.norm());
+  for (const Wrench& w : out)
+    sizes.push_back(w.force.norm());
   const double faint = kFaintShare * median_of(sizes);
   for (Wrench& w : out)
-    if (!(w.force.norm() > faint)) w = {};
+    if (!(w.force.norm() > faint))
+      w = {};
   return out;
 }
 
-std::size_t TrueForces::unknown(const std::vector<ContactPlace>& places, std::size_t count, double depth_m) const {
+std::size_t TrueForces::unknown(const std::vector<ContactPlace>& places, std::size_t count,
+                                double depth_m) const {
   const auto known = known_.find(depth_m);
-  const std::size_t wanted = std::min(count, places.size()), has = known == known_.end() ? 0 : known->second.size();
+  const std::size_t wanted = std::min(count, places.size()),
+                    has = known == known_.end() ? 0 : known->second.size();
   return wanted > has ? wanted - has : 0;
 }
 
-std::vector<Wrench> drawn_forces(const reference::ReferenceScene& reference, double radius_m, const std::vector<ContactPlace>& places,
-                                 std::size_t count, double depth_m) {
+std::vector<Wrench> drawn_forces(const reference::ReferenceScene& reference, double radius_m,
+                                 const std::vector<ContactPlace>& places, std::size_t count,
+                                 double depth_m) {
   std::vector<Wrench> out;
   for (std::size_t n = 0; n < std::min(count, places.size()); ++n) {
     const Vec3 hand = places[n].at(depth_m).position;
-    out.emplace_back().force = reference::drawn_ball(reference, radius_m, places[n].touch.position, hand) - hand;
+    out.emplace_back().force =
+        reference::drawn_ball(reference, radius_m, places[n].touch.position, hand) - hand;
   }
   return out;
 }

@@ -10,25 +10,30 @@
 
 namespace voxtouch::accuracy {
 
-/// Of the penalty law, per unit of its stiffness (ReferenceWrench at a resolution of the depth itself).
+/// Of the penalty law, per unit of its stiffness (ReferenceWrench at a resolution of the depth
+/// itself).
 class TrueForces {
  public:
   explicit TrueForces(const scene::Scene& scene) : reference_(scene, scene.voxel_size_m) {}
 
-  /// At the first `count` of `places`, `depth_m` in; zero where the contact is too faint to judge: it would tell of rounding, not of a
-  /// model. The same places in every call. `progress` hears the share of what was not known yet.
+  /// At the first `count` of `places`, `depth_m` in; zero where the contact is too faint to judge:
+  /// it would tell of rounding, not of a model. The same places in every call. `progress` hears the
+  /// share of what was not known yet.
   std::vector<Wrench> at(const std::vector<ContactPlace>& places, std::size_t count, double depth_m,
                          const std::function<void(double share)>& progress = {});
   /// How many of these have not been worked out yet.
-  std::size_t unknown(const std::vector<ContactPlace>& places, std::size_t count, double depth_m) const;
+  std::size_t unknown(const std::vector<ContactPlace>& places, std::size_t count,
+                      double depth_m) const;
 
  private:
   reference::ReferenceWrench reference_;
   std::map<double, std::vector<Wrench>> known_;  ///< by depth: of the first places
 };
 
-/// Of a virtual tool that is a ball of `radius_m`, per unit of the spring: from the hand to the exact ball that is drawn to it.
-std::vector<Wrench> drawn_forces(const reference::ReferenceScene& reference, double radius_m, const std::vector<ContactPlace>& places,
-                                 std::size_t count, double depth_m);
+/// Of a virtual tool that is a ball of `radius_m`, per unit of the spring: from the hand to the
+/// exact ball that is drawn to it.
+std::vector<Wrench> drawn_forces(const reference::ReferenceScene& reference, double radius_m,
+                                 const std::vector<ContactPlace>& places, std::size_t count,
+                                 double depth_m);
 
 }  // namespace voxtouch::accuracy

@@ -1,5 +1,6 @@
 #pragma once
-/// What keeps the virtual tool out of the static scene: one linear constraint a shell point near it, from the signed distance.
+/// What keeps the virtual tool out of the static scene: one linear constraint a shell point near
+/// it, from the signed distance.
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -16,9 +17,12 @@ struct ConstraintRow {
   double gap_m = 0.0;            ///< below zero: so deep is the point inside
   std::uint32_t point = 0;       ///< index into the shell
   std::uint32_t object = 0;      ///< whose wall it is
-  bool of_face = false;          ///< of a thin wall's own face or of an edge point, not of the static object's field
+  bool of_face =
+      false;  ///< of a thin wall's own face or of an edge point, not of the static object's field
 
-  Vec3 normal() const noexcept { return jacobian.head<3>(); }  ///< u: unit, out of the static object, W
+  Vec3 normal() const noexcept {
+    return jacobian.head<3>();
+  }  ///< u: unit, out of the static object, W
 };
 
 /// What all rows of one object share.
@@ -28,29 +32,39 @@ struct RowFrame {
   std::uint32_t object = 0;
 };
 
-/// The rows of all hits, in their order, added to `rows`, which must have room for them; none of a hit where the field has no direction, or whose gap is so wide
-/// that no step can close it.
+/// The rows of all hits, in their order, added to `rows`, which must have room for them; none of a
+/// hit where the field has no direction, or whose gap is so wide that no step can close it.
 ///
-/// As a rule u and the gap are the field's: u = g / |g|, gap = distance / |g|: the static side's gradient, not the point's own normal, along which the
-/// tool sticks on its own facets. A wall of a voxel or two bends the field, or has no inside in it at all: there, in surface voxels, u and
-/// gap are those of the wall's face on the tool's side, which the point's own normal names, fitted to the corners' distances (wall_faces.hpp).
-/// Where tool and wall are both thinner than a voxel, the normals of the tool's far side name the wrong face. Real-time safe.
-void add_rows(const Hits& hits, bool in_surface, const voxmap::DistanceField& field, const RowFrame& frame, std::vector<ConstraintRow>& rows) noexcept;
+/// As a rule u and the gap are the field's: u = g / |g|, gap = distance / |g|: the static side's
+/// gradient, not the point's own normal, along which the tool sticks on its own facets. A wall of a
+/// voxel or two bends the field, or has no inside in it at all: there, in surface voxels, u and gap
+/// are those of the wall's face on the tool's side, which the point's own normal names, fitted to
+/// the corners' distances (wall_faces.hpp). Where tool and wall are both thinner than a voxel, the
+/// normals of the tool's far side name the wrong face. Real-time safe.
+void add_rows(const Hits& hits, bool in_surface, const voxmap::DistanceField& field,
+              const RowFrame& frame, std::vector<ConstraintRow>& rows) noexcept;
 
-/// The rows with the roles swapped: points of the object's sharp edges and rims (core/pointshell/edge_points.hpp), as `edges` found them in the tool, whose
-/// distance is `tool`'s. A row's normal is against the tool's gradient there, and its point is the edge's; `smooth`: as `smooth_normals` has it. None where the
-/// gradient does not lead into the object at the edge, on the far side of a thin part of the tool (limits::kEdgeAgree). `frame` and `orientation` are the
-/// tool's; `rows` must have room. Real-time safe.
-void add_edge_rows(const HitList& hits, const ContactQuery& edges, const voxmap::DistanceField& tool, bool smooth, const RowFrame& frame, const Quat& orientation,
-                   std::vector<ConstraintRow>& rows) noexcept;
+/// The rows with the roles swapped: points of the object's sharp edges and rims
+/// (core/pointshell/edge_points.hpp), as `edges` found them in the tool, whose distance is
+/// `tool`'s. A row's normal is against the tool's gradient there, and its point is the edge's;
+/// `smooth`: as `smooth_normals` has it. None where the gradient does not lead into the object at
+/// the edge, on the far side of a thin part of the tool (limits::kEdgeAgree). `frame` and
+/// `orientation` are the tool's; `rows` must have room. Real-time safe.
+void add_edge_rows(const HitList& hits, const ContactQuery& edges,
+                   const voxmap::DistanceField& tool, bool smooth, const RowFrame& frame,
+                   const Quat& orientation, std::vector<ConstraintRow>& rows) noexcept;
 
-/// Of the rows of `frame`'s object that are about to push (limits::kSmoothGapEdges) and whose plane is the field's, the normal becomes that of the
-/// gradient which does not jump from voxel to voxel, where that is no shorter than beside an even surface (limits::kSmoothGradient). Gaps stay. Real-time safe.
-void smooth_normals(const voxmap::DistanceField& field, const RowFrame& frame, std::span<ConstraintRow> rows) noexcept;
+/// Of the rows of `frame`'s object that are about to push (limits::kSmoothGapEdges) and whose plane
+/// is the field's, the normal becomes that of the gradient which does not jump from voxel to voxel,
+/// where that is no shorter than beside an even surface (limits::kSmoothGradient). Gaps stay.
+/// Real-time safe.
+void smooth_normals(const voxmap::DistanceField& field, const RowFrame& frame,
+                    std::span<ConstraintRow> rows) noexcept;
 
-/// Leaves at most kMaxRows of them. Of the rows in each of 42 directions (direction_bins.hpp) the one of least gap stays, and those that a tilt
-/// of `tilt` [rad] towards one of eight sides would bring deepest: the corners of a flat contact, however many points
-/// it has. Linear in the rows; their order stays. Real-time safe.
+/// Leaves at most kMaxRows of them. Of the rows in each of 42 directions (direction_bins.hpp) the
+/// one of least gap stays, and those that a tilt of `tilt` [rad] towards one of eight sides would
+/// bring deepest: the corners of a flat contact, however many points it has. Linear in the rows;
+/// their order stays. Real-time safe.
 void keep_nearest(std::vector<ConstraintRow>& rows, double tilt) noexcept;
 
 }  // namespace voxtouch::contact

@@ -18,13 +18,16 @@ struct NamedModel {
   ContactModelKind kind;
   std::string_view name;
 };
-constexpr NamedModel kModels[] = {
-    {ContactModelKind::kOriginal, "original"}, {ContactModelKind::kAdapted, "adapted"}, {ContactModelKind::kField, "field"}};
+constexpr NamedModel kModels[] = {{ContactModelKind::kOriginal, "original"},
+                                  {ContactModelKind::kAdapted, "adapted"},
+                                  {ContactModelKind::kField, "field"}};
 
-/// What both laws report in the same way: counts, mean normal, coherence. True if the points agree well enough on it.
+/// What both laws report in the same way: counts, mean normal, coherence. True if the points agree
+/// well enough on it.
 bool summarise(const HitList& hits, ContactResult& result) noexcept {
   begin_result(hits, result);
-  if (hits.surface.empty()) return true;
+  if (hits.surface.empty())
+    return true;
   tell_mean_normal(hits.surface.normal_sum(), hits.surface.weight_sum(), result);
   return result.coherence > limits::kFallbackCoherence;
 }
@@ -33,15 +36,19 @@ bool summarise(const HitList& hits, ContactResult& result) noexcept {
 void push_along_own_normals(const HitList& hits, double stiffness, ContactResult& result) noexcept {
   StiffnessSum sum;
   push_along_directions(hits.surface, {}, stiffness, hits.pose_WT.position, result, sum);
-  if (sum.any()) sum.add_to(stiffness, result.stiffness);
+  if (sum.any())
+    sum.add_to(stiffness, result.stiffness);
 }
 
-std::unique_ptr<ContactModel> make_field_model(const ContactParameters& parameters, const voxmap::DistanceField* distances) {
+std::unique_ptr<ContactModel> make_field_model(const ContactParameters& parameters,
+                                               const voxmap::DistanceField* distances) {
   if (parameters.weights != PointWeights::kArea)
-    throw std::invalid_argument("contact: the model 'field' weighs points by their area; give its stiffness per area "
-                                "(stiffness_n_per_m3)");
+    throw std::invalid_argument(
+        "contact: the model 'field' weighs points by their area; give its stiffness per area "
+        "(stiffness_n_per_m3)");
   if (distances == nullptr)
-    throw std::invalid_argument("contact: the model 'field' looks up a distance field, and there is none; build it first");
+    throw std::invalid_argument(
+        "contact: the model 'field' looks up a distance field, and there is none; build it first");
   return std::make_unique<FieldModel>(*distances, parameters.stiffness);
 }
 
@@ -65,14 +72,17 @@ class AdaptedModel final : public ContactModel {
   void evaluate(const HitList& hits, ContactResult& result) const noexcept override {
     evaluate(hits, false, result);
   }
-  void evaluate_for_stage(const HitList& hits, ContactResult& result) const noexcept override { evaluate(hits, true, result); }
+  void evaluate_for_stage(const HitList& hits, ContactResult& result) const noexcept override {
+    evaluate(hits, true, result);
+  }
 
  private:
   void evaluate(const HitList& hits, bool stage_blends, ContactResult& result) const noexcept {
     const bool agree = summarise(hits, result);
     result.fallback = !agree;
     const double share = mean_share(kind(), result.coherence);
-    if (stage_blends && share > 0.0 && share < 1.0) return;
+    if (stage_blends && share > 0.0 && share < 1.0)
+      return;
     if (agree)
       // Paper, section 2.2: F = K m sum w_i d_i, d_i = max(0, m . (c_i - x_i)), m the mean normal.
       push_along_mean(hits.surface, result.mean_normal, stiffness_, hits.pose_WT.position, result);
@@ -86,32 +96,39 @@ class AdaptedModel final : public ContactModel {
 }  // namespace
 
 double mean_share(ContactModelKind kind, double coherence) noexcept {
-  return kind == ContactModelKind::kOriginal ? 0.0
-                                             : smoothstep(limits::kBlendFrom, limits::kBlendTo, coherence);
+  return kind == ContactModelKind::kOriginal
+             ? 0.0
+             : smoothstep(limits::kBlendFrom, limits::kBlendTo, coherence);
 }
 
 std::string_view name_of(ContactModelKind kind) noexcept {
   for (const NamedModel& model : kModels)
-    if (model.kind == kind) return model.name;
+    if (model.kind == kind)
+      return model.name;
   return "unknown";
 }
 
 bool parse_contact_model(std::string_view word, ContactModelKind& kind) noexcept {
   for (const NamedModel& model : kModels)
-    if (model.name == word) return kind = model.kind, true;
+    if (model.name == word)
+      return kind = model.kind, true;
   return false;
 }
 
-std::unique_ptr<ContactModel> make_contact_model(ContactModelKind kind, const ContactParameters& parameters,
+std::unique_ptr<ContactModel> make_contact_model(ContactModelKind kind,
+                                                 const ContactParameters& parameters,
                                                  const voxmap::DistanceField* distances) {
   const double stiffness = parameters.stiffness;
   if (!(stiffness > 0.0) || !std::isfinite(stiffness))
     throw std::invalid_argument("contact: the stiffness is " + std::to_string(stiffness) +
                                 "; it must be finite and greater than 0");
   switch (kind) {
-    case ContactModelKind::kOriginal: return std::make_unique<OriginalModel>(stiffness);
-    case ContactModelKind::kAdapted: return std::make_unique<AdaptedModel>(stiffness);
-    case ContactModelKind::kField: return make_field_model(parameters, distances);
+    case ContactModelKind::kOriginal:
+      return std::make_unique<OriginalModel>(stiffness);
+    case ContactModelKind::kAdapted:
+      return std::make_unique<AdaptedModel>(stiffness);
+    case ContactModelKind::kField:
+      return make_field_model(parameters, distances);
   }
   throw std::invalid_argument("contact: there is no such model");
 }

@@ -22,70 +22,86 @@ bool parse_contact_model(std::string_view word, ContactModelKind& kind) noexcept
 /// What one pose gives. All in W; torque about the tool's origin.
 struct ContactResult {
   Wrench wrench;
-  Vec3 mean_normal = Vec3::Zero();      ///< normalised mean of the colliding points' normals; zero where there are none
-  double coherence = 0.0;               ///< |sum n| / |S|: 1 = all agree, 0 = they cancel
-  std::uint32_t surface_hits = 0;       ///< |S|: shell points in surface voxels, also with depth 0
-  std::uint32_t interior_hits = 0;      ///< shell points in interior voxels (gone through)
-  Vec3 deepest_point = Vec3::Zero();    ///< the point with the largest depth [m]; zero without contact
-  double deepest_depth_m = 0.0;         ///< [m]
-  /// K times the weights of the points that push (their number, where they weigh one each). Bounds the spectral norm of dF/dx, x the tool's position: while the colliding
-  /// set stays, normals and directions u_i do not depend on x, so -dF/dx = K sum u_i u_i^T over the points with d > 0, a sum
-  /// of that many matrices of norm K (times w_i) (all equal for `adapted`, so there the bound is reached). Not bounded: the step when a
-  /// point crosses a voxel border, and the stiffness against rotation.
+  Vec3 mean_normal = Vec3::Zero();  ///< normalised mean of the colliding points' normals; zero
+                                    ///< where there are none
+  double coherence = 0.0;           ///< |sum n| / |S|: 1 = all agree, 0 = they cancel
+  std::uint32_t surface_hits = 0;   ///< |S|: shell points in surface voxels, also with depth 0
+  std::uint32_t interior_hits = 0;  ///< shell points in interior voxels (gone through)
+  Vec3 deepest_point =
+      Vec3::Zero();              ///< the point with the largest depth [m]; zero without contact
+  double deepest_depth_m = 0.0;  ///< [m]
+  /// K times the weights of the points that push (their number, where they weigh one each). Bounds
+  /// the spectral norm of dF/dx, x the tool's position: while the colliding set stays, normals and
+  /// directions u_i do not depend on x, so -dF/dx = K sum u_i u_i^T over the points with d > 0, a
+  /// sum of that many matrices of norm K (times w_i) (all equal for `adapted`, so there the bound
+  /// is reached). Not bounded: the step when a point crosses a voxel border, and the stiffness
+  /// against rotation.
   double stiffness_bound_n_per_m = 0.0;
-  /// K sum w_i J_i' J_i over the same points, J_i = [u_i', (arm_i x u_i)']: stiffness against translation and rotation
-  /// [N/m, N, Nm/rad], W axes, about the tool's origin; symmetric, positive semidefinite, the trace of its translational
-  /// part at most the bound above. It is how -wrench changes with the depths while the colliding set stays: for
-  /// translations that is all; a rotation also turns the arms and directions, which adds terms of the size of the wrench
-  /// itself. A retained point, whose push does not depend on the pose, counts as one that does, so that the matrix does not
-  /// fall where points go through.
+  /// K sum w_i J_i' J_i over the same points, J_i = [u_i', (arm_i x u_i)']: stiffness against
+  /// translation and rotation [N/m, N, Nm/rad], W axes, about the tool's origin; symmetric,
+  /// positive semidefinite, the trace of its translational part at most the bound above. It is how
+  /// -wrench changes with the depths while the colliding set stays: for translations that is all; a
+  /// rotation also turns the arms and directions, which adds terms of the size of the wrench
+  /// itself. A retained point, whose push does not depend on the pose, counts as one that does, so
+  /// that the matrix does not fall where points go through.
   Mat6 stiffness = Mat6::Zero();
-  bool fallback = false;                ///< normals face each other (coherence <= 0.3): `original` was used for this frame
-  /// `field`: some point that pushes is deeper than the distances held; or so near the middle of a body that its depth
-  /// hardly grows any more (|gradient| < 1/2); or pushed away from the nearest way out (normal . gradient < -1/2): gone
-  /// through the middle of a thin wall, or on the back of a tool that is wholly inside. From here on going deeper need not
-  /// meet more force.
+  bool fallback =
+      false;  ///< normals face each other (coherence <= 0.3): `original` was used for this frame
+  /// `field`: some point that pushes is deeper than the distances held; or so near the middle of a
+  /// body that its depth hardly grows any more (|gradient| < 1/2); or pushed away from the nearest
+  /// way out (normal . gradient < -1/2): gone through the middle of a thin wall, or on the back of
+  /// a tool that is wholly inside. From here on going deeper need not meet more force.
   bool saturated = false;
   PoseStatus pose_status = PoseStatus::kUsable;
-  std::uint32_t points_tested = 0;      ///< points that culling left to test
-  LeftOut left_out;                     ///< where a time budget allowed no more
+  std::uint32_t points_tested = 0;  ///< points that culling left to test
+  LeftOut left_out;                 ///< where a time budget allowed no more
 };
 
-/// Turns the hits of one frame into a wrench. Memoryless; interior voxels give no force. Sums run over the hits in their
-/// order, in double, so that a list gives the same bits whenever it is evaluated. Real-time safe: no allocation, lock, throw.
+/// Turns the hits of one frame into a wrench. Memoryless; interior voxels give no force. Sums run
+/// over the hits in their order, in double, so that a list gives the same bits whenever it is
+/// evaluated. Real-time safe: no allocation, lock, throw.
 class ContactModel {
  public:
   virtual ~ContactModel() = default;
   virtual ContactModelKind kind() const noexcept = 0;
   /// Overwrites all of `result`.
   virtual void evaluate(const HitList& hits, ContactResult& result) const noexcept = 0;
-  /// The same for a result that goes to the stage: where that blends directions it sums up all pushes anew, and they may be missing.
-  virtual void evaluate_for_stage(const HitList& hits, ContactResult& result) const noexcept { evaluate(hits, result); }
+  /// The same for a result that goes to the stage: where that blends directions it sums up all
+  /// pushes anew, and they may be missing.
+  virtual void evaluate_for_stage(const HitList& hits, ContactResult& result) const noexcept {
+    evaluate(hits, result);
+  }
 };
 
-/// The share of the mean normal in a surface point's direction, as the stage behind the model blends it; 1 or 0: as the model itself.
+/// The share of the mean normal in a surface point's direction, as the stage behind the model
+/// blends it; 1 or 0: as the model itself.
 double mean_share(ContactModelKind kind, double coherence) noexcept;
 
 /// What a shell point counts in every sum of a contact model.
 enum class PointWeights : std::uint8_t {
-  kOne,   ///< w_i = 1 (the paper): the force grows with the number of points that the shell happens to have
-  kArea,  ///< w_i = the point's share of the tool's surface [m^2]: the force belongs to the contact's area
+  kOne,   ///< w_i = 1 (the paper): the force grows with the number of points that the shell happens
+          ///< to have
+  kArea,  ///< w_i = the point's share of the tool's surface [m^2]: the force belongs to the
+          ///< contact's area
 };
 
 /// What the force laws need from the scene.
 struct ContactParameters {
-  /// K > 0: force for one metre of depth and a weight of one. [N/m] for points that weigh one each, [N/m^3], a pressure for
-  /// one metre of depth, for areas.
+  /// K > 0: force for one metre of depth and a weight of one. [N/m] for points that weigh one each,
+  /// [N/m^3], a pressure for one metre of depth, for areas.
   double stiffness = 1.0;
   PointWeights weights = PointWeights::kOne;
-  /// ContactRenderer::render gives what the model gives, bit for bit: no depths are held, no directions blended (`original` and `adapted` as in the
-  /// papers). Behind its layer of voxels nothing pushes back.
+  /// ContactRenderer::render gives what the model gives, bit for bit: no depths are held, no
+  /// directions blended (`original` and `adapted` as in the papers). Behind its layer of voxels
+  /// nothing pushes back.
   bool alone = false;
 };
 
-/// The model for `kind`; `distances`, which `field` looks up, must outlive it. Throws std::invalid_argument for a stiffness that is not
-/// finite and positive, and for `field` with other weights than areas or without distances.
-std::unique_ptr<ContactModel> make_contact_model(ContactModelKind kind, const ContactParameters& parameters,
+/// The model for `kind`; `distances`, which `field` looks up, must outlive it. Throws
+/// std::invalid_argument for a stiffness that is not finite and positive, and for `field` with
+/// other weights than areas or without distances.
+std::unique_ptr<ContactModel> make_contact_model(ContactModelKind kind,
+                                                 const ContactParameters& parameters,
                                                  const voxmap::DistanceField* distances = nullptr);
 
 }  // namespace voxtouch::contact

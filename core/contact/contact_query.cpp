@@ -14,9 +14,10 @@ namespace {
 
 void check(const pointshell::Pointshell& shell) {
   const std::size_t n = shell.size();
-  if (shell.y.size() != n || shell.z.size() != n || shell.nx.size() != n || shell.ny.size() != n || shell.nz.size() != n ||
-      shell.id.size() != n)
-    throw std::invalid_argument("contact: the pointshell's arrays differ in length; build it with core/pointshell");
+  if (shell.y.size() != n || shell.z.size() != n || shell.nx.size() != n || shell.ny.size() != n ||
+      shell.nz.size() != n || shell.id.size() != n)
+    throw std::invalid_argument(
+        "contact: the pointshell's arrays differ in length; build it with core/pointshell");
   for (std::size_t p = 0; p < n; ++p)
     if (!shell.point(p).allFinite() || !shell.normal(p).allFinite())
       throw std::invalid_argument("contact: point " + std::to_string(shell.id[p]) +
@@ -25,40 +26,55 @@ void check(const pointshell::Pointshell& shell) {
 
 void check_areas(const pointshell::Pointshell& shell) {
   if (shell.area_m2.size() != shell.size())
-    throw std::invalid_argument("contact: the pointshell has no areas to weigh its points with; build it anew");
+    throw std::invalid_argument(
+        "contact: the pointshell has no areas to weigh its points with; build it anew");
   for (std::size_t p = 0; p < shell.size(); ++p)
     if (!std::isfinite(shell.area_m2[p]) || shell.area_m2[p] < 0.0)
-      throw std::invalid_argument("contact: the area of point " + std::to_string(shell.id[p]) +
-                                  " of the pointshell is not a number of at least 0; check the mesh it came from");
+      throw std::invalid_argument(
+          "contact: the area of point " + std::to_string(shell.id[p]) +
+          " of the pointshell is not a number of at least 0; check the mesh it came from");
 }
 
 /// In single precision, up to a whole leaf of the tree.
 std::vector<float> rounded(const std::vector<double>& values) {
   std::vector<float> out(values.begin(), values.end());
-  out.resize((out.size() + SphereTree::kLeafPoints - 1) / SphereTree::kLeafPoints * SphereTree::kLeafPoints);
+  out.resize((out.size() + SphereTree::kLeafPoints - 1) / SphereTree::kLeafPoints *
+             SphereTree::kLeafPoints);
   return out;
 }
 
 }  // namespace
 
-ContactQuery::ContactQuery(const voxmap::Voxmap& voxmap, pointshell::Pointshell shell, PointWeights weights, pointshell::ShellLevels levels)
-    : voxmap_(voxmap), shell_(std::move(shell)) {
+ContactQuery::ContactQuery(const voxmap::Voxmap& voxmap, pointshell::Pointshell shell,
+                           PointWeights weights, pointshell::ShellLevels levels)
+    : voxmap_(voxmap),
+      shell_(std::move(shell)) {
   check(shell_);
-  if (weights == PointWeights::kArea) check_areas(shell_);
+  if (weights == PointWeights::kArea)
+    check_areas(shell_);
   tree_ = SphereTree(shell_);
   x_ = rounded(shell_.x), y_ = rounded(shell_.y), z_ = rounded(shell_.z);
   packed_normals_ = packed_normals::all_packed(shell_.nx, shell_.ny, shell_.nz);
-  for (std::size_t p = 0; p < shell_.size(); ++p) reach_m_ = std::max(reach_m_, shell_.point(p).norm());
+  for (std::size_t p = 0; p < shell_.size(); ++p)
+    reach_m_ = std::max(reach_m_, shell_.point(p).norm());
   source_.edge = voxmap.grid().edge;
-  source_.place[0] = shell_.x.data(), source_.place[1] = shell_.y.data(), source_.place[2] = shell_.z.data();
-  source_.normal[0] = shell_.nx.data(), source_.normal[1] = shell_.ny.data(), source_.normal[2] = shell_.nz.data();
-  if (weights == PointWeights::kArea) source_.area = shell_.area_m2.data();
-  source_.rough.place[0] = x_.data(), source_.rough.place[1] = y_.data(), source_.rough.place[2] = z_.data();
-  if (!packed_normals_.empty()) source_.rough.normal = packed_normals_.data();
-  if (!levels.empty()) levels_ = LevelQuery(shell_, std::move(levels), weights == PointWeights::kArea ? shell_.area_m2 : std::vector<double>());
+  source_.place[0] = shell_.x.data(), source_.place[1] = shell_.y.data(),
+  source_.place[2] = shell_.z.data();
+  source_.normal[0] = shell_.nx.data(), source_.normal[1] = shell_.ny.data(),
+  source_.normal[2] = shell_.nz.data();
+  if (weights == PointWeights::kArea)
+    source_.area = shell_.area_m2.data();
+  source_.rough.place[0] = x_.data(), source_.rough.place[1] = y_.data(),
+  source_.rough.place[2] = z_.data();
+  if (!packed_normals_.empty())
+    source_.rough.normal = packed_normals_.data();
+  if (!levels.empty())
+    levels_ = LevelQuery(shell_, std::move(levels),
+                         weights == PointWeights::kArea ? shell_.area_m2 : std::vector<double>());
 }
 
-void ContactQuery::find(const Pose& pose_WT, HitList& hits, const PointLimit& limit) const noexcept {
+void ContactQuery::find(const Pose& pose_WT, HitList& hits,
+                        const PointLimit& limit) const noexcept {
   hits.clear();
   Quat orientation = pose_WT.orientation;
   if (!pose_WT.position.allFinite() ||
@@ -77,11 +93,13 @@ void ContactQuery::find(const Pose& pose_WT, HitList& hits, const PointLimit& li
   HitSource source = source_;
   const Mat3 rotation = orientation.toRotationMatrix();
   for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column < 3; ++column) source.r[row][column] = rotation(row, column);
+    for (int column = 0; column < 3; ++column)
+      source.r[row][column] = rotation(row, column);
     source.t[row] = local[row];
   }
   QueryFrame frame;
-  if (!make_query_frame(voxmap_, source, reach_m_, frame)) return;
+  if (!make_query_frame(voxmap_, source, reach_m_, frame))
+    return;
   for (int row = 0; row < 3; ++row) {
     std::copy_n(frame.a[row], 3, source.rough.a[row]);
     source.rough.shift[row] = frame.shift[row];
@@ -93,7 +111,8 @@ void ContactQuery::find(const Pose& pose_WT, HitList& hits, const PointLimit& li
     hits.tested = search(data, frame, surface, interior);
   } else {
     const LevelChoice choice = levels_.choose(data, frame, limit, hits.work);
-    if (choice.weights != nullptr) frame.source.area = source.area = choice.weights;
+    if (choice.weights != nullptr)
+      frame.source.area = source.area = choice.weights;
     hits.tested = search_leaves(data, frame, choice.leaves, surface, interior);
     hits.left_out = choice.left_out;
     hits.asked_end = choice.asked_end;

@@ -1,5 +1,6 @@
 #pragma once
-/// Finds the shell points that lie in surface or interior voxels, culling whole parts of the shell that are far from them.
+/// Finds the shell points that lie in surface or interior voxels, culling whole parts of the shell
+/// that are far from them.
 #include "core/contact/contact_model.hpp"
 #include "core/contact/level_query.hpp"
 #include "core/contact/sphere_tree.hpp"
@@ -8,36 +9,44 @@
 
 namespace voxtouch::contact {
 
-/// Holds the shell and its tree; the voxmap must outlive it. Construction allocates; `find` does not.
+/// Holds the shell and its tree; the voxmap must outlive it. Construction allocates; `find` does
+/// not.
 class ContactQuery {
  public:
-  /// Throws std::invalid_argument where the shell's arrays differ in length or hold a number that is not finite, or where
-  /// points are to be weighed by areas that are missing or negative.
+  /// Throws std::invalid_argument where the shell's arrays differ in length or hold a number that
+  /// is not finite, or where points are to be weighed by areas that are missing or negative.
   /// `levels`: of the shell, which is in their order; none: every look-up is of all points.
-  ContactQuery(const voxmap::Voxmap& voxmap, pointshell::Pointshell shell, PointWeights weights = PointWeights::kOne,
-               pointshell::ShellLevels levels = {});
-  ContactQuery(const ContactQuery&) = delete;  // hits point into the shell's arrays, which stay where they are when it is moved
+  ContactQuery(const voxmap::Voxmap& voxmap, pointshell::Pointshell shell,
+               PointWeights weights = PointWeights::kOne, pointshell::ShellLevels levels = {});
+  ContactQuery(const ContactQuery&) =
+      delete;  // hits point into the shell's arrays, which stay where they are when it is moved
   ContactQuery(ContactQuery&&) = default;
-  ContactQuery(voxmap::Voxmap&&, pointshell::Pointshell, PointWeights = PointWeights::kOne, pointshell::ShellLevels = {}) = delete;
+  ContactQuery(voxmap::Voxmap&&, pointshell::Pointshell, PointWeights = PointWeights::kOne,
+               pointshell::ShellLevels = {}) = delete;
 
-  /// All hits at `pose_WT`, in a fixed order (the shell's), so that sums give the same bits on every run.
-  /// Arithmetic is local to the grid: the grid's origin is taken off the pose first, so a scene at 1e6 m gives what it gives
-  /// at 0. The quaternion is brought to unit norm. A pose that cannot be looked up gives no hits and says so in
-  /// `hits.pose_status`. Real-time safe once `hits.reserve(shell().size())` has been called.
+  /// All hits at `pose_WT`, in a fixed order (the shell's), so that sums give the same bits on
+  /// every run. Arithmetic is local to the grid: the grid's origin is taken off the pose first, so
+  /// a scene at 1e6 m gives what it gives at 0. The quaternion is brought to unit norm. A pose that
+  /// cannot be looked up gives no hits and says so in `hits.pose_status`. Real-time safe once
+  /// `hits.reserve(shell().size())` has been called.
   ///
-  /// Single precision decides where it is certain, doubles in a band beside the voxels' faces (query_kernel.hpp): which points
-  /// hit is what doubles alone would say, to the last bit of the pose, on every processor.
+  /// Single precision decides where it is certain, doubles in a band beside the voxels' faces
+  /// (query_kernel.hpp): which points hit is what doubles alone would say, to the last bit of the
+  /// pose, on every processor.
   void find(const Pose& pose_WT, HitList& hits) const noexcept { find(pose_WT, hits, {}); }
-  /// The same where no more points may be tested than `limit` says: of a shell in levels it leaves out points (level_query.hpp), tells so in
-  /// `hits.left_out`, and the hits weigh what they stand for. Of one without levels it tests all. Real-time safe once `hits.work` has been
-  /// reserved too; until then nothing is left out.
+  /// The same where no more points may be tested than `limit` says: of a shell in levels it leaves
+  /// out points (level_query.hpp), tells so in `hits.left_out`, and the hits weigh what they stand
+  /// for. Of one without levels it tests all. Real-time safe once `hits.work` has been reserved
+  /// too; until then nothing is left out.
   void find(const Pose& pose_WT, HitList& hits, const PointLimit& limit) const noexcept;
   const LevelQuery& levels() const noexcept { return levels_; }
 
   const pointshell::Pointshell& shell() const noexcept { return shell_; }
   const voxmap::Voxmap& voxmap() const noexcept { return voxmap_; }
   /// What a query over that many points takes beside the shell itself.
-  static std::size_t lookup_bytes(std::size_t points) noexcept { return SphereTree::bytes(points) + 4 * sizeof(float) * points; }
+  static std::size_t lookup_bytes(std::size_t points) noexcept {
+    return SphereTree::bytes(points) + 4 * sizeof(float) * points;
+  }
   const SphereTree& tree() const noexcept { return tree_; }
   /// Largest distance of a shell point from the tool's origin [m].
   double reach_m() const noexcept { return reach_m_; }
@@ -46,7 +55,8 @@ class ContactQuery {
   const voxmap::Voxmap& voxmap_;
   pointshell::Pointshell shell_;
   std::vector<float> x_, y_, z_;  ///< the points once more, for what is decided in single precision
-  std::vector<std::uint32_t> packed_normals_;  ///< likewise their normals; none: they are not of unit length
+  std::vector<std::uint32_t>
+      packed_normals_;  ///< likewise their normals; none: they are not of unit length
   SphereTree tree_;
   LevelQuery levels_;
   HitSource source_;  ///< the shell's part of it

@@ -7,43 +7,54 @@
 namespace voxtouch::contact {
 namespace {
 
-/// The middle of the shell's area, where it is inside: the solid angle that the shell takes up as seen from there is 4 pi, and 0 from outside (Gauss).
+/// The middle of the shell's area, where it is inside: the solid angle that the shell takes up as
+/// seen from there is 4 pi, and 0 from outside (Gauss).
 std::optional<Vec3> middle_inside(const pointshell::Pointshell& shell) {
   Vec3 sum = Vec3::Zero();
   double area_m2 = 0.0, solid_angle = 0.0;
-  for (std::size_t p = 0; p < shell.size(); ++p) sum += shell.area_m2[p] * shell.point(p), area_m2 += shell.area_m2[p];
+  for (std::size_t p = 0; p < shell.size(); ++p)
+    sum += shell.area_m2[p] * shell.point(p), area_m2 += shell.area_m2[p];
   const Vec3 middle = sum / area_m2;
   for (std::size_t p = 0; p < shell.size(); ++p) {
     const Vec3 arm = shell.point(p) - middle;
-    solid_angle -= shell.area_m2[p] * shell.coherence[p] * shell.normal(p).dot(arm) / std::pow(arm.norm(), 3);
+    solid_angle -=
+        shell.area_m2[p] * shell.coherence[p] * shell.normal(p).dot(arm) / std::pow(arm.norm(), 3);
   }
   return solid_angle > 2.0 * std::numbers::pi ? std::optional(middle) : std::nullopt;
 }
 
 }  // namespace
 
-ContactRenderer::ContactRenderer(const voxmap::Voxmap& voxmap, pointshell::Pointshell shell, ContactModelKind model,
-                                 const ContactParameters& parameters, const voxmap::DistanceField* field, FrameBudget budget)
+ContactRenderer::ContactRenderer(const voxmap::Voxmap& voxmap, pointshell::Pointshell shell,
+                                 ContactModelKind model, const ContactParameters& parameters,
+                                 const voxmap::DistanceField* field, FrameBudget budget)
     : query_(voxmap, std::move(shell), parameters.weights, std::move(budget.levels)),
       model_(make_contact_model(model, parameters, field)),
-      stage_({query_.shell().size(), query_.reach_m(), voxmap.grid().edge, parameters.stiffness, model, parameters.alone,
+      stage_({query_.shell().size(), query_.reach_m(), voxmap.grid().edge, parameters.stiffness,
+              model, parameters.alone,
               query_.levels().empty() ? nullptr : query_.levels().levels().stands_in.data()}),
-      alone_(parameters.alone), middle_T_(alone_ ? middle_inside(query_.shell()) : std::nullopt),
-      budget_points_(query_.levels().empty() ? 0 : budget.points), touched_(budget_points_ > 0 ? query_.shell().size() : 0) {
+      alone_(parameters.alone),
+      middle_T_(alone_ ? middle_inside(query_.shell()) : std::nullopt),
+      budget_points_(query_.levels().empty() ? 0 : budget.points),
+      touched_(budget_points_ > 0 ? query_.shell().size() : 0) {
   hits_.reserve(query_.shell().size());
-  if (budget_points_ > 0) hits_.work.reserve(query_.shell().size());
+  if (budget_points_ > 0)
+    hits_.work.reserve(query_.shell().size());
 }
 
 StageResult ContactRenderer::render(const Pose& pose_WT) noexcept {
-  const PointLimit limit = budget_points_ > 0 ? PointLimit{budget_points_, &touched_} : PointLimit{};
+  const PointLimit limit =
+      budget_points_ > 0 ? PointLimit{budget_points_, &touched_} : PointLimit{};
   ContactResult plain;
   query_.find(pose_WT, hits_, limit);
   if (alone_)
     model_->evaluate(hits_, plain);
   else
     model_->evaluate_for_stage(hits_, plain);
-  if (hits_.pose_status != PoseStatus::kUsable) return stage_.apply(hits_, plain, 0.0);
-  if (budget_points_ > 0) touched_.take(hits_);
+  if (hits_.pose_status != PoseStatus::kUsable)
+    return stage_.apply(hits_, plain, 0.0);
+  if (budget_points_ > 0)
+    touched_.take(hits_);
   const double moved_m = stage_.motion_to(hits_.pose_WT);
   StageResult result = stage_.apply(hits_, plain, moved_m);
   result.missed = result.fast && near_within(moved_m);
@@ -52,23 +63,28 @@ StageResult ContactRenderer::render(const Pose& pose_WT) noexcept {
 }
 
 bool ContactRenderer::middle_in_something() const noexcept {
-  if (!middle_T_) return false;
+  if (!middle_T_)
+    return false;
   const voxmap::Voxmap& map = query_.voxmap();
   const Vec3 u = map.grid().to_grid(hits_.pose_WT * *middle_T_);
-  return u.cwiseAbs().maxCoeff() < limits::kMaxGridCoordinate && map.at(voxmap::Grid::voxel_of(u)) != voxmap::VoxelKind::kFree;
+  return u.cwiseAbs().maxCoeff() < limits::kMaxGridCoordinate &&
+         map.at(voxmap::Grid::voxel_of(u)) != voxmap::VoxelKind::kFree;
 }
 
-/// Whether anything of the scene may lie where some point of the tool has been since it moved by `moved_m` to where it is.
+/// Whether anything of the scene may lie where some point of the tool has been since it moved by
+/// `moved_m` to where it is.
 bool ContactRenderer::near_within(double moved_m) const noexcept {
   const voxmap::Voxmap& map = query_.voxmap();
   const double edge = map.grid().edge;
-  const double free_m = edge * map.free_distance_voxels((hits_.pose_WT.position - map.grid().origin) / edge);
+  const double free_m =
+      edge * map.free_distance_voxels((hits_.pose_WT.position - map.grid().origin) / edge);
   return !(free_m > query_.reach_m() + moved_m);
 }
 
 ContactResult ContactRenderer::probe(const Pose& pose_WT) noexcept {
   ContactResult result;
-  query_.find(pose_WT, hits_, budget_points_ > 0 ? PointLimit{budget_points_, nullptr} : PointLimit{});
+  query_.find(pose_WT, hits_,
+              budget_points_ > 0 ? PointLimit{budget_points_, nullptr} : PointLimit{});
   model_->evaluate(hits_, result);
   return result;
 }
@@ -76,7 +92,8 @@ ContactResult ContactRenderer::probe(const Pose& pose_WT) noexcept {
 ContactResult ContactRenderer::probe(const Pose& pose_WT, std::vector<std::uint32_t>& surface_ids) {
   const ContactResult result = probe(pose_WT);
   surface_ids.clear();
-  for (const Hit& hit : hits_.surface) surface_ids.push_back(query_.shell().id[hit.point]);
+  for (const Hit& hit : hits_.surface)
+    surface_ids.push_back(query_.shell().id[hit.point]);
   std::sort(surface_ids.begin(), surface_ids.end());
   return result;
 }

@@ -12,17 +12,20 @@ namespace voxtouch::contact {
 
 /// What one call of `apply` carries along.
 struct ContactStage::Frame {
-  double moved_m = 0.0;             ///< bound on every point's way since the last pose
-  PushDirection direction;          ///< of the surface law; its share is 1 here where the mean normal alone is meant
+  double moved_m = 0.0;  ///< bound on every point's way since the last pose
+  PushDirection
+      direction;  ///< of the surface law; its share is 1 here where the mean normal alone is meant
   std::uint32_t shared_points = 0;  ///< that push along g in this frame
   StiffnessSum stiffness;           ///< of the points that the model has not summed ...
   CommonDirectionSum shared;        ///< ... and of those that push along g
 };
 
 ContactStage::ContactStage(const StageConfig& config) : config_(config) {
-  if (!works()) return;
+  if (!works())
+    return;
   last_surface_.reserve(config.points);
-  for (std::vector<RetainedHit>* const list : {&retained_, &returning_, &inside_}) list->reserve(config.points);
+  for (std::vector<RetainedHit>* const list : {&retained_, &returning_, &inside_})
+    list->reserve(config.points);
 }
 
 void ContactStage::reset() noexcept {
@@ -33,16 +36,19 @@ void ContactStage::reset() noexcept {
   shared_points_ = 0;
 }
 
-StageResult ContactStage::apply(const HitList& hits, const ContactResult& plain, double moved_m) noexcept {
+StageResult ContactStage::apply(const HitList& hits, const ContactResult& plain,
+                                double moved_m) noexcept {
   StageResult result;
   result.contact = plain;
-  if (hits.pose_status != PoseStatus::kUsable) return result;
+  if (hits.pose_status != PoseStatus::kUsable)
+    return result;
 
   Frame frame;
   frame.moved_m = moved_m;
   result.fast = frame.moved_m > limits::kFastEdges * config_.edge_m;
   if (!works()) {
-    // Nothing to blend, and nothing to hold: the depths of `field` reach into interior voxels, a model alone has none there.
+    // Nothing to blend, and nothing to hold: the depths of `field` reach into interior voxels, a
+    // model alone has none there.
   } else if (hits.surface.empty() && hits.interior.empty()) {
     shared_.setZero();
     last_surface_.clear();
@@ -52,10 +58,13 @@ StageResult ContactStage::apply(const HitList& hits, const ContactResult& plain,
     frame.direction = {plain.mean_normal, mean_share(config_.model, plain.coherence)};
     surface_points(hits, frame, result);
     held_points(hits, frame, result);
-    if (frame.stiffness.any()) frame.stiffness.add_to(config_.stiffness, result.contact.stiffness);
-    if (frame.shared.any()) result.contact.stiffness += frame.shared.matrix(config_.stiffness, shared_now_);
+    if (frame.stiffness.any())
+      frame.stiffness.add_to(config_.stiffness, result.contact.stiffness);
+    if (frame.shared.any())
+      result.contact.stiffness += frame.shared.matrix(config_.stiffness, shared_now_);
     retained_.resize(returning_.size() + inside_.size());
-    std::merge(returning_.begin(), returning_.end(), inside_.begin(), inside_.end(), retained_.begin(),
+    std::merge(returning_.begin(), returning_.end(), inside_.begin(), inside_.end(),
+               retained_.begin(),
                [](const RetainedHit& a, const RetainedHit& b) { return a.point < b.point; });
     last_surface_ = hits.surface;
     last_direction_ = frame.direction;
@@ -67,27 +76,34 @@ StageResult ContactStage::apply(const HitList& hits, const ContactResult& plain,
   return result;
 }
 
-/// |x1 - x0| <= |t1 - t0| + |(R1 - R0) p| <= |t1 - t0| + 2 sin(angle / 2) |p|, for every p of the shell.
+/// |x1 - x0| <= |t1 - t0| + |(R1 - R0) p| <= |t1 - t0| + 2 sin(angle / 2) |p|, for every p of the
+/// shell.
 double ContactStage::motion_bound(const Pose& pose) const noexcept {
   const double half_sine = (last_pose_.orientation.conjugate() * pose.orientation).vec().norm();
   return (pose.position - last_pose_.position).norm() + 2.0 * half_sine * config_.reach_m;
 }
 
 void ContactStage::update_shared_direction(const HitList& hits) noexcept {
-  // Over the points gone through as well: the rim alone is few points and turns over beyond the tool's equator.
+  // Over the points gone through as well: the rim alone is few points and turns over beyond the
+  // tool's equator.
   Vec3 mean = hits.surface.normal_sum() + hits.interior.normal_sum();
   const double weights = hits.surface.weight_sum() + hits.interior.weight_sum();
   const double length = mean.norm();
   const double coherence = weights > 0.0 ? length / weights : 0.0;
-  double share = hits.surface.empty() ? 0.0 : smoothstep(limits::kBlendFrom, limits::kBlendTo, coherence);
-  if (share > 0.0) mean /= length;
+  double share =
+      hits.surface.empty() ? 0.0 : smoothstep(limits::kBlendFrom, limits::kBlendTo, coherence);
+  if (share > 0.0)
+    mean /= length;
   // While points hang on g, it may be led but not turned over.
-  if (shared_points_ > 0) share *= smoothstep(limits::kAgreeFrom, limits::kAgreeTo, mean.dot(shared_));
-  if (share >= 1.0) shared_ = mean;
+  if (shared_points_ > 0)
+    share *= smoothstep(limits::kAgreeFrom, limits::kAgreeTo, mean.dot(shared_));
+  if (share >= 1.0)
+    shared_ = mean;
   shared_now_ = shared_;
-  // In between only this frame's direction leans: `shared_` itself must not creep while the tool rests. The two are less than
-  // 90 degrees apart here, so their mix cannot vanish.
-  if (share > 0.0 && share < 1.0 && shared_points_ > 0) shared_now_ = (share * mean + (1.0 - share) * shared_).normalized();
+  // In between only this frame's direction leans: `shared_` itself must not creep while the tool
+  // rests. The two are less than 90 degrees apart here, so their mix cannot vanish.
+  if (share > 0.0 && share < 1.0 && shared_points_ > 0)
+    shared_now_ = (share * mean + (1.0 - share) * shared_).normalized();
 }
 
 double ContactStage::plain_depth(const Hit& hit, const PushDirection& direction) const noexcept {
@@ -105,8 +121,10 @@ Vec3 ContactStage::retained_direction(Push push, const Hit& hit) const noexcept 
 }
 
 /// Which way a point that has just gone through is pushed from now on.
-ContactStage::Push ContactStage::choose_direction(const HitList& hits, const Hit& hit) const noexcept {
-  if (shared_.isZero(0.0)) return Push::kOwn;
+ContactStage::Push ContactStage::choose_direction(const HitList& hits,
+                                                  const Hit& hit) const noexcept {
+  if (shared_.isZero(0.0))
+    return Push::kOwn;
   const Vec3 arm_before = last_pose_.orientation * (hits.pose_WT.orientation.conjugate() * hit.arm);
   const Vec3 way = (hits.pose_WT.position - last_pose_.position) + (hit.arm - arm_before);
   const bool shared_pushes_back = shared_.dot(way) < 0.0;
@@ -127,7 +145,8 @@ void ContactStage::push(const HitList& hits, const Hit& hit, double depth, const
   }
 }
 
-void ContactStage::count_retained(Push push, const Hit& hit, Frame& frame, ContactResult& result) const noexcept {
+void ContactStage::count_retained(Push push, const Hit& hit, Frame& frame,
+                                  ContactResult& result) const noexcept {
   result.stiffness_bound_n_per_m += config_.stiffness * hit.weight;
   if (push == Push::kShared) {
     frame.shared.add(hit.arm, hit.weight);
@@ -136,8 +155,10 @@ void ContactStage::count_retained(Push push, const Hit& hit, Frame& frame, Conta
   }
 }
 
-void ContactStage::surface_points(const HitList& hits, Frame& frame, StageResult& result) const noexcept {
-  // At both ends of the blend the model has already summed exactly this; only in between is the sum made anew.
+void ContactStage::surface_points(const HitList& hits, Frame& frame,
+                                  StageResult& result) const noexcept {
+  // At both ends of the blend the model has already summed exactly this; only in between is the sum
+  // made anew.
   const bool blended = frame.direction.mean_share > 0.0 && frame.direction.mean_share < 1.0;
   ContactResult& contact = result.contact;
   if (blended) {
@@ -146,30 +167,40 @@ void ContactStage::surface_points(const HitList& hits, Frame& frame, StageResult
     contact.deepest_point.setZero();
     contact.stiffness_bound_n_per_m = 0.0;
     contact.stiffness.setZero();
-    push_along_directions(hits.surface, frame.direction, config_.stiffness, hits.pose_WT.position, contact, frame.stiffness);
+    push_along_directions(hits.surface, frame.direction, config_.stiffness, hits.pose_WT.position,
+                          contact, frame.stiffness);
   }
 }
 
-void ContactStage::returning_point(const HitList& hits, const Hit& hit, const RetainedHit& before, Frame& frame,
-                                   StageResult& result) noexcept {
+void ContactStage::returning_point(const HitList& hits, const Hit& hit, const RetainedHit& before,
+                                   Frame& frame, StageResult& result) noexcept {
   const double depth = plain_depth(hit, frame.direction);
   const double left = before.depth_m - limits::kFadePerMetre * frame.moved_m;
-  if (!(left > depth)) return;
+  if (!(left > depth))
+    return;
   push(hits, hit, left - depth, retained_direction(before.push, hit), result.contact);
-  if (!(depth > 0.0)) count_retained(before.push, hit, frame, result.contact);
+  if (!(depth > 0.0))
+    count_retained(before.push, hit, frame, result.contact);
   frame.shared_points += before.push == Push::kShared;
   result.retained = true;
   returning_.push_back({hit.point, before.push, left});
 }
 
 /// What a point that has just gone through pushes with from now on.
-ContactStage::RetainedHit ContactStage::gone_through(const HitList& hits, const Hit& hit) const noexcept {
+ContactStage::RetainedHit ContactStage::gone_through(const HitList& hits,
+                                                     const Hit& hit) const noexcept {
   for (std::uint32_t point = hit.point;; point = config_.stands_in[point]) {
     if (const std::size_t n = last_surface_.find(point); n < last_surface_.size())
-      return {hit.point, choose_direction(hits, hit), plain_depth(last_surface_[n], last_direction_)};
-    const auto held = std::lower_bound(retained_.begin(), retained_.end(), point, [](const RetainedHit& a, std::uint32_t b) { return a.point < b; });
-    if (held != retained_.end() && held->point == point) return {hit.point, held->push, held->depth_m};
-    if (config_.stands_in == nullptr || point < last_asked_end_ || config_.stands_in[point] == point) break;
+      return {hit.point, choose_direction(hits, hit),
+              plain_depth(last_surface_[n], last_direction_)};
+    const auto held =
+        std::lower_bound(retained_.begin(), retained_.end(), point,
+                         [](const RetainedHit& a, std::uint32_t b) { return a.point < b; });
+    if (held != retained_.end() && held->point == point)
+      return {hit.point, held->push, held->depth_m};
+    if (config_.stands_in == nullptr || point < last_asked_end_ ||
+        config_.stands_in[point] == point)
+      break;
   }
   return {hit.point, Push::kOwn, limits::kUnseenDepthEdges * config_.edge_m};
 }
@@ -205,23 +236,28 @@ void ContactStage::held_points(const HitList& hits, Frame& frame, StageResult& r
       push_held(block, begin, pushes, lanes);
       kernel.add(block, pushes, lanes);
     }
-    add_lanes(hits.interior, lanes, config_.stiffness, hits.pose_WT.position, result.contact, frame.stiffness);
+    add_lanes(hits.interior, lanes, config_.stiffness, hits.pose_WT.position, result.contact,
+              frame.stiffness);
     result.retained = true;
   }
   up_to(std::numeric_limits<std::uint32_t>::max());
 }
 
 /// How the held points of a block push, which are those from `first` on of inside_.
-void ContactStage::push_held(const HitBlock& block, std::size_t first, Pushes& pushes, PushLanes& lanes) const noexcept {
+void ContactStage::push_held(const HitBlock& block, std::size_t first, Pushes& pushes,
+                             PushLanes& lanes) const noexcept {
   pushes.add_all(block);
   for (std::size_t n = 0; n < block.filled(); ++n) {
     const RetainedHit& held = inside_[first + (n < block.count ? n : 0)];
     const bool shared = held.push == Push::kShared;
-    for (int axis = 0; axis < 3; ++axis) pushes.j[axis][n] = shared ? shared_now_[axis] : block.normal[axis][n];
+    for (int axis = 0; axis < 3; ++axis)
+      pushes.j[axis][n] = shared ? shared_now_[axis] : block.normal[axis][n];
     pushes.push[n] = block.weight[n] * held.depth_m;
     pushes.weight[n] = block.weight[n];
     const std::size_t lane = n % kLanes;
-    if (held.depth_m > lanes.deepest[lane]) lanes.deepest[lane] = held.depth_m, lanes.deepest_hit[lane] = static_cast<double>(first + n - lane);
+    if (held.depth_m > lanes.deepest[lane])
+      lanes.deepest[lane] = held.depth_m,
+      lanes.deepest_hit[lane] = static_cast<double>(first + n - lane);
   }
 }
 

@@ -1,5 +1,6 @@
 #pragma once
-/// The sphere of directions in bins, fixed in W: the vertices and the edge middles of an icosahedron, 31 to 36 degrees apart.
+/// The sphere of directions in bins, fixed in W: the vertices and the edge middles of an
+/// icosahedron, 31 to 36 degrees apart.
 #include <cstddef>
 #include <cstdint>
 
@@ -17,6 +18,7 @@ struct NormalBlock {
 };
 
 /// The bins whose directions are nearest to the normals; of two as near the first. Real-time safe.
-void nearest_direction_bins(const NormalBlock& normals, std::uint32_t (&bins)[NormalBlock::kNormals]) noexcept;
+void nearest_direction_bins(const NormalBlock& normals,
+                            std::uint32_t (&bins)[NormalBlock::kNormals]) noexcept;
 
 }  // namespace voxtouch::contact

@@ -22,11 +22,15 @@ static_assert(limits::kMaxRows % (2 * kWide) == 0);
 struct Active {
   std::array<std::uint8_t, limits::kMaxRows> row;
   std::size_t count = 0;
-  bool operator==(const Active& other) const noexcept { return std::equal(row.begin(), row.begin() + count, other.row.begin(), other.row.begin() + other.count); }
+  bool operator==(const Active& other) const noexcept {
+    return std::equal(row.begin(), row.begin() + count, other.row.begin(),
+                      other.row.begin() + other.count);
+  }
 };
 static_assert(limits::kMaxRows <= 256);
 
-/// Gaps of all rows at one place, and how they change along the direction of search; beyond the rows there are some that never push.
+/// Gaps of all rows at one place, and how they change along the direction of search; beyond the
+/// rows there are some that never push.
 struct Gaps {
   alignas(64) OfRows gap, slope, at_end;  ///< the last: a whole step of the direction farther
   std::size_t count = 0;
@@ -44,88 +48,116 @@ void find_active(const OfRows& gap, std::size_t rows, Active& active) noexcept {
 
 using WideRow = double[kWide];
 
-/// The rows' jacobians: as structure of arrays for all rows at once, and row after row, filled up with zeros, for sums over few of them.
+/// The rows' jacobians: as structure of arrays for all rows at once, and row after row, filled up
+/// with zeros, for sums over few of them.
 struct Jacobians {
   alignas(64) std::array<OfRows, 6> column;
   alignas(64) WideRow row[limits::kMaxRows];
   alignas(64) OfRows gap;  ///< at the start
 };
 
-/// What the rows that push add: the identity and rho sum J'J, and `start` less rho sum gap J; row after row. Columns beyond the sixth are zeros.
+/// What the rows that push add: the identity and rho sum J'J, and `start` less rho sum gap J; row
+/// after row. Columns beyond the sixth are zeros.
 struct Sums {
   alignas(64) WideRow square[6], pull;
 };
-VOXTOUCH_CLONES void sum_up(const Jacobians& __restrict rows, const Active& __restrict active, const Gaps& __restrict gaps, const WideRow& __restrict start,
+VOXTOUCH_CLONES void sum_up(const Jacobians& __restrict rows, const Active& __restrict active,
+                            const Gaps& __restrict gaps, const WideRow& __restrict start,
                             Sums& __restrict sums) noexcept {
   for (std::size_t i = 0; i < 6; ++i)
-    for (std::size_t j = 0; j < kWide; ++j) sums.square[i][j] = i == j ? 1.0 : 0.0;
-  for (std::size_t j = 0; j < kWide; ++j) sums.pull[j] = start[j];
+    for (std::size_t j = 0; j < kWide; ++j)
+      sums.square[i][j] = i == j ? 1.0 : 0.0;
+  for (std::size_t j = 0; j < kWide; ++j)
+    sums.pull[j] = start[j];
   for (std::size_t k = 0; k < active.count; ++k) {
     const std::size_t n = active.row[k];
     const WideRow& row = rows.row[n];
     const double pull = kRho * gaps.gap[n];
     for (std::size_t i = 0; i < 6; ++i) {
       const double along = kRho * row[i];
-      for (std::size_t j = 0; j < kWide; ++j) sums.square[i][j] += along * row[j];
+      for (std::size_t j = 0; j < kWide; ++j)
+        sums.square[i][j] += along * row[j];
     }
-    for (std::size_t j = 0; j < kWide; ++j) sums.pull[j] -= pull * row[j];
+    for (std::size_t j = 0; j < kWide; ++j)
+      sums.pull[j] -= pull * row[j];
   }
 }
 
 /// All rows times one step, added as in a dot product of six numbers.
-VOXTOUCH_INLINE double product(const std::array<OfRows, 6>& j, std::size_t n, const std::array<double, 6>& v) noexcept {
-  return (j[0][n] * v[0] + (j[2][n] * v[2] + j[4][n] * v[4])) + (j[1][n] * v[1] + (j[3][n] * v[3] + j[5][n] * v[5]));
+VOXTOUCH_INLINE double product(const std::array<OfRows, 6>& j, std::size_t n,
+                               const std::array<double, 6>& v) noexcept {
+  return (j[0][n] * v[0] + (j[2][n] * v[2] + j[4][n] * v[4])) +
+         (j[1][n] * v[1] + (j[3][n] * v[3] + j[5][n] * v[5]));
 }
-VOXTOUCH_CLONES void find_slopes(const Jacobians& __restrict rows, const std::array<double, 6>& __restrict way, Gaps& __restrict gaps) noexcept {
+VOXTOUCH_CLONES void find_slopes(const Jacobians& __restrict rows,
+                                 const std::array<double, 6>& __restrict way,
+                                 Gaps& __restrict gaps) noexcept {
   for (std::size_t n = 0; n < gaps.count; ++n) {
     const double slope = product(rows.column, n, way);
     gaps.slope[n] = slope, gaps.at_end[n] = gaps.gap[n] + slope;
   }
 }
-VOXTOUCH_CLONES void find_gaps(const Jacobians& __restrict rows, const std::array<double, 6>& __restrict delta, Gaps& __restrict gaps) noexcept {
-  for (std::size_t n = 0; n < gaps.count; ++n) gaps.gap[n] = rows.gap[n] + product(rows.column, n, delta);
+VOXTOUCH_CLONES void find_gaps(const Jacobians& __restrict rows,
+                               const std::array<double, 6>& __restrict delta,
+                               Gaps& __restrict gaps) noexcept {
+  for (std::size_t n = 0; n < gaps.count; ++n)
+    gaps.gap[n] = rows.gap[n] + product(rows.column, n, delta);
 }
 
-std::array<double, 6> numbers_of(const Vec6& v) noexcept { return {v[0], v[1], v[2], v[3], v[4], v[5]}; }
+std::array<double, 6> numbers_of(const Vec6& v) noexcept {
+  return {v[0], v[1], v[2], v[3], v[4], v[5]};
+}
 
-double added(const WideRow& of) noexcept { return ((of[0] + of[1]) + (of[2] + of[3])) + ((of[4] + of[5]) + (of[6] + of[7])); }
+double added(const WideRow& of) noexcept {
+  return ((of[0] + of[1]) + (of[2] + of[3])) + ((of[4] + of[5]) + (of[6] + of[7]));
+}
 
-/// What the rows add to slope and curvature of the energy at `s` of the direction: each eighth row is summed up on its own.
+/// What the rows add to slope and curvature of the energy at `s` of the direction: each eighth row
+/// is summed up on its own.
 struct LineSums {
   alignas(64) WideRow slope, curvature;
 };
 /// Over `kGroups` times eight rows. Unrolled, so that the sums of all eight are kept in registers.
 template <std::size_t kGroups>
-VOXTOUCH_INLINE void sum_groups(const Gaps& __restrict gaps, double s, LineSums& __restrict sums) noexcept {
+VOXTOUCH_INLINE void sum_groups(const Gaps& __restrict gaps, double s,
+                                LineSums& __restrict sums) noexcept {
   for (std::size_t j = 0; j < kWide; ++j) {
     double slopes = 0.0, curvatures = 0.0;
 #pragma GCC unroll 16
     for (std::size_t g = 0; g < kGroups; ++g) {
-      const double slope = gaps.slope[kWide * g + j], at = gaps.gap[kWide * g + j] + s * slope, steep = at < 0.0 ? kRho * slope : 0.0;
+      const double slope = gaps.slope[kWide * g + j], at = gaps.gap[kWide * g + j] + s * slope,
+                   steep = at < 0.0 ? kRho * slope : 0.0;
       slopes += steep * at, curvatures += steep * slope;
     }
     sums.slope[j] = slopes, sums.curvature[j] = curvatures;
   }
 }
-VOXTOUCH_CLONES void sum_line(const Gaps& __restrict gaps, double s, LineSums& __restrict sums) noexcept {
+VOXTOUCH_CLONES void sum_line(const Gaps& __restrict gaps, double s,
+                              LineSums& __restrict sums) noexcept {
   constexpr std::size_t kGroups = limits::kMaxRows / kWide;
-  if (gaps.count > limits::kMaxRows / 2) return sum_groups<kGroups>(gaps, s, sums);
+  if (gaps.count > limits::kMaxRows / 2)
+    return sum_groups<kGroups>(gaps, s, sums);
   sum_groups<kGroups / 2>(gaps, s, sums);
 }
 
-/// The root of the energy's slope along the direction: `linear` + s `square` are the spring's part. The slope rises with s and is straight
-/// between the places where rows begin or cease to push: Newton's method, kept between the bounds.
+/// The root of the energy's slope along the direction: `linear` + s `square` are the spring's part.
+/// The slope rises with s and is straight between the places where rows begin or cease to push:
+/// Newton's method, kept between the bounds.
 double line_minimum(const Gaps& gaps, double linear, double square) noexcept {
   LineSums sums;
   double low = 0.0, high = -1.0, s = 1.0;
   for (int n = 0; n < limits::kMaxLineEvaluations; ++n) {
     sum_line(gaps, s, sums);
-    const double slope = (linear + s * square) + added(sums.slope), curvature = square + added(sums.curvature);
-    if (slope == 0.0) return s;
+    const double slope = (linear + s * square) + added(sums.slope),
+                 curvature = square + added(sums.curvature);
+    if (slope == 0.0)
+      return s;
     (slope < 0.0 ? low : high) = s;
     double next = s - slope / curvature;
-    if (!(next > low) || (high > 0.0 && !(next < high))) next = high > 0.0 ? 0.5 * (low + high) : 2.0 * s;
-    if (next == s) return s;
+    if (!(next > low) || (high > 0.0 && !(next < high)))
+      next = high > 0.0 ? 0.5 * (low + high) : 2.0 * s;
+    if (next == s)
+      return s;
     s = next;
   }
   return low > 0.0 ? low : s;
@@ -139,14 +171,17 @@ Vec6 allowed_way(const Mat6& hessian, const Vec6& down, const Restriction& allow
 
 }  // namespace
 
-EquilibriumStep equilibrium_step(std::span<const ConstraintRow> rows, const Vec6& spring, const Restriction* allowed) noexcept {
+EquilibriumStep equilibrium_step(std::span<const ConstraintRow> rows, const Vec6& spring,
+                                 const Restriction* allowed) noexcept {
   EquilibriumStep step;
-  if (allowed != nullptr) step.delta = allowed->from;
+  if (allowed != nullptr)
+    step.delta = allowed->from;
   Gaps gaps;
   Jacobians jacobians;
   gaps.count = std::min(rows.size(), limits::kMaxRows);
   for (std::size_t n = 0; n < gaps.count; ++n) {
-    for (std::size_t k = 0; k < 6; ++k) jacobians.column[k][n] = jacobians.row[n][k] = rows[n].jacobian[static_cast<Eigen::Index>(k)];
+    for (std::size_t k = 0; k < 6; ++k)
+      jacobians.column[k][n] = jacobians.row[n][k] = rows[n].jacobian[static_cast<Eigen::Index>(k)];
     jacobians.row[n][6] = jacobians.row[n][7] = 0.0;
     jacobians.gap[n] = rows[n].gap_m;
   }
@@ -161,26 +196,32 @@ EquilibriumStep equilibrium_step(std::span<const ConstraintRow> rows, const Vec6
   };
   const auto sum_up_active = [&]() noexcept {
     const Vec6 stretched = spring - step.delta;
-    alignas(64) const WideRow start = {stretched[0], stretched[1], stretched[2], stretched[3], stretched[4], stretched[5], 0.0, 0.0};
+    alignas(64) const WideRow start = {stretched[0], stretched[1], stretched[2], stretched[3],
+                                       stretched[4], stretched[5], 0.0,          0.0};
     sum_up(jacobians, active, gaps, start, sums);
     summed = active;
   };
-  using Square = Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>, Eigen::Aligned64, Eigen::OuterStride<kWide>>;
+  using Square = Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>, Eigen::Aligned64,
+                            Eigen::OuterStride<kWide>>;
   const Square square(sums.square[0]);
   move_to(step.delta);
   for (; step.iterations < limits::kMaxIterations && !step.converged; ++step.iterations) {
     sum_up_active();
     const Vec6 down(sums.pull);
-    const Vec6 way = allowed == nullptr ? Vec6(Eigen::LLT<Mat6>(square).solve(down)) : allowed_way(square, down, *allowed);
+    const Vec6 way = allowed == nullptr ? Vec6(Eigen::LLT<Mat6>(square).solve(down))
+                                        : allowed_way(square, down, *allowed);
     find_slopes(jacobians, numbers_of(way), gaps);
     find_active(gaps.at_end, gaps.count, at_end);
     step.converged = at_end == active;
-    const double share = step.converged ? 1.0 : line_minimum(gaps, way.dot(step.delta - spring), way.squaredNorm());
+    const double share =
+        step.converged ? 1.0 : line_minimum(gaps, way.dot(step.delta - spring), way.squaredNorm());
     move_to(step.delta + share * way);
   }
   step.pushed = active.count > 0;
-  if (!step.pushed && step.converged && allowed == nullptr) step.delta = spring;
-  if (!(active == summed)) sum_up_active();
+  if (!step.pushed && step.converged && allowed == nullptr)
+    step.delta = spring;
+  if (!(active == summed))
+    sum_up_active();
   step.hessian = square;
   return step;
 }

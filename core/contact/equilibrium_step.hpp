@@ -8,11 +8,11 @@ namespace voxtouch::contact {
 
 /// What a step came to.
 struct EquilibriumStep {
-  Vec6 delta = Vec6::Zero();   ///< [shift; lever * turn] [m]
+  Vec6 delta = Vec6::Zero();        ///< [shift; lever * turn] [m]
   Mat6 hessian = Mat6::Identity();  ///< I + rho sum J'J over the rows that push at `delta`
   Mat6 loose = Mat6::Identity();    ///< projector on what friction does not hold
   bool pushed = false;              ///< some row pushes; without any `delta` is `spring` to the bit
-  bool converged = false;      ///< the set of rows that push changes no more
+  bool converged = false;           ///< the set of rows that push changes no more
   int iterations = 0;
 };
 
@@ -28,8 +28,9 @@ struct Restriction {
   Mat6 free = Mat6::Identity();
 };
 
-/// Minimises |delta - spring|^2 / 2 + rho/2 sum max(0, -gap - J delta)^2 over delta, of the steps that `allowed` has if it is given: convex,
-/// six numbers. Semi-smooth Newton with a line search, at most kMaxIterations of kMaxLineEvaluations. Real-time safe.
+/// Minimises |delta - spring|^2 / 2 + rho/2 sum max(0, -gap - J delta)^2 over delta, of the steps
+/// that `allowed` has if it is given: convex, six numbers. Semi-smooth Newton with a line search,
+/// at most kMaxIterations of kMaxLineEvaluations. Real-time safe.
 EquilibriumStep equilibrium_step(std::span<const ConstraintRow> rows, const Vec6& spring,
                                  const Restriction* allowed = nullptr) noexcept;
 

@@ -20,15 +20,18 @@ struct Places {
 
 // No two arguments of what follows overlap: said, or the loops would not be vectors'.
 
-VOXTOUCH_CLONES void find_places(const HitBlock& __restrict block, const Vec3& local, double edge, const Arrays& arrays, Places& __restrict places) noexcept {
+VOXTOUCH_CLONES void find_places(const HitBlock& __restrict block, const Vec3& local, double edge,
+                                 const Arrays& arrays, Places& __restrict places) noexcept {
   const std::size_t filled = block.filled();
-  for (std::size_t n = 0; n < filled; ++n) places.inside[n] = 1.0;
+  for (std::size_t n = 0; n < filled; ++n)
+    places.inside[n] = 1.0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double origin = local[static_cast<Eigen::Index>(axis)], base = arrays.base[axis];
     const double size = static_cast<double>(arrays.cells[axis] * voxmap::DistanceField::kBrickEdge);
     for (std::size_t n = 0; n < filled; ++n) {
       const double u = (origin + block.arm[axis][n]) / edge - base;
-      const double above = u >= 0.0 ? places.inside[n] : 0.0, inside = u < size ? above : 0.0, in_table = inside > 0.0 ? u : 0.0;
+      const double above = u >= 0.0 ? places.inside[n] : 0.0, inside = u < size ? above : 0.0,
+                   in_table = inside > 0.0 ? u : 0.0;
       const auto voxel = static_cast<std::int32_t>(in_table);
       places.voxel[axis][n] = voxel;
       places.within[axis][n] = in_table - voxel;
@@ -38,32 +41,43 @@ VOXTOUCH_CLONES void find_places(const HitBlock& __restrict block, const Vec3& l
 }
 
 /// The eight nodes of each voxel. Where nothing is stored all are what is cut off to.
-void find_nodes(const Places& places, const Arrays& arrays, std::size_t count, double (&nodes)[8][kHits]) noexcept {
+void find_nodes(const Places& places, const Arrays& arrays, std::size_t count,
+                double (&nodes)[8][kHits]) noexcept {
   using Field = voxmap::DistanceField;
   constexpr std::int32_t kY = Field::kNodeEdge, kZ = Field::kNodeEdge * Field::kNodeEdge;
   for (std::size_t n = 0; n < count; ++n) {
     const std::int32_t x = places.voxel[0][n], y = places.voxel[1][n], z = places.voxel[2][n];
-    const std::int32_t entry = places.inside[n] == 0.0 ? Field::kFree
-                                                     : arrays.table[(x >> 3) + arrays.cells[0] * ((y >> 3) + arrays.cells[1] * std::int64_t{z >> 3})];
+    const std::int32_t entry =
+        places.inside[n] == 0.0
+            ? Field::kFree
+            : arrays.table[(x >> 3) +
+                           arrays.cells[0] * ((y >> 3) + arrays.cells[1] * std::int64_t{z >> 3})];
     if (entry < 0) {
       const double all = entry == Field::kDeep ? -arrays.depth_voxels : arrays.band_voxels;
-      for (std::size_t k = 0; k < 8; ++k) nodes[k][n] = all;
+      for (std::size_t k = 0; k < 8; ++k)
+        nodes[k][n] = all;
       continue;
     }
     const float* const node = arrays.bricks[entry].data() + ((x & 7) + kY * (y & 7) + kZ * (z & 7));
-    for (std::size_t k = 0; k < 8; ++k) nodes[k][n] = node[(k & 1) + kY * (k >> 1 & 1) + kZ * (k >> 2)];
+    for (std::size_t k = 0; k < 8; ++k)
+      nodes[k][n] = node[(k & 1) + kY * (k >> 1 & 1) + kZ * (k >> 2)];
   }
 }
 
-VOXTOUCH_CLONES void interpolate(const Places& __restrict places, const double (&__restrict nodes)[8][kHits], std::size_t filled, double edge,
-                                 FieldSamples& __restrict samples) noexcept {
+VOXTOUCH_CLONES void interpolate(const Places& __restrict places,
+                                 const double (&__restrict nodes)[8][kHits], std::size_t filled,
+                                 double edge, FieldSamples& __restrict samples) noexcept {
   for (std::size_t n = 0; n < filled; ++n) {
-    const double d[8] = {nodes[0][n], nodes[1][n], nodes[2][n], nodes[3][n], nodes[4][n], nodes[5][n], nodes[6][n], nodes[7][n]};
-    const voxmap::Interpolated at = voxmap::interpolated(d, places.within[0][n], places.within[1][n], places.within[2][n]);
+    const double d[8] = {nodes[0][n], nodes[1][n], nodes[2][n], nodes[3][n],
+                         nodes[4][n], nodes[5][n], nodes[6][n], nodes[7][n]};
+    const voxmap::Interpolated at =
+        voxmap::interpolated(d, places.within[0][n], places.within[1][n], places.within[2][n]);
     samples.distance_m[n] = edge * at.value;
-    samples.gradient[0][n] = at.along_x, samples.gradient[1][n] = at.along_y, samples.gradient[2][n] = at.along_z;
+    samples.gradient[0][n] = at.along_x, samples.gradient[1][n] = at.along_y,
+    samples.gradient[2][n] = at.along_z;
     double least = d[0];
-    for (std::size_t k = 1; k < 8; ++k) least = d[k] < least ? d[k] : least;
+    for (std::size_t k = 1; k < 8; ++k)
+      least = d[k] < least ? d[k] : least;
     samples.least[n] = least;
   }
 }
@@ -71,27 +85,35 @@ VOXTOUCH_CLONES void interpolate(const Places& __restrict places, const double (
 /// Three products, added as Eigen adds them in a dot product: the first two are a packet.
 VOXTOUCH_INLINE double dot(double x, double y, double z) noexcept { return (x + y) + z; }
 
-/// `length` >= 0 to divide by. A sum, since of a choice between it and a constant GCC 12 makes a choice between quotients, and divides by zero.
-VOXTOUCH_INLINE double one_where_zero(double length) noexcept { return length + (length > 0.0 ? 0.0 : 1.0); }
+/// `length` >= 0 to divide by. A sum, since of a choice between it and a constant GCC 12 makes a
+/// choice between quotients, and divides by zero.
+VOXTOUCH_INLINE double one_where_zero(double length) noexcept {
+  return length + (length > 0.0 ? 0.0 : 1.0);
+}
 
-VOXTOUCH_CLONES void divide(const FieldSamples& __restrict samples, std::size_t filled, FieldPlanes& __restrict planes) noexcept {
+VOXTOUCH_CLONES void divide(const FieldSamples& __restrict samples, std::size_t filled,
+                            FieldPlanes& __restrict planes) noexcept {
   for (std::size_t n = 0; n < filled; ++n) {
-    const double gx = samples.gradient[0][n], gy = samples.gradient[1][n], gz = samples.gradient[2][n];
+    const double gx = samples.gradient[0][n], gy = samples.gradient[1][n],
+                 gz = samples.gradient[2][n];
     const double steepness = std::sqrt(dot(gx * gx, gy * gy, gz * gz));
     const double divisor = one_where_zero(steepness);  // no plane there
     planes.steepness[n] = steepness;
-    planes.normal[0][n] = gx / divisor, planes.normal[1][n] = gy / divisor, planes.normal[2][n] = gz / divisor;
+    planes.normal[0][n] = gx / divisor, planes.normal[1][n] = gy / divisor,
+    planes.normal[2][n] = gz / divisor;
     planes.gap_m[n] = samples.distance_m[n] / divisor;
   }
 }
 
 /// `ends`: 1 where going deeper would meet no more push, else 0.
-VOXTOUCH_CLONES void weigh(const HitBlock& __restrict block, const FieldSamples& __restrict samples, double depth_voxels, Pushes& __restrict normal,
+VOXTOUCH_CLONES void weigh(const HitBlock& __restrict block, const FieldSamples& __restrict samples,
+                           double depth_voxels, Pushes& __restrict normal,
                            Pushes& __restrict gradient, double (&__restrict ends)[kHits]) noexcept {
   constexpr double kFlat = limits::kFlatGradient;
   const std::size_t filled = block.filled();
   for (std::size_t n = 0; n < filled; ++n) {
-    const double gx = samples.gradient[0][n], gy = samples.gradient[1][n], gz = samples.gradient[2][n];
+    const double gx = samples.gradient[0][n], gy = samples.gradient[1][n],
+                 gz = samples.gradient[2][n];
     const double nx = block.normal[0][n], ny = block.normal[1][n], nz = block.normal[2][n];
     const double weight = block.weight[n], push = weight * -samples.distance_m[n];
     const double squared = dot(gx * gx, gy * gy, gz * gz), steepness = std::sqrt(squared);
@@ -101,14 +123,16 @@ VOXTOUCH_CLONES void weigh(const HitBlock& __restrict block, const FieldSamples&
     normal.push[n] = push > 0.0 ? push : 0.0;
     const double half = 0.5 * weight * steepness;
     normal.weight[n] = gradient.weight[n] = push > 0.0 ? half : 0.0;
-    const double deep = samples.least[n] <= -depth_voxels ? 1.0 : 0.0, flat = squared < kFlat * kFlat ? 1.0 : deep;
+    const double deep = samples.least[n] <= -depth_voxels ? 1.0 : 0.0,
+                 flat = squared < kFlat * kFlat ? 1.0 : deep;
     ends[n] = dot(nx * gx, ny * gy, nz * gz) < -kFlat ? 1.0 : flat;
   }
 }
 
 }  // namespace
 
-void sample_block(const voxmap::DistanceField& field, const Vec3& local, const HitBlock& block, FieldSamples& samples) noexcept {
+void sample_block(const voxmap::DistanceField& field, const Vec3& local, const HitBlock& block,
+                  FieldSamples& samples) noexcept {
   const Arrays arrays = field.arrays();
   const double edge = field.grid().edge;
   Places places;
@@ -118,10 +142,12 @@ void sample_block(const voxmap::DistanceField& field, const Vec3& local, const H
   interpolate(places, nodes, block.filled(), edge, samples);
 }
 
-void find_planes(const HitBlock& block, const FieldSamples& samples, FieldPlanes& planes) noexcept { divide(samples, block.filled(), planes); }
+void find_planes(const HitBlock& block, const FieldSamples& samples, FieldPlanes& planes) noexcept {
+  divide(samples, block.filled(), planes);
+}
 
-bool push_by_field(const HitBlock& block, const FieldSamples& samples, double depth_voxels, Pushes& along_normal, Pushes& along_gradient,
-                   PushLanes& lanes) noexcept {
+bool push_by_field(const HitBlock& block, const FieldSamples& samples, double depth_voxels,
+                   Pushes& along_normal, Pushes& along_gradient, PushLanes& lanes) noexcept {
   alignas(64) double ends[kHits];
   weigh(block, samples, depth_voxels, along_normal, along_gradient, ends);
   bool at_its_end = false;
@@ -129,16 +155,21 @@ bool push_by_field(const HitBlock& block, const FieldSamples& samples, double de
   for (std::size_t begin = 0; begin < block.filled(); begin += kLanes) {
     bool any = false;
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
-      if (!(along_normal.push[begin + lane] > 0.0)) continue;
+      if (!(along_normal.push[begin + lane] > 0.0))
+        continue;
       any = true;
       at_its_end = at_its_end || ends[begin + lane] > 0.0;
       const double depth = -samples.distance_m[begin + lane];
-      if (depth > lanes.deepest[lane]) lanes.deepest[lane] = depth, lanes.deepest_hit[lane] = static_cast<double>(block.group_place(begin));
+      if (depth > lanes.deepest[lane])
+        lanes.deepest[lane] = depth,
+        lanes.deepest_hit[lane] = static_cast<double>(block.group_place(begin));
     }
-    if (any) along_normal.group[along_normal.groups++] = static_cast<std::uint32_t>(begin);
+    if (any)
+      along_normal.group[along_normal.groups++] = static_cast<std::uint32_t>(begin);
   }
   along_gradient.groups = along_normal.groups;
-  for (std::size_t g = 0; g < along_normal.groups; ++g) along_gradient.group[g] = along_normal.group[g];
+  for (std::size_t g = 0; g < along_normal.groups; ++g)
+    along_gradient.group[g] = along_normal.group[g];
   return at_its_end;
 }
 

@@ -15,7 +15,8 @@ Hit HitSource::hit(std::uint32_t point) const noexcept {
     const double u = (x + y + z + t[row]) / edge;
     const auto which = static_cast<std::size_t>(row);
     out.arm[row] = row_sum(which, x, y, z);
-    out.normal[row] = row_sum(which, r[row][0] * inward.x(), r[row][1] * inward.y(), r[row][2] * inward.z());
+    out.normal[row] =
+        row_sum(which, r[row][0] * inward.x(), r[row][1] * inward.y(), r[row][2] * inward.z());
     // Centre minus point within the voxel: the grid's own origin, perhaps 1e6 m away, never enters.
     out.to_centre[row] = edge * ((std::floor(u) + 0.5) - u);
   }
@@ -25,9 +26,11 @@ Hit HitSource::hit(std::uint32_t point) const noexcept {
 
 std::size_t Hits::not_below(std::uint32_t point, std::size_t from) const noexcept {
   std::size_t step = 1, low = from;
-  while (low + step < size() && points_[low + step] < point) low += step, step *= 2;
-  const auto place = std::lower_bound(points_.begin() + static_cast<std::ptrdiff_t>(std::min(low, size())),
-                                      points_.begin() + static_cast<std::ptrdiff_t>(std::min(low + step + 1, size())), point);
+  while (low + step < size() && points_[low + step] < point)
+    low += step, step *= 2;
+  const auto place = std::lower_bound(
+      points_.begin() + static_cast<std::ptrdiff_t>(std::min(low, size())),
+      points_.begin() + static_cast<std::ptrdiff_t>(std::min(low + step + 1, size())), point);
   return static_cast<std::size_t>(place - points_.begin());
 }
 

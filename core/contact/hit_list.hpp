@@ -28,7 +28,8 @@ struct Hit {
   double weight = 1.0;            ///< w_i: 1, or the point's area [m^2]; see PointWeights
 };
 
-/// A vector that does not write what it grows by: memory that no hit has reached yet is not touched.
+/// A vector that does not write what it grows by: memory that no hit has reached yet is not
+/// touched.
 template <class T>
 struct Unwritten : std::allocator<T> {
   template <class U>
@@ -45,11 +46,15 @@ struct Unwritten : std::allocator<T> {
   }
 };
 
-/// The three products of a row of a rotation with a vector, added as Eigen adds them in a matrix times a vector: the first two rows
-/// from the left, the last from the right. Kernels keep to it, so that every model sees the same bits.
-inline double row_sum(std::size_t row, double x, double y, double z) noexcept { return row < 2 ? x + y + z : x + (y + z); }
+/// The three products of a row of a rotation with a vector, added as Eigen adds them in a matrix
+/// times a vector: the first two rows from the left, the last from the right. Kernels keep to it,
+/// so that every model sees the same bits.
+inline double row_sum(std::size_t row, double x, double y, double z) noexcept {
+  return row < 2 ? x + y + z : x + (y + z);
+}
 
-/// The pose and the points in single precision, as the query decides with them (query_kernel.hpp): enough to tell which hits surely do not push.
+/// The pose and the points in single precision, as the query decides with them (query_kernel.hpp):
+/// enough to tell which hits surely do not push.
 struct RoughSource {
   float a[3][3] = {};                     ///< as QueryFrame's
   float shift[3] = {};                    ///< likewise
@@ -58,7 +63,8 @@ struct RoughSource {
   const std::uint32_t* normal = nullptr;  ///< packed_normals.hpp; null: they cannot be packed
 };
 
-/// Where the tool is, and what it is made of: with it a point's number is all that a hit is. The shell must outlive it.
+/// Where the tool is, and what it is made of: with it a point's number is all that a hit is. The
+/// shell must outlive it.
 struct HitSource {
   double r[3][3] = {};           ///< rotation of T in W
   double t[3] = {};              ///< tool's origin from the grid's [m]
@@ -68,12 +74,14 @@ struct HitSource {
   const double* area = nullptr;  ///< likewise; null: a point weighs 1
   RoughSource rough;
 
-  /// The point as a hit, in doubles and always in this order, so that it is the same bits whenever it is asked for.
+  /// The point as a hit, in doubles and always in this order, so that it is the same bits whenever
+  /// it is asked for.
   Hit hit(std::uint32_t point) const noexcept;
 };
 
-/// Hits in ascending order of their points: `for (const Hit& hit : hits)`. Only the points' numbers are kept; what a hit says is
-/// worked out when it is looked at, which costs less than to write it down and read it again.
+/// Hits in ascending order of their points: `for (const Hit& hit : hits)`. Only the points' numbers
+/// are kept; what a hit says is worked out when it is looked at, which costs less than to write it
+/// down and read it again.
 class Hits {
  public:
   class Iterator {
@@ -95,34 +103,43 @@ class Hits {
 
   std::size_t size() const noexcept { return points_.size(); }
   bool empty() const noexcept { return points_.empty(); }
-  Hit operator[](std::size_t n) const noexcept { return given_.empty() ? source_.hit(points_[n]) : given_[n]; }
+  Hit operator[](std::size_t n) const noexcept {
+    return given_.empty() ? source_.hit(points_[n]) : given_[n];
+  }
   Iterator begin() const noexcept { return {*this, 0}; }
   Iterator end() const noexcept { return {*this, size()}; }
 
   std::uint32_t point(std::size_t n) const noexcept { return points_[n]; }
-  /// Where `point` stands in the list, or size(). Looks from `from` on, near it first: for points that are asked for in order.
+  /// Where `point` stands in the list, or size(). Looks from `from` on, near it first: for points
+  /// that are asked for in order.
   std::size_t find(std::uint32_t point, std::size_t from = 0) const noexcept;
   /// Where the first point that is not below `point` stands, likewise.
   std::size_t not_below(std::uint32_t point, std::size_t from) const noexcept;
-  /// Sum of weight * normal and of weight: of a list that a query filled as `FoundHits` says, else in the list's order.
+  /// Sum of weight * normal and of weight: of a list that a query filled as `FoundHits` says, else
+  /// in the list's order.
   const Vec3& normal_sum() const noexcept { return normal_sum_; }
   double weight_sum() const noexcept { return weight_sum_; }
 
-  /// For kernels: the numbers, where to work hits out from, and the hits of a list that was written by hand (else null).
+  /// For kernels: the numbers, where to work hits out from, and the hits of a list that was written
+  /// by hand (else null).
   const std::uint32_t* points() const noexcept { return points_.data(); }
   const HitSource& source() const noexcept { return source_; }
   const Hit* given() const noexcept { return given_.empty() ? nullptr : given_.data(); }
 
-  /// Adds one by hand, of no shell: for a list that no query fills. The point must be above the last.
+  /// Adds one by hand, of no shell: for a list that no query fills. The point must be above the
+  /// last.
   void push_back(const Hit& hit);
   /// A kernel may write so many numbers more than it has found.
   static constexpr std::size_t kSpareRoom = 8;
   /// For the query: room for `count` numbers and kSpareRoom more, none written yet.
   std::uint32_t* room(std::size_t count);
-  /// Keeps the first `found` numbers of those that were written into `room`, hits of `source`. Real-time safe.
+  /// Keeps the first `found` numbers of those that were written into `room`, hits of `source`.
+  /// Real-time safe.
   void keep(std::size_t found, const HitSource& source);
   /// What `normal_sum` and `weight_sum` give from now on. Real-time safe.
-  void set_sums(const Vec3& normals, double weights) noexcept { normal_sum_ = normals, weight_sum_ = weights; }
+  void set_sums(const Vec3& normals, double weights) noexcept {
+    normal_sum_ = normals, weight_sum_ = weights;
+  }
 
   /// Room for `count` hits. Allocates.
   void reserve(std::size_t count) { points_.reserve(count + kSpareRoom); }
@@ -137,20 +154,23 @@ class Hits {
   double weight_sum_ = 0.0;
 };
 
-/// The hits of one frame, in the shell's order. Reserved once for the whole shell: filling it never allocates. A list that a query
-/// has filled is good while that query is.
+/// The hits of one frame, in the shell's order. Reserved once for the whole shell: filling it never
+/// allocates. A list that a query has filled is good while that query is.
 struct HitList {
   Hits surface;   ///< points in surface voxels: the set S
   Hits interior;  ///< points in interior voxels: gone through
   Pose pose_WT;   ///< the pose looked up, its quaternion brought to unit norm
   PoseStatus pose_status = PoseStatus::kUsable;
-  std::uint32_t tested = 0;  ///< points that culling left to test
-  LeftOut left_out;          ///< where no more were allowed
+  std::uint32_t tested = 0;              ///< points that culling left to test
+  LeftOut left_out;                      ///< where no more were allowed
   std::uint32_t asked_end = 0xffffffff;  ///< of the points below this number nobody was left out
-  LevelWork work;            ///< for look-ups with a limit; reserved apart
+  LevelWork work;                        ///< for look-ups with a limit; reserved apart
 
   void reserve(std::size_t points) { surface.reserve(points), interior.reserve(points); }
-  void clear() noexcept { surface.clear(), interior.clear(), pose_WT = {}, pose_status = PoseStatus::kUsable, tested = 0, left_out = {}, asked_end = 0xffffffff; }
+  void clear() noexcept {
+    surface.clear(), interior.clear(), pose_WT = {}, pose_status = PoseStatus::kUsable, tested = 0,
+                                       left_out = {}, asked_end = 0xffffffff;
+  }
 };
 
 }  // namespace voxtouch::contact

@@ -16,9 +16,10 @@ std::atomic<Instructions>& in_use() noexcept {
 Instructions widest_instructions() noexcept {
 #if VOXTOUCH_WIDE_KERNELS
   __builtin_cpu_init();
-  if (!__builtin_cpu_supports("avx2") || !__builtin_cpu_supports("fma")) return Instructions::kAny;
-  const bool all = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw") &&
-                   __builtin_cpu_supports("avx512vl");
+  if (!__builtin_cpu_supports("avx2") || !__builtin_cpu_supports("fma"))
+    return Instructions::kAny;
+  const bool all = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+                   __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vl");
   return all ? Instructions::kAvx512 : Instructions::kAvx2;
 #else
   return Instructions::kAny;

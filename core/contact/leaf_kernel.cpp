@@ -13,17 +13,20 @@ inline float within(float u, float low, float high) noexcept {
   return above < high ? above : high;
 }
 
-std::uint32_t near_spheres(const Lookup& lookup, const SphereTree::Level& level, std::size_t first) noexcept {
+std::uint32_t near_spheres(const Lookup& lookup, const SphereTree::Level& level,
+                           std::size_t first) noexcept {
   const QueryFrame& f = lookup.frame;
   const float* const x = level.x.data() + first;
   const float* const y = level.y.data() + first;
   const float* const z = level.z.data() + first;
   const int shift_of_cell = lookup.map.free_shift;
-  const float half = 0.5F * static_cast<float>(1 << shift_of_cell), step = voxmap::free_distance::step_of(shift_of_cell);
+  const float half = 0.5F * static_cast<float>(1 << shift_of_cell),
+              step = voxmap::free_distance::step_of(shift_of_cell);
   float way[kNodes] = {}, outside[kNodes] = {};
   std::int32_t cell[3][kNodes];
   for (std::size_t row = 0; row < 3; ++row) {
-    const float a0 = f.a[row][0], a1 = f.a[row][1], a2 = f.a[row][2], shift = f.corner_shift[row], size = f.size[row];
+    const float a0 = f.a[row][0], a1 = f.a[row][1], a2 = f.a[row][2], shift = f.corner_shift[row],
+                size = f.size[row];
     for (std::size_t n = 0; n < kNodes; ++n) {
       const float u = a0 * x[n] + a1 * y[n] + a2 * z[n] + shift, w = within(u, 0.0F, size);
       const std::int32_t c = static_cast<std::int32_t>(w) >> shift_of_cell;
@@ -33,11 +36,14 @@ std::uint32_t near_spheres(const Lookup& lookup, const SphereTree::Level& level,
       cell[row][n] = c;
     }
   }
-  const auto ny = static_cast<std::uint32_t>(lookup.map.free_cells[1]), nz = static_cast<std::uint32_t>(lookup.map.free_cells[2]);
+  const auto ny = static_cast<std::uint32_t>(lookup.map.free_cells[1]),
+             nz = static_cast<std::uint32_t>(lookup.map.free_cells[2]);
   std::uint32_t near = 0;
   for (std::size_t n = 0; n < kNodes; ++n) {
-    const std::uint32_t at = (static_cast<std::uint32_t>(cell[0][n]) * ny + static_cast<std::uint32_t>(cell[1][n])) * nz +
-                             static_cast<std::uint32_t>(cell[2][n]);
+    const std::uint32_t at =
+        (static_cast<std::uint32_t>(cell[0][n]) * ny + static_cast<std::uint32_t>(cell[1][n])) *
+            nz +
+        static_cast<std::uint32_t>(cell[2][n]);
     const float free = step * voxmap::free_distance::steps(lookup.map.free[at]);
     const float needed = level.radius[first + n] * f.per_metre + f.margin;
     const float spare = free - needed;
@@ -48,11 +54,16 @@ std::uint32_t near_spheres(const Lookup& lookup, const SphereTree::Level& level,
   return near;
 }
 
-inline std::int32_t brick_of(const voxmap::Voxmap::Arrays& map, std::int32_t x, std::int32_t y, std::int32_t z) noexcept {
-  if (map.table != nullptr) return map.table[x + map.cells_along[0] * (y + map.cells_along[1] * z)];
-  const voxmap::Voxmap::Block block = map.blocks[(x >> 2) + map.blocks_along[0] * ((y >> 2) + map.blocks_along[1] * (z >> 2))];
-  const std::int32_t code = map.pages[block.page][static_cast<std::size_t>((x & 3) | (y & 3) << 2 | (z & 3) << 4)];
-  return code < voxmap::Voxmap::kSharedCode ? block.first_brick + code : code - voxmap::Voxmap::kSharedCode;
+inline std::int32_t brick_of(const voxmap::Voxmap::Arrays& map, std::int32_t x, std::int32_t y,
+                             std::int32_t z) noexcept {
+  if (map.table != nullptr)
+    return map.table[x + map.cells_along[0] * (y + map.cells_along[1] * z)];
+  const voxmap::Voxmap::Block block =
+      map.blocks[(x >> 2) + map.blocks_along[0] * ((y >> 2) + map.blocks_along[1] * (z >> 2))];
+  const std::int32_t code =
+      map.pages[block.page][static_cast<std::size_t>((x & 3) | (y & 3) << 2 | (z & 3) << 4)];
+  return code < voxmap::Voxmap::kSharedCode ? block.first_brick + code
+                                            : code - voxmap::Voxmap::kSharedCode;
 }
 
 std::array<std::uint8_t, 3> classify(const Lookup& lookup, Leaves& leaves) noexcept {
@@ -66,7 +77,8 @@ std::array<std::uint8_t, 3> classify(const Lookup& lookup, Leaves& leaves) noexc
     std::int32_t v[3][kRun];
     float farthest[kRun] = {};  // of the three coordinates from the middle of the voxel
     for (std::size_t row = 0; row < 3; ++row) {
-      const float a0 = f.a[row][0], a1 = f.a[row][1], a2 = f.a[row][2], shift = f.shift[row], low = f.low[row], high = f.high[row];
+      const float a0 = f.a[row][0], a1 = f.a[row][1], a2 = f.a[row][2], shift = f.shift[row],
+                  low = f.low[row], high = f.high[row];
       for (std::size_t p = 0; p < kRun; ++p) {
         const float u = within(a0 * x[p] + a1 * y[p] + a2 * z[p] + shift, low, high);
         const auto i = static_cast<std::int32_t>(u);
@@ -95,20 +107,24 @@ void append(const Leaves& leaves, const Chosen& chosen, FoundHits& found) noexce
   for (std::size_t c = 0; c < chosen.count; ++c) {
     const std::size_t n = chosen.leaf[c];
     const auto first = static_cast<std::uint32_t>(kRun * leaves.leaf[n]);
-    for (std::size_t k = 0; k < kRun; ++k) out[k] = first + kBitsOf.places[chosen.bits[n]][k];
+    for (std::size_t k = 0; k < kRun; ++k)
+      out[k] = first + kBitsOf.places[chosen.bits[n]][k];
     out += kBitsOf.count[chosen.bits[n]];
   }
   found.count = static_cast<std::size_t>(out - found.points);
 }
 
-void add_normals(const HitSource& source, const Leaves& leaves, const Chosen& chosen, NormalLanes& lanes) noexcept {
+void add_normals(const HitSource& source, const Leaves& leaves, const Chosen& chosen,
+                 NormalLanes& lanes) noexcept {
   for (std::size_t c = 0; c < chosen.count; ++c)
     for (std::size_t lane = 0; lane < kRun; ++lane) {
       const std::size_t n = chosen.leaf[c];
-      if ((chosen.bits[n] >> lane & 1) == 0) continue;
+      if ((chosen.bits[n] >> lane & 1) == 0)
+        continue;
       const std::size_t p = kRun * leaves.leaf[n] + lane;
       const double weight = source.area != nullptr ? source.area[p] : 1.0;
-      for (std::size_t axis = 0; axis < 3; ++axis) lanes.sum[axis][lane] += weight * source.normal[axis][p];
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        lanes.sum[axis][lane] += weight * source.normal[axis][p];
       lanes.sum[3][lane] += weight;
     }
 }
@@ -119,8 +135,10 @@ constexpr LeafKernel kPlain = {near_spheres, classify, append, add_normals};
 
 const LeafKernel& leaf_kernel(Instructions instructions) noexcept {
 #if VOXTOUCH_WIDE_KERNELS
-  if (instructions == Instructions::kAvx512) return kLeafKernelAvx512;
-  if (instructions == Instructions::kAvx2) return kLeafKernelAvx2;
+  if (instructions == Instructions::kAvx512)
+    return kLeafKernelAvx512;
+  if (instructions == Instructions::kAvx2)
+    return kLeafKernelAvx2;
 #endif
   static_cast<void>(instructions);
   return kPlain;

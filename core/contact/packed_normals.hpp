@@ -1,5 +1,6 @@
 #pragma once
-/// Unit normals in ten bits a component: four bytes for a hit that surely does not push, where doubles are 24.
+/// Unit normals in ten bits a component: four bytes for a hit that surely does not push, where
+/// doubles are 24.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -8,24 +9,34 @@
 
 namespace voxtouch::contact::packed_normals {
 
-/// A component is the whole number of these below it, x in the upper ten bits of the word, then y, then z. So a word that is shifted to a component's
-/// bits, and read as a signed number, is that component but for less than a step, whatever stands below.
+/// A component is the whole number of these below it, x in the upper ten bits of the word, then y,
+/// then z. So a word that is shifted to a component's bits, and read as a signed number, is that
+/// component but for less than a step, whatever stands below.
 inline constexpr double kStep = 1.0 / 511.0;
 inline constexpr double kWordStep = kStep / (1 << 22);  ///< of the word as a number
 /// A normal so read is off by no more than this: a step in each of its components.
 inline constexpr double kMaxOff = kStep * 1.7321;
 
 inline std::uint32_t packed(double x, double y, double z) noexcept {
-  const auto bits = [](double component) { return static_cast<std::uint32_t>(static_cast<std::int32_t>(std::floor(component / kStep))) & 1023U; };
+  const auto bits = [](double component) {
+    return static_cast<std::uint32_t>(static_cast<std::int32_t>(std::floor(component / kStep))) &
+           1023U;
+  };
   return bits(x) << 22 | bits(y) << 12 | bits(z) << 2;
 }
 
-/// Of all points; none where a component is not within -1..1 but for rounding, as a unit vector's is. Allocates.
-inline std::vector<std::uint32_t> all_packed(const std::vector<double>& x, const std::vector<double>& y, const std::vector<double>& z) {
+/// Of all points; none where a component is not within -1..1 but for rounding, as a unit vector's
+/// is. Allocates.
+inline std::vector<std::uint32_t> all_packed(const std::vector<double>& x,
+                                             const std::vector<double>& y,
+                                             const std::vector<double>& z) {
   for (const std::vector<double>* const column : {&x, &y, &z})
-    if (!std::all_of(column->begin(), column->end(), [](double component) { return std::abs(component) <= 1.0 + 1e-9; })) return {};
+    if (!std::all_of(column->begin(), column->end(),
+                     [](double component) { return std::abs(component) <= 1.0 + 1e-9; }))
+      return {};
   std::vector<std::uint32_t> out(x.size());
-  for (std::size_t n = 0; n < out.size(); ++n) out[n] = packed(x[n], y[n], z[n]);
+  for (std::size_t n = 0; n < out.size(); ++n)
+    out[n] = packed(x[n], y[n], z[n]);
   return out;
 }
 

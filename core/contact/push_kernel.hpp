@@ -1,8 +1,10 @@
 #pragma once
-/// The loops over hits that a force law is summed up with, one set of them for each kind of processor.
+/// The loops over hits that a force law is summed up with, one set of them for each kind of
+/// processor.
 ///
-/// A sum over hits is eight sums, hit n of the list in lane n mod 8, each in the hits' order, and then added up in a fixed order. So it has
-/// the same bits whether two, four or eight numbers are added at once, which one sum in the hits' order would not allow.
+/// A sum over hits is eight sums, hit n of the list in lane n mod 8, each in the hits' order, and
+/// then added up in a fixed order. So it has the same bits whether two, four or eight numbers are
+/// added at once, which one sum in the hits' order would not allow.
 #include <cstddef>
 #include <cstdint>
 
@@ -13,9 +15,10 @@ namespace voxtouch::contact {
 
 inline constexpr std::size_t kLanes = 8;
 
-/// A few dozen hits as structure of arrays: worked out once, used while they are in the first cache. They come in groups of kLanes, each from a place
-/// in the list that is a multiple of kLanes, ascending, so that a hit's lane is the same whichever groups are left out. The list's last group
-/// is filled up with hits of no weight.
+/// A few dozen hits as structure of arrays: worked out once, used while they are in the first
+/// cache. They come in groups of kLanes, each from a place in the list that is a multiple of
+/// kLanes, ascending, so that a hit's lane is the same whichever groups are left out. The list's
+/// last group is filled up with hits of no weight.
 struct HitBlock {
   static constexpr std::size_t kHits = 64, kGroups = kHits / kLanes;
   std::size_t groups = 0;
@@ -29,17 +32,20 @@ struct HitBlock {
   std::size_t group_place(std::size_t n) const noexcept { return place[n / kLanes]; }
 };
 
-/// How the hits of a block push: along j[0..2], at most of unit length, with `push` times the stiffness; and what each counts in the
-/// stiffness matrix. Both must be 0 beyond the block's hits. Added are `groups` of them, which begin at the hits `group`.
+/// How the hits of a block push: along j[0..2], at most of unit length, with `push` times the
+/// stiffness; and what each counts in the stiffness matrix. Both must be 0 beyond the block's hits.
+/// Added are `groups` of them, which begin at the hits `group`.
 struct Pushes {
   std::size_t groups = 0;
   std::uint32_t group[HitBlock::kGroups];
-  alignas(64) double j[6][HitBlock::kHits];  ///< J = [u', (arm x u)']; the second half is worked out by `add`
+  alignas(64) double j[6][HitBlock::kHits];  ///< J = [u', (arm x u)']; the second half is worked
+                                             ///< out by `add`
   alignas(64) double push[HitBlock::kHits], weight[HitBlock::kHits];
 
   void add_all(const HitBlock& block) noexcept {
     groups = block.groups;
-    for (std::size_t g = 0; g < groups; ++g) group[g] = static_cast<std::uint32_t>(kLanes * g);
+    for (std::size_t g = 0; g < groups; ++g)
+      group[g] = static_cast<std::uint32_t>(kLanes * g);
   }
 };
 
@@ -49,7 +55,8 @@ struct PushLanes {
   alignas(64) double weight[kLanes] = {};         ///< of the weights
   alignas(64) double stiffness[21][kLanes] = {};  ///< of weight J' J: the upper triangle by rows
   alignas(64) double deepest[kLanes] = {};        ///< the largest depth of a lane, and ...
-  alignas(64) double deepest_hit[kLanes] = {};    ///< ... its hit's place in the list less the lane: the first of equals
+  alignas(64) double deepest_hit[kLanes] =
+      {};  ///< ... its hit's place in the list less the lane: the first of equals
 };
 
 /// The same along one common direction: what each hit adds is its arm's moments.
@@ -59,32 +66,38 @@ struct MeanLanes {
   alignas(64) double deepest[kLanes] = {}, deepest_hit[kLanes] = {};  ///< as PushLanes
 };
 
-/// The way a point pushes: u_i = s m + (1 - s) n_i, brought to unit length (limits::kShortestDirection); n_i itself for s = 0.
+/// The way a point pushes: u_i = s m + (1 - s) n_i, brought to unit length
+/// (limits::kShortestDirection); n_i itself for s = 0.
 struct PushDirection {
   Vec3 mean = Vec3::Zero();  ///< m
   double mean_share = 0.0;   ///< s in [0, 1]; for 1 there are sums of their own
 };
 
-/// The same for what single precision can tell: a hit pushes only where mean . off + back' off . n is below `most`; `off`: the point from its
-/// voxel's middle [e], n its packed normal.
+/// The same for what single precision can tell: a hit pushes only where mean . off + back' off . n
+/// is below `most`; `off`: the point from its voxel's middle [e], n its packed normal.
 struct RoughDirection {
   bool own = false, common = false;  ///< which of the two there are
-  float mean[3] = {};     ///< s m
-  float back[3][3] = {};  ///< rotation of T in W, times 1 - s and what a packed normal's words count
-  float most = 0.0F;      ///< all that rounds
+  float mean[3] = {};                ///< s m
+  float back[3][3] =
+      {};             ///< rotation of T in W, times 1 - s and what a packed normal's words count
+  float most = 0.0F;  ///< all that rounds
 };
 
 /// All are real-time safe.
 struct PushKernel {
-  /// Which groups of eight hits may push, of a block's hits from `begin` on: bit k for hits begin + 8 k and on. The hits are a query's, and `certain`
-  /// is above zero; packed normals are looked at only where `own` is set.
-  std::uint32_t (*may_push)(const Hits& hits, std::size_t begin, const RoughDirection& direction) noexcept;
+  /// Which groups of eight hits may push, of a block's hits from `begin` on: bit k for hits begin +
+  /// 8 k and on. The hits are a query's, and `certain` is above zero; packed normals are looked at
+  /// only where `own` is set.
+  std::uint32_t (*may_push)(const Hits& hits, std::size_t begin,
+                            const RoughDirection& direction) noexcept;
   /// The hits of a query in the block's groups. Hit by hit the bits of HitSource::hit.
   void (*fill)(const Hits& hits, HitBlock& block) noexcept;
   /// The same without normals.
   void (*fill_places)(const Hits& hits, HitBlock& block) noexcept;
-  /// Works out how the hits push: d_i = max(0, u_i . (c_i - x_i)), push = w_i d_i; the weight is w_i where d_i > 0, else 0.
-  void (*push)(const HitBlock& block, const PushDirection& direction, Pushes& pushes, PushLanes& lanes) noexcept;
+  /// Works out how the hits push: d_i = max(0, u_i . (c_i - x_i)), push = w_i d_i; the weight is
+  /// w_i where d_i > 0, else 0.
+  void (*push)(const HitBlock& block, const PushDirection& direction, Pushes& pushes,
+               PushLanes& lanes) noexcept;
   /// Adds the pushes.
   void (*add)(const HitBlock& block, Pushes& pushes, PushLanes& lanes) noexcept;
   /// Adds what they count in the stiffness alone: nothing pushes.

@@ -14,21 +14,29 @@ void copy_given(const Hit* given, HitBlock& block) noexcept {
   for (std::size_t n = 0; n < block.filled(); ++n) {
     const Hit& hit = given[n < block.count ? block.group_place(n) + n % kLanes : block.place[0]];
     for (int row = 0; row < 3; ++row)
-      block.arm[row][n] = hit.arm[row], block.normal[row][n] = hit.normal[row], block.to_centre[row][n] = hit.to_centre[row];
+      block.arm[row][n] = hit.arm[row], block.normal[row][n] = hit.normal[row],
+      block.to_centre[row][n] = hit.to_centre[row];
     block.weight[n] = n < block.count ? hit.weight : 0.0;
   }
 }
 
 /// The deepest of all lanes, where it is deeper than the result's so far.
-void tell_deepest(const Hits& hits, const double (&deepest)[kLanes], const double (&deepest_hit)[kLanes], const Vec3& tool,
+void tell_deepest(const Hits& hits, const double (&deepest)[kLanes],
+                  const double (&deepest_hit)[kLanes], const Vec3& tool,
                   ContactResult& result) noexcept {
   std::size_t best = kLanes;
-  const auto place = [&](std::size_t lane) { return deepest_hit[lane] + static_cast<double>(lane); };
+  const auto place = [&](std::size_t lane) {
+    return deepest_hit[lane] + static_cast<double>(lane);
+  };
   for (std::size_t lane = 0; lane < kLanes; ++lane) {
-    if (!(deepest[lane] > result.deepest_depth_m)) continue;
-    if (best == kLanes || deepest[lane] > deepest[best] || (deepest[lane] == deepest[best] && place(lane) < place(best))) best = lane;
+    if (!(deepest[lane] > result.deepest_depth_m))
+      continue;
+    if (best == kLanes || deepest[lane] > deepest[best] ||
+        (deepest[lane] == deepest[best] && place(lane) < place(best)))
+      best = lane;
   }
-  if (best == kLanes) return;
+  if (best == kLanes)
+    return;
   result.deepest_depth_m = deepest[best];
   result.deepest_point = tool + hits[static_cast<std::size_t>(place(best))].arm;
 }
@@ -39,22 +47,29 @@ void take_group(const Hits& hits, std::size_t place, HitBlock& block) noexcept {
   block.place[block.groups++] = place;
 }
 
-/// What single precision needs to tell which hits surely do not push along `direction`. False where it cannot.
-bool make_rough(const HitSource& source, const PushDirection& direction, RoughDirection& rough) noexcept {
+/// What single precision needs to tell which hits surely do not push along `direction`. False where
+/// it cannot.
+bool make_rough(const HitSource& source, const PushDirection& direction,
+                RoughDirection& rough) noexcept {
   const double own = 1.0 - direction.mean_share;
-  if (!(source.rough.certain > 0.0F) || (own > 0.0 && source.rough.normal == nullptr)) return false;
+  if (!(source.rough.certain > 0.0F) || (own > 0.0 && source.rough.normal == nullptr))
+    return false;
   double size = 0.0;
   for (int axis = 0; axis < 3; ++axis) {
     const double mean = direction.mean_share * direction.mean[axis];
     rough.mean[axis] = static_cast<float>(mean);
     size += std::abs(mean);
-    for (int column = 0; column < 3; ++column) rough.back[axis][column] = static_cast<float>(own * packed_normals::kWordStep * source.r[axis][column]);
+    for (int column = 0; column < 3; ++column)
+      rough.back[axis][column] =
+          static_cast<float>(own * packed_normals::kWordStep * source.r[axis][column]);
   }
   rough.own = own > 0.0, rough.common = size > 0.0;
-  // A point's place is off by less than what `certain` leaves of half a voxel, in each axis; it is at most 0.87 voxels from the middle, with normals
-  // that are off as packing has them. Some twenty roundings of numbers of about that size are less than the last.
+  // A point's place is off by less than what `certain` leaves of half a voxel, in each axis; it is
+  // at most 0.87 voxels from the middle, with normals that are off as packing has them. Some twenty
+  // roundings of numbers of about that size are less than the last.
   const double off = 0.5 - static_cast<double>(source.rough.certain);
-  rough.most = static_cast<float>((size + 2.0 * own) * off + 0.87 * own * packed_normals::kMaxOff + 1e-5 * (size + own));
+  rough.most = static_cast<float>((size + 2.0 * own) * off + 0.87 * own * packed_normals::kMaxOff +
+                                  1e-5 * (size + own));
   return true;
 }
 
@@ -72,15 +87,18 @@ class Asking {
   std::uint32_t wait_ = 0, waiting_ = 0;
 };
 
-/// Hands the hits to `each` in blocks, less the groups of eight none of which pushes: what these add is zero, so that no bit changes.
+/// Hands the hits to `each` in blocks, less the groups of eight none of which pushes: what these
+/// add is zero, so that no bit changes.
 template <class Fill, class Each>
-void for_blocks_that_may_push(const Hits& hits, const PushDirection& direction, const PushKernel& kernel, Fill&& fill, Each&& each) noexcept {
+void for_blocks_that_may_push(const Hits& hits, const PushDirection& direction,
+                              const PushKernel& kernel, Fill&& fill, Each&& each) noexcept {
   RoughDirection rough;
   const bool can_tell = hits.given() == nullptr && make_rough(hits.source(), direction, rough);
   Asking asking;
   HitBlock block;
   const auto flush = [&]() noexcept {
-    if (block.groups == 0) return;
+    if (block.groups == 0)
+      return;
     if (hits.given() != nullptr)
       copy_given(hits.given(), block);
     else
@@ -89,7 +107,8 @@ void for_blocks_that_may_push(const Hits& hits, const PushDirection& direction, 
     block.groups = block.count = 0;
   };
   for (std::size_t begin = 0; begin < hits.size(); begin += HitBlock::kHits) {
-    const std::size_t groups = (std::min(HitBlock::kHits, hits.size() - begin) + kLanes - 1) / kLanes;
+    const std::size_t groups =
+        (std::min(HitBlock::kHits, hits.size() - begin) + kLanes - 1) / kLanes;
     std::uint32_t left = (1U << groups) - 1U;
     if (can_tell && asking.now()) {
       const std::uint32_t all = left;
@@ -98,7 +117,8 @@ void for_blocks_that_may_push(const Hits& hits, const PushDirection& direction, 
     }
     for (; left != 0; left &= left - 1) {
       take_group(hits, begin + kLanes * static_cast<std::size_t>(std::countr_zero(left)), block);
-      if (block.groups == HitBlock::kGroups) flush();
+      if (block.groups == HitBlock::kGroups)
+        flush();
     }
   }
   flush();
@@ -106,49 +126,62 @@ void for_blocks_that_may_push(const Hits& hits, const PushDirection& direction, 
 
 }  // namespace
 
-void fill_block(const PushKernel& kernel, const Hits& hits, std::size_t begin, HitBlock& block) noexcept {
+void fill_block(const PushKernel& kernel, const Hits& hits, std::size_t begin,
+                HitBlock& block) noexcept {
   block.groups = block.count = 0;
-  for (std::size_t g = 0; g < HitBlock::kGroups && begin + kLanes * g < hits.size(); ++g) take_group(hits, begin + kLanes * g, block);
+  for (std::size_t g = 0; g < HitBlock::kGroups && begin + kLanes * g < hits.size(); ++g)
+    take_group(hits, begin + kLanes * g, block);
   if (hits.given() != nullptr)
     copy_given(hits.given(), block);
   else
     kernel.fill(hits, block);
 }
 
-void add_lanes(const Hits& hits, const PushLanes& lanes, double stiffness, const Vec3& tool, ContactResult& result,
-               StiffnessSum& sum) noexcept {
+void add_lanes(const Hits& hits, const PushLanes& lanes, double stiffness, const Vec3& tool,
+               ContactResult& result, StiffnessSum& sum) noexcept {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     result.wrench.force[static_cast<Eigen::Index>(axis)] += stiffness * combined(lanes.push[axis]);
-    result.wrench.torque[static_cast<Eigen::Index>(axis)] += stiffness * combined(lanes.push[axis + 3]);
+    result.wrench.torque[static_cast<Eigen::Index>(axis)] +=
+        stiffness * combined(lanes.push[axis + 3]);
   }
   result.stiffness_bound_n_per_m += stiffness * combined(lanes.weight);
-  for (std::size_t n = 0; n < 21; ++n) sum.entries()[n] += combined(lanes.stiffness[n]);
+  for (std::size_t n = 0; n < 21; ++n)
+    sum.entries()[n] += combined(lanes.stiffness[n]);
   tell_deepest(hits, lanes.deepest, lanes.deepest_hit, tool, result);
 }
 
-void push_along_directions(const Hits& hits, const PushDirection& direction, double stiffness, const Vec3& tool, ContactResult& result,
-                           StiffnessSum& sum) noexcept {
-  if (hits.empty()) return;
+void push_along_directions(const Hits& hits, const PushDirection& direction, double stiffness,
+                           const Vec3& tool, ContactResult& result, StiffnessSum& sum) noexcept {
+  if (hits.empty())
+    return;
   const PushKernel& kernel = push_kernel(instructions());
   PushLanes lanes;
   Pushes pushes;
-  for_blocks_that_may_push(hits, direction, kernel, kernel.fill, [&](const HitBlock& block) noexcept {
-    kernel.push(block, direction, pushes, lanes);
-    kernel.add(block, pushes, lanes);
-  });
+  for_blocks_that_may_push(hits, direction, kernel, kernel.fill,
+                           [&](const HitBlock& block) noexcept {
+                             kernel.push(block, direction, pushes, lanes);
+                             kernel.add(block, pushes, lanes);
+                           });
   add_lanes(hits, lanes, stiffness, tool, result, sum);
 }
 
-void push_along_mean(const Hits& hits, const Vec3& mean, double stiffness, const Vec3& tool, ContactResult& result) noexcept {
-  if (hits.empty()) return;
+void push_along_mean(const Hits& hits, const Vec3& mean, double stiffness, const Vec3& tool,
+                     ContactResult& result) noexcept {
+  if (hits.empty())
+    return;
   const PushKernel& kernel = push_kernel(instructions());
   MeanLanes lanes;
-  for_blocks_that_may_push(hits, {mean, 1.0}, kernel, kernel.fill_places, [&](const HitBlock& block) noexcept { kernel.push_along_mean(block, mean, lanes); });
+  for_blocks_that_may_push(
+      hits, {mean, 1.0}, kernel, kernel.fill_places,
+      [&](const HitBlock& block) noexcept { kernel.push_along_mean(block, mean, lanes); });
   double moments[CommonDirectionSum::kSums];
-  for (std::size_t n = 0; n < CommonDirectionSum::kSums; ++n) moments[n] = combined(lanes.moments[n]);
+  for (std::size_t n = 0; n < CommonDirectionSum::kSums; ++n)
+    moments[n] = combined(lanes.moments[n]);
   result.stiffness_bound_n_per_m += stiffness * moments[0];
   result.wrench.force = (stiffness * combined(lanes.push[0])) * mean;
-  result.wrench.torque = Vec3(combined(lanes.push[1]), combined(lanes.push[2]), combined(lanes.push[3])).cross(stiffness * mean);
+  result.wrench.torque =
+      Vec3(combined(lanes.push[1]), combined(lanes.push[2]), combined(lanes.push[3]))
+          .cross(stiffness * mean);
   result.stiffness = CommonDirectionSum(moments).matrix(stiffness, mean);
   tell_deepest(hits, lanes.deepest, lanes.deepest_hit, tool, result);
 }
@@ -164,8 +197,10 @@ void begin_result(const HitList& hits, ContactResult& result) noexcept {
 
 void tell_mean_normal(const Vec3& normals, double weights, ContactResult& result) noexcept {
   const double length = normals.norm();
-  if (weights > 0.0) result.coherence = length / weights;
-  if (length > 0.0) result.mean_normal = normals / length;
+  if (weights > 0.0)
+    result.coherence = length / weights;
+  if (length > 0.0)
+    result.mean_normal = normals / length;
 }
 
 }  // namespace voxtouch::contact

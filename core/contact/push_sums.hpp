@@ -1,5 +1,6 @@
 #pragma once
-/// What the force laws sum up over the hits of a frame: block by block, in lanes (push_kernel.hpp), with the same bits on every processor.
+/// What the force laws sum up over the hits of a frame: block by block, in lanes (push_kernel.hpp),
+/// with the same bits on every processor.
 #include <cstddef>
 
 #include "core/contact/contact_model.hpp"
@@ -8,25 +9,30 @@
 
 namespace voxtouch::contact {
 
-/// Adds the pushes of all hits along their own directions, d_i = max(0, u_i . (c_i - x_i)): to `result` the wrench, the deepest point
-/// (the first of equals) and the stiffness bound, to `sum` those that push. `tool`: its origin in W.
-void push_along_directions(const Hits& hits, const PushDirection& direction, double stiffness, const Vec3& tool, ContactResult& result,
-                           StiffnessSum& sum) noexcept;
+/// Adds the pushes of all hits along their own directions, d_i = max(0, u_i . (c_i - x_i)): to
+/// `result` the wrench, the deepest point (the first of equals) and the stiffness bound, to `sum`
+/// those that push. `tool`: its origin in W.
+void push_along_directions(const Hits& hits, const PushDirection& direction, double stiffness,
+                           const Vec3& tool, ContactResult& result, StiffnessSum& sum) noexcept;
 
 /// All hits along the common direction `mean`; sets wrench and stiffness, and adds as above.
-void push_along_mean(const Hits& hits, const Vec3& mean, double stiffness, const Vec3& tool, ContactResult& result) noexcept;
+void push_along_mean(const Hits& hits, const Vec3& mean, double stiffness, const Vec3& tool,
+                     ContactResult& result) noexcept;
 
 /// For laws of their own: the hits of a list from `begin` on, as many as a block holds.
-void fill_block(const PushKernel& kernel, const Hits& hits, std::size_t begin, HitBlock& block) noexcept;
+void fill_block(const PushKernel& kernel, const Hits& hits, std::size_t begin,
+                HitBlock& block) noexcept;
 /// What all eight lanes come to: in halves, as wide registers are added up.
 inline double combined(const double (&lanes)[kLanes]) noexcept {
-  return ((lanes[0] + lanes[4]) + (lanes[2] + lanes[6])) + ((lanes[1] + lanes[5]) + (lanes[3] + lanes[7]));
+  return ((lanes[0] + lanes[4]) + (lanes[2] + lanes[6])) +
+         ((lanes[1] + lanes[5]) + (lanes[3] + lanes[7]));
 }
 /// Adds what the lanes have of `hits` to the result and to `sum`.
-void add_lanes(const Hits& hits, const PushLanes& lanes, double stiffness, const Vec3& tool, ContactResult& result,
-               StiffnessSum& sum) noexcept;
+void add_lanes(const Hits& hits, const PushLanes& lanes, double stiffness, const Vec3& tool,
+               ContactResult& result, StiffnessSum& sum) noexcept;
 
-/// Begins a result with what every model tells alike: the counts, and whether the pose could be looked up.
+/// Begins a result with what every model tells alike: the counts, and whether the pose could be
+/// looked up.
 void begin_result(const HitList& hits, ContactResult& result) noexcept;
 
 /// Coherence and mean normal from such sums.

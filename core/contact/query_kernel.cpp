@@ -20,57 +20,72 @@ static_assert(kRun == 8 && kLanes == kRun);
 void decide(const QueryData& data, const HitSource& s, Leaves& leaves) noexcept {
   for (std::size_t n = 0; n < leaves.count; ++n) {
     const unsigned unsure = leaves.unsure[n];
-    if (unsure == 0) continue;
+    if (unsure == 0)
+      continue;
     unsigned surface = leaves.surface[n] & ~unsure, interior = leaves.interior[n] & ~unsure;
     for (unsigned bits = unsure; bits != 0; bits &= bits - 1) {
       const auto slot = static_cast<unsigned>(std::countr_zero(bits));
       const std::size_t p = kRun * leaves.leaf[n] + slot;
       Vec3 u;
       for (Eigen::Index row = 0; row < 3; ++row)
-        u[row] = (s.r[row][0] * s.place[0][p] + s.r[row][1] * s.place[1][p] + s.r[row][2] * s.place[2][p] + s.t[row]) / s.edge;
+        u[row] = (s.r[row][0] * s.place[0][p] + s.r[row][1] * s.place[1][p] +
+                  s.r[row][2] * s.place[2][p] + s.t[row]) /
+                 s.edge;
       const voxmap::VoxelKind kind = data.voxmap->at(voxmap::Grid::voxel_of(u));
-      if (kind == voxmap::VoxelKind::kSurface) surface |= 1U << slot;
-      if (kind == voxmap::VoxelKind::kInterior) interior |= 1U << slot;
+      if (kind == voxmap::VoxelKind::kSurface)
+        surface |= 1U << slot;
+      if (kind == voxmap::VoxelKind::kInterior)
+        interior |= 1U << slot;
     }
-    leaves.surface[n] = static_cast<std::uint8_t>(surface), leaves.interior[n] = static_cast<std::uint8_t>(interior);
+    leaves.surface[n] = static_cast<std::uint8_t>(surface),
+    leaves.interior[n] = static_cast<std::uint8_t>(interior);
   }
 }
 
 void set_sums(const HitSource& s, const NormalLanes& lanes, FoundHits& found) noexcept {
   const double x = combined(lanes.sum[0]), y = combined(lanes.sum[1]), z = combined(lanes.sum[2]);
   for (std::size_t row = 0; row < 3; ++row)
-    found.normals[static_cast<Eigen::Index>(row)] = row_sum(row, s.r[row][0] * x, s.r[row][1] * y, s.r[row][2] * z);
+    found.normals[static_cast<Eigen::Index>(row)] =
+        row_sum(row, s.r[row][0] * x, s.r[row][1] * y, s.r[row][2] * z);
   found.weights = combined(lanes.sum[3]);
 }
 
-/// Depth first, one group of spheres a level: `left` are those of it still to go through. Calls `look()` before each group and `leaf(n)` for
-/// each leaf that may touch; where either is false the walk ends.
+/// Depth first, one group of spheres a level: `left` are those of it still to go through. Calls
+/// `look()` before each group and `leaf(n)` for each leaf that may touch; where either is false the
+/// walk ends.
 template <class Look, class Leaf>
-void walk(const Lookup& lookup, const LeafKernel& kernel, const SphereTree& tree, Look&& look, Leaf&& leaf) noexcept {
+void walk(const Lookup& lookup, const LeafKernel& kernel, const SphereTree& tree, Look&& look,
+          Leaf&& leaf) noexcept {
   const std::vector<SphereTree::Level>& levels = tree.levels();
-  if (levels.empty()) return;
+  if (levels.empty())
+    return;
   std::uint32_t left[SphereTree::kMaxLevels] = {};
   std::size_t base[SphereTree::kMaxLevels] = {};
   const auto enter = [&](std::size_t level, std::size_t first) {
     const std::size_t count = levels[level].count - first;
     const std::uint32_t real = count < kNodes ? (1U << count) - 1U : (1U << kNodes) - 1U;
     base[level] = first;
-    left[level] = real & (lookup.map.free != nullptr ? kernel.near_spheres(lookup, levels[level], first) : real);
+    left[level] =
+        real &
+        (lookup.map.free != nullptr ? kernel.near_spheres(lookup, levels[level], first) : real);
   };
   const std::size_t top = levels.size() - 1;
   std::size_t level = top;
-  if (!look()) return;
+  if (!look())
+    return;
   enter(top, 0);
   for (;;) {
     if (left[level] == 0) {
-      if (level == top) break;
+      if (level == top)
+        break;
       ++level;
       continue;
     }
     const std::size_t node = base[level] + static_cast<std::size_t>(std::countr_zero(left[level]));
     left[level] &= left[level] - 1;
     if (level > 0) {
-      if (!look()) return;
+      if (!look())
+        return;
       enter(--level, kNodes * node);
     } else if (!leaf(static_cast<std::uint32_t>(node))) {
       return;
@@ -78,27 +93,37 @@ void walk(const Lookup& lookup, const LeafKernel& kernel, const SphereTree& tree
   }
 }
 
-Lookup lookup_of(const QueryData& data, const QueryFrame& frame) noexcept { return {data, frame, data.voxmap->arrays()}; }
+Lookup lookup_of(const QueryData& data, const QueryFrame& frame) noexcept {
+  return {data, frame, data.voxmap->arrays()};
+}
 
 /// One query on its way.
 class Search {
  public:
-  Search(const QueryData& data, const QueryFrame& frame, FoundHits& surface, FoundHits& interior) noexcept
-      : lookup_(lookup_of(data, frame)), kernel_(leaf_kernel(instructions())), surface_(surface), interior_(interior) {}
+  Search(const QueryData& data, const QueryFrame& frame, FoundHits& surface,
+         FoundHits& interior) noexcept
+      : lookup_(lookup_of(data, frame)),
+        kernel_(leaf_kernel(instructions())),
+        surface_(surface),
+        interior_(interior) {}
 
   std::uint32_t run() noexcept {
-    walk(lookup_, kernel_, *lookup_.data.tree, [] { return true; }, [this](std::uint32_t leaf) { return add(leaf), true; });
+    walk(
+        lookup_, kernel_, *lookup_.data.tree, [] { return true; },
+        [this](std::uint32_t leaf) { return add(leaf), true; });
     return finish();
   }
 
   std::uint32_t run(std::span<const std::uint32_t> leaves) noexcept {
-    for (const std::uint32_t leaf : leaves) add(leaf);
+    for (const std::uint32_t leaf : leaves)
+      add(leaf);
     return finish();
   }
 
  private:
   std::uint32_t finish() noexcept {
-    if (leaves_.count > 0) test();
+    if (leaves_.count > 0)
+      test();
     set_sums(lookup_.frame.source, surface_lanes_, surface_);
     set_sums(lookup_.frame.source, interior_lanes_, interior_);
     return tested_;
@@ -106,7 +131,8 @@ class Search {
 
   void add(std::uint32_t leaf) noexcept {
     leaves_.leaf[leaves_.count] = leaf;
-    if (++leaves_.count == Leaves::kMax) test();
+    if (++leaves_.count == Leaves::kMax)
+      test();
   }
 
   void test() noexcept {
@@ -125,9 +151,12 @@ class Search {
       leaves_.surface[last] &= real, leaves_.interior[last] &= real, leaves_.unsure[last] &= real;
       tested_ -= static_cast<std::uint32_t>(end - data.points);
     }
-    if (any[2] != 0) decide(data, lookup_.frame.source, leaves_), any[0] = any[1] = 255;
-    if (any[0] != 0) take(leaves_.surface, surface_, surface_lanes_);
-    if (any[1] != 0) take(leaves_.interior, interior_, interior_lanes_);
+    if (any[2] != 0)
+      decide(data, lookup_.frame.source, leaves_), any[0] = any[1] = 255;
+    if (any[0] != 0)
+      take(leaves_.surface, surface_, surface_lanes_);
+    if (any[1] != 0)
+      take(leaves_.interior, interior_, interior_lanes_);
     leaves_.count = 0;
   }
 
@@ -148,15 +177,19 @@ class Search {
 
 }  // namespace
 
-bool make_query_frame(const voxmap::Voxmap& voxmap, const HitSource& source, double reach_m, QueryFrame& f) noexcept {
+bool make_query_frame(const voxmap::Voxmap& voxmap, const HitSource& source, double reach_m,
+                      QueryFrame& f) noexcept {
   const double edge = source.edge, reach = reach_m / edge;
   const std::array<std::int32_t, 3> base = {voxmap.base().i, voxmap.base().j, voxmap.base().k};
   f.source = source;
-  const double before_first = std::ceil(reach) + 2.0;  // voxels from `first` to that of the tool's origin
+  const double before_first =
+      std::ceil(reach) + 2.0;  // voxels from `first` to that of the tool's origin
   double far = 0.0, beyond = 0.0, largest = 0.0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    for (std::size_t column = 0; column < 3; ++column) f.a[axis][column] = static_cast<float>(source.r[axis][column] / edge);
-    const double origin = source.t[axis] / edge, size = static_cast<double>(voxmap.cells()[axis]) * voxmap::Voxmap::kBrickEdge;
+    for (std::size_t column = 0; column < 3; ++column)
+      f.a[axis][column] = static_cast<float>(source.r[axis][column] / edge);
+    const double origin = source.t[axis] / edge,
+                 size = static_cast<double>(voxmap.cells()[axis]) * voxmap::Voxmap::kBrickEdge;
     const double from_corner = origin - base[axis], voxel = std::floor(origin);
     far = std::max(far, std::abs(origin));
     largest = std::max({largest, std::abs(from_corner), size});
@@ -171,17 +204,22 @@ bool make_query_frame(const voxmap::Voxmap& voxmap, const HitSource& source, dou
   }
   constexpr double kFloat = 0x1p-24, kDouble = 0x1p-53;
   const double of_doubles = 16.0 * kDouble * (far + reach);
-  // A point: 3 roundings of each product, 2 inner sums, the last one and that of the shift come to 2^-24 (8 reach + 6).
+  // A point: 3 roundings of each product, 2 inner sums, the last one and that of the shift come to
+  // 2^-24 (8 reach + 6).
   const double band = 16.0 * kFloat * (reach + 4.0) + of_doubles;
-  constexpr double kMaxReach = 0x1p20;  // beyond that the single numbers of voxels are not whole any more
-  const bool small = reach < kMaxReach && largest < kMaxReach && voxmap.arrays().brick_count < std::size_t{1} << 26;
+  constexpr double kMaxReach =
+      0x1p20;  // beyond that the single numbers of voxels are not whole any more
+  const bool small = reach < kMaxReach && largest < kMaxReach &&
+                     voxmap.arrays().brick_count < std::size_t{1} << 26;
   f.certain = small ? static_cast<float>(0.5 - 2.0 * kFloat - band) : -1.0F;
   f.per_metre = static_cast<float>(1.0 / edge * (1.0 + 8.0 * kFloat));
-  f.margin = static_cast<float>(limits::kCullSafetyVoxels + 16.0 * kFloat * (reach + largest) + of_doubles);
+  f.margin = static_cast<float>(limits::kCullSafetyVoxels + 16.0 * kFloat * (reach + largest) +
+                                of_doubles);
   return beyond <= reach + f.margin;
 }
 
-NearLeaves near_leaves(const QueryData& data, const QueryFrame& frame, const SphereTree& tree, std::uint32_t first_leaf, std::size_t most_work,
+NearLeaves near_leaves(const QueryData& data, const QueryFrame& frame, const SphereTree& tree,
+                       std::uint32_t first_leaf, std::size_t most_work,
                        std::uint32_t* leaves) noexcept {
   NearLeaves out;
   const auto costs = [&](std::size_t points) noexcept {
@@ -190,22 +228,26 @@ NearLeaves near_leaves(const QueryData& data, const QueryFrame& frame, const Sph
     return !out.too_many;
   };
   walk(
-      lookup_of(data, frame), leaf_kernel(instructions()), tree, [&]() noexcept { return costs(kPointsPerLook); },
+      lookup_of(data, frame), leaf_kernel(instructions()), tree,
+      [&]() noexcept { return costs(kPointsPerLook); },
       [&](std::uint32_t leaf) noexcept {
-        if (!costs(kRun)) return false;
+        if (!costs(kRun))
+          return false;
         leaves[out.count++] = first_leaf + leaf;
         return true;
       });
   return out;
 }
 
-std::uint32_t search_leaves(const QueryData& data, const QueryFrame& frame, std::span<const std::uint32_t> leaves, FoundHits& surface,
+std::uint32_t search_leaves(const QueryData& data, const QueryFrame& frame,
+                            std::span<const std::uint32_t> leaves, FoundHits& surface,
                             FoundHits& interior) noexcept {
   surface.count = interior.count = 0;
   return Search(data, frame, surface, interior).run(leaves);
 }
 
-std::uint32_t search(const QueryData& data, const QueryFrame& frame, FoundHits& surface, FoundHits& interior) noexcept {
+std::uint32_t search(const QueryData& data, const QueryFrame& frame, FoundHits& surface,
+                     FoundHits& interior) noexcept {
   surface.count = interior.count = 0;
   return data.tree->levels().empty() ? 0 : Search(data, frame, surface, interior).run();
 }

@@ -1,5 +1,6 @@
 #pragma once
-/// The part of the query that runs over many points: through the tree, and leaf by leaf into the voxels. Its loops are in leaf_kernel.hpp.
+/// The part of the query that runs over many points: through the tree, and leaf by leaf into the
+/// voxels. Its loops are in leaf_kernel.hpp.
 #include <cstdint>
 #include <span>
 
@@ -9,28 +10,32 @@
 
 namespace voxtouch::contact {
 
-/// One pose as the kernel sees it. The decision is that of doubles, u = (R p + t) / e: single precision only says where it is
-/// certain. Its coordinates are counted from the voxel that holds the tool's origin, so that their error grows with the tool's
-/// size and not with where it is.
+/// One pose as the kernel sees it. The decision is that of doubles, u = (R p + t) / e: single
+/// precision only says where it is certain. Its coordinates are counted from the voxel that holds
+/// the tool's origin, so that their error grows with the tool's size and not with where it is.
 struct QueryFrame {
   HitSource source;  ///< in doubles: what decides
 
-  // In single precision, in voxels: a p + shift is a point's place from the voxel `first` on, always above zero.
-  float a[3][3] = {};           ///< R / e
+  // In single precision, in voxels: a p + shift is a point's place from the voxel `first` on,
+  // always above zero.
+  float a[3][3] = {};  ///< R / e
   float shift[3] = {};
-  float low[3] = {}, high[3] = {};  ///< what lies outside the table is put into its border, which is free
-  std::int32_t first[3] = {};   ///< counted from the table's first voxel
-  /// A coordinate is certain where it is less than this from the middle of its voxel; below zero: nowhere.
+  float low[3] = {},
+        high[3] = {};  ///< what lies outside the table is put into its border, which is free
+  std::int32_t first[3] = {};  ///< counted from the table's first voxel
+  /// A coordinate is certain where it is less than this from the middle of its voxel; below zero:
+  /// nowhere.
   float certain = -1.0F;
 
   // The same for the tree, counted from the table's corner.
   float corner_shift[3] = {};
-  float size[3] = {};           ///< of the table
-  float per_metre = 0.0F;       ///< 1 / e, rounded up
-  float margin = 0.0F;          ///< added to every radius: all that rounds
+  float size[3] = {};      ///< of the table
+  float per_metre = 0.0F;  ///< 1 / e, rounded up
+  float margin = 0.0F;     ///< added to every radius: all that rounds
 };
 
-/// What a kernel looks up. Single precision coordinates are filled up to a multiple of SphereTree::kLeafPoints.
+/// What a kernel looks up. Single precision coordinates are filled up to a multiple of
+/// SphereTree::kLeafPoints.
 struct QueryData {
   const voxmap::Voxmap* voxmap = nullptr;
   std::size_t points = 0;
@@ -40,15 +45,17 @@ struct QueryData {
   const float* z = nullptr;
 };
 
-/// The frame for a tool at `source`, none of whose points is farther than `reach_m` from its origin. False where the tool is wholly
-/// outside the table: it hits nothing.
-bool make_query_frame(const voxmap::Voxmap& voxmap, const HitSource& source, double reach_m, QueryFrame& frame) noexcept;
+/// The frame for a tool at `source`, none of whose points is farther than `reach_m` from its
+/// origin. False where the tool is wholly outside the table: it hits nothing.
+bool make_query_frame(const voxmap::Voxmap& voxmap, const HitSource& source, double reach_m,
+                      QueryFrame& frame) noexcept;
 
 /// The points of one kind of voxel: ascending, `count` of them, and what they sum up to.
 struct FoundHits {
   std::uint32_t* points = nullptr;  ///< what `Hits::room` gave for all points of the shell
   std::size_t count = 0;
-  Vec3 normals = Vec3::Zero();  ///< sum of weight * normal, W axes: of eight sums, one for each place in a leaf, turned once
+  Vec3 normals = Vec3::Zero();  ///< sum of weight * normal, W axes: of eight sums, one for each
+                                ///< place in a leaf, turned once
   double weights = 0.0;
 };
 
@@ -57,21 +64,27 @@ struct NearLeaves {
   std::size_t count = 0;
   /// In points: those of the leaves, and what looking at spheres takes beside them.
   std::size_t work = 0;
-  bool too_many = false;  ///< the walk was broken off, since it would have cost more than it was allowed
+  bool too_many =
+      false;  ///< the walk was broken off, since it would have cost more than it was allowed
 };
-/// What a look at a group of sixteen spheres counts as [points]; it takes less than twice as long as to test one.
+/// What a look at a group of sixteen spheres counts as [points]; it takes less than twice as long
+/// as to test one.
 inline constexpr std::size_t kPointsPerLook = 2;
 
-/// Writes the numbers of the leaves of `tree` that may touch, ascending and counted from `first_leaf`, as long as they cost at most `most_work`.
-/// `leaves` has room for all of the tree. Real-time safe; the same on every processor.
-NearLeaves near_leaves(const QueryData& data, const QueryFrame& frame, const SphereTree& tree, std::uint32_t first_leaf, std::size_t most_work,
+/// Writes the numbers of the leaves of `tree` that may touch, ascending and counted from
+/// `first_leaf`, as long as they cost at most `most_work`. `leaves` has room for all of the tree.
+/// Real-time safe; the same on every processor.
+NearLeaves near_leaves(const QueryData& data, const QueryFrame& frame, const SphereTree& tree,
+                       std::uint32_t first_leaf, std::size_t most_work,
                        std::uint32_t* leaves) noexcept;
 /// As `search`, of the given leaves alone, which ascend. `data.tree` is not looked at.
-std::uint32_t search_leaves(const QueryData& data, const QueryFrame& frame, std::span<const std::uint32_t> leaves, FoundHits& surface,
+std::uint32_t search_leaves(const QueryData& data, const QueryFrame& frame,
+                            std::span<const std::uint32_t> leaves, FoundHits& surface,
                             FoundHits& interior) noexcept;
 
-/// Finds the points that collide. \returns the points that culling left to test. The hits, the sums and what is returned have the same
-/// bits on every processor.
-std::uint32_t search(const QueryData& data, const QueryFrame& frame, FoundHits& surface, FoundHits& interior) noexcept;
+/// Finds the points that collide. \returns the points that culling left to test. The hits, the sums
+/// and what is returned have the same bits on every processor.
+std::uint32_t search(const QueryData& data, const QueryFrame& frame, FoundHits& surface,
+                     FoundHits& interior) noexcept;
 
 }  // namespace voxtouch::contact

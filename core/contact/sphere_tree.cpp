@@ -18,15 +18,17 @@ struct Run {
     std::size_t point = begin;
     for (std::size_t p = begin; p < end; ++p) {
       const double squared = (shell.point(p) - centre).squaredNorm();
-      if (squared > best) best = squared, point = p;
+      if (squared > best)
+        best = squared, point = p;
     }
     distance = std::sqrt(best);
     return point;
   }
 };
 
-/// Badoiu-Clarkson: from the box's centre, step towards the farthest point by 1/(i+1); the best centre seen is kept. Twenty
-/// steps come within a few per cent of the smallest sphere, and a smaller sphere culls more.
+/// Badoiu-Clarkson: from the box's centre, step towards the farthest point by 1/(i+1); the best
+/// centre seen is kept. Twenty steps come within a few per cent of the smallest sphere, and a
+/// smaller sphere culls more.
 Vec3 middle(const Run& run) {
   Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
   for (std::size_t p = run.begin; p < run.end; ++p) {
@@ -38,7 +40,8 @@ Vec3 middle(const Run& run) {
   for (int step = 1; step <= 20; ++step) {
     double radius = 0.0;
     const std::size_t point = run.farthest(centre, radius);
-    if (radius < best) best = radius, best_centre = centre;
+    if (radius < best)
+      best = radius, best_centre = centre;
     centre += (run.shell.point(point) - centre) / (step + 1.0);
   }
   return best_centre;
@@ -49,8 +52,10 @@ void add_sphere(const Run& run, SphereTree::Level& level) {
   double radius = 0.0;
   run.farthest(centre.cast<double>(), radius);  // of the rounded centre
   level.x.push_back(centre.x()), level.y.push_back(centre.y()), level.z.push_back(centre.z());
-  // Square root and conversion round: a few ulp more, so that the farthest point is inside for certain.
-  level.radius.push_back(std::nextafter(static_cast<float>(radius * (1.0 + 1e-6)), std::numeric_limits<float>::infinity()));
+  // Square root and conversion round: a few ulp more, so that the farthest point is inside for
+  // certain.
+  level.radius.push_back(std::nextafter(static_cast<float>(radius * (1.0 + 1e-6)),
+                                        std::numeric_limits<float>::infinity()));
   ++level.count;
 }
 
@@ -62,20 +67,26 @@ constexpr std::size_t in_groups(std::size_t nodes) {
 
 SphereTree::SphereTree(const pointshell::Pointshell& shell, std::size_t first, std::size_t end) {
   if (shell.size() > std::size_t{1} << 31)
-    throw std::length_error("contact: the pointshell has more than 2^31 points; use a larger voxel size");
-  for (std::size_t span = kLeafPoints; levels_.empty() ? end > first : levels_.back().count > kFanOut; span *= kFanOut) {
+    throw std::length_error(
+        "contact: the pointshell has more than 2^31 points; use a larger voxel size");
+  for (std::size_t span = kLeafPoints;
+       levels_.empty() ? end > first : levels_.back().count > kFanOut; span *= kFanOut) {
     Level& level = levels_.emplace_back();
-    for (std::size_t begin = first; begin < end; begin += span) add_sphere({shell, begin, std::min(end, begin + span)}, level);
+    for (std::size_t begin = first; begin < end; begin += span)
+      add_sphere({shell, begin, std::min(end, begin + span)}, level);
     const std::size_t filled = in_groups(level.count);
-    for (std::vector<float>* const column : {&level.x, &level.y, &level.z, &level.radius}) column->resize(filled);
+    for (std::vector<float>* const column : {&level.x, &level.y, &level.z, &level.radius})
+      column->resize(filled);
   }
 }
 
 std::size_t SphereTree::bytes(std::size_t points) noexcept {
   std::size_t nodes = 0;
-  for (std::size_t level = (points + kLeafPoints - 1) / kLeafPoints; level > 0; level = (level + kFanOut - 1) / kFanOut) {
+  for (std::size_t level = (points + kLeafPoints - 1) / kLeafPoints; level > 0;
+       level = (level + kFanOut - 1) / kFanOut) {
     nodes += in_groups(level);
-    if (level <= kFanOut) break;
+    if (level <= kFanOut)
+      break;
   }
   return 4 * sizeof(float) * nodes;
 }

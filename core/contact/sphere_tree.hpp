@@ -1,5 +1,6 @@
 #pragma once
-/// Bounding spheres over runs of the pointshell: lets the query skip whole parts of the tool that are far from the scene.
+/// Bounding spheres over runs of the pointshell: lets the query skip whole parts of the tool that
+/// are far from the scene.
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -8,18 +9,21 @@
 
 namespace voxtouch::contact {
 
-/// Leaf n holds the points [8 n, 8 n + 8), a node above 16 neighbours of the level below. The shell's Morton order makes
-/// runs compact; in any other order the tree is still right, only slow. Walking it depth first keeps the shell's order.
+/// Leaf n holds the points [8 n, 8 n + 8), a node above 16 neighbours of the level below. The
+/// shell's Morton order makes runs compact; in any other order the tree is still right, only slow.
+/// Walking it depth first keeps the shell's order.
 ///
-/// Small leaves with a wide fan-out: sixteen spheres are one look of a kernel, and four leaves are one block of points for it.
+/// Small leaves with a wide fan-out: sixteen spheres are one look of a kernel, and four leaves are
+/// one block of points for it.
 class SphereTree {
  public:
   static constexpr std::uint32_t kLeafPoints = 8;
   static constexpr std::uint32_t kFanOut = 16;
   static constexpr int kMaxLevels = 8;  ///< 8 * 16^7 points: 2^31
 
-  /// The spheres of one level in single precision, frame T [m]: each encloses the points of its run for certain. Filled up to a
-  /// multiple of kFanOut with zeros, which kernels look at and do not count.
+  /// The spheres of one level in single precision, frame T [m]: each encloses the points of its run
+  /// for certain. Filled up to a multiple of kFanOut with zeros, which kernels look at and do not
+  /// count.
   struct Level {
     std::vector<float> x, y, z, radius;
     std::size_t count = 0;  ///< without those

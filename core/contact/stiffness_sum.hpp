@@ -1,23 +1,25 @@
 #pragma once
-/// Sums of w J' J over the points that push, J = [u', (arm x u)']: the part of -d(wrench)/d(pose) that comes from the
-/// depths.
+/// Sums of w J' J over the points that push, J = [u', (arm x u)']: the part of -d(wrench)/d(pose)
+/// that comes from the depths.
 #include <array>
 
 #include "core/types/geometry.hpp"
 
 namespace voxtouch::contact {
 
-/// For points that push each along its own direction. Adds in the order of the calls; real-time safe.
+/// For points that push each along its own direction. Adds in the order of the calls; real-time
+/// safe.
 class StiffnessSum {
  public:
-  /// A point with depth u . (c - x), pushing along u (at most of unit length); `arm` from the tool's origin [m], W
-  /// axes; `weight` as Hit::weight.
+  /// A point with depth u . (c - x), pushing along u (at most of unit length); `arm` from the
+  /// tool's origin [m], W axes; `weight` as Hit::weight.
   void add(const Vec3& arm, const Vec3& u, double weight = 1.0) noexcept {
     const Vec3 lever = arm.cross(u);
     const std::array<double, 6> j = {u.x(), u.y(), u.z(), lever.x(), lever.y(), lever.z()};
     std::size_t n = 0;
     for (std::size_t row = 0; row < 6; ++row)
-      for (std::size_t column = row; column < 6; ++column) sums_[n++] += weight * (j[row] * j[column]);
+      for (std::size_t column = row; column < 6; ++column)
+        sums_[n++] += weight * (j[row] * j[column]);
   }
   /// Whether anything was added that pushes.
   bool any() const noexcept { return sums_[0] > 0.0 || sums_[6] > 0.0 || sums_[11] > 0.0; }
@@ -37,15 +39,21 @@ class StiffnessSum {
   std::array<double, 21> sums_{};
 };
 
-/// For points that all push along one direction m: arm x m is linear in the arm, so that the arms' own moments will do,
-/// which is half the work a point.
+/// For points that all push along one direction m: arm x m is linear in the arm, so that the arms'
+/// own moments will do, which is half the work a point.
 class CommonDirectionSum {
  public:
   /// Of weights w: w; w arm; then w arm arm' by rows of the upper triangle.
   static constexpr std::size_t kSums = 10;
   CommonDirectionSum() = default;
   explicit CommonDirectionSum(const double (&sums)[kSums]) noexcept
-      : weights_(sums[0]), arms_(sums[1], sums[2], sums[3]), xx_(sums[4]), xy_(sums[5]), xz_(sums[6]), yy_(sums[7]), yz_(sums[8]),
+      : weights_(sums[0]),
+        arms_(sums[1], sums[2], sums[3]),
+        xx_(sums[4]),
+        xy_(sums[5]),
+        xz_(sums[6]),
+        yy_(sums[7]),
+        yz_(sums[8]),
         zz_(sums[9]) {}
 
   /// One point at `arm` from the tool's origin [m], W axes. Real-time safe.
@@ -57,10 +65,12 @@ class CommonDirectionSum {
     yy_ += weighed.y() * arm.y(), yz_ += weighed.y() * arm.z(), zz_ += weighed.z() * arm.z();
   }
   bool any() const noexcept { return weights_ > 0.0; }
-  /// The sum times `stiffness` (of a weight of one) for the direction `m`, unit; symmetric to the bit.
+  /// The sum times `stiffness` (of a weight of one) for the direction `m`, unit; symmetric to the
+  /// bit.
   Mat6 matrix(double stiffness, const Vec3& m) const noexcept {
     Mat6 out = Mat6::Zero();
-    if (!any()) return out;
+    if (!any())
+      return out;
     Mat3 moments, lever;  // lever * arm = arm x m
     moments << xx_, xy_, xz_, xy_, yy_, yz_, xz_, yz_, zz_;
     lever << 0.0, m.z(), -m.y(), -m.z(), 0.0, m.x(), m.y(), -m.x(), 0.0;

@@ -1,5 +1,6 @@
 #pragma once
-/// The points that touched in the last look-up of a ring: what a look-up that may not test all points must not lose.
+/// The points that touched in the last look-up of a ring: what a look-up that may not test all
+/// points must not lose.
 #include <algorithm>
 #include <cstdint>
 #include <span>
@@ -9,13 +10,17 @@
 
 namespace voxtouch::contact {
 
-/// Numbers of points, ascending. All memory is taken at construction; everything else is real-time safe.
+/// Numbers of points, ascending. All memory is taken at construction; everything else is real-time
+/// safe.
 class TouchedPoints {
  public:
-  explicit TouchedPoints(std::size_t points) : marks_(points, 0) { surface_.reserve(points), interior_.reserve(points); }
+  explicit TouchedPoints(std::size_t points) : marks_(points, 0) {
+    surface_.reserve(points), interior_.reserve(points);
+  }
 
   void take(const HitList& hits) noexcept {
-    if (++now_ == 0) std::fill(marks_.begin(), marks_.end(), 0), now_ = 1;
+    if (++now_ == 0)
+      std::fill(marks_.begin(), marks_.end(), 0), now_ = 1;
     take(hits.surface, surface_);
     take(hits.interior, interior_);
   }
@@ -28,7 +33,8 @@ class TouchedPoints {
  private:
   void take(const Hits& hits, std::vector<std::uint32_t>& points) noexcept {
     points.assign(hits.points(), hits.points() + hits.size());
-    for (const std::uint32_t point : points) marks_[point] = now_;
+    for (const std::uint32_t point : points)
+      marks_[point] = now_;
   }
 
   std::vector<std::uint32_t> surface_, interior_;

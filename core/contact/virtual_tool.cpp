@@ -19,14 +19,16 @@ namespace {
 Vec3 keep_axis(const Vec3& turn, const Vec3& last) noexcept {
   const double angle = turn.norm();
   constexpr double kNearHalfATurn = 3.0;
-  if (angle < kNearHalfATurn) return turn;
+  if (angle < kNearHalfATurn)
+    return turn;
   const Vec3 other = (1.0 - 2.0 * std::numbers::pi / angle) * turn;
   return other.dot(last) > turn.dot(last) ? other : turn;
 }
 
 Quat turned(const Quat& by_last, const Vec3& turn) noexcept {
   const double angle = turn.norm();
-  if (!(angle > 0.0)) return by_last;
+  if (!(angle > 0.0))
+    return by_last;
   const Quat by(Eigen::AngleAxisd(angle, turn / angle));
   return (by * by_last).normalized();
 }
@@ -35,12 +37,16 @@ bool same(const Pose& a, const Pose& b) noexcept {
   return a.position == b.position && a.orientation.coeffs() == b.orientation.coeffs();
 }
 
-Pose less(const Pose& pose, const Vec3& displacement) noexcept { return {pose.position - displacement, pose.orientation}; }
+Pose less(const Pose& pose, const Vec3& displacement) noexcept {
+  return {pose.position - displacement, pose.orientation};
+}
 
-/// Multiples of a power of two some 2^-26 e wide: a scene that is moved by multiples of e gives the same bits.
+/// Multiples of a power of two some 2^-26 e wide: a scene that is moved by multiples of e gives the
+/// same bits.
 Vec3 on_lattice(const Vec3& position, double edge) noexcept {
   const double step = std::ldexp(1.0, std::ilogb(edge) - 26);
-  return {std::round(position.x() / step) * step, std::round(position.y() / step) * step, std::round(position.z() / step) * step};
+  return {std::round(position.x() / step) * step, std::round(position.y() / step) * step,
+          std::round(position.z() / step) * step};
 }
 
 /// length^2 / 2, and straight on from where the pull grows no more.
@@ -58,10 +64,13 @@ Mat6 VirtualToolFrame::stiffness(double k) const noexcept {
 
 VirtualTool::VirtualTool(const VirtualToolOptions& options) : options_(options) {
   const auto positive = [](double x) { return std::isfinite(x) && x > 0.0; };
-  if (options_.lever_m == 0.0) options_.lever_m = options_.reach_m;
-  if (!positive(options_.reach_m) || !positive(options_.edge_m) || !positive(options_.lever_m) || options_.points == 0 ||
-      options_.objects == 0 || !(options_.fade_s >= 0.0) || !std::isfinite(options_.fade_s))
-    throw std::invalid_argument("virtual tool: points, objects, reach, voxel edge and lever must be finite and above 0");
+  if (options_.lever_m == 0.0)
+    options_.lever_m = options_.reach_m;
+  if (!positive(options_.reach_m) || !positive(options_.edge_m) || !positive(options_.lever_m) ||
+      options_.points == 0 || options_.objects == 0 || !(options_.fade_s >= 0.0) ||
+      !std::isfinite(options_.fade_s))
+    throw std::invalid_argument(
+        "virtual tool: points, objects, reach, voxel edge and lever must be finite and above 0");
   hits_.reserve(std::max(options_.points, options_.edge_points));
   rows_.reserve(options_.points * options_.objects + options_.edge_points);
   others_.reserve(rows_.capacity());
@@ -80,29 +89,38 @@ PoseStatus VirtualTool::status_of(Pose& hand, std::span<const ToolGround> ground
   if (grounds.size() > options_.objects || !hand.position.allFinite() ||
       !normalise_within(unit, limits::kMinQuaternionNorm, limits::kMaxQuaternionNorm))
     return PoseStatus::kNotAPose;
-  if (std::abs(hand.orientation.squaredNorm() - 1.0) > 1e-15) hand.orientation = unit;
+  if (std::abs(hand.orientation.squaredNorm() - 1.0) > 1e-15)
+    hand.orientation = unit;
   for (const ToolGround& ground : grounds) {
     const voxmap::Grid& grid = ground.query->voxmap().grid();
-    const double farthest = (hand.position - ground.displacement - grid.origin).cwiseAbs().maxCoeff() + options_.reach_m;
-    if (!(farthest / grid.edge < limits::kMaxGridCoordinate)) return PoseStatus::kOutOfRange;
+    const double farthest =
+        (hand.position - ground.displacement - grid.origin).cwiseAbs().maxCoeff() +
+        options_.reach_m;
+    if (!(farthest / grid.edge < limits::kMaxGridCoordinate))
+      return PoseStatus::kOutOfRange;
   }
   return PoseStatus::kUsable;
 }
 
 /// `position`: the tool's less the object's displacement.
-RowFrame VirtualTool::row_frame(const Vec3& position, std::span<const ToolGround> grounds, std::size_t n) const noexcept {
-  return {position - grounds[n].field->grid().origin, options_.lever_m, static_cast<std::uint32_t>(n)};
+RowFrame VirtualTool::row_frame(const Vec3& position, std::span<const ToolGround> grounds,
+                                std::size_t n) const noexcept {
+  return {position - grounds[n].field->grid().origin, options_.lever_m,
+          static_cast<std::uint32_t>(n)};
 }
 
-/// All rows at `tool`, the rows' energy there, and what the frame tells of it. `smooth`: the tool may come to rest here.
-void VirtualTool::look_up(const Pose& tool, std::span<const ToolGround> grounds, bool smooth, VirtualToolFrame& out) noexcept {
+/// All rows at `tool`, the rows' energy there, and what the frame tells of it. `smooth`: the tool
+/// may come to rest here.
+void VirtualTool::look_up(const Pose& tool, std::span<const ToolGround> grounds, bool smooth,
+                          VirtualToolFrame& out) noexcept {
   rows_.clear();
   ++out.queries;
   out.surface_hits = out.interior_hits = out.points_tested = 0;
   for (std::size_t n = 0; n < grounds.size(); ++n) {
     const ToolGround& ground = grounds[n];
     ground.query->find(less(tool, ground.displacement), hits_);
-    if (hits_.pose_status != PoseStatus::kUsable) out.pose_status = hits_.pose_status;
+    if (hits_.pose_status != PoseStatus::kUsable)
+      out.pose_status = hits_.pose_status;
     const RowFrame frame = row_frame(hits_.pose_WT.position, grounds, n);
     add_rows(hits_.surface, true, *ground.field, frame, rows_);
     add_rows(hits_.interior, false, *ground.field, frame, rows_);
@@ -110,7 +128,8 @@ void VirtualTool::look_up(const Pose& tool, std::span<const ToolGround> grounds,
     out.interior_hits += static_cast<std::uint32_t>(hits_.interior.size());
     out.points_tested += hits_.tested;
     ++lookups_;
-    if (ground.edges == nullptr) continue;
+    if (ground.edges == nullptr)
+      continue;
     const Quat orientation = hits_.pose_WT.orientation, back = orientation.conjugate();
     ground.edges->find({back * -frame.local, back}, hits_);
     add_edge_rows(hits_, *ground.edges, *ground.tool_field, smooth, frame, orientation, rows_);
@@ -126,7 +145,8 @@ void VirtualTool::look_up(const Pose& tool, std::span<const ToolGround> grounds,
   }
   keep_nearest(rows_, limits::kToolStepEdges * options_.edge_m / options_.reach_m);
   for (std::size_t n = 0; smooth && n < grounds.size(); ++n)
-    smooth_normals(*grounds[n].field, row_frame(tool.position - grounds[n].displacement, grounds, n), rows_);
+    smooth_normals(*grounds[n].field,
+                   row_frame(tool.position - grounds[n].displacement, grounds, n), rows_);
   rows_known_ = true;
 }
 
@@ -134,41 +154,50 @@ void VirtualTool::look_up(const Pose& tool, std::span<const ToolGround> grounds,
 bool VirtualTool::wall_inside(const Pose& tool, std::span<const ToolGround> grounds) noexcept {
   for (std::size_t n = 0; n < grounds.size(); ++n) {
     grounds[n].query->find(less(tool, grounds[n].displacement), hits_);
-    if (wall_inside_tool(hits_.surface, *grounds[n].field, row_frame(hits_.pose_WT.position, grounds, n).local)) return true;
+    if (wall_inside_tool(hits_.surface, *grounds[n].field,
+                         row_frame(hits_.pose_WT.position, grounds, n).local))
+      return true;
   }
   return false;
 }
 
 /// Makes `tool` the virtual tool where it lies outside.
-bool VirtualTool::start(const Pose& tool, std::span<const ToolGround> grounds, VirtualToolFrame& out) noexcept {
+bool VirtualTool::start(const Pose& tool, std::span<const ToolGround> grounds,
+                        VirtualToolFrame& out) noexcept {
   look_up(tool, grounds, true, out);
   placed_ = out.pose_status == PoseStatus::kUsable && out.interior_hits == 0 &&
-            worst_depth_m_ <= limits::kPlacedDepthEdges * options_.edge_m && !wall_inside(tool, grounds);
-  if (!placed_) return rows_known_ = false;
+            worst_depth_m_ <= limits::kPlacedDepthEdges * options_.edge_m &&
+            !wall_inside(tool, grounds);
+  if (!placed_)
+    return rows_known_ = false;
   tool_ = tool;
   turn_ = Vec3::Zero();
   pressed_ = false;
-  for (std::size_t n = 0; n < grounds.size(); ++n) displacements_[n] = grounds[n].displacement;
+  for (std::size_t n = 0; n < grounds.size(); ++n)
+    displacements_[n] = grounds[n].displacement;
   return true;
 }
 
 bool VirtualTool::place(const Pose& tool, std::span<const ToolGround> grounds) noexcept {
   VirtualToolFrame out;
   reset();
-  if (grounds.size() > options_.objects || !start(tool, grounds, out)) return false;
+  if (grounds.size() > options_.objects || !start(tool, grounds, out))
+    return false;
   hand_ = tool;
   placed_s_ = options_.fade_s;
   return true;
 }
 
-/// Way of the object that has moved most since the last frame [m]; the rows are of no use any more where one has.
+/// Way of the object that has moved most since the last frame [m]; the rows are of no use any more
+/// where one has.
 double VirtualTool::objects_moved(std::span<const ToolGround> grounds) noexcept {
   double most = 0.0;
   for (std::size_t n = 0; n < grounds.size(); ++n) {
     most = std::max(most, (grounds[n].displacement - displacements_[n]).norm());
     displacements_[n] = grounds[n].displacement;
   }
-  if (most > 0.0) rows_known_ = false;
+  if (most > 0.0)
+    rows_known_ = false;
   return most;
 }
 
@@ -189,11 +218,13 @@ double VirtualTool::way_of(const Vec6& delta) const noexcept {
 double VirtualTool::longest_step(std::span<const ToolGround> grounds) const noexcept {
   const double edge = options_.edge_m;
   double longest = std::numeric_limits<double>::infinity();
-  if (!rows_.empty()) longest = 0.0;
+  if (!rows_.empty())
+    longest = 0.0;
   for (const ToolGround& ground : grounds) {
     const voxmap::Grid& grid = ground.query->voxmap().grid();
     const Vec3 u = (tool_.position - ground.displacement - grid.origin) / grid.edge;
-    longest = std::min(longest, grid.edge * ground.query->voxmap().free_distance_voxels(u) - options_.reach_m);
+    longest = std::min(
+        longest, grid.edge * ground.query->voxmap().free_distance_voxels(u) - options_.reach_m);
   }
   return std::max(longest, limits::kToolStepEdges * edge);
 }
@@ -208,14 +239,18 @@ void VirtualTool::go_back_to(const Kept& kept, VirtualToolFrame& out) noexcept {
   tool_ = kept.tool;
   rows_ = others_;  // of the same capacity: nothing is allocated
   rows_energy_ = kept.rows_energy, worst_depth_m_ = kept.worst_depth_m;
-  out.surface_hits = kept.surface_hits, out.interior_hits = kept.interior_hits, out.points_tested = kept.points_tested;
+  out.surface_hits = kept.surface_hits, out.interior_hits = kept.interior_hits,
+  out.points_tested = kept.points_tested;
 }
 
-/// Moves the virtual tool towards its balance with `hand`. \returns the last step that was solved, which is not taken.
-EquilibriumStep VirtualTool::follow(const Pose& hand, double friction, std::span<const ToolGround> grounds, const Reach& reach,
+/// Moves the virtual tool towards its balance with `hand`. \returns the last step that was solved,
+/// which is not taken.
+EquilibriumStep VirtualTool::follow(const Pose& hand, double friction,
+                                    std::span<const ToolGround> grounds, const Reach& reach,
                                     VirtualToolFrame& out) noexcept {
   const double edge = options_.edge_m, pull = limits::kPullEdges * edge;
-  const double rest = std::clamp(limits::kRestShare * reach.hand_m, limits::kRestEdges * edge, limits::kRestMostEdges * edge);
+  const double rest = std::clamp(limits::kRestShare * reach.hand_m, limits::kRestEdges * edge,
+                                 limits::kRestMostEdges * edge);
   double way_left_m = reach.tool_m;
   Kept best;
   blocked_ = false;
@@ -226,32 +261,46 @@ EquilibriumStep VirtualTool::follow(const Pose& hand, double friction, std::span
     const Vec6 cut = !rows_.empty() && length > pull ? Vec6(spring * (pull / length)) : spring;
     // Where the way is used up, what still is inside is pushed out, and no more.
     const bool pulled = way_left_m > 0.1 * limits::kRestEdges * edge;
-    const EquilibriumStep step = pulled ? solve(cut, friction) : equilibrium_step(rows_, Vec6::Zero());
+    const EquilibriumStep step =
+        pulled ? solve(cut, friction) : equilibrium_step(rows_, Vec6::Zero());
     const double way = way_of(step.delta);
     out.iterations += step.iterations;
     out.residual_m = way;
-    const bool rests = (way < rest && (step.pushed || !pulled)) || (way == 0.0 && same(tool_, hand));
+    const bool rests =
+        (way < rest && (step.pushed || !pulled)) || (way == 0.0 && same(tool_, hand));
     out.cut_short = queries >= limits::kMinQueries && !rests && work_is_done(out);
-    const bool done = queries >= (step.pushed ? limits::kMaxQueriesInContact : limits::kMaxQueries) || rests || out.cut_short;
+    const bool done =
+        queries >= (step.pushed ? limits::kMaxQueriesInContact : limits::kMaxQueries) || rests ||
+        out.cut_short;
     const double energy = spring_energy(length, pull) + rows_energy_;
     const double bump = limits::kBumpShare * reach.hand_m * std::min(length, pull);
     if (worse == 0 || energy <= best.energy + bump) {
-      best = {tool_, energy, rows_energy_, worst_depth_m_, out.surface_hits, out.interior_hits, out.points_tested};
+      best = {tool_,
+              energy,
+              rows_energy_,
+              worst_depth_m_,
+              out.surface_hits,
+              out.interior_hits,
+              out.points_tested};
       worse = 0;
     } else if (done || worse >= limits::kMaxWorse) {
       go_back_to(best, out);
       blocked_ = true;
       return balance(hand, friction, out);
     }
-    if (done) return pulled ? step : balance(hand, friction, out);
-    const double most = pulled ? std::min(longest_step(grounds), way_left_m) : longest_step(grounds);
+    if (done)
+      return pulled ? step : balance(hand, friction, out);
+    const double most =
+        pulled ? std::min(longest_step(grounds), way_left_m) : longest_step(grounds);
     const double share = way <= most ? 1.0 : most / way;
-    if (worse++ == 0) others_ = rows_;
+    if (worse++ == 0)
+      others_ = rows_;
     if (pulled && !step.pushed && way <= most && length <= pull) {
       tool_ = hand;
     } else {
       tool_.position = on_lattice(tool_.position + share * step.delta.head<3>(), options_.edge_m);
-      tool_.orientation = turned(tool_.orientation, share * step.delta.tail<3>() / options_.lever_m);
+      tool_.orientation =
+          turned(tool_.orientation, share * step.delta.tail<3>() / options_.lever_m);
     }
     look_up(tool_, grounds, way <= limits::kSmoothWayEdges * edge, out);
     way_left_m -= share * way;
@@ -262,16 +311,20 @@ EquilibriumStep VirtualTool::follow(const Pose& hand, double friction, std::span
 bool VirtualTool::work_is_done(const VirtualToolFrame& out) const noexcept {
   const ToolWork& work = options_.work;
   const double lookups = static_cast<double>(lookups_), queries = std::max(1, out.queries);
-  const double so_far = work.per_query * lookups + work.per_point * static_cast<double>(tested_) + work.per_iteration * out.iterations;
-  const double next = work.per_query * lookups / queries + work.per_point * out.points_tested + work.per_iteration * out.iterations / queries;
+  const double so_far = work.per_query * lookups + work.per_point * static_cast<double>(tested_) +
+                        work.per_iteration * out.iterations;
+  const double next = work.per_query * lookups / queries + work.per_point * out.points_tested +
+                      work.per_iteration * out.iterations / queries;
   return so_far + next > work.most;
 }
 
 /// The step from where the tool is: what still pulls and pushes there.
-EquilibriumStep VirtualTool::balance(const Pose& hand, double friction, VirtualToolFrame& out) noexcept {
+EquilibriumStep VirtualTool::balance(const Pose& hand, double friction,
+                                     VirtualToolFrame& out) noexcept {
   const double pull = limits::kPullEdges * options_.edge_m;
   Vec6 spring = spring_to(hand);
-  if (const double length = spring.norm(); !rows_.empty() && length > pull) spring *= pull / length;
+  if (const double length = spring.norm(); !rows_.empty() && length > pull)
+    spring *= pull / length;
   const EquilibriumStep step = solve(spring, friction);
   out.iterations += step.iterations;
   out.residual_m = way_of(step.delta);
@@ -293,12 +346,14 @@ void VirtualTool::tell(const EquilibriumStep& step, VirtualToolFrame& out) noexc
   double most = 0.0;
   for (const ConstraintRow& row : rows_) {
     const double push = limits::kRowStiffness * depth_after(row, step.delta);
-    if (!(push > 0.0)) continue;
+    if (!(push > 0.0))
+      continue;
     ++out.rows;
     Wrench& sum = pushes_[row.object];
     sum.force += push * row.normal();
     sum.torque += push * row.arm.cross(row.normal());
-    if (push <= most) continue;
+    if (push <= most)
+      continue;
     most = push;
     out.contact_point = tool_.position + row.arm;
     out.contact_normal = row.normal();
@@ -306,7 +361,8 @@ void VirtualTool::tell(const EquilibriumStep& step, VirtualToolFrame& out) noexc
   }
 }
 
-VirtualToolFrame VirtualTool::frame(const HandSample& sample, std::span<const ToolGround> grounds) noexcept {
+VirtualToolFrame VirtualTool::frame(const HandSample& sample,
+                                    std::span<const ToolGround> grounds) noexcept {
   VirtualToolFrame out;
   out.lever_m = options_.lever_m;
   out.tool = tool_;
@@ -315,22 +371,26 @@ VirtualToolFrame VirtualTool::frame(const HandSample& sample, std::span<const To
   tested_ = lookups_ = 0;
   Pose hand = sample.pose;
   out.pose_status = status_of(hand, grounds);
-  if (out.pose_status != PoseStatus::kUsable) return out;
+  if (out.pose_status != PoseStatus::kUsable)
+    return out;
 
   const double moved = placed_ ? objects_moved(grounds) : 0.0;
   out.moved_too_far = moved > limits::kToolStepEdges * options_.edge_m;
   if (!placed_) {
-    if (!start(hand, grounds, out)) return out;
+    if (!start(hand, grounds, out))
+      return out;
     out.unplaced = false;
     placed_s_ = 0.0;
     hand_ = hand;
   } else {
     placed_s_ += std::max(0.0, sample.period_s);
   }
-  if (!rows_known_) look_up(tool_, grounds, true, out);
+  if (!rows_known_)
+    look_up(tool_, grounds, true, out);
 
   Vec6 hands_way;
-  hands_way << hand.position - hand_.position, options_.lever_m * rotation_vector(hand_.orientation, hand.orientation);
+  hands_way << hand.position - hand_.position,
+      options_.lever_m * rotation_vector(hand_.orientation, hand.orientation);
   Reach reach{way_of(hands_way) + moved, std::numeric_limits<double>::infinity()};
   if (pressed_)  // in contact the tool snaps slowly; free, it is the hand
     reach.tool_m = reach.hand_m + std::max(limits::kSnapShare * way_of(spring_to(hand)),
@@ -339,11 +399,13 @@ VirtualToolFrame VirtualTool::frame(const HandSample& sample, std::span<const To
   const EquilibriumStep step = follow(hand, std::max(0.0, sample.friction), grounds, reach, out);
   tell(step, out);
   const bool free = same(tool_, hand);
-  // Short of a face, where no point is in its voxels any more, no row pushes; but the way on was tried, and led into the wall.
+  // Short of a face, where no point is in its voxels any more, no row pushes; but the way on was
+  // tried, and led into the wall.
   out.lag = !free && !step.pushed && !pressed_ && !blocked_;
   out.constrained = !free && !out.lag;
   pressed_ = out.constrained;
-  if (!out.lag) out.share = options_.fade_s > 0.0 ? std::min(1.0, placed_s_ / options_.fade_s) : 1.0;
+  if (!out.lag)
+    out.share = options_.fade_s > 0.0 ? std::min(1.0, placed_s_ / options_.fade_s) : 1.0;
   return out;
 }
 

@@ -17,16 +17,19 @@ Mat3 pushing_directions(const Mat3& stiffness, const Vec3& push) noexcept {
   if (const double most = largest_eigenvalue(stiffness); most > kNoStiffness)
     return (0.5 / most) * (stiffness + stiffness.transpose());
   const double size = push.stableNorm();
-  if (!(size > kNoStiffness)) return Mat3::Zero();
+  if (!(size > kNoStiffness))
+    return Mat3::Zero();
   const Vec3 along = push / size;
   return along * along.transpose();
 }
 
 void never_pull(Vec3& sum, const Vec3& push) noexcept {
   const double size = push.stableNorm();
-  if (!(size > kNoStiffness)) return;
+  if (!(size > kNoStiffness))
+    return;
   const Vec3 along = push / size;
-  if (const double pull = along.dot(sum); pull < 0.0) sum -= pull * along;
+  if (const double pull = along.dot(sum); pull < 0.0)
+    sum -= pull * along;
 }
 
 bool bound_addition(Vec3& damping, const Vec3& push, double most) noexcept {
@@ -43,18 +46,25 @@ bool bound_addition(Vec3& damping, const Vec3& push, double most) noexcept {
   return cut;
 }
 
-InjectedWrench InjectedDamping::of(const CouplingInput& contact, const Vec3& law_force, const Twist& velocity) const noexcept {
+InjectedWrench InjectedDamping::of(const CouplingInput& contact, const Vec3& law_force,
+                                   const Twist& velocity) const noexcept {
   InjectedWrench out;
   const Mat6& k = contact.contact_stiffness;
-  // It is there to make up for stiffness that comes late; a force without any (a medium's drag, a weight) needs none.
-  if (!(contact.contact_stiffness_n_per_m > 0.0) && k.isZero(0.0)) return out;
+  // It is there to make up for stiffness that comes late; a force without any (a medium's drag, a
+  // weight) needs none.
+  if (!(contact.contact_stiffness_n_per_m > 0.0) && k.isZero(0.0))
+    return out;
   if (linear_.now() > 0.0)
-    out.wrench.force = -linear_.now() * (pushing_directions(k.topLeftCorner<3, 3>(), contact.contact.force) * velocity.linear);
+    out.wrench.force =
+        -linear_.now() *
+        (pushing_directions(k.topLeftCorner<3, 3>(), contact.contact.force) * velocity.linear);
   if (angular_.now() > 0.0)
     out.wrench.torque =
-        -angular_.now() * (pushing_directions(k.bottomRightCorner<3, 3>(), contact.contact.torque) * velocity.angular);
+        -angular_.now() * (pushing_directions(k.bottomRightCorner<3, 3>(), contact.contact.torque) *
+                           velocity.angular);
   if (const double parts = parts_.now(); parts > 0.0)
-    out.bounded = bound_addition(out.wrench.force, law_force, law_force.stableNorm() / parts + free_.now());
+    out.bounded =
+        bound_addition(out.wrench.force, law_force, law_force.stableNorm() / parts + free_.now());
   return out;
 }
 

@@ -1,21 +1,25 @@
 #pragma once
-/// Damping that the coupling adds while the tool touches, and the rule that no addition may turn a push into a pull.
+/// Damping that the coupling adds while the tool touches, and the rule that no addition may turn a
+/// push into a pull.
 #include "core/coupling/coupling.hpp"
 #include "core/coupling/ramp.hpp"
 
 namespace voxtouch::coupling {
 
-/// Where a contact pushes: P = K / lambda_max(K) of one 3x3 block of its stiffness matrix, symmetric with 0 <= P <= I. Across
-/// the pushing directions P is zero, so sliding over a plane stays free; a corner is damped both ways. Where the matrix is
-/// zero, P is the projector on `push`; where that is zero too, P is zero. Finite inputs. Real-time safe.
+/// Where a contact pushes: P = K / lambda_max(K) of one 3x3 block of its stiffness matrix,
+/// symmetric with 0 <= P <= I. Across the pushing directions P is zero, so sliding over a plane
+/// stays free; a corner is damped both ways. Where the matrix is zero, P is the projector on
+/// `push`; where that is zero too, P is zero. Finite inputs. Real-time safe.
 Mat3 pushing_directions(const Mat3& stiffness, const Vec3& push) noexcept;
 
-/// Takes the part of `sum` that is against `push` out of it: afterwards push . sum >= 0. Two walls of a corner push as one
-/// here; only their common force is kept from pulling. `push` zero: nothing is done. Real-time safe.
+/// Takes the part of `sum` that is against `push` out of it: afterwards push . sum >= 0. Two walls
+/// of a corner push as one here; only their common force is kept from pulling. `push` zero: nothing
+/// is done. Real-time safe.
 void never_pull(Vec3& sum, const Vec3& push) noexcept;
 
-/// Cuts the part of `damping` that is along `push` or across it to a length of at most `most`; what is against `push` stays. Where `push` is zero
-/// nothing is left. True where something was cut. Real-time safe.
+/// Cuts the part of `damping` that is along `push` or across it to a length of at most `most`; what
+/// is against `push` stays. Where `push` is zero nothing is left. True where something was cut.
+/// Real-time safe.
 bool bound_addition(Vec3& damping, const Vec3& push, double most) noexcept;
 
 /// What injected damping adds to the law's wrench, W axes.
@@ -24,14 +28,18 @@ struct InjectedWrench {
   bool bounded = false;  ///< the force wanted to add more than it may, and was cut
 };
 
-/// The damping coefficients, which change without a step. The force is -B P v, of which no more than a share of the law's force, and a little that is hardly felt,
-/// is added to that: as the tool touches it begins with the law, and as the tool leaves it ends from what `never_pull` has left of it. The torque is not
-/// bounded: it begins with up to B P omega.
+/// The damping coefficients, which change without a step. The force is -B P v, of which no more
+/// than a share of the law's force, and a little that is hardly felt, is added to that: as the tool
+/// touches it begins with the law, and as the tool leaves it ends from what `never_pull` has left
+/// of it. The torque is not bounded: it begins with up to B P omega.
 class InjectedDamping {
  public:
   /// The dampings of `spec`, as `validate` accepts it [Ns/m, Nms/rad].
   explicit InjectedDamping(const CouplingSpec& spec) noexcept
-      : linear_(spec.injected_damping_ns_per_m), angular_(spec.injected_damping_nms_per_rad), parts_(parts_of(spec)), free_(spec.damper_free_n) {}
+      : linear_(spec.injected_damping_ns_per_m),
+        angular_(spec.injected_damping_nms_per_rad),
+        parts_(parts_of(spec)),
+        free_(spec.damper_free_n) {}
   /// Goes to the dampings and the share of `spec` over `over_s` > 0. Real-time safe.
   void redesign(const CouplingSpec& spec, double over_s) noexcept {
     linear_.head_for(spec.injected_damping_ns_per_m, over_s);
@@ -40,12 +48,18 @@ class InjectedDamping {
     free_.head_for(spec.damper_free_n, over_s);
   }
   /// Moves on by `dt_s` [s] on that way. Real-time safe.
-  void advance(double dt_s) noexcept { linear_.advance(dt_s), angular_.advance(dt_s), parts_.advance(dt_s), free_.advance(dt_s); }
-  /// What to add for `contact`, of which the law gives the force `law_force`, at velocity v^: nothing where it shows no stiffness at all. Real-time safe.
-  InjectedWrench of(const CouplingInput& contact, const Vec3& law_force, const Twist& velocity) const noexcept;
+  void advance(double dt_s) noexcept {
+    linear_.advance(dt_s), angular_.advance(dt_s), parts_.advance(dt_s), free_.advance(dt_s);
+  }
+  /// What to add for `contact`, of which the law gives the force `law_force`, at velocity v^:
+  /// nothing where it shows no stiffness at all. Real-time safe.
+  InjectedWrench of(const CouplingInput& contact, const Vec3& law_force,
+                    const Twist& velocity) const noexcept;
 
  private:
-  static double parts_of(const CouplingSpec& spec) noexcept { return spec.damper_share > 0.0 ? 1.0 / spec.damper_share : 0.0; }
+  static double parts_of(const CouplingSpec& spec) noexcept {
+    return spec.damper_share > 0.0 ? 1.0 / spec.damper_share : 0.0;
+  }
 
   Ramp linear_, angular_;
   Ramp parts_;  ///< one over the share; 0: without a bound

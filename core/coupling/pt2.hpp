@@ -1,11 +1,12 @@
 #pragma once
-/// The second-order low-pass of the paper's section 3 for one number: H(s) = K w0^2 / (s^2 + 2 d w0 s + w0^2), sampled with
-/// the Tustin rule s = (2/T) (z - 1)/(z + 1).
+/// The second-order low-pass of the paper's section 3 for one number: H(s) = K w0^2 / (s^2 + 2 d w0
+/// s + w0^2), sampled with the Tustin rule s = (2/T) (z - 1)/(z + 1).
 ///
-/// Realisation: the trapezoid rule on the states y and v = y'/w0, solved for the step's increments. It has the printed
-/// H_f(z) exactly, but its state is physical: (y - K u)^2 + v^2 never grows for a constant input, whatever w0, d and T do from
-/// sample to sample, so parameters may change at any time and from rest |y| <= 2 |K| max|u|. A direct form has neither: its
-/// error grows with 1/(w0 T)^2 and it can blow up where T changes.
+/// Realisation: the trapezoid rule on the states y and v = y'/w0, solved for the step's increments.
+/// It has the printed H_f(z) exactly, but its state is physical: (y - K u)^2 + v^2 never grows for
+/// a constant input, whatever w0, d and T do from sample to sample, so parameters may change at any
+/// time and from rest |y| <= 2 |K| max|u|. A direct form has neither: its error grows with 1/(w0
+/// T)^2 and it can blow up where T changes.
 #include <cmath>
 
 namespace voxtouch::coupling {
@@ -16,7 +17,8 @@ struct Pt2Coefficients {
   double c = 0;   ///< 2 (2 d + g)
   double gd = 0;  ///< g / (1 + 2 d g + g^2)
 
-  /// Of the Tustin rule without prewarping, for w0 >= 0, d >= 0 and T > 0 (the paper, section 3). Real-time safe.
+  /// Of the Tustin rule without prewarping, for w0 >= 0, d >= 0 and T > 0 (the paper, section 3).
+  /// Real-time safe.
   static Pt2Coefficients of(double w0_rad_per_s, double damping_ratio, double period_s) noexcept {
     const double g = 0.5 * w0_rad_per_s * period_s, damped = 2.0 * damping_ratio + g;
     return {g, 2.0 * damped, g / (1.0 + g * damped)};
@@ -29,22 +31,26 @@ struct Pt2State {
   double v = 0;       ///< y' / w0
   double u_last = 0;  ///< last input
 
-  /// Below this, without input, the state is set to zero: left alone it would decay into denormal numbers, which cost twenty
-  /// times the time, and would stick there.
+  /// Below this, without input, the state is set to zero: left alone it would decay into denormal
+  /// numbers, which cost twenty times the time, and would stick there.
   static constexpr double kRest = 1e-12;
 
-  /// One sample with the input `u` [any unit]; gives the output in the unit of `gain * u`. Real-time safe.
+  /// One sample with the input `u` [any unit]; gives the output in the unit of `gain * u`.
+  /// Real-time safe.
   double advance(const Pt2Coefficients& k, double gain, double u) noexcept {
     const double e = gain * (u + u_last) - 2.0 * y;
     const double dv = k.gd * (e - k.c * v);
     y += k.g * (2.0 * v + dv);
     v += dv;
     u_last = u;
-    if (u == 0.0 && std::abs(y) + std::abs(v) < kRest) y = v = 0.0;
+    if (u == 0.0 && std::abs(y) + std::abs(v) < kRest)
+      y = v = 0.0;
     return y;
   }
   /// At rest at `y0`; the input that keeps it there is y0 / gain.
-  void reset(double y0, double gain) noexcept { y = y0, v = 0.0, u_last = gain == 0.0 ? 0.0 : y0 / gain; }
+  void reset(double y0, double gain) noexcept {
+    y = y0, v = 0.0, u_last = gain == 0.0 ? 0.0 : y0 / gain;
+  }
 };
 
 }  // namespace voxtouch::coupling

@@ -5,11 +5,13 @@
 
 namespace voxtouch::coupling {
 
-/// Least time [s] over which a parameter that changes the displayed stiffness or damping goes from one value to the next. A
-/// stiffness that rises by dk while pressed in by p gives the hand dk p^2 / 2, which the loop must have time to take.
+/// Least time [s] over which a parameter that changes the displayed stiffness or damping goes from
+/// one value to the next. A stiffness that rises by dk while pressed in by p gives the hand dk p^2
+/// / 2, which the loop must have time to take.
 inline constexpr double kMinRampS = 0.02;
 
-/// The same where a filter with w0 [rad/s] stands behind: five of its times, if that is longer. w0 <= 0: there is none.
+/// The same where a filter with w0 [rad/s] stands behind: five of its times, if that is longer. w0
+/// <= 0: there is none.
 inline double ramp_behind_filter_s(double w0_rad_per_s) noexcept {
   return w0_rad_per_s > 0.0 ? std::max(5.0 / w0_rad_per_s, kMinRampS) : kMinRampS;
 }
@@ -22,10 +24,13 @@ class Ramp {
   explicit Ramp(double value) noexcept : now_(value), goal_(value) {}
 
   /// From where it is to `goal` in `duration_s` > 0.
-  void head_for(double goal, double duration_s) noexcept { goal_ = goal, rate_ = std::abs(goal - now_) / duration_s; }
+  void head_for(double goal, double duration_s) noexcept {
+    goal_ = goal, rate_ = std::abs(goal - now_) / duration_s;
+  }
   /// Moves on by `dt_s` [s] and gives the number as it is then.
   double advance(double dt_s) noexcept {
-    if (now_ != goal_) now_ = std::clamp(goal_, now_ - rate_ * dt_s, now_ + rate_ * dt_s);
+    if (now_ != goal_)
+      now_ = std::clamp(goal_, now_ - rate_ * dt_s, now_ + rate_ * dt_s);
     return now_;
   }
   double now() const noexcept { return now_; }

@@ -21,53 +21,69 @@ PassivityLimits limits_of(const CouplingSpec& spec) noexcept {
   return {spec.passivity_damping_limit_ns_per_m, spec.passivity_damping_limit_nms_per_rad};
 }
 
-const CouplingSpec& checked(const CouplingSpec& spec, const CouplingLimits& limits, double sample_time_s, double ramp_s,
-                            const ToolSpeedLimits& speeds) {
+const CouplingSpec& checked(const CouplingSpec& spec, const CouplingLimits& limits,
+                            double sample_time_s, double ramp_s, const ToolSpeedLimits& speeds) {
   for (const CouplingIssue& issue : validate(spec, limits, sample_time_s))
-    if (issue.refuse) throw std::invalid_argument("Coupling: " + issue.sentence);
+    if (issue.refuse)
+      throw std::invalid_argument("Coupling: " + issue.sentence);
   if (!(ramp_s >= 0.0 && std::isfinite(ramp_s)))
-    throw std::invalid_argument(fmt::format("Coupling: ramp_s is {}; it must be 0 or above.", ramp_s));
-  if (!(speeds.linear_m_per_s > 0.0 && speeds.angular_rad_per_s > 0.0))
     throw std::invalid_argument(
-        fmt::format("Coupling: the tool's largest speeds are {} m/s and {} rad/s; both must be above 0.",
-                    speeds.linear_m_per_s, speeds.angular_rad_per_s));
+        fmt::format("Coupling: ramp_s is {}; it must be 0 or above.", ramp_s));
+  if (!(speeds.linear_m_per_s > 0.0 && speeds.angular_rad_per_s > 0.0))
+    throw std::invalid_argument(fmt::format(
+        "Coupling: the tool's largest speeds are {} m/s and {} rad/s; both must be above 0.",
+        speeds.linear_m_per_s, speeds.angular_rad_per_s));
   return spec;
 }
 
 constexpr double kMaxSuppliedN = 100.0, kMaxSuppliedMPerS = 2.0;
 
 bool pushes(const CouplingInput& in) noexcept {
-  return !in.contact.zero() || in.contact_stiffness_n_per_m > 0.0 || !in.contact_stiffness.isZero(0.0);
+  return !in.contact.zero() || in.contact_stiffness_n_per_m > 0.0 ||
+         !in.contact_stiffness.isZero(0.0);
 }
 
 }  // namespace
 
-RunningCoupling::RunningCoupling(const CouplingSpec& spec, const CouplingLimits& limits, double sample_time_s,
-                                 double ramp_s, const ToolSpeedLimits& speeds)
-    : limits_(limits), nominal_s_(sample_time_s), policy_(sample_time_s, ramp_s),
-      law_(law_of(checked(spec, limits, sample_time_s, ramp_s, speeds), sample_time_s)), cap_(spec),
-      motion_(sample_time_s, spec.velocity_filter_hz, speeds, static_cast<int>(spec.velocity_window)), injected_(spec), passivity_(sample_time_s),
+RunningCoupling::RunningCoupling(const CouplingSpec& spec, const CouplingLimits& limits,
+                                 double sample_time_s, double ramp_s, const ToolSpeedLimits& speeds)
+    : limits_(limits),
+      nominal_s_(sample_time_s),
+      policy_(sample_time_s, ramp_s),
+      law_(law_of(checked(spec, limits, sample_time_s, ramp_s, speeds), sample_time_s)),
+      cap_(spec),
+      motion_(sample_time_s, spec.velocity_filter_hz, speeds,
+              static_cast<int>(spec.velocity_window)),
+      injected_(spec),
+      passivity_(sample_time_s),
       passivity_limits_(limits_of(spec)) {
   motion_.set_slow(spec.slow_velocity_hz, spec.velocity_band_m_per_s);
 }
 
-RunningCoupling::Law RunningCoupling::law_of(const CouplingSpec& spec, double sample_time_s) noexcept {
+RunningCoupling::Law RunningCoupling::law_of(const CouplingSpec& spec,
+                                             double sample_time_s) noexcept {
   switch (kind_of(spec)) {
-    case CouplingKind::kShapingFilter: return ShapingFilter(spec, sample_time_s);
-    case CouplingKind::kSpringDamper: return SpringDamper(spec);
-    case CouplingKind::kDirect: break;
+    case CouplingKind::kShapingFilter:
+      return ShapingFilter(spec, sample_time_s);
+    case CouplingKind::kSpringDamper:
+      return SpringDamper(spec);
+    case CouplingKind::kDirect:
+      break;
   }
   return DirectCoupling();
 }
 
-CouplingKind RunningCoupling::kind() const noexcept { return static_cast<CouplingKind>(law_.index()); }
+CouplingKind RunningCoupling::kind() const noexcept {
+  return static_cast<CouplingKind>(law_.index());
+}
 
 double RunningCoupling::gain() const noexcept {
   const ShapingFilter* filter = std::get_if<ShapingFilter>(&law_);
   return filter ? filter->gain() : 1.0;
 }
 
-/// The next samples fade from `start` to theirs; what is not finite or over the limits is not given.
+/// The next samples fade from `start` to theirs; what is not finite or over the limits is not
+/// given.
 void RunningCoupling::start_law_at(const Wrench& start) noexcept {
   given_ = start.finite() ? start : Wrench{};
   clamp_wrench(given_, limits_.max_force_n, limits_.max_torque_nm);
@@ -79,7 +95,8 @@ void RunningCoupling::start_law_at(const Wrench& start) noexcept {
 
 bool RunningCoupling::redesign(const CouplingSpec& spec) {
   for (const CouplingIssue& issue : validate(spec, limits_, nominal_s_))
-    if (issue.refuse) return false;
+    if (issue.refuse)
+      return false;
   if (kind_of(spec) != kind()) {
     law_ = law_of(spec, nominal_s_);
     start_law_at(given_);
@@ -89,7 +106,9 @@ bool RunningCoupling::redesign(const CouplingSpec& spec) {
     spring->redesign(spec);
   }
   cap_.redesign(spec);
-  injected_.redesign(spec, ramp_behind_filter_s(kind() == CouplingKind::kShapingFilter ? cutoff_rad_per_s(spec) : 0.0));
+  injected_.redesign(
+      spec,
+      ramp_behind_filter_s(kind() == CouplingKind::kShapingFilter ? cutoff_rad_per_s(spec) : 0.0));
   motion_.set_filter(spec.velocity_filter_hz, static_cast<int>(spec.velocity_window));
   motion_.set_slow(spec.slow_velocity_hz, spec.velocity_band_m_per_s);
   passivity_limits_ = limits_of(spec);
@@ -107,7 +126,8 @@ void RunningCoupling::reset(const Wrench& start) noexcept {
 
 CouplingOutput RunningCoupling::step(const CouplingInput& input, double dt_s) noexcept {
   const PolicedSample sample = policy_.apply(input, dt_s);
-  if (dt_s > kGapPeriods * nominal_s_) passivity_.reset();
+  if (dt_s > kGapPeriods * nominal_s_)
+    passivity_.reset();
   way_ = motion_.step(input.tool, dt_s);
   count_way();
   passivity_.observe(way_, in_contact_, sample.dt_s, newly_supplied(input, sample.dt_s));
@@ -126,19 +146,24 @@ CouplingOutput RunningCoupling::step(const CouplingInput& input, double dt_s) no
   return out;
 }
 
-/// Of what was supplied in W the hand gets as much as the law shows of a force. Never more than the largest force can do.
+/// Of what was supplied in W the hand gets as much as the law shows of a force. Never more than the
+/// largest force can do.
 double RunningCoupling::newly_supplied(const CouplingInput& input, double dt_s) noexcept {
-  if (!std::isfinite(input.supplied_energy_j)) return 0.0;
-  const double before = supplied_j_.value_or(input.supplied_energy_j), more = input.supplied_energy_j - before;
+  if (!std::isfinite(input.supplied_energy_j))
+    return 0.0;
+  const double before = supplied_j_.value_or(input.supplied_energy_j),
+               more = input.supplied_energy_j - before;
   supplied_j_ = input.supplied_energy_j;
   const double most = std::min(limits_.max_force_n, kMaxSuppliedN) * kMaxSuppliedMPerS * dt_s;
   return std::clamp(shown_ * more, -most, most);
 }
 
 /// The contact, capped and cut, through the law.
-Wrench RunningCoupling::run_law(const CouplingInput& input, const PolicedSample& sample, CouplingOutput& out) noexcept {
+Wrench RunningCoupling::run_law(const CouplingInput& input, const PolicedSample& sample,
+                                CouplingOutput& out) noexcept {
   if (sample.good) {
-    if (sample.gap) cap_.forget_contact();
+    if (sample.gap)
+      cap_.forget_contact();
     const CapShares shares = cap_.step(input, way_, sample.dt_s);
     out.scale = shares.wrench;
     contact_ = input;
@@ -156,14 +181,19 @@ Wrench RunningCoupling::run_law(const CouplingInput& input, const PolicedSample&
   LawInput in{contact_.contact, contact_.contact_stiffness_n_per_m, sample.dt_s, sample.weight};
   ShapingFilter* filter = std::get_if<ShapingFilter>(&law_);
   if (const double gain = filter ? filter->advance_gain() : 1.0; gain > 0.0) {
-    out.clamped = clamp_wrench(in.contact, limits_.max_force_n / gain, limits_.max_torque_nm / gain).any();
+    out.clamped =
+        clamp_wrench(in.contact, limits_.max_force_n / gain, limits_.max_torque_nm / gain).any();
   } else {
-    in.contact = {};  // gives zero anyhow, and an uncut input must not wait in the law's state for the gain to come back
+    in.contact = {};  // gives zero anyhow, and an uncut input must not wait in the law's state for
+                      // the gain to come back
   }
-  given_ = std::visit([&](auto& law) {
-    if (sample.gap) law.start_at(given_);
-    return law.step(in);
-  }, law_);
+  given_ = std::visit(
+      [&](auto& law) {
+        if (sample.gap)
+          law.start_at(given_);
+        return law.step(in);
+      },
+      law_);
   if (!given_.finite()) {
     ++counters_.not_finite;
     start_law_at({});
@@ -173,16 +203,21 @@ Wrench RunningCoupling::run_law(const CouplingInput& input, const PolicedSample&
 
 void RunningCoupling::add_damping(Wrench& sum, const Wrench& law, CouplingOutput& out) noexcept {
   const Twist& velocity = motion_.velocity();
-  const InjectedWrench injected = injected_.of(contact_, law.force, velocity);  // none where the contact does not push
+  const InjectedWrench injected =
+      injected_.of(contact_, law.force, velocity);  // none where the contact does not push
   sum.force += injected.wrench.force, sum.torque += injected.wrench.torque;
   out.bounded = injected.bounded, out.injected_n = injected.wrench.force.stableNorm();
-  // Within the band on the slow velocity too: a device without friction that rests on the encoder's steps calls for it, and on the fast one it would answer
-  // each of them. Its limit, half of what the loop bears on the fast one, is less than what it bears on a slower one.
-  PassivityDamping more = passivity_.control(contact_.contact.force, way_, velocity, passivity_limits_);
-  // Across the contact it works as friction does: no more than the push, so that it comes and goes with it.
+  // Within the band on the slow velocity too: a device without friction that rests on the encoder's
+  // steps calls for it, and on the fast one it would answer each of them. Its limit, half of what
+  // the loop bears on the fast one, is less than what it bears on a slower one.
+  PassivityDamping more =
+      passivity_.control(contact_.contact.force, way_, velocity, passivity_limits_);
+  // Across the contact it works as friction does: no more than the push, so that it comes and goes
+  // with it.
   clamp_length(more.tangential, law.force.stableNorm());
   sum.force += more.normal + more.tangential, sum.torque += more.torque;
-  if (law.zero() && !in_contact_) return;  // in free space `finish` takes it all away
+  if (law.zero() && !in_contact_)
+    return;  // in free space `finish` takes it all away
   out.damping_ns_per_m = more.linear_ns_per_m, out.damping_nms_per_rad = more.angular_nms_per_rad;
   out.passivity = more.linear_ns_per_m > 0.0 || more.angular_nms_per_rad > 0.0;
 }
@@ -196,14 +231,16 @@ void RunningCoupling::finish(Wrench& sum, const Wrench& law, CouplingOutput& out
     sum = law;
   }
   // The filter's tail: damping may take from it, not add to it.
-  if (!in_contact_) clamp_wrench(sum, law.force.stableNorm(), law.torque.stableNorm());
+  if (!in_contact_)
+    clamp_wrench(sum, law.force.stableNorm(), law.torque.stableNorm());
   out.clamped |= clamp_wrench(sum, limits_.max_force_n, limits_.max_torque_nm).any();
 }
 
 /// The way that the last command has worked on.
 void RunningCoupling::count_way() noexcept {
   const Wrench& applied = passivity_.applied();
-  if (applied.zero()) return;
+  if (applied.zero())
+    return;
   counters_.longest_way_m = std::max(counters_.longest_way_m, way_.shift.norm());
   counters_.longest_turn_rad = std::max(counters_.longest_turn_rad, way_.turn.norm());
 }
@@ -214,11 +251,14 @@ void RunningCoupling::count(const CouplingOutput& out) noexcept {
   const EnergyAccounts& energy = passivity_.energy();
   ++counters_.samples;
   counters_.faults = policy_.faults();
-  counters_.repeated += out.repeated_input, counters_.clamped += out.clamped, counters_.capped += out.capped;
+  counters_.repeated += out.repeated_input, counters_.clamped += out.clamped,
+      counters_.capped += out.capped;
   counters_.controlled += out.passivity, counters_.bounded += out.bounded;
   counters_.pose_jumps = motion_.jumps();
-  counters_.lowest_energy_j = std::min({counters_.lowest_energy_j, energy.normal_j, energy.tangential_j});
-  counters_.lowest_energy_rotation_j = std::min(counters_.lowest_energy_rotation_j, energy.rotation_j);
+  counters_.lowest_energy_j =
+      std::min({counters_.lowest_energy_j, energy.normal_j, energy.tangential_j});
+  counters_.lowest_energy_rotation_j =
+      std::min(counters_.lowest_energy_rotation_j, energy.rotation_j);
   counters_.most_damping_ns_per_m = std::max(counters_.most_damping_ns_per_m, out.damping_ns_per_m);
 }
 

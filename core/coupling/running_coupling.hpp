@@ -1,7 +1,8 @@
 #pragma once
 /// All that stands between contact and device at run time, in one step a sample.
 ///
-///   contact -> input policy -> stiffness cap -> clamp -> law -> + injected damping -> + passivity controller -> never pulling
+///   contact -> input policy -> stiffness cap -> clamp -> law -> + injected damping -> + passivity
+///   controller -> never pulling
 ///           -> limits -> command
 ///
 /// The law is one of the three couplings.
@@ -22,72 +23,82 @@ namespace voxtouch::coupling {
 
 /// One sample's answer, W axes. The bools are the command's status bits.
 struct CouplingOutput {
-  Wrench wrench;            ///< finite and within the limits, whatever came in
-  bool ramping = false;     ///< the input is still being faded in
+  Wrench wrench;                ///< finite and within the limits, whatever came in
+  bool ramping = false;         ///< the input is still being faded in
   bool repeated_input = false;  ///< the input was not usable; the last good one was used again
-  bool clamped = false;     ///< input or command was over the device's range and was cut
-  bool capped = false;      ///< the contact was stiffer than the cap: its wrench was scaled
-  bool passivity = false;   ///< the passivity controller adds damping
-  bool bounded = false;     ///< injected damping wanted to add more than it may, and was cut
-  double scale = 1.0;       ///< share of the contact's wrench that the stiffness cap leaves
-  double energy_j = 0.0;    ///< translation: what the hand has put in, net, since this contact began; see passivity.hpp
+  bool clamped = false;         ///< input or command was over the device's range and was cut
+  bool capped = false;          ///< the contact was stiffer than the cap: its wrench was scaled
+  bool passivity = false;       ///< the passivity controller adds damping
+  bool bounded = false;         ///< injected damping wanted to add more than it may, and was cut
+  double scale = 1.0;           ///< share of the contact's wrench that the stiffness cap leaves
+  double energy_j = 0.0;  ///< translation: what the hand has put in, net, since this contact began;
+                          ///< see passivity.hpp
   double energy_rotation_j = 0.0;
   double damping_ns_per_m = 0.0;  ///< what the passivity controller adds now; 0: it rests
   double damping_nms_per_rad = 0.0;
-  double injected_n = 0.0;  ///< size of the force that injected damping adds to the law's, or takes from it
+  double injected_n =
+      0.0;  ///< size of the force that injected damping adds to the law's, or takes from it
 };
 
 /// Since construction, for diagnostics.
 struct CouplingCounters {
   std::uint64_t samples = 0;
-  std::uint64_t faults = 0;  ///< bad periods and bad inputs
-  std::uint64_t repeated = 0;    ///< samples answered with the last good input once more
+  std::uint64_t faults = 0;    ///< bad periods and bad inputs
+  std::uint64_t repeated = 0;  ///< samples answered with the last good input once more
   std::uint64_t clamped = 0, capped = 0;
   std::uint64_t bounded = 0;     ///< samples in which injected damping was cut to what it may add
   std::uint64_t controlled = 0;  ///< samples in which the passivity controller added damping
   std::uint64_t pose_jumps = 0;
-  std::uint64_t not_finite = 0;  ///< commands that no longer were numbers; the law was started again
+  std::uint64_t not_finite =
+      0;  ///< commands that no longer were numbers; the law was started again
   double lowest_energy_j = 0.0;  ///< of any single account of translation
   double lowest_energy_rotation_j = 0.0;
-  double most_damping_ns_per_m = 0.0;  ///< that the controller has added
-  double most_force_n = 0.0, most_torque_nm = 0.0;  ///< that was commanded
+  double most_damping_ns_per_m = 0.0;                  ///< that the controller has added
+  double most_force_n = 0.0, most_torque_nm = 0.0;     ///< that was commanded
   double longest_way_m = 0.0, longest_turn_rad = 0.0;  ///< of one sample to the next, under force
 };
 
 /// One device's coupling. Steps are real-time safe: no allocation, no lock, no throw.
 class RunningCoupling {
  public:
-  /// Throws std::invalid_argument with the first refusal of `validate`, or for a ramp or speed limit that is none.
+  /// Throws std::invalid_argument with the first refusal of `validate`, or for a ramp or speed
+  /// limit that is none.
   RunningCoupling(const CouplingSpec& spec, const CouplingLimits& limits, double sample_time_s,
                   double ramp_s = kDefaultRampS, const ToolSpeedLimits& speeds = {});
 
-  /// `dt_s` as measured between samples; out of [T/5, 5T] or not finite: the nominal period is used and counted. A gap of more than
-  /// 10 T starts again at the force given last and fades the new input in. A non-finite input is replaced by the last good one and counted.
-  /// Without contact nothing is added to the law's force, and where the law gives nothing the command is zero.
+  /// `dt_s` as measured between samples; out of [T/5, 5T] or not finite: the nominal period is used
+  /// and counted. A gap of more than 10 T starts again at the force given last and fades the new
+  /// input in. A non-finite input is replaced by the last good one and counted. Without contact
+  /// nothing is added to the law's force, and where the law gives nothing the command is zero.
   CouplingOutput step(const CouplingInput& input, double dt_s) noexcept;
-  /// Starts again at rest, giving `start`, as far as the limits allow, without a jump and fading from it to the contact; with `start`
-  /// zero as InputPolicy::restart says. Velocity and energy begin again too. For a new session, a clutch, a jump that is meant.
+  /// Starts again at rest, giving `start`, as far as the limits allow, without a jump and fading
+  /// from it to the contact; with `start` zero as InputPolicy::restart says. Velocity and energy
+  /// begin again too. For a new session, a clutch, a jump that is meant.
   void reset(const Wrench& start) noexcept;
 
-  /// Other parameters while running, also in contact, without a jump: cut-off and damping ratio at once (the filter's state
-  /// cannot grow by it), the gain at kGainSlewPerS, the spring-damper's c and r and the caps over kDefaultRampS, injected damping
-  /// over `ramp_behind_filter_s`, velocity estimate and controller limits at once. Another kind starts at the force that the old
-  /// law gave and fades to its own. False, and nothing changed, where `validate` refuses. Between two steps of the loop:
-  /// allocates only to word what validate finds.
+  /// Other parameters while running, also in contact, without a jump: cut-off and damping ratio at
+  /// once (the filter's state cannot grow by it), the gain at kGainSlewPerS, the spring-damper's c
+  /// and r and the caps over kDefaultRampS, injected damping over `ramp_behind_filter_s`, velocity
+  /// estimate and controller limits at once. Another kind starts at the force that the old law gave
+  /// and fades to its own. False, and nothing changed, where `validate` refuses. Between two steps
+  /// of the loop: allocates only to word what validate finds.
   bool redesign(const CouplingSpec& spec);
 
   CouplingKind kind() const noexcept;
-  double gain() const noexcept;  ///< of the shaping filter, on its way to the one that was set; 1 of the others
+  double gain() const
+      noexcept;  ///< of the shaping filter, on its way to the one that was set; 1 of the others
   const CouplingCounters& counters() const noexcept { return counters_; }
   const EnergyAccounts& energy() const noexcept { return passivity_.energy(); }
   const Twist& velocity() const noexcept { return motion_.velocity(); }  ///< v^ of the tool, W axes
 
  private:
-  using Law = std::variant<DirectCoupling, ShapingFilter, SpringDamper>;  ///< in the order of CouplingKind
+  using Law =
+      std::variant<DirectCoupling, ShapingFilter, SpringDamper>;  ///< in the order of CouplingKind
   static Law law_of(const CouplingSpec& spec, double sample_time_s) noexcept;
   void start_law_at(const Wrench& start) noexcept;
   double newly_supplied(const CouplingInput& input, double dt_s) noexcept;
-  Wrench run_law(const CouplingInput& input, const PolicedSample& sample, CouplingOutput& out) noexcept;
+  Wrench run_law(const CouplingInput& input, const PolicedSample& sample,
+                 CouplingOutput& out) noexcept;
   void add_damping(Wrench& sum, const Wrench& law, CouplingOutput& out) noexcept;
   void finish(Wrench& sum, const Wrench& law, CouplingOutput& out) noexcept;
   void count_way() noexcept;

@@ -11,14 +11,18 @@ constexpr double kRest = 1e-30;
 
 void settle(Vec3& delta) noexcept {
   for (double& x : delta)
-    if (std::abs(x) < kRest) x = 0.0;
+    if (std::abs(x) < kRest)
+      x = 0.0;
 }
 
 }  // namespace
 
-Vec3 UnilateralSpringDamper::step(const Vec3& f, double k, double c, double r, double dt_s) noexcept {
+Vec3 UnilateralSpringDamper::step(const Vec3& f, double k, double c, double r,
+                                  double dt_s) noexcept {
   const double damper = r / dt_s;
-  const double left = damper / (c + damper);  // share of the displacement that an unpushed object keeps over the step
+  const double left =
+      damper /
+      (c + damper);  // share of the displacement that an unpushed object keeps over the step
   const double size = f.norm();
   if (!(size > 0.0)) {
     delta *= left;
@@ -27,10 +31,12 @@ Vec3 UnilateralSpringDamper::step(const Vec3& f, double k, double c, double r, d
   }
   const Vec3 along = f / size;
   const double before = along.dot(delta);
-  // Below zero (the force has turned round within a step) the object would be pushed by more than the contact gives.
+  // Below zero (the force has turned round within a step) the object would be pushed by more than
+  // the contact gives.
   double now = std::max(0.0, (size + damper * before) / (k + c + damper));
   double given = size - k * now;
-  if (given < 0.0) given = 0.0, now = left * before;  // off the surface
+  if (given < 0.0)
+    given = 0.0, now = left * before;  // off the surface
   delta = left * (delta - before * along) + now * along;
   settle(delta);
   return given * along;
@@ -51,7 +57,8 @@ Wrench SpringDamper::step(const LawInput& in) noexcept {
   const double c = c_.advance(in.dt_s), r = r_.advance(in.dt_s);
   Wrench contact = in.contact;
   if (in.weight < 1.0) {
-    const double back = (1.0 - in.weight) * (c + in.stiffness_n_per_m) / c;  // f that would keep the force of the start at rest
+    const double back = (1.0 - in.weight) * (c + in.stiffness_n_per_m) /
+                        c;  // f that would keep the force of the start at rest
     contact.force = in.weight * in.contact.force + back * start_.force;
     contact.torque = in.weight * in.contact.torque + back * start_.torque;
   }

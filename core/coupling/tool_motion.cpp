@@ -10,19 +10,23 @@
 namespace voxtouch::coupling {
 namespace {
 
-/// How far a quaternion's norm may be from one [F7], and a velocity component that is none: denormal numbers are slow.
+/// How far a quaternion's norm may be from one [F7], and a velocity component that is none:
+/// denormal numbers are slow.
 constexpr double kNormBand = 1e-3, kRest = 1e-30;
 
 void blend(Vec3& mean, double old_share, const Vec3& sample) noexcept {
   mean = old_share * mean + (1.0 - old_share) * sample;
   for (double& x : mean)
-    if (std::abs(x) < kRest) x = 0.0;
+    if (std::abs(x) < kRest)
+      x = 0.0;
 }
 
 }  // namespace
 
-ToolMotion::ToolMotion(double nominal_s, double velocity_filter_hz, const ToolSpeedLimits& limits, int velocity_window) noexcept
-    : nominal_s_(nominal_s), limits_(limits) {
+ToolMotion::ToolMotion(double nominal_s, double velocity_filter_hz, const ToolSpeedLimits& limits,
+                       int velocity_window) noexcept
+    : nominal_s_(nominal_s),
+      limits_(limits) {
   set_filter(velocity_filter_hz, velocity_window);
   forget_velocity();
 }
@@ -53,7 +57,8 @@ void ToolMotion::forget_velocity() noexcept {
 }
 
 void ToolMotion::remember(const Vec3& shift, const Vec3& turn) noexcept {
-  const int size = static_cast<int>(ways_.size()), parts = std::clamp(static_cast<int>(std::lround(elapsed_s_ / nominal_s_)), 1, size);
+  const int size = static_cast<int>(ways_.size()),
+            parts = std::clamp(static_cast<int>(std::lround(elapsed_s_ / nominal_s_)), 1, size);
   for (int i = 0; i < parts; ++i) {
     newest_ = (newest_ + 1) % size;
     ways_[newest_] = {{shift / parts, turn / parts}, elapsed_s_ / parts};
@@ -74,9 +79,11 @@ Twist ToolMotion::quotient(int from, int count) const noexcept {
 
 Twist ToolMotion::velocity_of_window() const noexcept {
   const Twist last = quotient(0, window_last(window_));
-  if (known_ < window_span(window_)) return last;
+  if (known_ < window_span(window_))
+    return last;
   const Twist before = quotient(window_last(window_), window_before(window_));
-  return {last.linear + kWindowLead * (last.linear - before.linear), last.angular + kWindowLead * (last.angular - before.angular)};
+  return {last.linear + kWindowLead * (last.linear - before.linear),
+          last.angular + kWindowLead * (last.angular - before.angular)};
 }
 
 void ToolMotion::estimate_velocity(const Vec3& shift, const Vec3& turn) noexcept {
@@ -101,18 +108,23 @@ const ToolStep& ToolMotion::step(const Pose& tool, double dt_s) noexcept {
   const double gap_s = kGapPeriods * nominal_s_;
   const bool gap = dt_s > gap_s;
   elapsed_s_ += dt_s >= nominal_s_ / kPeriodBand && !gap ? dt_s : nominal_s_;
-  if (gap || elapsed_s_ > gap_s) forget();
+  if (gap || elapsed_s_ > gap_s)
+    forget();
   Quat orientation = tool.orientation;
-  const bool good = tool.position.allFinite() && tool.position.cwiseAbs().maxCoeff() <= kLargestInput &&
+  const bool good = tool.position.allFinite() &&
+                    tool.position.cwiseAbs().maxCoeff() <= kLargestInput &&
                     normalise_within(orientation, 1.0 - kNormBand, 1.0 + kNormBand);
-  if (good) move_to(tool.position, orientation);
+  if (good)
+    move_to(tool.position, orientation);
   return step_;
 }
 
 void ToolMotion::move_to(const Vec3& position, const Quat& orientation) noexcept {
   if (anchored_) {
-    const Vec3 shift = position - last_.position, turn = rotation_vector(last_.orientation, orientation);
-    if (shift.norm() <= limits_.linear_m_per_s * elapsed_s_ && turn.norm() <= limits_.angular_rad_per_s * elapsed_s_) {
+    const Vec3 shift = position - last_.position,
+               turn = rotation_vector(last_.orientation, orientation);
+    if (shift.norm() <= limits_.linear_m_per_s * elapsed_s_ &&
+        turn.norm() <= limits_.angular_rad_per_s * elapsed_s_) {
       step_ = {true, shift, turn};
       remember(shift, turn);
       estimate_velocity(shift, turn);

@@ -8,7 +8,8 @@
 
 namespace voxtouch::coupling {
 
-/// Faster than this, in W, no hand moves a tool: the pose has jumped. Multiply by the device's position scale.
+/// Faster than this, in W, no hand moves a tool: the pose has jumped. Multiply by the device's
+/// position scale.
 struct ToolSpeedLimits {
   double linear_m_per_s = 10.0;
   double angular_rad_per_s = 100.0;
@@ -25,25 +26,30 @@ struct ToolStep {
 ///
 ///     v^[n] = a v^[n-1] + (1 - a) (x[n] - x[n-1]) / dt,   a = exp(-w_v dt),
 ///
-/// a convex mean of difference quotients, so never larger than the largest of them. dt as measured, up to the gap; below the
-/// input policy's band, or no number: the nominal period. (Above the band a law must not trust dt, since its state would grow
-/// with it. Here a longer dt is the smaller velocity.) A sample without a usable pose leaves v^ as it is and its time counts
-/// towards the next; after a gap, and after a jump, v^ begins again at zero.
+/// a convex mean of difference quotients, so never larger than the largest of them. dt as measured,
+/// up to the gap; below the input policy's band, or no number: the nominal period. (Above the band
+/// a law must not trust dt, since its state would grow with it. Here a longer dt is the smaller
+/// velocity.) A sample without a usable pose leaves v^ as it is and its time counts towards the
+/// next; after a gap, and after a jump, v^ begins again at zero.
 ///
-/// With a window v^ is the formula of velocity_window.hpp for periods as measured, u and w each a way over its time. The way of a longer time
-/// than a period, of samples that were lost, counts as that many differences. Until the window is full v^ is u, as if the tool had rested
-/// before the first.
+/// With a window v^ is the formula of velocity_window.hpp for periods as measured, u and w each a
+/// way over its time. The way of a longer time than a period, of samples that were lost, counts as
+/// that many differences. Until the window is full v^ is u, as if the tool had rested before the
+/// first.
 ///
-/// With a band the linear part of the velocity is v^ + clamp(u^ - v^, +- band), each axis by itself, u^ of a first-order filter of its own: an encoder's
-/// step is smoothed as u^ smooths it, and what moves by more than the band is as late as v^. Off v^ by no more than the band, so whatever is bounded
-/// on v^ is bounded on it.
+/// With a band the linear part of the velocity is v^ + clamp(u^ - v^, +- band), each axis by
+/// itself, u^ of a first-order filter of its own: an encoder's step is smoothed as u^ smooths it,
+/// and what moves by more than the band is as late as v^. Off v^ by no more than the band, so
+/// whatever is bounded on v^ is bounded on it.
 class ToolMotion {
  public:
   /// `nominal_s`: the sample time [s]; `limits`: a pose that would need a faster tool is a jump.
   /// `velocity_window`: n, 0 to kMaxVelocityWindow; 0: the first-order filter with that cut-off.
-  ToolMotion(double nominal_s, double velocity_filter_hz, const ToolSpeedLimits& limits, int velocity_window = 0) noexcept;
+  ToolMotion(double nominal_s, double velocity_filter_hz, const ToolSpeedLimits& limits,
+             int velocity_window = 0) noexcept;
 
-  /// The way to `tool` (T in W) and the velocity there, `dt_s` [s] after the last sample. Valid until the next call.
+  /// The way to `tool` (T in W) and the velocity there, `dt_s` [s] after the last sample. Valid
+  /// until the next call.
   const ToolStep& step(const Pose& tool, double dt_s) noexcept;
   /// Another cut-off of v^ [Hz] or another window, from the next sample on.
   void set_filter(double velocity_filter_hz, int velocity_window = 0) noexcept;
@@ -68,7 +74,8 @@ class ToolMotion {
   Twist velocity_of_window() const noexcept;
   void estimate_velocity(const Vec3& shift, const Vec3& turn) noexcept;
 
-  double nominal_s_, cutoff_rad_per_s_ = 0.0, slow_rad_per_s_ = 0.0, band_m_per_s_ = 0.0, elapsed_s_ = 0.0;
+  double nominal_s_, cutoff_rad_per_s_ = 0.0, slow_rad_per_s_ = 0.0, band_m_per_s_ = 0.0,
+                     elapsed_s_ = 0.0;
   int window_ = 0;
   ToolSpeedLimits limits_;
   bool anchored_ = false;
@@ -76,7 +83,8 @@ class ToolMotion {
   ToolStep step_;
   Twist fast_, velocity_;  ///< v^, and what is told
   Vec3 slow_;              ///< u^; v^ where there is none
-  std::array<Way, window_span(kMaxVelocityWindow)> ways_;  ///< the last ones, a ring; for any window, so that another may be set
+  std::array<Way, window_span(kMaxVelocityWindow)>
+      ways_;  ///< the last ones, a ring; for any window, so that another may be set
   int newest_ = 0, known_ = 0;
   std::uint64_t jumps_ = 0;
 };

@@ -1,4 +1,5 @@
-// The dynamic object as a body: it is carried, falls, and rests. rigid_body.hpp moves it; the scene renderer runs that.
+// The dynamic object as a body: it is carried, falls, and rests. rigid_body.hpp moves it; the scene
+// renderer runs that.
 #include <array>
 #include <cmath>
 
@@ -18,15 +19,20 @@ constexpr std::array kParameters = {
                     .standard = {{0.0, 0.0, -9.81}},
                     .meaning = "Acceleration that it falls with, in W [m/s^2]."},
     row::number("grip_n_per_m", 1.0, 1e4, 200.0,
-                "Spring between the tool and the body while it is held [N/m]: all that the hand feels of it."),
-    row::number("grip_nm_per_rad", 0.0, 100.0, 0.3,
-                "The same against turning [Nm/rad]; a device without torque turns the body all the same."),
-    row::number("grip_damping_ratio", 0.1, 2.0, 1.0,
-                "Damping of that spring with the body's mass; 1: it comes to rest without swinging."),
-    row::number("grab_button", -1.0, 31.0, -1.0,
-                "Button of the device that holds the body while pressed, counted from 0; -1: always held."),
-    row::number("grab_distance_m", 0.0, 10.0, 0.02,
-                "The button takes the body up where the tool is this near to the body's origin [m]."),
+                "Spring between the tool and the body while it is held [N/m]: all that the hand "
+                "feels of it."),
+    row::number(
+        "grip_nm_per_rad", 0.0, 100.0, 0.3,
+        "The same against turning [Nm/rad]; a device without torque turns the body all the same."),
+    row::number(
+        "grip_damping_ratio", 0.1, 2.0, 1.0,
+        "Damping of that spring with the body's mass; 1: it comes to rest without swinging."),
+    row::number(
+        "grab_button", -1.0, 31.0, -1.0,
+        "Button of the device that holds the body while pressed, counted from 0; -1: always held."),
+    row::number(
+        "grab_distance_m", 0.0, 10.0, 0.02,
+        "The button takes the body up where the tool is this near to the body's origin [m]."),
 };
 
 /// All of it is in the body's motion: nothing is added to what acts on it.
@@ -35,12 +41,15 @@ class Body final : public Effect {
   void apply(const EffectFrame&, const EffectValues&, EffectPush&) noexcept override {}
 };
 
-EffectNeeds needs(const EffectValues&) { return {.twist = true, .orientation = true, .body = true}; }
+EffectNeeds needs(const EffectValues&) {
+  return {.twist = true, .orientation = true, .body = true};
+}
 
 EffectBound bound(const EffectValues& values) {
   const BodyParameters p = body_parameters(values);
   // Taken up off its origin it turns the hand by its lever as well.
-  const double lever = grab_button(values) < 0 ? 0.0 : p.grip_n_per_m * std::pow(grab_distance_m(values), 2);
+  const double lever =
+      grab_button(values) < 0 ? 0.0 : p.grip_n_per_m * std::pow(grab_distance_m(values), 2);
   return {.stiffness_n_per_m = p.grip_n_per_m,
           .stiffness_nm_per_rad = p.grip_nm_per_rad + lever,
           .damping_ns_per_m = 2.0 * p.grip_damping_ratio * std::sqrt(p.grip_n_per_m * p.mass_kg)};
@@ -61,16 +70,23 @@ BodyParameters body_parameters(const EffectValues& values) noexcept {
   p.grip_damping_ratio = values.number(kGripDamping);
   return p;
 }
-int grab_button(const EffectValues& values) noexcept { return static_cast<int>(std::lround(values.number(kGrabButton))); }
+int grab_button(const EffectValues& values) noexcept {
+  return static_cast<int>(std::lround(values.number(kGrabButton)));
+}
 double grab_distance_m(const EffectValues& values) noexcept { return values.number(kGrabDistance); }
 
 extern const EffectKind kBody = {
     .name = "body",
-    .says = "The dynamic object has weight and inertia: it is carried on a spring, falls when let go, rests on what it meets.",
+    .says =
+        "The dynamic object has weight and inertia: it is carried on a spring, falls when let go, "
+        "rests on what it meets.",
     .equations =
-        "(M + h D + h^2 K) v+ = M v + h (contact + effects + m g + grip), linearly implicit (Baraff and Witkin 1998), so "
-        "that no contact is too stiff for it; the hand feels the grip's spring and damper alone: F = -k (x_tool - x_body) - "
-        "2 zeta sqrt(k m) (v_tool - v_body). Stable at the device up to the stiffness that its coupling certifies. "
+        "(M + h D + h^2 K) v+ = M v + h (contact + effects + m g + grip), linearly implicit "
+        "(Baraff and Witkin 1998), so "
+        "that no contact is too stiff for it; the hand feels the grip's spring and damper alone: F "
+        "= -k (x_tool - x_body) - "
+        "2 zeta sqrt(k m) (v_tool - v_body). Stable at the device up to the stiffness that its "
+        "coupling certifies. "
         "Conservative but for damping: it gives back what lifting and speed have stored.",
     .energy = EnergyBehaviour::kBounded,
     .alone = true,

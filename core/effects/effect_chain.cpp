@@ -10,8 +10,9 @@ namespace voxtouch::effects {
 namespace {
 
 bool usable(const EffectPush& push) noexcept {
-  return push.wrench.finite() && push.stiffness.allFinite() && std::isfinite(push.stiffness_bound_n_per_m) &&
-         std::isfinite(push.potential_j) && std::isfinite(push.given_j);
+  return push.wrench.finite() && push.stiffness.allFinite() &&
+         std::isfinite(push.stiffness_bound_n_per_m) && std::isfinite(push.potential_j) &&
+         std::isfinite(push.given_j);
 }
 
 /// The same with the contact of one object only.
@@ -19,7 +20,8 @@ EffectFrame narrowed(const EffectFrame& frame, std::uint32_t object) noexcept {
   EffectFrame one = frame;
   one.contacts = {};
   for (const ObjectContact& contact : frame.contacts)
-    if (contact.object == object) one.contacts = {&contact, 1};
+    if (contact.object == object)
+      one.contacts = {&contact, 1};
   return one;
 }
 
@@ -45,7 +47,8 @@ void EffectChain::advance(Link& link, double dt_s) noexcept {
   for (std::size_t p = 0; p < link.now.size(); ++p) {
     const std::array<double, 3>& goal = link.goal.values.at(p);
     std::array<double, 3>& now = link.now.at(p);
-    if (now == goal) continue;
+    if (now == goal)
+      continue;
     for (std::size_t n = 0; n < 3; ++n) {
       const double step = link.rate.at(p)[n] * dt_s;
       now[n] = std::clamp(goal[n], now[n] - step, now[n] + step);
@@ -53,7 +56,8 @@ void EffectChain::advance(Link& link, double dt_s) noexcept {
   }
 }
 
-void EffectChain::weigh(const Link& link, const RegionWeight& weight, const EffectPush& own, EffectPush& sum) noexcept {
+void EffectChain::weigh(const Link& link, const RegionWeight& weight, const EffectPush& own,
+                        EffectPush& sum) noexcept {
   const bool inside = link.goal.kind->shares_inside;
   const double gain = link.gain.now(), share = inside ? 1.0 : gain * weight.weight;
   sum.wrench.force += share * own.wrench.force;
@@ -68,12 +72,14 @@ void EffectChain::weigh(const Link& link, const RegionWeight& weight, const Effe
   const Region& region = link.goal.region;
   // A limit that is scaled by the weight moves as a force of full weight would.
   const double slope = weight.gradient.norm();
-  const double force = inside ? own.wrench.force.norm() / (gain * weight.weight) : own.wrench.force.norm();
+  const double force =
+      inside ? own.wrench.force.norm() / (gain * weight.weight) : own.wrench.force.norm();
   double added = gain * slope * force;
   if (link.goal.kind->energy == EnergyBehaviour::kConservative) {
     sum.wrench.force -= (gain * own.potential_j) * weight.gradient;
     sum.potential_j += share * own.potential_j;
-    added = gain * (2.0 * slope * force + curvature_bound_per_m2(region) * std::abs(own.potential_j));
+    added =
+        gain * (2.0 * slope * force + curvature_bound_per_m2(region) * std::abs(own.potential_j));
   }
   sum.stiffness.topLeftCorner<3, 3>().diagonal().array() += added;
   sum.stiffness_bound_n_per_m += added;
@@ -83,7 +89,8 @@ double EffectChain::friction_at(const Vec3& x, std::uint32_t object) const noexc
   double sum = 0.0;
   for (const Link& link : links_)
     if (link.goal.kind->friction != nullptr && link.goal.object.value_or(object) == object)
-      sum += link.gain.now() * weight_at(link.goal.region, x).weight * link.goal.kind->friction(link.now);
+      sum += link.gain.now() * weight_at(link.goal.region, x).weight *
+             link.goal.kind->friction(link.now);
   return sum;
 }
 
@@ -91,9 +98,13 @@ EffectPush EffectChain::apply(const EffectFrame& at_hand, const EffectFrame* sur
   EffectPush sum;
   for (Link& link : links_) {
     advance(link, at_hand.dt_s);
-    if (surface != nullptr && link.goal.kind->friction != nullptr) continue;
-    const EffectFrame& frame = surface != nullptr && link.goal.kind->needs(link.now).contact ? *surface : at_hand;
-    const RegionWeight weight = link.gain.now() > 0.0 ? weight_at(link.goal.region, frame.tool.position) : RegionWeight{0.0};
+    if (surface != nullptr && link.goal.kind->friction != nullptr)
+      continue;
+    const EffectFrame& frame =
+        surface != nullptr && link.goal.kind->needs(link.now).contact ? *surface : at_hand;
+    const RegionWeight weight = link.gain.now() > 0.0
+                                    ? weight_at(link.goal.region, frame.tool.position)
+                                    : RegionWeight{0.0};
     if (weight.weight <= 0.0 && (link.goal.kind->shares_inside || weight.gradient.isZero(0.0))) {
       link.effect->reset();  // what it remembers must not push when it comes back
       continue;
@@ -116,16 +127,20 @@ EffectPush EffectChain::apply(const EffectFrame& at_hand, const EffectFrame* sur
 
 bool EffectChain::at_rest() const noexcept {
   // A number that does not count may be none at all: it is nowhere else than where it goes to.
-  const auto moves = [](double now, double goal) { return now != goal && !(std::isnan(now) && std::isnan(goal)); };
+  const auto moves = [](double now, double goal) {
+    return now != goal && !(std::isnan(now) && std::isnan(goal));
+  };
   for (const Link& link : links_)
     for (std::size_t p = 0; p < link.now.size(); ++p)
       for (std::size_t n = 0; n < 3; ++n)
-        if (moves(link.now.at(p)[n], link.goal.values.at(p)[n])) return false;
+        if (moves(link.now.at(p)[n], link.goal.values.at(p)[n]))
+          return false;
   return true;
 }
 
 void EffectChain::reset() noexcept {
-  for (Link& link : links_) link.effect->reset();
+  for (Link& link : links_)
+    link.effect->reset();
 }
 
 void EffectChain::carry_out(const EffectCommand& command) noexcept {
@@ -136,7 +151,8 @@ void EffectChain::carry_out(const EffectCommand& command) noexcept {
     return;
   }
   const std::array<double, 3>&now = link.now.at(command.parameter), &goal = command.value;
-  for (std::size_t n = 0; n < 3; ++n) link.rate.at(command.parameter)[n] = std::abs(goal[n] - now[n]) / kEffectRampS;
+  for (std::size_t n = 0; n < 3; ++n)
+    link.rate.at(command.parameter)[n] = std::abs(goal[n] - now[n]) / kEffectRampS;
 }
 
 }  // namespace voxtouch::effects

@@ -12,10 +12,11 @@ namespace voxtouch::effects {
 
 /// All effects of one tool. Construction allocates, `apply` does not. One thread at a time.
 ///
-/// Region and gain. A conservative effect of potential U becomes one of potential g w U: F = g (w F - U grad w). Any other
-/// has its wrench weighed: what only takes energy still does.
-/// Change. Gains and numbers go to their new value on a straight line over kEffectRampS, directions on the chord (shorter
-/// than 1 on their way: effects take them as they are, so that a push turns round through zero). No change is a force step.
+/// Region and gain. A conservative effect of potential U becomes one of potential g w U: F = g (w F
+/// - U grad w). Any other has its wrench weighed: what only takes energy still does. Change. Gains
+/// and numbers go to their new value on a straight line over kEffectRampS, directions on the chord
+/// (shorter than 1 on their way: effects take them as they are, so that a push turns round through
+/// zero). No change is a force step.
 class EffectChain {
  public:
   static constexpr double kEffectRampS = 0.1;
@@ -23,15 +24,18 @@ class EffectChain {
   /// Throws std::invalid_argument with the sentence of check_values for values that cannot be used.
   explicit EffectChain(std::vector<EffectSpec> effects);
 
-  /// Sum over all effects with a gain above zero. Never a number that is not finite: an effect that gives one is left out of
-  /// this sample and counted. Real-time safe.
+  /// Sum over all effects with a gain above zero. Never a number that is not finite: an effect that
+  /// gives one is left out of this sample and counted. Real-time safe.
   EffectPush apply(const EffectFrame& frame) noexcept { return apply(frame, nullptr); }
-  /// The same beside a virtual tool: kinds that feel the contact are given `surface`, the tool where it touches, all others `frame`,
-  /// the tool at the hand. Kinds with a `friction` of their own give nothing: the virtual tool rubs. Real-time safe.
+  /// The same beside a virtual tool: kinds that feel the contact are given `surface`, the tool
+  /// where it touches, all others `frame`, the tool at the hand. Kinds with a `friction` of their
+  /// own give nothing: the virtual tool rubs. Real-time safe.
   EffectPush apply(const EffectFrame& frame, const EffectFrame* surface) noexcept;
-  /// Sum of the coefficients of such kinds behind their gains and regions, for a tool at `x` in W that touches `object`. Real-time safe.
+  /// Sum of the coefficients of such kinds behind their gains and regions, for a tool at `x` in W
+  /// that touches `object`. Real-time safe.
   double friction_at(const Vec3& x, std::uint32_t object) const noexcept;
-  /// Each effect forgets what it remembers, as for a new session. Gains and values stay. Real-time safe.
+  /// Each effect forgets what it remembers, as for a new session. Gains and values stay. Real-time
+  /// safe.
   void reset() noexcept;
 
   std::size_t size() const noexcept { return links_.size(); }
@@ -39,12 +43,15 @@ class EffectChain {
   const EffectSpec& spec(std::size_t effect) const noexcept { return links_[effect].goal; }
   /// As they are now, on their way to what the spec says.
   const EffectValues& values(std::size_t effect) const noexcept { return links_[effect].now; }
-  /// Energy that kinds which may give some were free to give since the chain was made, over a way of `metres` [J].
+  /// Energy that kinds which may give some were free to give since the chain was made, over a way
+  /// of `metres` [J].
   double given_over(double metres) const noexcept { return per_metre_j_ * metres; }
-  /// What `judge` has found good: a switch, a gain or a parameter. Between two calls of `apply`. Real-time safe.
+  /// What `judge` has found good: a switch, a gain or a parameter. Between two calls of `apply`.
+  /// Real-time safe.
   void carry_out(const EffectCommand& command) noexcept;
 
-  /// All numbers have come to where they were to go (gains may still be on their way). Real-time safe.
+  /// All numbers have come to where they were to go (gains may still be on their way). Real-time
+  /// safe.
   bool at_rest() const noexcept;
 
   /// Samples of effects that gave a number that is none, since the chain was made.
@@ -59,7 +66,8 @@ class EffectChain {
     std::unique_ptr<Effect> effect;
   };
   static void advance(Link& link, double dt_s) noexcept;
-  static void weigh(const Link& link, const RegionWeight& weight, const EffectPush& own, EffectPush& sum) noexcept;
+  static void weigh(const Link& link, const RegionWeight& weight, const EffectPush& own,
+                    EffectPush& sum) noexcept;
 
   std::vector<Link> links_;
   double per_metre_j_ = 0.0;  ///< by all kinds that are bounded per metre, at full gain

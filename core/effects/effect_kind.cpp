@@ -29,15 +29,20 @@ EffectValues::EffectValues(std::span<const EffectParameter> parameters) {
 
 std::string check_value(const EffectParameter& p, const std::array<double, 3>& v) {
   for (std::size_t n = 0; n < numbers_of(p); ++n)
-    if (!std::isfinite(v[n])) return fmt::format("'{}' is missing or not finite", p.name);
+    if (!std::isfinite(v[n]))
+      return fmt::format("'{}' is missing or not finite", p.name);
   const double size = numbers_of(p) == 1 ? v[0] : Vec3(v[0], v[1], v[2]).norm();
   switch (p.shape) {
     case ParameterShape::kNumber:
     case ParameterShape::kVector:
-      return size >= p.low && size <= p.high ? "" : fmt::format("'{}' must be {}", p.name, wanted(p));
-    case ParameterShape::kText: return "";  // the text itself is judged where it is read
+      return size >= p.low && size <= p.high ? ""
+                                             : fmt::format("'{}' must be {}", p.name, wanted(p));
+    case ParameterShape::kText:
+      return "";  // the text itself is judged where it is read
     case ParameterShape::kDirection:
-      return std::abs(size - 1.0) <= 1e-6 ? "" : fmt::format("'{}' must be a direction of length 1", p.name);
+      return std::abs(size - 1.0) <= 1e-6
+                 ? ""
+                 : fmt::format("'{}' must be a direction of length 1", p.name);
     case ParameterShape::kWord: {
       const auto count = static_cast<double>(1 + std::count(p.words.begin(), p.words.end(), ' '));
       return size == std::floor(size) && size >= 0.0 && size < count
@@ -49,9 +54,11 @@ std::string check_value(const EffectParameter& p, const std::array<double, 3>& v
 }
 
 std::string check_values(const EffectKind& kind, const EffectValues& values) {
-  if (values.size() != kind.parameters.size()) return fmt::format("the effect '{}' takes other parameters", kind.name);
+  if (values.size() != kind.parameters.size())
+    return fmt::format("the effect '{}' takes other parameters", kind.name);
   for (std::size_t n = 0; n < kind.parameters.size(); ++n)
-    if (std::string why = check_value(kind.parameters[n], values.at(n)); !why.empty()) return why;
+    if (std::string why = check_value(kind.parameters[n], values.at(n)); !why.empty())
+      return why;
   return kind.check != nullptr ? kind.check(values) : std::string();
 }
 

@@ -18,16 +18,17 @@ extern const EffectKind kViscosity;
 
 namespace {
 
-constexpr std::array kKinds = {&kBody,   &kExternal,  &kFriction,       &kGuideLine, &kGuidePlane, &kGuidePoint,
-                               &kMagnet, &kProximity, &kSurfaceDamping, &kTexture,   &kViscosity};
+constexpr std::array kKinds = {&kBody,           &kExternal,   &kFriction, &kGuideLine,
+                               &kGuidePlane,     &kGuidePoint, &kMagnet,   &kProximity,
+                               &kSurfaceDamping, &kTexture,    &kViscosity};
 
 }  // namespace
 
 std::span<const EffectKind* const> effect_kinds() noexcept { return kKinds; }
 
 const EffectKind* find_effect_kind(std::string_view name) noexcept {
-  const auto found =
-      std::find_if(kKinds.begin(), kKinds.end(), [&](const EffectKind* kind) { return kind->name == name; });
+  const auto found = std::find_if(kKinds.begin(), kKinds.end(),
+                                  [&](const EffectKind* kind) { return kind->name == name; });
   return found == kKinds.end() ? nullptr : *found;
 }
 

@@ -19,7 +19,9 @@ EffectBound larger(const EffectBound& a, const EffectBound& b) {
 
 }  // namespace
 
-std::vector<EffectReach> at_rest(std::span<const EffectSpec> effects) { return {effects.begin(), effects.end()}; }
+std::vector<EffectReach> at_rest(std::span<const EffectSpec> effects) {
+  return {effects.begin(), effects.end()};
+}
 
 void EffectReach::widen(const EffectSpec& to) { widen(EffectReach(to)); }
 
@@ -34,10 +36,13 @@ void EffectReach::widen(const EffectReach& to) {
 EffectBound EffectReach::bound() const {
   std::vector<std::size_t> moving;
   for (std::size_t p = 0; p < spec_.values.size(); ++p)
-    if (spec_.kind->parameters[p].shape == ParameterShape::kNumber && low_.number(p) < high_.number(p)) moving.push_back(p);
+    if (spec_.kind->parameters[p].shape == ParameterShape::kNumber &&
+        low_.number(p) < high_.number(p))
+      moving.push_back(p);
   EffectSpec at = spec_;
   EffectBound most = bound_of(at);
-  for (std::size_t corner = 0; !moving.empty() && corner < std::size_t{1} << moving.size(); ++corner) {
+  for (std::size_t corner = 0; !moving.empty() && corner < std::size_t{1} << moving.size();
+       ++corner) {
     for (std::size_t n = 0; n < moving.size(); ++n)
       at.values.at(moving[n])[0] = (corner >> n & 1U ? high_ : low_).number(moving[n]);
     most = larger(most, bound_of(at));

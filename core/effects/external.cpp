@@ -11,20 +11,37 @@
 namespace voxtouch::effects {
 namespace {
 
-enum : std::size_t { kTopic, kMaxForce, kMaxTorque, kTimeout, kFade, kSlew, kTurningSlew, kEnergy, kPower };
+enum : std::size_t {
+  kTopic,
+  kMaxForce,
+  kMaxTorque,
+  kTimeout,
+  kFade,
+  kSlew,
+  kTurningSlew,
+  kEnergy,
+  kPower
+};
 
 constexpr std::array kParameters = {
     row::text("topic", kRosTopicPattern,
-              "A geometry_msgs/WrenchStamped, absolute as ROS 2 names it (/sim/wrench), in the frame world or <rig>/device, torque about the tool's "
+              "A geometry_msgs/WrenchStamped, absolute as ROS 2 names it (/sim/wrench), in the "
+              "frame world or <rig>/device, torque about the tool's "
               "origin; left out: /<rig>/external."),
     row::number("max_force_n", 0.0, 100.0, "Largest force [N]; what is more is cut to it."),
-    row::number("max_torque_nm", 0.0, 10.0, 0.0, "Largest torque [Nm]; needs a device that gives torque."),
-    row::number("timeout_s", 0.002, 1.0, 0.05, "Without a new value for this long, by the device's samples, it fades [s]."),
+    row::number("max_torque_nm", 0.0, 10.0, 0.0,
+                "Largest torque [Nm]; needs a device that gives torque."),
+    row::number("timeout_s", 0.002, 1.0, 0.05,
+                "Without a new value for this long, by the device's samples, it fades [s]."),
     row::number("fade_s", 0.02, 1.0, 0.05, "It has faded to zero after this long at most [s]."),
-    row::number("slew_n_per_s", 0.1, 10000.0, 50.0, "It rises and changes no faster than this [N/s], also when it comes back."),
+    row::number("slew_n_per_s", 0.1, 10000.0, 50.0,
+                "It rises and changes no faster than this [N/s], also when it comes back."),
     row::number("slew_nm_per_s", 0.01, 1000.0, 2.0, "The same of its torque [Nm/s]."),
-    row::number("energy_j", 0.001, 1.0, 0.05, "Energy that it may give the hand at once [J]; gone, its force falls to zero."),
-    row::number("power_w", 0.0, 1.0, 0.05, "Energy that it may give for longer, a second [W]; what the hand puts in comes on top."),
+    row::number("energy_j", 0.001, 1.0, 0.05,
+                "Energy that it may give the hand at once [J]; gone, its force falls to zero."),
+    row::number(
+        "power_w", 0.0, 1.0, 0.05,
+        "Energy that it may give for longer, a second [W]; what the hand puts in comes on top."),
 };
 
 /// `now` towards `goal` by `most` at most.
@@ -34,20 +51,24 @@ void step_towards(Vec3& now, const Vec3& goal, double most) noexcept {
   now += step;
 }
 
-/// A store of energy as two-layer teleoperation has it (Franken et al. 2011), for a source that may react to the pose. It gives at most
-/// what is in the store, which holds `most_j`, and gets `refill_w` back in time, and what the hand puts in. So in any time t it gives the hand at most
+/// A store of energy as two-layer teleoperation has it (Franken et al. 2011), for a source that may
+/// react to the pose. It gives at most what is in the store, which holds `most_j`, and gets
+/// `refill_w` back in time, and what the hand puts in. So in any time t it gives the hand at most
 /// most_j + refill_w t. Energies are those of forces in W along ways in W [J]. Real-time safe.
 class EnergyBudget {
  public:
   /// `given_j`: what the source has given since the last call, below 0: what it took. `most_j` > 0.
   void book(double given_j, double most_j, double refill_w, double dt_s) noexcept {
-    if (!begun_) level_j_ = most_j, begun_ = true;
+    if (!begun_)
+      level_j_ = most_j, begun_ = true;
     level_j_ = std::min(most_j, level_j_ - given_j + refill_w * dt_s);
   }
-  /// Share of its force that the source may have: 1 down to half of the store, then falling to 0 with what is left, so that no period takes
-  /// more than there is while its way is shorter than most_j / (2 force).
+  /// Share of its force that the source may have: 1 down to half of the store, then falling to 0
+  /// with what is left, so that no period takes more than there is while its way is shorter than
+  /// most_j / (2 force).
   double share(double most_j) const noexcept {
-    if (!begun_) return 1.0;
+    if (!begun_)
+      return 1.0;
     return std::clamp(level_j_ / (kFullAbove * most_j), 0.0, 1.0);
   }
 
@@ -59,7 +80,8 @@ class EnergyBudget {
 
 class External final : public Effect {
  public:
-  void apply(const EffectFrame& frame, const EffectValues& values, EffectPush& push) noexcept override {
+  void apply(const EffectFrame& frame, const EffectValues& values,
+             EffectPush& push) noexcept override {
     push.given_j += book(frame, values);
     follow(frame, values);
     const double share = budget_.share(values.number(kEnergy));
@@ -74,26 +96,30 @@ class External final : public Effect {
   }
 
  private:
-  /// What the last force did on the way since, taken off the budget. Of that the force's share: the observer has no account of rotation that
-  /// could be told, so no torque is allowed for.
+  /// What the last force did on the way since, taken off the budget. Of that the force's share: the
+  /// observer has no account of rotation that could be told, so no torque is allowed for.
   double book(const EffectFrame& frame, const EffectValues& values) noexcept {
     const Pose before = last_.value_or(frame.tool);
     last_ = frame.tool;
     const double moved_j = given_.force.dot(frame.tool.position - before.position);
-    const double turned_j = given_.torque.dot(rotation_vector(before.orientation, frame.tool.orientation));
+    const double turned_j =
+        given_.torque.dot(rotation_vector(before.orientation, frame.tool.orientation));
     budget_.book(moved_j + turned_j, values.number(kEnergy), values.number(kPower), frame.dt_s);
     return moved_j;
   }
 
   void follow(const EffectFrame& frame, const EffectValues& values) noexcept {
-    if (const ExternalWrench* newest = frame.external; newest && newest->taken_s != taken_s_ && newest->wrench.finite())
+    if (const ExternalWrench* newest = frame.external;
+        newest && newest->taken_s != taken_s_ && newest->wrench.finite())
       wanted_ = newest->wrench, taken_s_ = newest->taken_s;
     const double age_s = taken_s_ ? frame.time_s - *taken_s_ : -1.0;
     const bool fresh = age_s >= 0.0 && age_s <= values.number(kTimeout);
     Wrench goal = fresh ? wanted_ : Wrench{};
     const double max_force = values.number(kMaxForce), max_torque = values.number(kMaxTorque);
     clamp_wrench(goal, max_force, max_torque);
-    const auto rate = [&](double slew, double most) { return (fresh ? slew : std::max(slew, most / values.number(kFade))) * frame.dt_s; };
+    const auto rate = [&](double slew, double most) {
+      return (fresh ? slew : std::max(slew, most / values.number(kFade))) * frame.dt_s;
+    };
     step_towards(felt_.force, goal.force, rate(values.number(kSlew), max_force));
     step_towards(felt_.torque, goal.torque, rate(values.number(kTurningSlew), max_torque));
     clamp_wrench(felt_, max_force, max_torque);  // of limits that are on their way down
@@ -106,24 +132,33 @@ class External final : public Effect {
 };
 
 EffectNeeds needs(const EffectValues& values) {
-  return {.torque = values.number(kMaxTorque) > 0.0, .orientation = values.number(kMaxTorque) > 0.0, .external = true};
+  return {.torque = values.number(kMaxTorque) > 0.0,
+          .orientation = values.number(kMaxTorque) > 0.0,
+          .external = true};
 }
 
 EffectBound bound(const EffectValues& values) {
   const double force = values.number(kMaxForce);
-  return {.force_n = force, .external_force_n = force, .external_torque_nm = values.number(kMaxTorque)};
+  return {
+      .force_n = force, .external_force_n = force, .external_torque_nm = values.number(kMaxTorque)};
 }
 
 }  // namespace
 
 extern const EffectKind kExternal = {
     .name = "external",
-    .says = "A wrench that somebody outside the ring writes is felt, bounded in force, slew and energy, and fades when it is late.",
+    .says =
+        "A wrench that somebody outside the ring writes is felt, bounded in force, slew and "
+        "energy, and fades when it is late.",
     .equations =
-        "F goes to the newest value, cut to max_force_n, at slew_n_per_s; without one for timeout_s it goes to zero within fade_s. Then F is "
-        "scaled by min(1, 2 E / energy_j), where dE = -F . dx - T . dphi + power_w dt is a store of at most energy_j: in any time t the hand "
-        "gets at most energy_j + power_w t (Franken et al. 2011). What F gives of that is told to the passivity observer as allowed, and what it takes is "
-        "taken off again; of torque nothing is allowed. Not conservative, and no certificate covers it: what writes it may react to the pose.",
+        "F goes to the newest value, cut to max_force_n, at slew_n_per_s; without one for "
+        "timeout_s it goes to zero within fade_s. Then F is "
+        "scaled by min(1, 2 E / energy_j), where dE = -F . dx - T . dphi + power_w dt is a store "
+        "of at most energy_j: in any time t the hand "
+        "gets at most energy_j + power_w t (Franken et al. 2011). What F gives of that is told to "
+        "the passivity observer as allowed, and what it takes is "
+        "taken off again; of torque nothing is allowed. Not conservative, and no certificate "
+        "covers it: what writes it may react to the pose.",
     .energy = EnergyBehaviour::kBounded,
     .alone = true,
     .parameters = kParameters,

@@ -10,24 +10,30 @@ namespace {
 enum : std::size_t { kCoulomb, kSticking, kStiffness, kMaxForce, kReach };
 
 constexpr std::array kParameters = {
-    row::number("coulomb", 0.0, 2.0, "Friction while sliding as a share of the force that the surface pushes with [1]."),
-    row::number("sticking", 1.0, 2.0, 1.0, "How many times the sliding friction holds before it lets go [1]."),
-    row::number("stiffness_n_per_m", 10.0, 5000.0, 300.0, "Of the bristles that hold the tool while it sticks [N/m]."),
-    row::number("most_n", 0.0, 200.0, 20.0, "No object rubs with more than this, however hard the tool is pressed [N]."),
+    row::number("coulomb", 0.0, 2.0,
+                "Friction while sliding as a share of the force that the surface pushes with [1]."),
+    row::number("sticking", 1.0, 2.0, 1.0,
+                "How many times the sliding friction holds before it lets go [1]."),
+    row::number("stiffness_n_per_m", 10.0, 5000.0, 300.0,
+                "Of the bristles that hold the tool while it sticks [N/m]."),
+    row::number("most_n", 0.0, 200.0, 20.0,
+                "No object rubs with more than this, however hard the tool is pressed [N]."),
     kReachParameter,
 };
 
 struct Law {
   double slides_n;  ///< friction of a bristle that has let go
-  double sticks_n;   ///< and before, >= slides_n
+  double sticks_n;  ///< and before, >= slides_n
   double k;
 };
 
-/// `share` of the force that the bristles let go at, not of the one they store: half the friction behind a region's rim is a
-/// surface half as rough.
+/// `share` of the force that the bristles let go at, not of the one they store: half the friction
+/// behind a region's rim is a surface half as rough.
 Law law_at(double push_n, double share, const EffectValues& values) noexcept {
-  const double most = share * values.number(kMaxForce), slides = share * values.number(kCoulomb) * push_n;
-  return {std::min(slides, most), std::min(values.number(kSticking) * slides, most), values.number(kStiffness)};
+  const double most = share * values.number(kMaxForce),
+               slides = share * values.number(kCoulomb) * push_n;
+  return {std::min(slides, most), std::min(values.number(kSticking) * slides, most),
+          values.number(kStiffness)};
 }
 
 /// What one object holds the tool with.
@@ -41,7 +47,8 @@ struct Bristle {
   void drag(const Vec3& way, const Law& law) noexcept;
 };
 
-/// Carries the bend with the object's own turn and with the normal, along the shortest arc: never longer.
+/// Carries the bend with the object's own turn and with the normal, along the shortest arc: never
+/// longer.
 void Bristle::turn(const Vec3& to, const Vec3& object_turn) noexcept {
   constexpr double kOpposite = -0.9;
   if (const double angle = object_turn.norm(); angle > 0.0) {
@@ -58,10 +65,12 @@ void Bristle::turn(const Vec3& to, const Vec3& object_turn) noexcept {
   normal = to;
 }
 
-/// Bends by `way` (across the normal) and slips what is too far. While it lets go its limit falls as far as the tip has slipped
-/// halved, so that the force falls with the slope k at most and never by itself; it mends by as much when it bends unslipped.
+/// Bends by `way` (across the normal) and slips what is too far. While it lets go its limit falls
+/// as far as the tip has slipped halved, so that the force falls with the slope k at most and never
+/// by itself; it mends by as much when it bends unslipped.
 void Bristle::drag(const Vec3& way, const Law& law) noexcept {
-  const double slides = law.slides_n / law.k, sticks = law.sticks_n / law.k, mends = 2.0 * (sticks - slides);
+  const double slides = law.slides_n / law.k, sticks = law.sticks_n / law.k,
+               mends = 2.0 * (sticks - slides);
   const double limit = sticks - (sticks - slides) * torn;
   bend += way;
   const double asked = bend.norm();
@@ -76,20 +85,25 @@ void Bristle::drag(const Vec3& way, const Law& law) noexcept {
 
 class Friction final : public Effect {
  public:
-  void apply(const EffectFrame& frame, const EffectValues& values, EffectPush& push) noexcept override {
+  void apply(const EffectFrame& frame, const EffectValues& values,
+             EffectPush& push) noexcept override {
     const double reach = values.number(kReach), k = values.number(kStiffness);
-    const double stiffer =
-        stiffness_ > 0.0 && k > stiffness_ ? stiffness_ / k : 1.0;  // keeps the force, gives no energy
+    const double stiffer = stiffness_ > 0.0 && k > stiffness_
+                               ? stiffness_ / k
+                               : 1.0;  // keeps the force, gives no energy
     stiffness_ = k;
     step_.advance(frame.tool);
     bristles_.begin();
     for (const ObjectContact& touch : frame.contacts) {
       TouchPoint point;
-      if (!find_touch(touch, frame.tool.position, reach, point)) continue;
+      if (!find_touch(touch, frame.tool.position, reach, point))
+        continue;
       Bristle* bristle = bristles_.find(touch.object);
-      if (bristle == nullptr) continue;
+      if (bristle == nullptr)
+        continue;
       bristle->bend *= stiffer;
-      const Vec3 arm = arm_to(point, bristle->height.follow(point.height_m, step_.most(reach)), reach);
+      const Vec3 arm =
+          arm_to(point, bristle->height.follow(point.height_m, step_.most(reach)), reach);
       rub(frame, touch, point, arm, law_at(point.push_n, frame.share, values), *bristle);
       add(*bristle, arm, values, touch.contact->stiffness_bound_n_per_m, push);
     }
@@ -101,24 +115,28 @@ class Friction final : public Effect {
   }
 
  private:
-  void rub(const EffectFrame& frame, const ObjectContact& touch, const TouchPoint& point, const Vec3& arm,
-           const Law& law, Bristle& bristle) const noexcept {
+  void rub(const EffectFrame& frame, const ObjectContact& touch, const TouchPoint& point,
+           const Vec3& arm, const Law& law, Bristle& bristle) const noexcept {
     const bool fresh = bristle.normal.isZero(0.0);
     bristle.turn(point.normal, frame.dt_s * touch.twist.angular);
-    if (fresh) return;
-    const Vec3 way = step_.of_point(arm) - frame.dt_s * (touch.twist.linear + touch.twist.angular.cross(arm));
+    if (fresh)
+      return;
+    const Vec3 way =
+        step_.of_point(arm) - frame.dt_s * (touch.twist.linear + touch.twist.angular.cross(arm));
     bristle.drag(way - point.normal.dot(way) * point.normal, law);
   }
 
-  /// The stiffness is k across the normal. While it slips the force follows the push, by g newtons for each metre of depth:
-  /// g/2 (z n' + n z') besides, below k z z' + g^2/(4k) n n' as long as k >= g/2.
-  static void add(const Bristle& bristle, const Vec3& arm, const EffectValues& values, double contact_n_per_m,
-                  EffectPush& push) noexcept {
+  /// The stiffness is k across the normal. While it slips the force follows the push, by g newtons
+  /// for each metre of depth: g/2 (z n' + n z') besides, below k z z' + g^2/(4k) n n' as long as k
+  /// >= g/2.
+  static void add(const Bristle& bristle, const Vec3& arm, const EffectValues& values,
+                  double contact_n_per_m, EffectPush& push) noexcept {
     const double k = values.number(kStiffness), sticking = values.number(kSticking);
     const Vec3 force = -k * bristle.bend, &n = bristle.normal;
     push.wrench.force += force;
     push.wrench.torque += arm.cross(force);
-    const double g = (sticking > 1.0 ? 2.0 : 1.0) * sticking * values.number(kCoulomb) * contact_n_per_m;
+    const double g =
+        (sticking > 1.0 ? 2.0 : 1.0) * sticking * values.number(kCoulomb) * contact_n_per_m;
     const double across = std::max(k, 0.5 * g), along = 0.25 * g * g / across;
     const Mat3 normal = n * n.transpose();
     push.stiffness += seen_from_origin(across * (Mat3::Identity() - normal) + along * normal, arm);
@@ -135,7 +153,9 @@ EffectNeeds needs(const EffectValues&) { return {.contact = true, .orientation =
 
 EffectBound bound(const EffectValues& values) {
   const double k = values.number(kStiffness), reach = values.number(kReach);
-  return {.stiffness_n_per_m = k, .stiffness_nm_per_rad = k * reach * reach, .force_n = values.number(kMaxForce)};
+  return {.stiffness_n_per_m = k,
+          .stiffness_nm_per_rad = k * reach * reach,
+          .force_n = values.number(kMaxForce)};
 }
 
 }  // namespace
@@ -144,13 +164,20 @@ extern const EffectKind kFriction = {
     .name = "friction",
     .says = "Surfaces hold the tool until it is pulled hard enough, and rub while it slides.",
     .equations =
-        "F = -k z at the touched point, z the bend of a bristle across the contact force N n: dz = way of the tool's "
-        "point against the object's, while |z| <= mu N / k; beyond it slips, |z| = mu N / k (elastic-plastic: Prandtl; "
-        "Hayward and Armstrong 2000, whose drift-free band is the whole of |z| here). mu falls from sticking * coulomb "
-        "to coulomb over 2 (sticking - 1) coulomb N / k of slip, so that dF/dx >= -k there, and mends over as much "
-        "bending. z turns with n and with the object, unstretched. A law of ways, not of time: a tool at rest feels a "
-        "constant force. Gives no energy on any path while the object rests: k z^2 / 2 is stored, shrinks with N and "
-        "never grows with it; gain and region scale mu, not k. Stiffness: k, and while it slips mu times the contact's "
+        "F = -k z at the touched point, z the bend of a bristle across the contact force N n: dz = "
+        "way of the tool's "
+        "point against the object's, while |z| <= mu N / k; beyond it slips, |z| = mu N / k "
+        "(elastic-plastic: Prandtl; "
+        "Hayward and Armstrong 2000, whose drift-free band is the whole of |z| here). mu falls "
+        "from sticking * coulomb "
+        "to coulomb over 2 (sticking - 1) coulomb N / k of slip, so that dF/dx >= -k there, and "
+        "mends over as much "
+        "bending. z turns with n and with the object, unstretched. A law of ways, not of time: a "
+        "tool at rest feels a "
+        "constant force. Gives no energy on any path while the object rests: k z^2 / 2 is stored, "
+        "shrinks with N and "
+        "never grows with it; gain and region scale mu, not k. Stiffness: k, and while it slips mu "
+        "times the contact's "
         "as a coupling between depth and force.",
     .energy = EnergyBehaviour::kDissipative,
     .shares_inside = true,

@@ -12,7 +12,8 @@ namespace {
 
 constexpr double kRelease = 1.0;  // place of the word
 
-/// F as it counts: a law on its way between two sets of parameters must not get steeper than k where it lets go.
+/// F as it counts: a law on its way between two sets of parameters must not get steeper than k
+/// where it lets go.
 double counted_limit(const GuideLaw& law) noexcept {
   return std::min(law.limit_n, law.stiffness_n_per_m * law.range_m / 3.0);
 }
@@ -20,10 +21,12 @@ double counted_limit(const GuideLaw& law) noexcept {
 /// The spring up to its limit, without letting go.
 GuideForce limited_spring(double k, double limit, double s) noexcept {
   const double w = limit / k, bend = s - 0.5 * w;
-  if (bend <= 0.0) return {k * s, k, k, 0.5 * k * s * s};
+  if (bend <= 0.0)
+    return {k * s, k, k, 0.5 * k * s * s};
   if (bend < w) {
     const double force = k * s - 0.5 * k * bend * bend / w;
-    return {force, k * (1.0 - bend / w), force / s, 0.5 * k * s * s - k * bend * bend * bend / (6.0 * w)};
+    return {force, k * (1.0 - bend / w), force / s,
+            0.5 * k * s * s - k * bend * bend * bend / (6.0 * w)};
   }
   return {limit, 0.0, limit / s, k * w * w * 23.0 / 24.0 + limit * (s - 1.5 * w)};
 }
@@ -32,9 +35,11 @@ GuideForce limited_spring(double k, double limit, double s) noexcept {
 
 GuideForce guide_force(const GuideLaw& law, double s) noexcept {
   const double limit = counted_limit(law), k = law.stiffness_n_per_m;
-  if (!(k > 0.0 && limit > 0.0)) return {};
+  if (!(k > 0.0 && limit > 0.0))
+    return {};
   const double half = 0.5 * law.range_m;
-  if (s <= half) return limited_spring(k, limit, s);
+  if (s <= half)
+    return limited_spring(k, limit, s);
   GuideForce out = limited_spring(k, limit, half);
   const double t = std::min(1.0, (s - half) / half);
   out.force_n = limit * (1.0 - smoothstep(0.0, 1.0, t));
@@ -45,7 +50,8 @@ GuideForce guide_force(const GuideLaw& law, double s) noexcept {
 }
 
 double guide_depth_j(const GuideLaw& law) noexcept {
-  if (!std::isfinite(law.range_m)) return std::numeric_limits<double>::infinity();
+  if (!std::isfinite(law.range_m))
+    return std::numeric_limits<double>::infinity();
   return guide_force(law, law.range_m).potential_j;
 }
 
@@ -53,7 +59,8 @@ double guide_potential_j(const GuideLaw& law, double from_guide_j) noexcept {
   return std::isfinite(law.range_m) ? from_guide_j - guide_depth_j(law) : from_guide_j;
 }
 
-void pull_to_guide(const GuideLaw& law, const Vec3& away, const Mat3& constrained, EffectPush& push) noexcept {
+void pull_to_guide(const GuideLaw& law, const Vec3& away, const Mat3& constrained,
+                   EffectPush& push) noexcept {
   const double s = away.norm();
   const GuideForce at = guide_force(law, s);
   push.potential_j += guide_potential_j(law, at.potential_j);
@@ -70,25 +77,31 @@ void pull_to_guide(const GuideLaw& law, const Vec3& away, const Mat3& constraine
 
 GuideLaw guide_law(const EffectValues& values) noexcept {
   GuideLaw law{values.number(kGuideStiffness), values.number(kGuideLimit)};
-  if (values.number(kGuideBeyond) == kRelease) law.range_m = values.number(kGuideRange);
+  if (values.number(kGuideBeyond) == kRelease)
+    law.range_m = values.number(kGuideRange);
   return law;
 }
 
 std::string check_guide(const EffectValues& values) {
   const double range = values.number(kGuideRange);
   if (values.number(kGuideBeyond) != kRelease)
-    return range > 0.0 ? "'range_m' is for 'beyond: release' only; a guide that holds has none" : "";
+    return range > 0.0 ? "'range_m' is for 'beyond: release' only; a guide that holds has none"
+                       : "";
   // Written so that a stiffness of 0 passes only without a force.
   const double least = 3.0 * values.number(kGuideLimit);
-  if (range > 0.0 && range * values.number(kGuideStiffness) >= least * (1.0 - 1e-12)) return {};
+  if (range > 0.0 && range * values.number(kGuideStiffness) >= least * (1.0 - 1e-12))
+    return {};
   return fmt::format(
-      "'range_m' is {:g}, but a guide that lets go needs at least 3 limit_n / stiffness_n_per_m = {:g} m", range,
-      least / values.number(kGuideStiffness));
+      "'range_m' is {:g}, but a guide that lets go needs at least 3 limit_n / stiffness_n_per_m = "
+      "{:g} m",
+      range, least / values.number(kGuideStiffness));
 }
 
 EffectBound guide_bound(const EffectValues& values) {
   const GuideLaw law = guide_law(values);
-  return {.stiffness_n_per_m = law.stiffness_n_per_m, .force_n = law.limit_n, .potential_j = guide_depth_j(law)};
+  return {.stiffness_n_per_m = law.stiffness_n_per_m,
+          .force_n = law.limit_n,
+          .potential_j = guide_depth_j(law)};
 }
 
 }  // namespace voxtouch::effects

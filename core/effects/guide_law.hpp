@@ -1,5 +1,6 @@
 #pragma once
-/// What the guides along points, lines and planes share: a spring whose force is limited, and how it pushes.
+/// What the guides along points, lines and planes share: a spring whose force is limited, and how
+/// it pushes.
 #include <array>
 #include <limits>
 #include <string>
@@ -16,7 +17,8 @@ namespace voxtouch::effects {
 ///   R/2 .. R        f = F (1 - smoothstep((s - R/2) / (R/2))), so that the guide lets go
 ///   beyond R        nothing; an infinite R never lets go
 ///
-/// f and f' are continuous and |f'|, f / s <= k everywhere as long as F <= k R / 3, so F counts as that at most.
+/// f and f' are continuous and |f'|, f / s <= k everywhere as long as F <= k R / 3, so F counts as
+/// that at most.
 struct GuideLaw {
   double stiffness_n_per_m = 0.0;
   double limit_n = 0.0;
@@ -35,28 +37,38 @@ GuideForce guide_force(const GuideLaw& law, double distance_m) noexcept;
 /// Work from the guide to where it has let go [J]; infinite where it never does.
 double guide_depth_j(const GuideLaw& law) noexcept;
 
-/// Where potentials of guides are zero: far away if they let go, so that nothing is felt there of a region's border; on the
-/// guide if not.
+/// Where potentials of guides are zero: far away if they let go, so that nothing is felt there of a
+/// region's border; on the guide if not.
 double guide_potential_j(const GuideLaw& law, double from_guide_j) noexcept;
 
-/// Adds the pull of a guide whose distance is |A y|, `away` = A y for the symmetric matrix `constrained` = A with |A| <= 1: the
-/// projector on the constrained directions. Force -f A away / |away|; stiffness A (max(f', 0) u u' + f/s (1 - u u')) A, u along
-/// `away`. Real-time safe.
-void pull_to_guide(const GuideLaw& law, const Vec3& away, const Mat3& constrained, EffectPush& push) noexcept;
+/// Adds the pull of a guide whose distance is |A y|, `away` = A y for the symmetric matrix
+/// `constrained` = A with |A| <= 1: the projector on the constrained directions. Force -f A away /
+/// |away|; stiffness A (max(f', 0) u u' + f/s (1 - u u')) A, u along `away`. Real-time safe.
+void pull_to_guide(const GuideLaw& law, const Vec3& away, const Mat3& constrained,
+                   EffectPush& push) noexcept;
 
 /// Parameters that every guide has, at these places of its table.
-enum GuideParameter : std::size_t { kGuideStiffness, kGuideLimit, kGuideBeyond, kGuideRange, kGuideOwn };
+enum GuideParameter : std::size_t {
+  kGuideStiffness,
+  kGuideLimit,
+  kGuideBeyond,
+  kGuideRange,
+  kGuideOwn
+};
 /// The rows of a guide's table: those, and behind them its own.
 template <class... Own>
 constexpr std::array<EffectParameter, kGuideOwn + sizeof...(Own)> guide_rows(const Own&... own) {
-  return {row::number("stiffness_n_per_m", 0.0, 10000.0, "Of the spring to the guide, near it [N/m]."),
-          row::number("limit_n", 0.0, 100.0, "Largest force of the guide [N]; the spring goes over to it smoothly."),
-          row::word("beyond", "hold release",
-                    "Far from the guide: hold keeps pulling with limit_n, release lets go at range_m."),
-          row::number("range_m", 0.0, 10.0, 0.0,
-                      "Only for beyond: release: distance at which the guide has let go [m]; at least 3 limit_n / "
-                      "stiffness_n_per_m."),
-          own...};
+  return {
+      row::number("stiffness_n_per_m", 0.0, 10000.0, "Of the spring to the guide, near it [N/m]."),
+      row::number("limit_n", 0.0, 100.0,
+                  "Largest force of the guide [N]; the spring goes over to it smoothly."),
+      row::word("beyond", "hold release",
+                "Far from the guide: hold keeps pulling with limit_n, release lets go at range_m."),
+      row::number("range_m", 0.0, 10.0, 0.0,
+                  "Only for beyond: release: distance at which the guide has let go [m]; at least "
+                  "3 limit_n / "
+                  "stiffness_n_per_m."),
+      own...};
 }
 
 /// The law of a guide with these values: stiffness [N/m], limit [N] and range [m]. Real-time safe.

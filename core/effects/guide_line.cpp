@@ -9,20 +9,25 @@ namespace {
 enum : std::size_t { kPoint = kGuideOwn, kDirection, kEnds, kHalfLength };
 constexpr double kSegment = 1.0;  // place of the word
 
-constexpr auto kParameters = guide_rows(
-    row::place("point", "A point of the line, its middle if it ends, W [m]."),
-    row::direction("direction", "Along the line, W; either way round."),
-    row::word("ends", "none segment",
-              "Whether the line goes on for ever (none) or is a segment, at whose ends the tool is held as by a point."),
-    row::number("half_length_m", 0.0, 100.0, 0.0, "Only for ends: segment: from its middle to an end [m]."));
+constexpr auto kParameters =
+    guide_rows(row::place("point", "A point of the line, its middle if it ends, W [m]."),
+               row::direction("direction", "Along the line, W; either way round."),
+               row::word("ends", "none segment",
+                         "Whether the line goes on for ever (none) or is a segment, at whose ends "
+                         "the tool is held as by a point."),
+               row::number("half_length_m", 0.0, 100.0, 0.0,
+                           "Only for ends: segment: from its middle to an end [m]."));
 
 class GuideLine final : public Effect {
  public:
-  void apply(const EffectFrame& frame, const EffectValues& values, EffectPush& push) noexcept override {
-    const Vec3 from_point = frame.tool.position - values.vector(kPoint), along = values.vector(kDirection);
+  void apply(const EffectFrame& frame, const EffectValues& values,
+             EffectPush& push) noexcept override {
+    const Vec3 from_point = frame.tool.position - values.vector(kPoint),
+               along = values.vector(kDirection);
     const Mat3 across = Mat3::Identity() - along * along.transpose();
     if (values.number(kEnds) != kSegment) {
-      // A direction on its way is shorter than 1: `across` lets through more and more of what is along, up to a point's pull.
+      // A direction on its way is shorter than 1: `across` lets through more and more of what is
+      // along, up to a point's pull.
       pull_to_guide(guide_law(values), across * from_point, across, push);
       return;
     }
@@ -31,15 +36,17 @@ class GuideLine final : public Effect {
     const Vec3 unit = length > 0.0 ? Vec3(along / length) : Vec3::Zero();
     const double place = unit.dot(from_point), nearest = std::clamp(place, -half, half);
     const bool beside = length > 0.0 && nearest == place;
-    pull_to_guide(guide_law(values), from_point - nearest * unit,
-                  beside ? Mat3(Mat3::Identity() - unit * unit.transpose()) : Mat3(Mat3::Identity()), push);
+    pull_to_guide(
+        guide_law(values), from_point - nearest * unit,
+        beside ? Mat3(Mat3::Identity() - unit * unit.transpose()) : Mat3(Mat3::Identity()), push);
   }
 };
 
 std::string check(const EffectValues& values) {
   const bool segment = values.number(kEnds) == kSegment;
   if (segment != (values.number(kHalfLength) > 0.0))
-    return segment ? "'ends: segment' needs a 'half_length_m' above 0" : "'half_length_m' is for 'ends: segment' only";
+    return segment ? "'ends: segment' needs a 'half_length_m' above 0"
+                   : "'half_length_m' is for 'ends: segment' only";
   return check_guide(values);
 }
 
@@ -47,10 +54,13 @@ std::string check(const EffectValues& values) {
 
 extern const EffectKind kGuideLine = {
     .name = "guide_line",
-    .says = "The tool's origin slides freely along a line and is held across it with a limited force.",
+    .says =
+        "The tool's origin slides freely along a line and is held across it with a limited force.",
     .equations =
-        "U = phi(distance to the line or segment), F = -grad U, phi as of guide_point. The distance to a convex set is "
-        "convex, so |dF/dx| <= k beside the line and round its ends. Conservative. Stable for k < b / (T/2 + t_d) "
+        "U = phi(distance to the line or segment), F = -grad U, phi as of guide_point. The "
+        "distance to a convex set is "
+        "convex, so |dF/dx| <= k beside the line and round its ends. Conservative. Stable for k < "
+        "b / (T/2 + t_d) "
         "(Colgate and Schenkel 1997), b the damping of hand and device.",
     .energy = EnergyBehaviour::kConservative,
     .parameters = kParameters,

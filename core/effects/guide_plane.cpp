@@ -12,22 +12,28 @@ constexpr double kOne = 1.0;  // place of the word
 
 constexpr auto kParameters = guide_rows(
     row::place("point", "A point of the plane, W [m]."),
-    row::direction("normal", "Of the plane, W; with sides: one it points to where the tool may be."),
-    row::word("sides", "both one", "Whether the tool is held on the plane (both), or only kept from going behind it (one)."));
+    row::direction("normal",
+                   "Of the plane, W; with sides: one it points to where the tool may be."),
+    row::word(
+        "sides", "both one",
+        "Whether the tool is held on the plane (both), or only kept from going behind it (one)."));
 
 bool one_sided(const EffectValues& values) noexcept { return values.number(kSides) == kOne; }
 
 class GuidePlane final : public Effect {
  public:
-  void apply(const EffectFrame& frame, const EffectValues& values, EffectPush& push) noexcept override {
+  void apply(const EffectFrame& frame, const EffectValues& values,
+             EffectPush& push) noexcept override {
     const GuideLaw law = guide_law(values);
     const Vec3 normal = values.vector(kNormal);
     const double height = normal.dot(frame.tool.position - values.vector(kPoint));
-    if (one_sided(values) && height >= 0.0) return;
+    if (one_sided(values) && height >= 0.0)
+      return;
     const GuideForce at = guide_force(law, std::abs(height));
     // A normal on its way is shorter than 1; so is the gradient of the height then.
     push.wrench.force -= std::copysign(at.force_n, height) * normal;
-    push.stiffness.topLeftCorner<3, 3>() += std::max(at.slope_n_per_m, 0.0) * normal * normal.transpose();
+    push.stiffness.topLeftCorner<3, 3>() +=
+        std::max(at.slope_n_per_m, 0.0) * normal * normal.transpose();
     push.stiffness_bound_n_per_m += std::abs(at.slope_n_per_m);
     push.potential_j += one_sided(values) ? at.potential_j : guide_potential_j(law, at.potential_j);
   }
@@ -37,11 +43,15 @@ class GuidePlane final : public Effect {
 
 extern const EffectKind kGuidePlane = {
     .name = "guide_plane",
-    .says = "The tool's origin is held on a plane, or kept from going behind it, with a limited force.",
+    .says =
+        "The tool's origin is held on a plane, or kept from going behind it, with a limited force.",
     .equations =
-        "U = phi(|h|), h the height over the plane; with sides: one U = phi(max(0, -h)) (forbidden region); F = -grad "
-        "U, phi as of guide_point. |dF/dx| <= k along the normal, 0 along the plane. Conservative; with sides: one U "
-        "is 0 on the free side. Stable for k < b / (T/2 + t_d) (Colgate and Schenkel 1997), b the damping of hand and "
+        "U = phi(|h|), h the height over the plane; with sides: one U = phi(max(0, -h)) (forbidden "
+        "region); F = -grad "
+        "U, phi as of guide_point. |dF/dx| <= k along the normal, 0 along the plane. Conservative; "
+        "with sides: one U "
+        "is 0 on the free side. Stable for k < b / (T/2 + t_d) (Colgate and Schenkel 1997), b the "
+        "damping of hand and "
         "device.",
     .energy = EnergyBehaviour::kConservative,
     .parameters = kParameters,

@@ -6,12 +6,15 @@ namespace {
 
 enum : std::size_t { kPoint = kGuideOwn };
 
-constexpr auto kParameters = guide_rows(row::place("point", "Where the tool's origin is held, W [m]."));
+constexpr auto kParameters =
+    guide_rows(row::place("point", "Where the tool's origin is held, W [m]."));
 
 class GuidePoint final : public Effect {
  public:
-  void apply(const EffectFrame& frame, const EffectValues& values, EffectPush& push) noexcept override {
-    pull_to_guide(guide_law(values), frame.tool.position - values.vector(kPoint), Mat3::Identity(), push);
+  void apply(const EffectFrame& frame, const EffectValues& values,
+             EffectPush& push) noexcept override {
+    pull_to_guide(guide_law(values), frame.tool.position - values.vector(kPoint), Mat3::Identity(),
+                  push);
   }
 };
 
@@ -21,9 +24,12 @@ extern const EffectKind kGuidePoint = {
     .name = "guide_point",
     .says = "The tool's origin is drawn to a point and held there with a limited force.",
     .equations =
-        "U = phi(|x - p|), F = -grad U: a spring k that goes over smoothly to the force limit F (virtual fixture, "
-        "Rosenberg 1993), and with beyond: release back to nothing at R. |dF/dx| <= k. Conservative. Sampled with a "
-        "delay t_d before a hand and device of damping b it stays stable for k < b / (T/2 + t_d) (Colgate and Schenkel "
+        "U = phi(|x - p|), F = -grad U: a spring k that goes over smoothly to the force limit F "
+        "(virtual fixture, "
+        "Rosenberg 1993), and with beyond: release back to nothing at R. |dF/dx| <= k. "
+        "Conservative. Sampled with a "
+        "delay t_d before a hand and device of damping b it stays stable for k < b / (T/2 + t_d) "
+        "(Colgate and Schenkel "
         "1997).",
     .energy = EnergyBehaviour::kConservative,
     .parameters = kParameters,

@@ -21,15 +21,19 @@ const double kDepth = 25.0 * std::sqrt(5.0) / 96.0;  ///< U0 / (F R)
 
 class Magnet final : public Effect {
  public:
-  void apply(const EffectFrame& frame, const EffectValues& values, EffectPush& push) noexcept override {
+  void apply(const EffectFrame& frame, const EffectValues& values,
+             EffectPush& push) noexcept override {
     const double radius = values.number(kRadius);
     const Vec3 away = (frame.tool.position - values.vector(kPoint)) / radius;
     const double q = away.squaredNorm(), left = 1.0 - q;
-    if (!(left > 0.0)) return;
-    const double depth = kDepth * values.number(kForce) * radius, core = 6.0 * depth / (radius * radius);
+    if (!(left > 0.0))
+      return;
+    const double depth = kDepth * values.number(kForce) * radius,
+                 core = 6.0 * depth / (radius * radius);
     push.potential_j -= depth * left * left * left;
     push.wrench.force -= (core * radius * left * left) * away;
-    // Across the radius core left^2, along it core left (1 - 5 q) = core left^2 - 4 core left q; only what pushes back counts.
+    // Across the radius core left^2, along it core left (1 - 5 q) = core left^2 - 4 core left q;
+    // only what pushes back counts.
     const double across = core * left * left, along = core * left * (1.0 - 5.0 * q);
     Mat3 stiffness = across * Mat3::Identity();
     if (q > 0.2)
@@ -43,19 +47,27 @@ class Magnet final : public Effect {
 
 EffectBound bound(const EffectValues& values) {
   const double force = values.number(kForce), radius = values.number(kRadius);
-  return {.stiffness_n_per_m = 6.0 * kDepth * force / radius, .force_n = force, .potential_j = kDepth * force * radius};
+  return {.stiffness_n_per_m = 6.0 * kDepth * force / radius,
+          .force_n = force,
+          .potential_j = kDepth * force * radius};
 }
 
 }  // namespace
 
 extern const EffectKind kMagnet = {
     .name = "magnet",
-    .says = "The tool's origin snaps to a point when it comes near, and comes off when it is pulled away.",
+    .says =
+        "The tool's origin snaps to a point when it comes near, and comes off when it is pulled "
+        "away.",
     .equations =
-        "U = -U0 (1 - r^2/R^2)^3 within R, else 0 (twice differentiable at the rim); F = -grad U = -6 U0 / R^2 (1 - "
-        "r^2/R^2)^2 r, at most F = force_n at r = R / sqrt(5), so U0 = 25 sqrt(5) / 96 F R. |dF/dx| <= 3.494 F / R, "
-        "reached at the point; beyond R / sqrt(5) the pull falls with the distance (curvature down to -0.8 of that), "
-        "which no stiffness matrix shows. Conservative. Stable at the point for 3.494 F / R < b / (T/2 + t_d) (Colgate "
+        "U = -U0 (1 - r^2/R^2)^3 within R, else 0 (twice differentiable at the rim); F = -grad U = "
+        "-6 U0 / R^2 (1 - "
+        "r^2/R^2)^2 r, at most F = force_n at r = R / sqrt(5), so U0 = 25 sqrt(5) / 96 F R. "
+        "|dF/dx| <= 3.494 F / R, "
+        "reached at the point; beyond R / sqrt(5) the pull falls with the distance (curvature down "
+        "to -0.8 of that), "
+        "which no stiffness matrix shows. Conservative. Stable at the point for 3.494 F / R < b / "
+        "(T/2 + t_d) (Colgate "
         "and Schenkel 1997), b the damping of hand and device.",
     .energy = EnergyBehaviour::kConservative,
     .parameters = kParameters,

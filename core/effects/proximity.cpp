@@ -13,13 +13,16 @@ enum : std::size_t { kLimit, kRange, kSmoothing, kLever };
 
 constexpr std::array kParameters = {
     row::number("limit_n", 0.0, 100.0,
-                "Push on a tool all of whose surface were at the object [N]; each part pushes by its share of the area."),
+                "Push on a tool all of whose surface were at the object [N]; each part pushes by "
+                "its share of the area."),
     row::number("range_m", 0.0005, 1.0, "Distance from the static surface at which it begins [m]."),
     row::number("smoothing_m", 0.0005, 1.0, 0.002,
-                "Length over which edges of the field are rounded [m], brought up to whole voxels: the longer the softer, "
+                "Length over which edges of the field are rounded [m], brought up to whole voxels: "
+                "the longer the softer, "
                 "and the blurrier round walls thinner than that."),
     row::number("lever_m", 0.0, 10.0, 0.0,
-                "Above 0: gives torque too, for a tool that reaches no farther than this from its origin [m]; needs a "
+                "Above 0: gives torque too, for a tool that reaches no farther than this from its "
+                "origin [m]; needs a "
                 "device that gives torque."),
 };
 
@@ -27,18 +30,21 @@ constexpr std::array kParameters = {
 const double kSteepest = std::sqrt(3.0);
 constexpr double kBent = 6.0;
 
-/// Potential p(d) of a whole tool at the distance d. The force -p' = F S(1 - |d| / R), S the smoothstep, is F at the surface, 0
-/// from R on outside, and fades again inside, where contact takes over.
+/// Potential p(d) of a whole tool at the distance d. The force -p' = F S(1 - |d| / R), S the
+/// smoothstep, is F at the surface, 0 from R on outside, and fades again inside, where contact
+/// takes over.
 struct Layer {
   double potential_j = 0.0, force_n = 0.0;
   double slope_n_per_m = 0.0;  ///< p'': how the force falls with d
 };
 
 Layer layer_at(double limit, double range, double d) noexcept {
-  if (!(d < range)) return {};
+  if (!(d < range))
+    return {};
   const double u = std::max(0.0, 1.0 - std::abs(d) / range);
   const double work =
-      limit * range * (u * u * u - 0.5 * u * u * u * u);  // from the layer's border that is on this side
+      limit * range *
+      (u * u * u - 0.5 * u * u * u * u);  // from the layer's border that is on this side
   const double slope = limit / range * 6.0 * u * (1.0 - u);
   return {d >= 0.0 ? work : limit * range - work, limit * smoothstep(0.0, 1.0, u),
           std::copysign(slope, d)};
@@ -49,20 +55,24 @@ class Sums {
  public:
   Sums(bool torque, EffectPush& push) noexcept : torque_(torque), push_(push) {}
 
-  void add(const Vec3& arm, double share, const Layer& layer, const ProximitySample& sample) noexcept {
+  void add(const Vec3& arm, double share, const Layer& layer,
+           const ProximitySample& sample) noexcept {
     const Vec3 force = (share * layer.force_n) * sample.gradient;
     push_.wrench.force += force;
     push_.potential_j += share * layer.potential_j;
-    // -dF/dx = p'' g g' + p' H, p' = -force: of the first what pushes back, of the second Gershgorin's diagonal, which is no
-    // smaller than -p' |H| in any direction and keeps flat walls exact.
+    // -dF/dx = p'' g g' + p' H, p' = -force: of the first what pushes back, of the second
+    // Gershgorin's diagonal, which is no smaller than -p' |H| in any direction and keeps flat walls
+    // exact.
     const Vec3 rows = sample.curvature.cwiseAbs().rowwise().sum();
     Mat3 stiffness = (share * layer.force_n) * Mat3(rows.asDiagonal());
     if (layer.slope_n_per_m > 0.0)
       stiffness += (share * layer.slope_n_per_m) * sample.gradient * sample.gradient.transpose();
     push_.stiffness.topLeftCorner<3, 3>() += stiffness;
     push_.stiffness_bound_n_per_m +=
-        share * (std::abs(layer.slope_n_per_m) * sample.gradient.squaredNorm() + layer.force_n * rows.maxCoeff());
-    if (torque_) add_turning(arm, force, stiffness);
+        share * (std::abs(layer.slope_n_per_m) * sample.gradient.squaredNorm() +
+                 layer.force_n * rows.maxCoeff());
+    if (torque_)
+      add_turning(arm, force, stiffness);
   }
 
  private:
@@ -82,37 +92,47 @@ class Sums {
 
 class ProximityEffect final : public Effect {
  public:
-  void apply(const EffectFrame& frame, const EffectValues& values, EffectPush& push) noexcept override {
-    if (frame.proximity == nullptr) return;
+  void apply(const EffectFrame& frame, const EffectValues& values,
+             EffectPush& push) noexcept override {
+    if (frame.proximity == nullptr)
+      return;
     const double limit = values.number(kLimit), range = values.number(kRange);
     Sums sums(values.number(kLever) > 0.0, push);
     for (const ToolPoint& point : frame.tool_points) {
       const Vec3 arm = frame.tool.orientation * point.position;
       const ProximitySample sample = frame.proximity->at(frame.tool.position + arm);
       const Layer layer = layer_at(limit, range, sample.distance_m);
-      if (layer.potential_j > 0.0) sums.add(arm, point.share, layer, sample);
+      if (layer.potential_j > 0.0)
+        sums.add(arm, point.share, layer, sample);
     }
   }
 };
 
 EffectNeeds needs(const EffectValues& values) {
-  EffectNeeds needs{.orientation = true, .proximity_m = values.number(kRange), .smoothing_m = values.number(kSmoothing)};
-  if (values.number(kLever) > 0.0) needs.torque = true, needs.lever_m = values.number(kLever);
+  EffectNeeds needs{.orientation = true,
+                    .proximity_m = values.number(kRange),
+                    .smoothing_m = values.number(kSmoothing)};
+  if (values.number(kLever) > 0.0)
+    needs.torque = true, needs.lever_m = values.number(kLever);
   return needs;
 }
 
 EffectBound bound(const EffectValues& values) {
-  const double limit = values.number(kLimit), range = values.number(kRange), lever = values.number(kLever);
-  EffectBound bound{.stiffness_n_per_m = 3.0 * 1.5 * limit / range + kBent * limit / values.number(kSmoothing),
-                    .force_n = kSteepest * limit,
-                    .potential_j = limit * range};
-  if (lever > 0.0) bound.stiffness_nm_per_rad = lever * (lever * bound.stiffness_n_per_m + bound.force_n);
+  const double limit = values.number(kLimit), range = values.number(kRange),
+               lever = values.number(kLever);
+  EffectBound bound{
+      .stiffness_n_per_m = 3.0 * 1.5 * limit / range + kBent * limit / values.number(kSmoothing),
+      .force_n = kSteepest * limit,
+      .potential_j = limit * range};
+  if (lever > 0.0)
+    bound.stiffness_nm_per_rad = lever * (lever * bound.stiffness_n_per_m + bound.force_n);
   return bound;
 }
 
 std::string check(const EffectValues& values) {
   return values.number(kSmoothing) > 4.0 * values.number(kRange)
-             ? "'smoothing_m' must not be more than four times 'range_m': nothing would be left of the field"
+             ? "'smoothing_m' must not be more than four times 'range_m': nothing would be left of "
+               "the field"
              : "";
 }
 
@@ -120,13 +140,19 @@ std::string check(const EffectValues& values) {
 
 extern const EffectKind kProximity = {
     .name = "proximity",
-    .says = "Static objects push the tool off before it touches them, the more the nearer it comes.",
+    .says =
+        "Static objects push the tool off before it touches them, the more the nearer it comes.",
     .equations =
-        "U = sum a_i p(d(x_i)) over points x_i that stand for shares a_i of the tool's surface (sum 1), d the smoothed "
-        "signed distance; F = -sum a_i p'(d) grad d, torque sum r_i x F_i; -p' = F S(1 - |d|/R), S the smoothstep "
-        "(force field from outer layers, McNeely et al. 1999). |F| <= sqrt(3) F, |dF/dx| <= 3 (3/2) F / R + 6 F / h, h "
-        "the smoothing; before a flat wall (3/2) F / R. Conservative; without torque for motions that do not turn the "
-        "tool. Stable for that bound below b / (T/2 + t_d) (Colgate and Schenkel 1997), b the damping of hand and "
+        "U = sum a_i p(d(x_i)) over points x_i that stand for shares a_i of the tool's surface "
+        "(sum 1), d the smoothed "
+        "signed distance; F = -sum a_i p'(d) grad d, torque sum r_i x F_i; -p' = F S(1 - |d|/R), S "
+        "the smoothstep "
+        "(force field from outer layers, McNeely et al. 1999). |F| <= sqrt(3) F, |dF/dx| <= 3 "
+        "(3/2) F / R + 6 F / h, h "
+        "the smoothing; before a flat wall (3/2) F / R. Conservative; without torque for motions "
+        "that do not turn the "
+        "tool. Stable for that bound below b / (T/2 + t_d) (Colgate and Schenkel 1997), b the "
+        "damping of hand and "
         "device.",
     .energy = EnergyBehaviour::kConservative,
     .parameters = kParameters,

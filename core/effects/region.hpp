@@ -20,8 +20,8 @@ struct BoxRegion {
   bool operator==(const BoxRegion&) const = default;
 };  ///< centred at the pose, W
 
-/// Full inside the shape, none beyond `blend_m` > 0 outside it, smoothstep of the distance between: continuous with its
-/// first derivative.
+/// Full inside the shape, none beyond `blend_m` > 0 outside it, smoothstep of the distance between:
+/// continuous with its first derivative.
 struct Region {
   std::variant<EverywhereRegion, SphereRegion, BoxRegion> shape;
   double blend_m = 0.002;
@@ -35,8 +35,9 @@ struct RegionWeight {
 
 /// Weight at `x` in W. Real-time safe.
 RegionWeight weight_at(const Region& region, const Vec3& x) noexcept;
-/// Bounds of the weight's first [1/m] and second [1/m^2] derivatives: 1.5 / b and 6 / b^2 of the smoothstep of a distance
-/// (across it: w' / distance, which is at most 6 / b^2 as well). Zero for everywhere.
+/// Bounds of the weight's first [1/m] and second [1/m^2] derivatives: 1.5 / b and 6 / b^2 of the
+/// smoothstep of a distance (across it: w' / distance, which is at most 6 / b^2 as well). Zero for
+/// everywhere.
 double slope_bound_per_m(const Region& region) noexcept;
 double curvature_bound_per_m2(const Region& region) noexcept;
 

@@ -18,8 +18,10 @@ struct MassMatrix {
 };
 
 /// `turn`: of B's axes into W's; `arm`: from the origin to the centre of mass, in W.
-MassMatrix mass_matrix(const BodyShape& shape, double mass_kg, const Mat3& turn, const Vec3& arm) noexcept {
-  const Mat3 across = cross_matrix(arm), central = mass_kg * (turn * shape.inertia_m2 * turn.transpose());
+MassMatrix mass_matrix(const BodyShape& shape, double mass_kg, const Mat3& turn,
+                       const Vec3& arm) noexcept {
+  const Mat3 across = cross_matrix(arm),
+             central = mass_kg * (turn * shape.inertia_m2 * turn.transpose());
   MassMatrix mass;
   mass.inertia = central - mass_kg * across * across;
   mass.all.topLeftCorner<3, 3>() = mass_kg * Mat3::Identity();
@@ -37,19 +39,26 @@ struct Grip {
   Vec3 goal_velocity_W;
   Vec3 stretch, twisted;  ///< from the body to the goal [m, rad]
 
-  Grip(const BodyShape& shape, const BodyParameters& p, double strength, const Pose& pose_WB, const Pose& pose_TB, const Pose& pose_WT,
-       const Twist& tool_twist) noexcept
-      : c(strength * p.grip_n_per_m), c_turn(strength * p.grip_nm_per_rad), goal_WB(pose_WT * pose_TB),
-        goal_velocity_W(tool_twist.linear + tool_twist.angular.cross(goal_WB.position - pose_WT.position)),
-        stretch(goal_WB.position - pose_WB.position), twisted(rotation_vector(pose_WB.orientation, goal_WB.orientation)) {
-    const double ratio = 2.0 * p.grip_damping_ratio, least_inertia = p.mass_kg * shape.inertia_m2.diagonal().minCoeff();
+  Grip(const BodyShape& shape, const BodyParameters& p, double strength, const Pose& pose_WB,
+       const Pose& pose_TB, const Pose& pose_WT, const Twist& tool_twist) noexcept
+      : c(strength * p.grip_n_per_m),
+        c_turn(strength * p.grip_nm_per_rad),
+        goal_WB(pose_WT * pose_TB),
+        goal_velocity_W(tool_twist.linear +
+                        tool_twist.angular.cross(goal_WB.position - pose_WT.position)),
+        stretch(goal_WB.position - pose_WB.position),
+        twisted(rotation_vector(pose_WB.orientation, goal_WB.orientation)) {
+    const double ratio = 2.0 * p.grip_damping_ratio,
+                 least_inertia = p.mass_kg * shape.inertia_m2.diagonal().minCoeff();
     r = strength * ratio * std::sqrt(p.grip_n_per_m * p.mass_kg);
     r_turn = strength * ratio * std::sqrt(p.grip_nm_per_rad * least_inertia);
   }
 
-  /// What acts on the tool once the body has moved by a step of `dt_s` at `twist`, and the energy of the springs [J]. It is what acted on the body over
-  /// this step: a body that is a step ahead of its tool would push it on.
-  BodyGrip on_tool(const Pose& pose_WT, const Twist& tool_twist, const Twist& twist, double dt_s, double& energy_j) const noexcept {
+  /// What acts on the tool once the body has moved by a step of `dt_s` at `twist`, and the energy
+  /// of the springs [J]. It is what acted on the body over this step: a body that is a step ahead
+  /// of its tool would push it on.
+  BodyGrip on_tool(const Pose& pose_WT, const Twist& tool_twist, const Twist& twist, double dt_s,
+                   double& energy_j) const noexcept {
     const Vec3 stretch_after = stretch + dt_s * (goal_velocity_W - twist.linear);
     const Vec3 twisted_after = twisted + dt_s * (tool_twist.angular - twist.angular);
     const Vec3 on_body = c * stretch_after + r * (goal_velocity_W - twist.linear);
@@ -61,7 +70,8 @@ struct Grip {
     grip.stiffness.topLeftCorner<3, 3>() = c * Mat3::Identity();
     grip.stiffness.topRightCorner<3, 3>() = -c * lever_across;
     grip.stiffness.bottomLeftCorner<3, 3>() = c * lever_across;
-    grip.stiffness.bottomRightCorner<3, 3>() = c_turn * Mat3::Identity() - c * lever_across * lever_across;
+    grip.stiffness.bottomRightCorner<3, 3>() =
+        c_turn * Mat3::Identity() - c * lever_across * lever_across;
     grip.stiffness_bound_n_per_m = c;
     energy_j = 0.5 * (c * stretch_after.squaredNorm() + c_turn * twisted_after.squaredNorm());
     return grip;
@@ -80,7 +90,8 @@ void RigidBody::follow_hold(const Pose& pose_WT, bool hold, double grab_m, doubl
   if (hold && !held_ && (pose_WT.position - pose_WB_.position).norm() <= grab_m) {
     held_ = true;
     pose_TB_ = pose_WT.inverse() * pose_WB_;
-    strength_ = coupling::Ramp(0.0);  // it hangs as it lies: no force to begin with, whatever was left of the last grip
+    strength_ = coupling::Ramp(
+        0.0);  // it hangs as it lies: no force to begin with, whatever was left of the last grip
     strength_.head_for(1.0, kGripRampS);
   } else if (!hold && held_) {
     held_ = false;
@@ -89,8 +100,8 @@ void RigidBody::follow_hold(const Pose& pose_WT, bool hold, double grab_m, doubl
   strength_.advance(dt_s);
 }
 
-BodyGrip RigidBody::step(const BodyLoad& load, const Pose& pose_WT, const Twist& tool_twist, bool hold, double grab_m,
-                         const BodyParameters& p, double dt_s) noexcept {
+BodyGrip RigidBody::step(const BodyLoad& load, const Pose& pose_WT, const Twist& tool_twist,
+                         bool hold, double grab_m, const BodyParameters& p, double dt_s) noexcept {
   follow_hold(pose_WT, hold, grab_m, dt_s);
   const Mat3 turn = pose_WB_.orientation.toRotationMatrix();
   const Vec3 arm = turn * shape_.centre;
@@ -106,16 +117,18 @@ BodyGrip RigidBody::step(const BodyLoad& load, const Pose& pose_WT, const Twist&
   damping.diagonal() += stacked(Vec3::Constant(grip.r), Vec3::Constant(grip.r_turn));
   stiffness.diagonal() += stacked(Vec3::Constant(grip.c), Vec3::Constant(grip.c_turn));
   const Vec3 weight = p.mass_kg * p.gravity_m_per_s2, spin = twist_.angular;
-  Vec6 push = stacked(load.wrench.force + weight + grip.c * grip.stretch + grip.r * grip.goal_velocity_W,
-                      load.wrench.torque + arm.cross(weight) + grip.c_turn * grip.twisted + grip.r_turn * tool_twist.angular);
+  Vec6 push =
+      stacked(load.wrench.force + weight + grip.c * grip.stretch + grip.r * grip.goal_velocity_W,
+              load.wrench.torque + arm.cross(weight) + grip.c_turn * grip.twisted +
+                  grip.r_turn * tool_twist.angular);
   push += tau * load.stiffness_times_velocity;
   push -= stacked(p.mass_kg * spin.cross(spin.cross(arm)), spin.cross(mass.inertia * spin));
   // What moves with the tool or with an object is no stretch: springs see the way relative to it.
   Vec6 spring_ahead = load.stiffness_times_velocity;
   spring_ahead += stacked(grip.c * grip.goal_velocity_W, grip.c_turn * tool_twist.angular);
   const Mat6 left = mass.all + dt_s * damping + (dt_s * dt_s) * stiffness;
-  const Vec6 velocity =
-      left.ldlt().solve(mass.all * stacked(twist_.linear, twist_.angular) + dt_s * push + (dt_s * dt_s) * spring_ahead);
+  const Vec6 velocity = left.ldlt().solve(mass.all * stacked(twist_.linear, twist_.angular) +
+                                          dt_s * push + (dt_s * dt_s) * spring_ahead);
   if (!velocity.allFinite()) {  // nothing that can be stood on: it stops where it is
     twist_ = {};
     return {};
@@ -134,7 +147,8 @@ void RigidBody::move(double dt_s) noexcept {
   pose_WB_.position += dt_s * twist_.linear;
   const Vec3 step = dt_s * twist_.angular;
   if (const double angle = step.norm(); angle > 0.0)
-    pose_WB_.orientation = (Quat(Eigen::AngleAxisd(angle, step / angle)) * pose_WB_.orientation).normalized();
+    pose_WB_.orientation =
+        (Quat(Eigen::AngleAxisd(angle, step / angle)) * pose_WB_.orientation).normalized();
 }
 
 }  // namespace voxtouch::effects

@@ -1,6 +1,6 @@
 #pragma once
-/// The dynamic object as a body of its own: it has mass, falls, rests on what it touches, and hangs on the tool by a spring
-/// while it is held.
+/// The dynamic object as a body of its own: it has mass, falls, rests on what it touches, and hangs
+/// on the tool by a spring while it is held.
 #include "core/coupling/ramp.hpp"
 #include "core/types/geometry.hpp"
 
@@ -8,23 +8,25 @@ namespace voxtouch::effects {
 
 /// Mass properties of the dynamic object at a mass of 1 kg.
 struct BodyShape {
-  Vec3 centre = Vec3::Zero();            ///< of mass, in T [m]
-  Mat3 inertia_m2 = Mat3::Identity();    ///< about the centre of mass, T axes, over the mass [m^2]; positive definite
-  double reach_m = 0.0;                  ///< farthest point from the origin of T
+  Vec3 centre = Vec3::Zero();          ///< of mass, in T [m]
+  Mat3 inertia_m2 = Mat3::Identity();  ///< about the centre of mass, T axes, over the mass [m^2];
+                                       ///< positive definite
+  double reach_m = 0.0;                ///< farthest point from the origin of T
 };
 
 struct BodyParameters {
   double mass_kg = 1.0;
   Vec3 gravity_m_per_s2 = Vec3::Zero();
   double grip_n_per_m = 0.0, grip_nm_per_rad = 0.0;  ///< of the spring between tool and body
-  double grip_damping_ratio = 1.0;                   ///< of that spring with the body's mass and its least inertia
+  double grip_damping_ratio = 1.0;  ///< of that spring with the body's mass and its least inertia
 };
 
 /// What pushes the body where it is now. W axes, torque about the origin of T.
 struct BodyLoad {
   Wrench wrench;
   Mat6 stiffness = Mat6::Zero();  ///< -d(wrench)/d(pose) of it
-  /// Stiffness times the velocity of what it is of, for pushes of moving objects: damping counts from there.
+  /// Stiffness times the velocity of what it is of, for pushes of moving objects: damping counts
+  /// from there.
   Vec6 stiffness_times_velocity = Vec6::Zero();
   double stiffness_bound_n_per_m = 0.0;
 };
@@ -36,23 +38,26 @@ struct BodyGrip {
   double stiffness_bound_n_per_m = 0.0;
 };
 
-/// Semi-implicit Euler, linearly implicit in every spring and damper (Baraff and Witkin 1998): with M the mass matrix at T's
-/// origin, K the sum of all stiffness matrices and D the damping,
+/// Semi-implicit Euler, linearly implicit in every spring and damper (Baraff and Witkin 1998): with
+/// M the mass matrix at T's origin, K the sum of all stiffness matrices and D the damping,
 ///
 ///     (M + h D + h^2 K) v+ = M v + h (w + D v_of_what_it_touches),    x+ = x + h v+.
 ///
-/// K and D are symmetric and positive semidefinite, so a linear contact of any stiffness is stable at any h, and a contact
-/// that stiffens by sudden hits only loses speed. Contact damping is Rayleigh's, D = tau K with tau = 2 zeta sqrt(m / k), k the
-/// contact's bound: zeta = 1/2 for a contact as stiff as its bound. Gyroscopic torque is explicit; speeds are cut at kMaxSpeed
-/// and kMaxSpin, where a hand has let go of it long ago.
+/// K and D are symmetric and positive semidefinite, so a linear contact of any stiffness is stable
+/// at any h, and a contact that stiffens by sudden hits only loses speed. Contact damping is
+/// Rayleigh's, D = tau K with tau = 2 zeta sqrt(m / k), k the contact's bound: zeta = 1/2 for a
+/// contact as stiff as its bound. Gyroscopic torque is explicit; speeds are cut at kMaxSpeed and
+/// kMaxSpin, where a hand has let go of it long ago.
 ///
-/// Holding. While held, spring and damper pull the body to where it hangs on the tool; taken up anew it hangs as it lies, so
-/// that nothing jumps. Strength goes up and down over kGripRampS.
+/// Holding. While held, spring and damper pull the body to where it hangs on the tool; taken up
+/// anew it hangs as it lies, so that nothing jumps. Strength goes up and down over kGripRampS.
 ///
-/// Energy: kinetic + m g h + the spring's. Its fall is what the body may give the tool. Real-time safe.
+/// Energy: kinetic + m g h + the spring's. Its fall is what the body may give the tool. Real-time
+/// safe.
 class RigidBody {
  public:
-  static constexpr double kGripRampS = 0.05, kMaxSpeed = 20.0, kMaxSpin = 200.0, kContactDampingRatio = 0.5;
+  static constexpr double kGripRampS = 0.05, kMaxSpeed = 20.0, kMaxSpin = 200.0,
+                          kContactDampingRatio = 0.5;
 
   /// Placed nowhere yet: it has to be, before the first step.
   explicit RigidBody(const BodyShape& shape) noexcept : shape_(shape) {}
@@ -65,10 +70,10 @@ class RigidBody {
   const Twist& twist() const noexcept { return twist_; }
   bool held() const noexcept { return held_; }
 
-  /// One step of `dt_s` under `load`, hanging on `pose_WT`. `hold`: the tool holds it, or would if it is near enough: at most
-  /// `grab_m` from where it took it last, or from the body's origin.
-  BodyGrip step(const BodyLoad& load, const Pose& pose_WT, const Twist& tool_twist, bool hold, double grab_m,
-                const BodyParameters& parameters, double dt_s) noexcept;
+  /// One step of `dt_s` under `load`, hanging on `pose_WT`. `hold`: the tool holds it, or would if
+  /// it is near enough: at most `grab_m` from where it took it last, or from the body's origin.
+  BodyGrip step(const BodyLoad& load, const Pose& pose_WT, const Twist& tool_twist, bool hold,
+                double grab_m, const BodyParameters& parameters, double dt_s) noexcept;
 
   /// Of the last step [J]; see above.
   double energy_j() const noexcept { return energy_j_; }

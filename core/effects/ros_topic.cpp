@@ -7,14 +7,20 @@
 namespace voxtouch::effects {
 
 std::string fault_of_ros_topic(std::string_view name) {
-  if (name.size() > kLongestTopic) return fmt::format("is longer than {} characters", kLongestTopic);
-  if (name.empty() || name.front() != '/') return "does not begin with '/', so no namespace is known: write it as /sim/wrench";
-  const auto letter = [](char c) { return c == '_' || std::isalpha(static_cast<unsigned char>(c)) != 0; };
+  if (name.size() > kLongestTopic)
+    return fmt::format("is longer than {} characters", kLongestTopic);
+  if (name.empty() || name.front() != '/')
+    return "does not begin with '/', so no namespace is known: write it as /sim/wrench";
+  const auto letter = [](char c) {
+    return c == '_' || std::isalpha(static_cast<unsigned char>(c)) != 0;
+  };
   for (std::size_t n = 0; n < name.size(); ++n) {
     const char c = name[n];
     const bool first = n > 0 && name[n - 1] == '/';
-    if (first ? !letter(c) : c != '/' && !letter(c) && std::isdigit(static_cast<unsigned char>(c)) == 0)
-      return "is no topic of ROS 2: between slashes stand letters, digits and '_', and no digit first";
+    if (first ? !letter(c)
+              : c != '/' && !letter(c) && std::isdigit(static_cast<unsigned char>(c)) == 0)
+      return "is no topic of ROS 2: between slashes stand letters, digits and '_', and no digit "
+             "first";
   }
   return name.back() == '/' ? "ends with '/'" : "";
 }

@@ -9,7 +9,8 @@ namespace {
 enum : std::size_t { kAlong, kAgainst, kFull, kReach };
 
 constexpr std::array kParameters = {
-    row::number("damping_ns_per_m", 0.0, 100.0, "Force for each metre a second along the surface [Ns/m]."),
+    row::number("damping_ns_per_m", 0.0, 100.0,
+                "Force for each metre a second along the surface [Ns/m]."),
     row::number("normal_damping_ns_per_m", 0.0, 100.0, 0.0,
                 "Force for each metre a second into the surface and out of it [Ns/m]."),
     row::number("full_force_n", 0.01, 100.0, 0.5,
@@ -19,15 +20,18 @@ constexpr std::array kParameters = {
 
 class SurfaceDamping final : public Effect {
  public:
-  void apply(const EffectFrame& frame, const EffectValues& values, EffectPush& push) noexcept override {
+  void apply(const EffectFrame& frame, const EffectValues& values,
+             EffectPush& push) noexcept override {
     const double reach = values.number(kReach), share = share_of_each(frame, values.number(kFull));
     step_.advance(frame.tool);
     heights_.begin();
     for (const ObjectContact& touch : frame.contacts) {
       TouchPoint point;
-      if (!find_touch(touch, frame.tool.position, reach, point)) continue;
+      if (!find_touch(touch, frame.tool.position, reach, point))
+        continue;
       FollowedHeight* height = heights_.find(touch.object);
-      if (height == nullptr) continue;
+      if (height == nullptr)
+        continue;
       const Vec3 arm = arm_to(point, height->follow(point.height_m, step_.most(reach)), reach);
       add(frame, touch, point, arm, share, values, push);
     }
@@ -39,21 +43,23 @@ class SurfaceDamping final : public Effect {
   }
 
  private:
-  /// The weight grows with the depth, by `slope` for each metre: the force then changes by slope |b v|, along another line
-  /// than the depth's, which half of it on every axis is not less than.
-  static void add(const EffectFrame& frame, const ObjectContact& touch, const TouchPoint& point, const Vec3& arm,
-                  double share, const EffectValues& values, EffectPush& push) noexcept {
-    const Vec3 way =
-        within_hand_speed(frame.twist.linear - touch.twist.linear + (frame.twist.angular - touch.twist.angular).cross(arm));
+  /// The weight grows with the depth, by `slope` for each metre: the force then changes by slope |b
+  /// v|, along another line than the depth's, which half of it on every axis is not less than.
+  static void add(const EffectFrame& frame, const ObjectContact& touch, const TouchPoint& point,
+                  const Vec3& arm, double share, const EffectValues& values,
+                  EffectPush& push) noexcept {
+    const Vec3 way = within_hand_speed(frame.twist.linear - touch.twist.linear +
+                                       (frame.twist.angular - touch.twist.angular).cross(arm));
     const double into = point.normal.dot(way);
-    const Vec3 full =
-        -values.number(kAlong) * (way - into * point.normal) - values.number(kAgainst) * into * point.normal;
+    const Vec3 full = -values.number(kAlong) * (way - into * point.normal) -
+                      values.number(kAgainst) * into * point.normal;
     const Vec3 force = share * smoothstep(0.0, values.number(kFull), point.push_n) * full;
     push.wrench.force += force;
     push.wrench.torque += arm.cross(force);
-    const double slope = kSteepestStep / values.number(kFull) * touch.contact->stiffness_bound_n_per_m;
-    const double coupling =
-        (share < 1.0 ? 2.0 : 1.0) * slope * full.norm();  // each one's share moves with the others' as well
+    const double slope =
+        kSteepestStep / values.number(kFull) * touch.contact->stiffness_bound_n_per_m;
+    const double coupling = (share < 1.0 ? 2.0 : 1.0) * slope *
+                            full.norm();  // each one's share moves with the others' as well
     push.stiffness += seen_from_origin(0.5 * coupling * Mat3::Identity(), arm);
     push.stiffness_bound_n_per_m += coupling;
   }
@@ -62,23 +68,34 @@ class SurfaceDamping final : public Effect {
   ToolDisplacement step_;
 };
 
-EffectNeeds needs(const EffectValues&) { return {.twist = true, .contact = true, .orientation = true}; }
+EffectNeeds needs(const EffectValues&) {
+  return {.twist = true, .contact = true, .orientation = true};
+}
 
 EffectBound bound(const EffectValues& values) {
-  const double reach = values.number(kReach), damping = std::max(values.number(kAlong), values.number(kAgainst));
-  return {.damping_ns_per_m = damping, .damping_nms_per_rad = damping * reach * reach, .force_n = damping * kFastestMPerS};
+  const double reach = values.number(kReach),
+               damping = std::max(values.number(kAlong), values.number(kAgainst));
+  return {.damping_ns_per_m = damping,
+          .damping_nms_per_rad = damping * reach * reach,
+          .force_n = damping * kFastestMPerS};
 }
 
 }  // namespace
 
 extern const EffectKind kSurfaceDamping = {
     .name = "surface_damping",
-    .says = "Sliding over a surface is slow going, as through a film of oil, and lifting off it too if asked for.",
+    .says =
+        "Sliding over a surface is slow going, as through a film of oil, and lifting off it too if "
+        "asked for.",
     .equations =
-        "F = -s(N) (b v_t + b_n v_n) at the touched point (Stokes), v its velocity against the object's, s the "
-        "smoothstep of the contact force N from 0 to full_force_n: none without contact, no step at its begin. Several "
-        "objects share one s of 1. Dissipative while the objects rest. Sampled with a delay t_d and behind a filter of "
-        "lag L a mass m stays stable for b < (pi/2) m / (L + t_d). Where N changes with depth, so does F: s'(N) b v "
+        "F = -s(N) (b v_t + b_n v_n) at the touched point (Stokes), v its velocity against the "
+        "object's, s the "
+        "smoothstep of the contact force N from 0 to full_force_n: none without contact, no step "
+        "at its begin. Several "
+        "objects share one s of 1. Dissipative while the objects rest. Sampled with a delay t_d "
+        "and behind a filter of "
+        "lag L a mass m stays stable for b < (pi/2) m / (L + t_d). Where N changes with depth, so "
+        "does F: s'(N) b v "
         "times the contact's stiffness.",
     .energy = EnergyBehaviour::kDissipative,
     .parameters = kParameters,

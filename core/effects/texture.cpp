@@ -15,7 +15,8 @@ constexpr std::array kParameters = {
                     .shape = ParameterShape::kWord,
                     .meaning = "Straight parallel ridges, or bumps without an order.",
                     .words = "grating noise"},
-    row::number("wavelength_m", 0.0005, 0.1, "From ridge to ridge; for noise about from bump to bump [m]."),
+    row::number("wavelength_m", 0.0005, 0.1,
+                "From ridge to ridge; for noise about from bump to bump [m]."),
     row::number("force_n", 0.0, 20.0, "Push along the surface at the steepest place [N]."),
     EffectParameter{.name = "direction",
                     .shape = ParameterShape::kDirection,
@@ -26,8 +27,9 @@ constexpr std::array kParameters = {
     kReachParameter,
 };
 
-/// What a change while running would whirl under the tool: a relief far from W's origin moves by many ridges while its
-/// wavelength changes by a hundredth. So a new one takes over where the old one has faded out.
+/// What a change while running would whirl under the tool: a relief far from W's origin moves by
+/// many ridges while its wavelength changes by a hundredth. So a new one takes over where the old
+/// one has faded out.
 class Relief {
  public:
   /// The share of its force that the relief gives now.
@@ -37,7 +39,8 @@ class Relief {
     const Vec3 direction = values.vector(kDirection);
     const bool same = wavelength == wavelength_ && direction == direction_;
     share_ = !known_ ? 1.0 : std::clamp(share_ + (same ? dt_s : -dt_s) / kFadeS, 0.0, 1.0);
-    if (!known_ || share_ == 0.0) wavelength_ = wavelength, direction_ = direction;
+    if (!known_ || share_ == 0.0)
+      wavelength_ = wavelength, direction_ = direction;
     known_ = true;
     return share_;
   }
@@ -59,27 +62,31 @@ double bend_of(const EffectValues& values) noexcept {
 
 class Texture final : public Effect {
  public:
-  void apply(const EffectFrame& frame, const EffectValues& values, EffectPush& push) noexcept override {
+  void apply(const EffectFrame& frame, const EffectValues& values,
+             EffectPush& push) noexcept override {
     const double most = relief_.follow(values, frame.dt_s) * values.number(kForce);
     const double reach = values.number(kReach), share = share_of_each(frame, values.number(kFull));
     for (const ObjectContact& touch : frame.contacts) {
       TouchPoint point;
-      if (!find_touch(touch, frame.tool.position, reach, point)) continue;
+      if (!find_touch(touch, frame.tool.position, reach, point))
+        continue;
       add(frame, touch, point, share * most, share < 1.0, values, push);
     }
   }
   void reset() noexcept override { relief_.forget(); }
 
  private:
-  void add(const EffectFrame& frame, const ObjectContact& touch, const TouchPoint& point, double most, bool shared,
-           const EffectValues& values, EffectPush& push) const noexcept {
+  void add(const EffectFrame& frame, const ObjectContact& touch, const TouchPoint& point,
+           double most, bool shared, const EffectValues& values, EffectPush& push) const noexcept {
     const Vec3& n = point.normal;
     const PatternSample relief =
         relief_.at(frame.tool.position + point.foot, static_cast<int>(values.number(kPattern)));
-    const Vec3 force = -most * smoothstep(0.0, values.number(kFull), point.push_n) * (relief.slope - n.dot(relief.slope) * n);
+    const Vec3 force = -most * smoothstep(0.0, values.number(kFull), point.push_n) *
+                       (relief.slope - n.dot(relief.slope) * n);
     push.wrench.force += force;
     push.wrench.torque += point.foot.cross(force);
-    const double slope = kSteepestStep / values.number(kFull) * touch.contact->stiffness_bound_n_per_m;
+    const double slope =
+        kSteepestStep / values.number(kFull) * touch.contact->stiffness_bound_n_per_m;
     const double coupling = (shared ? 2.0 : 1.0) * slope * most;
     const double own = most * bend_of(values) / relief_.wavelength_m();
     push.stiffness += seen_from_origin((own + 0.5 * coupling) * Mat3::Identity(), point.foot);
@@ -106,13 +113,20 @@ extern const EffectKind kTexture = {
     .name = "texture",
     .says = "Surfaces have a relief, ridges or bumps, that pushes the tool along the surface.",
     .equations =
-        "F = -A s(N) grad h across the normal, at the foot of the contact force's axis, h read there in W with |grad "
-        "h| <= 1, s the smoothstep of the contact force N from 0 to full_force_n (lateral force: Minsky 1995; that it "
-        "alone is felt as relief: Robles-De-La-Torre and Hayward 2001). On a flat surface pressed with full_force_n or "
-        "more it is the potential A h and gives no energy; where the pressure changes on the way, or the surface is "
-        "curved, at most A joule for each metre of the point's way. Stiffness at most 2 pi A / wavelength (grating), "
-        "7.5 A / wavelength (noise), and A s'(N) times the contact's. The relief is sampled: at f samples a second a "
-        "speed v shows v / wavelength right below f/2 only (1 kHz, 1 mm: 0.5 m/s; ten samples a ridge: 0.1 m/s), and a "
+        "F = -A s(N) grad h across the normal, at the foot of the contact force's axis, h read "
+        "there in W with |grad "
+        "h| <= 1, s the smoothstep of the contact force N from 0 to full_force_n (lateral force: "
+        "Minsky 1995; that it "
+        "alone is felt as relief: Robles-De-La-Torre and Hayward 2001). On a flat surface pressed "
+        "with full_force_n or "
+        "more it is the potential A h and gives no energy; where the pressure changes on the way, "
+        "or the surface is "
+        "curved, at most A joule for each metre of the point's way. Stiffness at most 2 pi A / "
+        "wavelength (grating), "
+        "7.5 A / wavelength (noise), and A s'(N) times the contact's. The relief is sampled: at f "
+        "samples a second a "
+        "speed v shows v / wavelength right below f/2 only (1 kHz, 1 mm: 0.5 m/s; ten samples a "
+        "ridge: 0.1 m/s), and a "
         "wavelength should be ten steps of the device's encoders or more.",
     .energy = EnergyBehaviour::kBounded,
     .parameters = kParameters,

@@ -16,8 +16,9 @@ std::uint64_t mixed(std::uint64_t x) noexcept {
 
 /// -1..1 for a corner of the lattice.
 double value_at(std::int64_t i, std::int64_t j, std::int64_t k) noexcept {
-  const std::uint64_t bits = mixed(mixed(mixed(static_cast<std::uint64_t>(i)) ^ static_cast<std::uint64_t>(j)) ^
-                                   static_cast<std::uint64_t>(k));
+  const std::uint64_t bits =
+      mixed(mixed(mixed(static_cast<std::uint64_t>(i)) ^ static_cast<std::uint64_t>(j)) ^
+            static_cast<std::uint64_t>(k));
   return static_cast<double>(bits >> 11) * 0x1p-52 - 1.0;
 }
 
@@ -33,7 +34,8 @@ PatternSample noise_at(const Vec3& x, double wavelength_m) noexcept {
   constexpr double kFarthest = 1e15;  // cells: beyond it doubles hold no fractions
   const double cell = 0.5 * wavelength_m;
   const Vec3 u = x / cell;
-  if (!(u.cwiseAbs().maxCoeff() < kFarthest)) return {};
+  if (!(u.cwiseAbs().maxCoeff() < kFarthest))
+    return {};
   const Vec3 base(std::floor(u.x()), std::floor(u.y()), std::floor(u.z()));
   const Vec3 t = u - base;
   double blend[3][2], slope[3][2];
@@ -46,10 +48,12 @@ PatternSample noise_at(const Vec3& x, double wavelength_m) noexcept {
   for (int i = 0; i < 2; ++i)
     for (int j = 0; j < 2; ++j)
       for (int k = 0; k < 2; ++k) {
-        const double value = value_at(static_cast<std::int64_t>(base.x()) + i, static_cast<std::int64_t>(base.y()) + j,
+        const double value = value_at(static_cast<std::int64_t>(base.x()) + i,
+                                      static_cast<std::int64_t>(base.y()) + j,
                                       static_cast<std::int64_t>(base.z()) + k);
         out.height_m += value * blend[0][i] * blend[1][j] * blend[2][k];
-        out.slope += value * Vec3(slope[0][i] * blend[1][j] * blend[2][k], blend[0][i] * slope[1][j] * blend[2][k],
+        out.slope += value * Vec3(slope[0][i] * blend[1][j] * blend[2][k],
+                                  blend[0][i] * slope[1][j] * blend[2][k],
                                   blend[0][i] * blend[1][j] * slope[2][k]);
       }
   out.height_m *= cell / kNoiseSteepest;

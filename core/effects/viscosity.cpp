@@ -9,24 +9,30 @@ namespace {
 enum : std::size_t { kDamping, kTurning };
 
 constexpr std::array kParameters = {
-    row::number("damping_ns_per_m", 0.0, 100.0, "Force for each metre a second of the tool's origin [Ns/m]."),
+    row::number("damping_ns_per_m", 0.0, 100.0,
+                "Force for each metre a second of the tool's origin [Ns/m]."),
     row::number("damping_nms_per_rad", 0.0, 10.0, 0.0,
                 "Torque for each radian a second [Nms/rad]; needs a device that gives torque."),
 };
 
 class Viscosity final : public Effect {
  public:
-  void apply(const EffectFrame& frame, const EffectValues& values, EffectPush& push) noexcept override {
+  void apply(const EffectFrame& frame, const EffectValues& values,
+             EffectPush& push) noexcept override {
     push.wrench.force -= values.number(kDamping) * within_hand_speed(frame.twist.linear);
     push.wrench.torque -= values.number(kTurning) * frame.twist.angular;
   }
 };
 
-EffectNeeds needs(const EffectValues& values) { return {.twist = true, .torque = values.number(kTurning) > 0.0}; }
+EffectNeeds needs(const EffectValues& values) {
+  return {.twist = true, .torque = values.number(kTurning) > 0.0};
+}
 
 EffectBound bound(const EffectValues& values) {
   const double damping = values.number(kDamping);
-  return {.damping_ns_per_m = damping, .damping_nms_per_rad = values.number(kTurning), .force_n = damping * kFastestMPerS};
+  return {.damping_ns_per_m = damping,
+          .damping_nms_per_rad = values.number(kTurning),
+          .force_n = damping * kFastestMPerS};
 }
 
 }  // namespace
@@ -35,8 +41,10 @@ extern const EffectKind kViscosity = {
     .name = "viscosity",
     .says = "The tool moves as through a thick liquid, everywhere alike.",
     .equations =
-        "F = -b v up to 2 m/s, torque = -b_r w (Stokes). Dissipative. Sampled with a delay t_d and behind a filter of "
-        "lag L a mass m stays stable for b < (pi/2) m / (L + t_d); the scene is refused above half of that.",
+        "F = -b v up to 2 m/s, torque = -b_r w (Stokes). Dissipative. Sampled with a delay t_d and "
+        "behind a filter of "
+        "lag L a mass m stays stable for b < (pi/2) m / (L + t_d); the scene is refused above half "
+        "of that.",
     .energy = EnergyBehaviour::kDissipative,
     .parameters = kParameters,
     .needs = needs,

@@ -12,11 +12,14 @@
 namespace voxtouch::first_scene {
 namespace {
 
-constexpr double kVoxelsInWall = 4.0;                       ///< of a wall, for the distances in it to be right
-constexpr double kCoarsest = 100.0, kFinest = 220.0;        ///< voxels along the part's largest extent: 220 cubed are 11 million
+constexpr double kVoxelsInWall = 4.0;  ///< of a wall, for the distances in it to be right
+constexpr double kCoarsest = 100.0,
+                 kFinest =
+                     220.0;  ///< voxels along the part's largest extent: 220 cubed are 11 million
 constexpr double kSmallestSphereVoxels = 4.0, kSphereShare = 15.0, kLargestSphereM = 0.015;
-constexpr double kPressM = 0.01, kSlideM = 0.005;           ///< how deep the hand wants to go
-constexpr double kApproachS = 1.5, kSlowest = 0.03, kFastest = 0.15;  ///< to the surface and in; peak speeds [m/s]
+constexpr double kPressM = 0.01, kSlideM = 0.005;  ///< how deep the hand wants to go
+constexpr double kApproachS = 1.5, kSlowest = 0.03,
+                 kFastest = 0.15;  ///< to the surface and in; peak speeds [m/s]
 constexpr double kPointStiffness = 10.0;
 
 /// Down to two digits, as a person would write it.
@@ -31,15 +34,18 @@ Tool tool_of(const mesh::TriangleMesh& mesh) {
   Vec3 low = mesh.vertices.front(), high = low, lowest = low;
   for (const Vec3& x : mesh.vertices) {
     low = low.cwiseMin(x), high = high.cwiseMax(x);
-    if (x.z() < lowest.z()) lowest = x;
+    if (x.z() < lowest.z())
+      lowest = x;
   }
   return {.sphere = false, .reach_m = 0.5 * (high - low).maxCoeff(), .lowest_T = lowest};
 }
 
-ProposedScene propose_scene(const mesh::TriangleMesh& part, const mesh::MeshReport& report, Tool tool, const ModelChoice& contact) {
+ProposedScene propose_scene(const mesh::TriangleMesh& part, const mesh::MeshReport& report,
+                            Tool tool, const ModelChoice& contact) {
   const Vec3 extents = report.max - report.min;
   const double largest = extents.maxCoeff();
-  if (!(largest > 0.0)) throw std::invalid_argument("the part has no extent: all of its vertices are at one place");
+  if (!(largest > 0.0))
+    throw std::invalid_argument("the part has no extent: all of its vertices are at one place");
   ProposedScene scene;
   const auto because = [&](std::string reason) { scene.reasons.push_back(std::move(reason)); };
 
@@ -48,16 +54,22 @@ ProposedScene propose_scene(const mesh::TriangleMesh& part, const mesh::MeshRepo
   scene.voxel_size_m = rounded_down(std::clamp(wanted, largest / kFinest, largest / kCoarsest));
   const double e = scene.voxel_size_m;
   if (wall)
-    because(fmt::format("Nine tenths of the part are at least {:.3g} mm thick, so a voxel is {:.3g} mm: {:.1f} of them in such a wall.", 1e3 * *wall,
-                        1e3 * e, *wall / e));
+    because(
+        fmt::format("Nine tenths of the part are at least {:.3g} mm thick, so a voxel is {:.3g} "
+                    "mm: {:.1f} of them in such a wall.",
+                    1e3 * *wall, 1e3 * e, *wall / e));
   if (wall && *wall < 2.0 * e)
-    because(fmt::format("That is too few for thin walls: finer voxels than a {:.0f}th of the part cost memory; voxel_size sets them.", kFinest));
+    because(
+        fmt::format("That is too few for thin walls: finer voxels than a {:.0f}th of the part cost "
+                    "memory; voxel_size sets them.",
+                    kFinest));
   scene.contact = contact;
   because(contact.reason);
   scene.point_stiffness_n_per_m = kPointStiffness;
 
   if (tool.sphere) {
-    tool.reach_m = rounded_down(std::max(kSmallestSphereVoxels * e, std::min(largest / kSphereShare, kLargestSphereM)));
+    tool.reach_m = rounded_down(
+        std::max(kSmallestSphereVoxels * e, std::min(largest / kSphereShare, kLargestSphereM)));
     tool.lowest_T = Vec3(0.0, 0.0, -tool.reach_m);
     because(fmt::format("The tool is a sphere of {:.3g} mm.", 1e3 * tool.reach_m));
   }
@@ -67,15 +79,21 @@ ProposedScene propose_scene(const mesh::TriangleMesh& part, const mesh::MeshRepo
   const Vec3 touch = place_to_touch(part), at = touch - tool.lowest_T;
   const double top = report.max.z() - touch.z();  // what stands higher than the place
   const double clear = top + std::max(4.0 * e, 0.3 * tool.reach_m);
-  const double press = contact.virtual_tool ? kPressM : 0.5 * e, slide = contact.virtual_tool ? kSlideM : 0.5 * e;
+  const double press = contact.virtual_tool ? kPressM : 0.5 * e,
+               slide = contact.virtual_tool ? kSlideM : 0.5 * e;
   const auto along_z = [&](const Vec3& x, double z) { return Vec3(x + z * Vec3::UnitZ()); };
   scene.press_W = {along_z(at, clear), along_z(at, -press)};
-  const Vec3 aside = at + Vec3(extents.x() / 6.0, 0.0, 0.0), back = at - Vec3(extents.x() / 6.0, 0.0, 0.0);
-  scene.slide_W = {along_z(back, clear), along_z(back, -slide), along_z(aside, -slide), along_z(aside, clear)};
-  scene.press_speed_m_per_s = std::clamp(kMinimumJerkPeak * (clear + press) / kApproachS, kSlowest, kFastest);
+  const Vec3 aside = at + Vec3(extents.x() / 6.0, 0.0, 0.0),
+             back = at - Vec3(extents.x() / 6.0, 0.0, 0.0);
+  scene.slide_W = {along_z(back, clear), along_z(back, -slide), along_z(aside, -slide),
+                   along_z(aside, clear)};
+  scene.press_speed_m_per_s =
+      std::clamp(kMinimumJerkPeak * (clear + press) / kApproachS, kSlowest, kFastest);
   scene.slide_speed_m_per_s = std::max(scene.press_speed_m_per_s, 0.05);
-  because(fmt::format("The motion `press` comes down over ({:.3g}, {:.3g}) mm and wants {:.3g} mm deeper than the surface; `slide` goes {:.3g} mm across.",
-                      1e3 * at.x(), 1e3 * at.y(), 1e3 * press, 1e3 * extents.x() / 3.0));
+  because(
+      fmt::format("The motion `press` comes down over ({:.3g}, {:.3g}) mm and wants {:.3g} mm "
+                  "deeper than the surface; `slide` goes {:.3g} mm across.",
+                  1e3 * at.x(), 1e3 * at.y(), 1e3 * press, 1e3 * extents.x() / 3.0));
   return scene;
 }
 

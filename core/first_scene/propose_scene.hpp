@@ -12,25 +12,29 @@ namespace voxtouch::first_scene {
 /// The tool of a first scene: a sphere, or a mesh.
 struct Tool {
   bool sphere = true;
-  double reach_m = 0.0;                  ///< half of its largest extent; of a sphere, found here, its radius
-  Vec3 lowest_T = Vec3::Zero();          ///< its lowest point, in its own frame T [m]
+  double reach_m = 0.0;  ///< half of its largest extent; of a sphere, found here, its radius
+  Vec3 lowest_T = Vec3::Zero();  ///< its lowest point, in its own frame T [m]
 };
 
 struct ProposedScene {
   double voxel_size_m = 0.0;
   ModelChoice contact;
-  double point_stiffness_n_per_m = 0.0;  ///< without a virtual tool, for each point of the tool's shell; by area, for a voxel's face
+  double point_stiffness_n_per_m = 0.0;  ///< without a virtual tool, for each point of the tool's
+                                         ///< shell; by area, for a voxel's face
   Tool tool;
-  std::vector<Vec3> press_W, slide_W;    ///< way points of the tool's origin in W [m]; both begin outside, above the part
+  std::vector<Vec3> press_W,
+      slide_W;  ///< way points of the tool's origin in W [m]; both begin outside, above the part
   double press_speed_m_per_s = 0.0, slide_speed_m_per_s = 0.0;
-  std::vector<std::string> reasons;      ///< sentences: what was found and what follows from it
+  std::vector<std::string> reasons;  ///< sentences: what was found and what follows from it
 };
 
 /// Of a mesh in metres; its origin is what the hand holds.
 Tool tool_of(const mesh::TriangleMesh& mesh);
 
-/// `part`: in metres, with its report; `tool`: a mesh's, or a sphere whose radius is still to be found; `contact`: usual_model(report), or what
-/// was measured. Deterministic. Throws std::invalid_argument, a sentence, where the part has no extent.
-ProposedScene propose_scene(const mesh::TriangleMesh& part, const mesh::MeshReport& report, Tool tool, const ModelChoice& contact);
+/// `part`: in metres, with its report; `tool`: a mesh's, or a sphere whose radius is still to be
+/// found; `contact`: usual_model(report), or what was measured. Deterministic. Throws
+/// std::invalid_argument, a sentence, where the part has no extent.
+ProposedScene propose_scene(const mesh::TriangleMesh& part, const mesh::MeshReport& report,
+                            Tool tool, const ModelChoice& contact);
 
 }  // namespace voxtouch::first_scene

@@ -12,20 +12,27 @@ namespace {
 constexpr std::size_t kLongestName = 64;
 
 /// A text of JSON is one of YAML, whatever characters it holds.
-std::string quoted(const std::string& text) { return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace); }
+std::string quoted(const std::string& text) {
+  return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
 
 std::string path_text(const std::vector<Vec3>& path) {
   std::string text;
-  for (const Vec3& x : path) text += fmt::format("{}[{:.6g}, {:.6g}, {:.6g}]", text.empty() ? "" : ", ", x.x(), x.y(), x.z());
+  for (const Vec3& x : path)
+    text +=
+        fmt::format("{}[{:.6g}, {:.6g}, {:.6g}]", text.empty() ? "" : ", ", x.x(), x.y(), x.z());
   return "[" + text + "]";
 }
 
 std::string contact_text(const ProposedScene& scene) {
-  if (scene.contact.virtual_tool) return "contact: {model: field, rendering: virtual_tool}\n";
+  if (scene.contact.virtual_tool)
+    return "contact: {model: field, rendering: virtual_tool}\n";
   const double e = scene.voxel_size_m, k = scene.point_stiffness_n_per_m;
   const std::string_view model = contact::name_of(scene.contact.model);
-  return scene.contact.model == contact::ContactModelKind::kField ? fmt::format("contact: {{model: {}, stiffness_n_per_m3: {:.3g}}}\n", model, k / (e * e))
-                                               : fmt::format("contact: {{model: {}, stiffness_n_per_m: {:.4g}}}\n", model, k);
+  return scene.contact.model == contact::ContactModelKind::kField
+             ? fmt::format("contact: {{model: {}, stiffness_n_per_m3: {:.3g}}}\n", model,
+                           k / (e * e))
+             : fmt::format("contact: {{model: {}, stiffness_n_per_m: {:.4g}}}\n", model, k);
 }
 
 }  // namespace
@@ -33,24 +40,36 @@ std::string contact_text(const ProposedScene& scene) {
 std::string scene_name(const std::string& text) {
   std::string name = text.substr(0, kLongestName);
   for (char& c : name)
-    if (!std::isalnum(static_cast<unsigned char>(c)) && c != '_' && c != '-' && c != '.') c = '_';
-  if (name.empty() || name.front() == '.') name.insert(name.begin(), 's');
+    if (!std::isalnum(static_cast<unsigned char>(c)) && c != '_' && c != '-' && c != '.')
+      c = '_';
+  if (name.empty() || name.front() == '.')
+    name.insert(name.begin(), 's');
   return name.substr(0, kLongestName);
 }
 
 std::string scene_text(const ProposedScene& scene, const SceneNames& names) {
   std::string text;
-  for (const std::string& reason : scene.reasons) text += "# " + reason + "\n";
-  text += fmt::format("scene: {}\nvoxel_size: {:.4g}  # m\n", quoted(names.scene), scene.voxel_size_m);
-  text += fmt::format("static:\n  - {{mesh: {}, scale: {:.6g}}}\n", quoted(names.part_file), names.part_scale);
-  text += fmt::format("dynamic:\n  mesh: {}\n  scale: {:.6g}\n  shell: exact\n", quoted(names.tool_file), names.tool_scale);
-  if (scene.tool.sphere) text += fmt::format("  parts: [{{sphere: {{centre: [0, 0, 0], radius: {:.6g}}}}}]\n", scene.tool.reach_m);
+  for (const std::string& reason : scene.reasons)
+    text += "# " + reason + "\n";
+  text +=
+      fmt::format("scene: {}\nvoxel_size: {:.4g}  # m\n", quoted(names.scene), scene.voxel_size_m);
+  text += fmt::format("static:\n  - {{mesh: {}, scale: {:.6g}}}\n", quoted(names.part_file),
+                      names.part_scale);
+  text += fmt::format("dynamic:\n  mesh: {}\n  scale: {:.6g}\n  shell: exact\n",
+                      quoted(names.tool_file), names.tool_scale);
+  if (scene.tool.sphere)
+    text += fmt::format("  parts: [{{sphere: {{centre: [0, 0, 0], radius: {:.6g}}}}}]\n",
+                        scene.tool.reach_m);
   text += contact_text(scene);
   text += "effects: []  # friction, texture, guides, ...: see voxtouch schema\n";
   text += "coupling: {design: auto}  # fitted to the device: voxtouch design --scene\n";
-  text += "motions:  # of the simulated hand: where it wants the tool's origin, in the part's frame [m]\n";
-  text += fmt::format("  press: {{path: {}, speed_m_per_s: {:.3g}, hold_s: 0.3, repeat_from: 0}}\n", path_text(scene.press_W), scene.press_speed_m_per_s);
-  text += fmt::format("  slide: {{path: {}, speed_m_per_s: {:.3g}, hold_s: 0.1, repeat_from: 0}}\n", path_text(scene.slide_W), scene.slide_speed_m_per_s);
+  text +=
+      "motions:  # of the simulated hand: where it wants the tool's origin, in the part's frame "
+      "[m]\n";
+  text += fmt::format("  press: {{path: {}, speed_m_per_s: {:.3g}, hold_s: 0.3, repeat_from: 0}}\n",
+                      path_text(scene.press_W), scene.press_speed_m_per_s);
+  text += fmt::format("  slide: {{path: {}, speed_m_per_s: {:.3g}, hold_s: 0.1, repeat_from: 0}}\n",
+                      path_text(scene.slide_W), scene.slide_speed_m_per_s);
   return text;
 }
 

@@ -8,8 +8,8 @@ namespace voxtouch::first_scene {
 
 /// What the text names beside the proposal.
 struct SceneNames {
-  std::string scene;                        ///< letters, digits, _ - .
-  std::string part_file, tool_file;         ///< as the scene file is to name them
+  std::string scene;                          ///< letters, digits, _ - .
+  std::string part_file, tool_file;           ///< as the scene file is to name them
   double part_scale = 1.0, tool_scale = 1.0;  ///< metres for one unit of the files
 };
 

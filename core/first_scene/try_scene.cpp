@@ -6,7 +6,8 @@ namespace voxtouch::first_scene {
 namespace {
 
 constexpr double kStepS = 0.001, kLongestS = 60.0;
-constexpr double kSpring = 300.0;  ///< of a virtual tool [N/m]; any will do, since only whether there is force is asked
+constexpr double kSpring =
+    300.0;  ///< of a virtual tool [N/m]; any will do, since only whether there is force is asked
 
 bool pushes(const rendering::SceneFrame& frame) { return frame.wrench.force.squaredNorm() > 0.0; }
 
@@ -20,13 +21,18 @@ std::string what_is_wrong(const scene::Scene& scene, rendering::BuiltScene& buil
     double time_s = 0.0;
     const auto frame = [&] {
       const MotionPoint hand = motion_at(motion, time_s);
-      return renderer.render({.pose = {hand.position, motion.orientation}, .twist = {hand.velocity, Vec3::Zero()}}, time_s);
+      return renderer.render(
+          {.pose = {hand.position, motion.orientation}, .twist = {hand.velocity, Vec3::Zero()}},
+          time_s);
     };
-    if (pushes(frame())) return fmt::format("the motion '{}' begins inside the part", name);
+    if (pushes(frame()))
+      return fmt::format("the motion '{}' begins inside the part", name);
     const double end_s = std::min(kLongestS, approach_duration(motion));
     bool touched = false;
-    for (time_s = kStepS; time_s < end_s && !touched; time_s += kStepS) touched = pushes(frame());
-    if (!touched) return fmt::format("the motion '{}' does not touch the part", name);
+    for (time_s = kStepS; time_s < end_s && !touched; time_s += kStepS)
+      touched = pushes(frame());
+    if (!touched)
+      return fmt::format("the motion '{}' does not touch the part", name);
   }
   return {};
 }

@@ -7,9 +7,14 @@
 namespace voxtouch::fitting {
 
 /// Of `frame`, with the tool at `tool` (T in W). Real-time safe.
-inline coupling::CouplingInput coupling_input(const rendering::SceneFrame& frame, const Pose& tool) noexcept {
-  return {.contact = frame.wrench, .contact_stiffness_n_per_m = frame.stiffness_bound_n_per_m, .contact_stiffness = frame.stiffness, .tool = tool,
-          .supplied_energy_j = frame.supplied_energy_j, .contact_depth_m = frame.touch.contact.deepest_depth_m,
+inline coupling::CouplingInput coupling_input(const rendering::SceneFrame& frame,
+                                              const Pose& tool) noexcept {
+  return {.contact = frame.wrench,
+          .contact_stiffness_n_per_m = frame.stiffness_bound_n_per_m,
+          .contact_stiffness = frame.stiffness,
+          .tool = tool,
+          .supplied_energy_j = frame.supplied_energy_j,
+          .contact_depth_m = frame.touch.contact.deepest_depth_m,
           .depth_goes_on = frame.touch.retained};
 }
 

@@ -15,23 +15,30 @@ struct Caps {
   double n_per_m, nm_per_rad;
 };
 Caps caps_of(const scene::Scene& scene) noexcept {
-  if (!scene.design) return {scene.coupling.stiffness_cap_n_per_m, scene.coupling.stiffness_cap_nm_per_rad};
+  if (!scene.design)
+    return {scene.coupling.stiffness_cap_n_per_m, scene.coupling.stiffness_cap_nm_per_rad};
   constexpr double kNone = std::numeric_limits<double>::infinity();
-  return {scene.design->stiffness_cap_n_per_m.value_or(kNone), scene.design->stiffness_cap_nm_per_rad.value_or(kNone)};
+  return {scene.design->stiffness_cap_n_per_m.value_or(kNone),
+          scene.design->stiffness_cap_nm_per_rad.value_or(kNone)};
 }
 
-coupling::design::ContactRange range_D(const coupling::design::ContactRange& range_W, double cap, double scale) noexcept {
+coupling::design::ContactRange range_D(const coupling::design::ContactRange& range_W, double cap,
+                                       double scale) noexcept {
   return {std::min(range_W.one_point, cap) * scale, std::min(range_W.all_points, cap) * scale};
 }
 
-/// Of a virtual tool's spring: no stiffer than the device can show. What is capped is the spring and nothing else, so the designer may
-/// take any share of it (`one_point`), and effects come on top.
-rendering::StiffnessBounds of_spring(const scene::Scene& scene, const coupling::design::DeviceModel& device,
+/// Of a virtual tool's spring: no stiffer than the device can show. What is capped is the spring
+/// and nothing else, so the designer may take any share of it (`one_point`), and effects come on
+/// top.
+rendering::StiffnessBounds of_spring(const scene::Scene& scene,
+                                     const coupling::design::DeviceModel& device,
                                      const rendering::StiffnessBounds& bounds) noexcept {
   const coupling::design::ContactRange &t = bounds.translation, &r = bounds.rotation;
-  const double spring = std::min(t.one_point, largest_spring_n_per_m(scene, device)), share = spring / t.one_point;
+  const double spring = std::min(t.one_point, largest_spring_n_per_m(scene, device)),
+               share = spring / t.one_point;
   const double turning = share * r.one_point;
-  return {{kAnyShare * spring, spring + (t.all_points - t.one_point)}, {kAnyShare * turning, turning + (r.all_points - r.one_point)}};
+  return {{kAnyShare * spring, spring + (t.all_points - t.one_point)},
+          {kAnyShare * turning, turning + (r.all_points - r.one_point)}};
 }
 
 /// All that is stiffness or damping, times `scales`.
@@ -55,7 +62,8 @@ HandScales hand_scales(const scene::WorkspaceMapping& device) noexcept {
   return {device.position_scale * device.force_scale, device.force_scale / device.position_scale};
 }
 
-coupling::design::DesignProblem design_problem(const scene::Scene& scene, const coupling::design::DeviceModel& device,
+coupling::design::DesignProblem design_problem(const scene::Scene& scene,
+                                               const coupling::design::DeviceModel& device,
                                                const coupling::design::ContactRange& translation_W,
                                                const coupling::design::ContactRange& rotation_W) {
   const scene::DesignOptions options = scene.design.value_or(scene::DesignOptions{});
@@ -66,7 +74,8 @@ coupling::design::DesignProblem design_problem(const scene::Scene& scene, const 
   problem.hand = scene::operator_range(options, device.grip);
   rendering::StiffnessBounds bounds{translation_W, rotation_W};
   const bool spring = rendering::is_spring(bounds);
-  if (spring) bounds = of_spring(scene, device, bounds);
+  if (spring)
+    bounds = of_spring(scene, device, bounds);
   problem.contact = range_D(bounds.translation, caps.n_per_m, scales.translation);
   problem.contact_rotation = range_D(bounds.rotation, caps.nm_per_rad, scales.rotation);
   coupling::design::DesignGoals& goals = problem.goals;
@@ -76,38 +85,49 @@ coupling::design::DesignProblem design_problem(const scene::Scene& scene, const 
   goals.gain_margin = options.gain_margin;
   goals.floors = coupling::design::floors_of(options.damping_floor);
   goals.rotation_floors = coupling::design::floors_of(options.rotation_damping_floor);
-  if (!spring) goals.force_layer_depth_m = 0.5 * scene.voxel_size_m / scene.device.position_scale;
+  if (!spring)
+    goals.force_layer_depth_m = 0.5 * scene.voxel_size_m / scene.device.position_scale;
   goals.allow_injected_damping = options.inject_damping;
   goals.velocity_windows = options.velocity_windows;
   goals.damper_share = options.damper_share;
-  goals.free_cap = scene.design && !options.stiffness_cap_n_per_m && !options.stiffness_cap_nm_per_rad;
+  goals.free_cap =
+      scene.design && !options.stiffness_cap_n_per_m && !options.stiffness_cap_nm_per_rad;
   return problem;
 }
 
-double largest_spring_n_per_m(const scene::Scene& scene, const coupling::design::DeviceModel& device) noexcept {
+double largest_spring_n_per_m(const scene::Scene& scene,
+                              const coupling::design::DeviceModel& device) noexcept {
   return device.translation.max_stiffness / hand_scales(scene.device).translation;
 }
 
-coupling::CouplingSpec spec_W(const coupling::design::Design& design, const scene::Scene& scene) noexcept {
+coupling::CouplingSpec spec_W(const coupling::design::Design& design,
+                              const scene::Scene& scene) noexcept {
   const HandScales scales = hand_scales(scene.device);
   const Caps caps = caps_of(scene);
-  coupling::CouplingSpec spec = scaled(design.spec, {1.0 / scales.translation, 1.0 / scales.rotation});
+  coupling::CouplingSpec spec =
+      scaled(design.spec, {1.0 / scales.translation, 1.0 / scales.rotation});
   spec.stiffness_cap_n_per_m = std::min(spec.stiffness_cap_n_per_m, caps.n_per_m);
   spec.stiffness_cap_nm_per_rad = std::min(spec.stiffness_cap_nm_per_rad, caps.nm_per_rad);
   return spec;
 }
 
-coupling::CouplingSpec spec_D(const coupling::CouplingSpec& spec_W, const scene::WorkspaceMapping& device) noexcept {
+coupling::CouplingSpec spec_D(const coupling::CouplingSpec& spec_W,
+                              const scene::WorkspaceMapping& device) noexcept {
   return scaled(spec_W, hand_scales(device));
 }
 
-double stiffness_at_hand_n_per_m(const coupling::CouplingSpec& spec, const scene::WorkspaceMapping& device, double bound_n_per_m) noexcept {
-  return coupling::displayed_stiffness_n_per_m(spec, bound_n_per_m) * hand_scales(device).translation;
+double stiffness_at_hand_n_per_m(const coupling::CouplingSpec& spec,
+                                 const scene::WorkspaceMapping& device,
+                                 double bound_n_per_m) noexcept {
+  return coupling::displayed_stiffness_n_per_m(spec, bound_n_per_m) *
+         hand_scales(device).translation;
 }
 
-coupling::CouplingLimits limits_W(const scene::WorkspaceMapping& scales, const coupling::design::DeviceModel& device) noexcept {
+coupling::CouplingLimits limits_W(const scene::WorkspaceMapping& scales,
+                                  const coupling::design::DeviceModel& device) noexcept {
   const double max_torque_nm = device.gives_torque ? device.rotation.max_effort : 0.0;
-  return {device.translation.max_effort / scales.force_scale, max_torque_nm * scales.position_scale / scales.force_scale};
+  return {device.translation.max_effort / scales.force_scale,
+          max_torque_nm * scales.position_scale / scales.force_scale};
 }
 
 }  // namespace voxtouch::fitting

@@ -7,15 +7,18 @@
 namespace voxtouch::fitting {
 namespace {
 
-void add_stiffness(const scene::Scene& scene, std::span<const effects::EffectReach> effects, DeviceDemand& demand) {
+void add_stiffness(const scene::Scene& scene, std::span<const effects::EffectReach> effects,
+                   DeviceDemand& demand) {
   double most = demand.least_stiffness_n_per_m = scene.contact.stiffness_n_per_m;
-  demand.stiffest = scene.virtual_tool() ? "coupling.stiffness_cap_n_per_m" : "contact.stiffness_n_per_m";
+  demand.stiffest =
+      scene.virtual_tool() ? "coupling.stiffness_cap_n_per_m" : "contact.stiffness_n_per_m";
   for (const effects::EffectReach& effect : effects) {
     const effects::EffectSpec& spec = effect.spec();
     const double own = effect.bound().stiffness_n_per_m;
     if (own > most) {
       const std::string place = spec.place.empty() ? "" : fmt::format(" ({})", spec.place);
-      most = own, demand.stiffest = fmt::format("the effect '{}'{} ({:.4g} N/m)", spec.name, place, own);
+      most = own,
+      demand.stiffest = fmt::format("the effect '{}'{} ({:.4g} N/m)", spec.name, place, own);
     }
     if (spec.kind->needs(spec.values).body) {
       demand.least_stiffness_n_per_m = own;
@@ -27,13 +30,15 @@ void add_stiffness(const scene::Scene& scene, std::span<const effects::EffectRea
 
 void add(DampingDemand& damping, double own, const effects::EffectSpec& spec) {
   damping.all += own;
-  if (own > damping.largest) damping.largest = own, damping.name = spec.name, damping.place = spec.place;
+  if (own > damping.largest)
+    damping.largest = own, damping.name = spec.name, damping.place = spec.place;
 }
 
 void add_damping(std::span<const effects::EffectReach> effects, DeviceDemand& demand) {
   for (const effects::EffectReach& effect : effects) {
     const effects::EffectSpec& spec = effect.spec();
-    if (spec.kind->needs(spec.values).body) continue;  // damps against the body, which gives way
+    if (spec.kind->needs(spec.values).body)
+      continue;  // damps against the body, which gives way
     const effects::EffectBound bound = effect.bound();
     add(demand.damping, bound.damping_ns_per_m, spec);
     add(demand.turning, bound.damping_nms_per_rad, spec);
@@ -43,7 +48,8 @@ void add_damping(std::span<const effects::EffectReach> effects, DeviceDemand& de
 void add_external(std::span<const effects::EffectReach> effects, DeviceDemand& demand) {
   for (const effects::EffectReach& effect : effects) {
     const effects::EffectSpec& spec = effect.spec();
-    if (!spec.kind->needs(spec.values).external) continue;
+    if (!spec.kind->needs(spec.values).external)
+      continue;
     const effects::EffectBound bound = effect.bound();
     demand.external = {bound.external_force_n, bound.external_torque_nm, spec.name, spec.place};
   }
@@ -51,15 +57,19 @@ void add_external(std::span<const effects::EffectReach> effects, DeviceDemand& d
 
 }  // namespace
 
-DeviceDemand demand_of(const scene::Scene& scene) { return demand_of(scene, effects::at_rest(scene.effects)); }
+DeviceDemand demand_of(const scene::Scene& scene) {
+  return demand_of(scene, effects::at_rest(scene.effects));
+}
 
 DeviceDemand demand_of(const scene::Scene& scene, std::span<const effects::EffectReach> effects) {
   DeviceDemand demand;
-  if (!scene.design) add_stiffness(scene, effects, demand);
+  if (!scene.design)
+    add_stiffness(scene, effects, demand);
   add_damping(effects, demand);
   add_external(effects, demand);
   for (const effects::EffectReach& effect : effects)
-    if (demand.torque.empty() && effect.spec().kind->needs(effect.spec().values).torque) demand.torque = effect.spec().name;
+    if (demand.torque.empty() && effect.spec().kind->needs(effect.spec().values).torque)
+      demand.torque = effect.spec().name;
   return demand;
 }
 
@@ -67,10 +77,14 @@ DeviceDemand larger_of(const DeviceDemand& a, const DeviceDemand& b) {
   DeviceDemand out = b;
   if (a.least_stiffness_n_per_m > b.least_stiffness_n_per_m)
     out.least_stiffness_n_per_m = a.least_stiffness_n_per_m, out.stiffest = a.stiffest;
-  if (a.damping.all > b.damping.all) out.damping = a.damping;
-  if (a.turning.all > b.turning.all) out.turning = a.turning;
-  if (out.torque.empty()) out.torque = a.torque;
-  if (out.external.name.empty()) out.external = a.external;
+  if (a.damping.all > b.damping.all)
+    out.damping = a.damping;
+  if (a.turning.all > b.turning.all)
+    out.turning = a.turning;
+  if (out.torque.empty())
+    out.torque = a.torque;
+  if (out.external.name.empty())
+    out.external = a.external;
   out.external.force_n = std::max(a.external.force_n, b.external.force_n);
   out.external.torque_nm = std::max(a.external.torque_nm, b.external.torque_nm);
   return out;

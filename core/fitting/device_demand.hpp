@@ -1,6 +1,6 @@
 #pragma once
-/// What a scene asks of a device beside its contact's stiffness, as plain numbers and names: so that who renders the scene can tell
-/// it to who knows the device.
+/// What a scene asks of a device beside its contact's stiffness, as plain numbers and names: so
+/// that who renders the scene can tell it to who knows the device.
 #include <span>
 #include <string>
 
@@ -11,9 +11,9 @@ namespace voxtouch::fitting {
 
 /// What effects damp with, along the axes [Ns/m] or about them [Nms/rad].
 struct DampingDemand {
-  double all = 0.0;            ///< of all effects together
-  double largest = 0.0;        ///< of the one that damps most ...
-  std::string name, place;     ///< ... its name, and where it was read, which may be empty
+  double all = 0.0;         ///< of all effects together
+  double largest = 0.0;     ///< of the one that damps most ...
+  std::string name, place;  ///< ... its name, and where it was read, which may be empty
 
   bool operator==(const DampingDemand&) const = default;
 };
@@ -26,12 +26,14 @@ struct ExternalDemand {
   bool operator==(const ExternalDemand&) const = default;
 };
 
-/// In W. Effects count at full gain, also those that are switched off: what is found good is good whatever gain or switch do.
+/// In W. Effects count at full gain, also those that are switched off: what is found good is good
+/// whatever gain or switch do.
 struct DeviceDemand {
-  double least_stiffness_n_per_m = 0.0;   ///< that any contact shows, all effects with it; 0 where a designed coupling caps it
-  std::string stiffest;                   ///< what a person would lower first
-  DampingDemand damping, turning;         ///< of the tool's motion, and of its turning
-  std::string torque;                     ///< name of an effect that gives torque; empty: none does
+  double least_stiffness_n_per_m =
+      0.0;  ///< that any contact shows, all effects with it; 0 where a designed coupling caps it
+  std::string stiffest;            ///< what a person would lower first
+  DampingDemand damping, turning;  ///< of the tool's motion, and of its turning
+  std::string torque;              ///< name of an effect that gives torque; empty: none does
   ExternalDemand external;
 
   bool operator==(const DeviceDemand&) const = default;
@@ -41,11 +43,12 @@ struct DeviceDemand {
 DeviceDemand demand_of(const scene::Scene& scene);
 /// Of the scene's contact with other effects, wherever they may be on their way.
 DeviceDemand demand_of(const scene::Scene& scene, std::span<const effects::EffectReach> effects);
-/// Both while one fades over to the other: of each figure the larger, since a blend shows no more than the more demanding one.
+/// Both while one fades over to the other: of each figure the larger, since a blend shows no more
+/// than the more demanding one.
 DeviceDemand larger_of(const DeviceDemand& a, const DeviceDemand& b);
 
-/// What any contact shows of stiffness at least, in W: one point alone where points weigh one each, with all that the effects may
-/// show beside it; or the grip of a body.
+/// What any contact shows of stiffness at least, in W: one point alone where points weigh one each,
+/// with all that the effects may show beside it; or the grip of a body.
 double least_stiffness_n_per_m(const scene::Scene& scene);
 
 }  // namespace voxtouch::fitting

@@ -1,41 +1,51 @@
 #pragma once
-/// The coupling that a scene runs with on a device: designed where the scene asks for that, set by hand and judged where not.
+/// The coupling that a scene runs with on a device: designed where the scene asks for that, set by
+/// hand and judged where not.
 #include <string>
 
 #include "core/coupling/design/designer.hpp"
 #include "core/fitting/device_demand.hpp"
-#include "core/scene/design_options.hpp"
 #include "core/rendering/plan.hpp"
+#include "core/scene/design_options.hpp"
 #include "core/scene/scene.hpp"
 
 namespace voxtouch::fitting {
 
 struct FittedCoupling {
-  coupling::CouplingSpec spec;      ///< what to run, in W
-  coupling::design::Design design;          ///< at the hand: what was found, or the judgement of what was set by hand
+  coupling::CouplingSpec spec;  ///< what to run, in W
+  coupling::design::Design
+      design;             ///< at the hand: what was found, or the judgement of what was set by hand
   bool designed = false;  ///< false: set by hand in the scene
-  std::string impossible;  ///< why there is none that may run, whatever the effects do; empty: there is one
-  std::string refusal;     ///< why it must not run with the effects as they are, a sentence with what to do; empty: it may
+  std::string
+      impossible;  ///< why there is none that may run, whatever the effects do; empty: there is one
+  std::string refusal;  ///< why it must not run with the effects as they are, a sentence with what
+                        ///< to do; empty: it may
 };
 
-/// `bounds`: what the scene's contact and effects can show, in W; `demand`: what they ask beside it. The same arguments give the same
-/// bits. Some milliseconds to some tenths of a second; not for the loop. Numbers that nothing can be designed for (a device without
-/// mass, say) come back as a refusal.
+/// `bounds`: what the scene's contact and effects can show, in W; `demand`: what they ask beside
+/// it. The same arguments give the same bits. Some milliseconds to some tenths of a second; not for
+/// the loop. Numbers that nothing can be designed for (a device without mass, say) come back as a
+/// refusal.
 FittedCoupling fit_coupling(const scene::Scene& scene, const coupling::design::DeviceModel& device,
                             const rendering::StiffnessBounds& bounds, const DeviceDemand& demand);
 /// The same with the scene's effects as it has them.
 FittedCoupling fit_coupling(const scene::Scene& scene, const coupling::design::DeviceModel& device,
-                            const coupling::design::ContactRange& translation, const coupling::design::ContactRange& rotation);
+                            const coupling::design::ContactRange& translation,
+                            const coupling::design::ContactRange& rotation);
 
-/// The refusal of a coupling that has been fitted already, for other effects or a device that has changed: the same code, without
-/// a new fit. Some microseconds.
-std::string judge_again(const FittedCoupling& fitted, const scene::Scene& scene, const coupling::design::DeviceModel& device,
-                        double one_point_n_per_m, const DeviceDemand& demand);
+/// The refusal of a coupling that has been fitted already, for other effects or a device that has
+/// changed: the same code, without a new fit. Some microseconds.
+std::string judge_again(const FittedCoupling& fitted, const scene::Scene& scene,
+                        const coupling::design::DeviceModel& device, double one_point_n_per_m,
+                        const DeviceDemand& demand);
 
-/// Stiffness [N/m] in W of a virtual tool's spring under this coupling: what the caps let through, of which none is taken off any more, and
-/// no more than the device can show. Effects may add their stiffness to it, so theirs is left free, up to half of the caps: else the cap
-/// would make both weaker at once, in the moment of a touch. Against turning the lever goes with it (`bounds`, as it was fitted to). 0: none may be felt, or there is no spring.
-double spring_n_per_m(const FittedCoupling& fitted, const scene::Scene& scene, const coupling::design::DeviceModel& device,
+/// Stiffness [N/m] in W of a virtual tool's spring under this coupling: what the caps let through,
+/// of which none is taken off any more, and no more than the device can show. Effects may add their
+/// stiffness to it, so theirs is left free, up to half of the caps: else the cap would make both
+/// weaker at once, in the moment of a touch. Against turning the lever goes with it (`bounds`, as
+/// it was fitted to). 0: none may be felt, or there is no spring.
+double spring_n_per_m(const FittedCoupling& fitted, const scene::Scene& scene,
+                      const coupling::design::DeviceModel& device,
                       const rendering::StiffnessBounds& bounds) noexcept;
 
 }  // namespace voxtouch::fitting

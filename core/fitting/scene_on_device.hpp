@@ -8,23 +8,28 @@
 
 namespace voxtouch::fitting {
 
-/// The coupling is fitted by the same function with the same numbers as the node fits that runs it, so that both judge by the same
-/// bits without asking each other. One thread; not for the loop: a change of stiffness takes as long as a fit.
+/// The coupling is fitted by the same function with the same numbers as the node fits that runs it,
+/// so that both judge by the same bits without asking each other. One thread; not for the loop: a
+/// change of stiffness takes as long as a fit.
 class SceneOnDevice {
  public:
-  /// A device has described itself, perhaps anew. `runs` follows: nothing is judged by the fit for another device.
+  /// A device has described itself, perhaps anew. `runs` follows: nothing is judged by the fit for
+  /// another device.
   void device_is(const coupling::design::DeviceModel& device);
-  /// What is rendered from now on: `bounds` in W, and `shown`, what it demands wherever its effects are on their way.
-  void runs(const scene::Scene& scene, const rendering::StiffnessBounds& bounds, const DeviceDemand& shown);
+  /// What is rendered from now on: `bounds` in W, and `shown`, what it demands wherever its effects
+  /// are on their way.
+  void runs(const scene::Scene& scene, const rendering::StiffnessBounds& bounds,
+            const DeviceDemand& shown);
   /// Why what runs must not be felt; empty: it may, or no device is known.
   const std::string& refusal() const noexcept { return refusal_; }
 
   /// Of a virtual tool, in W, under the coupling that runs [N/m]; 0 where no device is known.
   double spring_n_per_m() const noexcept { return spring_n_per_m_; }
 
-  /// Why `scene` with these effects must not follow what runs, the sentence of the start; empty: it may. Judged are the end and all
-  /// states on the way there, on the coupling that runs and on the one that will be fitted. Where no force is commanded already,
-  /// a change that demands no more than what runs may be made. Before a device is known everything may: `runs` tells then.
+  /// Why `scene` with these effects must not follow what runs, the sentence of the start; empty: it
+  /// may. Judged are the end and all states on the way there, on the coupling that runs and on the
+  /// one that will be fitted. Where no force is commanded already, a change that demands no more
+  /// than what runs may be made. Before a device is known everything may: `runs` tells then.
   std::string why_not(const scene::Scene& scene, const rendering::StiffnessBounds& contact_alone,
                       std::span<const effects::EffectReach> effects);
 
@@ -32,9 +37,10 @@ class SceneOnDevice {
   double period_s() const noexcept { return device_ ? device_->timing.period_s : 1e-3; }
 
  private:
-  const FittedCoupling& fitted_for(const scene::Scene& scene, const rendering::StiffnessBounds& bounds);
-  std::string judged(const FittedCoupling& fitted, const scene::Scene& scene, const rendering::StiffnessBounds& bounds,
-                     const DeviceDemand& demand) const;
+  const FittedCoupling& fitted_for(const scene::Scene& scene,
+                                   const rendering::StiffnessBounds& bounds);
+  std::string judged(const FittedCoupling& fitted, const scene::Scene& scene,
+                     const rendering::StiffnessBounds& bounds, const DeviceDemand& demand) const;
 
   struct Fit {
     rendering::StiffnessBounds bounds;

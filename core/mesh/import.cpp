@@ -10,86 +10,111 @@
 namespace voxtouch::mesh {
 namespace {
 
-/// Largest step of single precision against the voxel edge. At a hundredth, rounding moves a shell point by
-/// less than what one of 100 steps through a voxel does.
+/// Largest step of single precision against the voxel edge. At a hundredth, rounding moves a shell
+/// point by less than what one of 100 steps through a voxel does.
 constexpr double kMaxSpacingPerVoxel = 0.01;
-/// Voxels along the longest side of a mesh: fewer than the first, and its shape is lost; more than the
-/// second, and the unit is rarely meant.
+/// Voxels along the longest side of a mesh: fewer than the first, and its shape is lost; more than
+/// the second, and the unit is rarely meant.
 constexpr double kFewestVoxels = 4.0, kMaxVoxels = 2000.0;
 
 /// The options with a unit quaternion.
 ImportOptions checked(const std::filesystem::path& path, ImportOptions options) {
   if (!(options.scale > 0.0) || !std::isfinite(options.scale))
-    import::refuse(path, "the scale is " + std::to_string(options.scale), "give one above 0 (0.001 for millimetres)");
+    import::refuse(path, "the scale is " + std::to_string(options.scale),
+                   "give one above 0 (0.001 for millimetres)");
   if (!options.pose.finite() || !normalise_within(options.pose.orientation, 0.999, 1.001))
-    import::refuse(path, "its pose is not finite or its quaternion not of length one", "give a unit quaternion w x y z");
+    import::refuse(path, "its pose is not finite or its quaternion not of length one",
+                   "give a unit quaternion w x y z");
   if (!(options.voxel_size_m >= 0.0) || !std::isfinite(options.voxel_size_m))
-    import::refuse(path, "the voxel size is " + std::to_string(options.voxel_size_m), "give one above 0, in metres");
+    import::refuse(path, "the voxel size is " + std::to_string(options.voxel_size_m),
+                   "give one above 0, in metres");
   return options;
 }
 
 std::string left_out(std::uint64_t count, const char* what) {
-  return fmt::format("{} {}{} left out: only faces can be felt", count, what, count == 1 ? " is" : "s are");
+  return fmt::format("{} {}{} left out: only faces can be felt", count, what,
+                     count == 1 ? " is" : "s are");
 }
 
-/// Throws MeshError if single precision is too coarse for `options.voxel_size_m` where the file's coordinates lie.
-void check_precision(const std::filesystem::path& path, const FileTriangles& read, const ImportOptions& options) {
+/// Throws MeshError if single precision is too coarse for `options.voxel_size_m` where the file's
+/// coordinates lie.
+void check_precision(const std::filesystem::path& path, const FileTriangles& read,
+                     const ImportOptions& options) {
   const double e = options.voxel_size_m, spacing = read.spacing * options.scale;
-  if (e <= 0.0 || spacing <= kMaxSpacingPerVoxel * e) return;
+  if (e <= 0.0 || spacing <= kMaxSpacingPerVoxel * e)
+    return;
   import::refuse(path,
-                 fmt::format("its largest coordinate is {:.4g} m, where single precision, which the reader holds vertices in, has steps of "
+                 fmt::format("its largest coordinate is {:.4g} m, where single precision, which "
+                             "the reader holds vertices in, has steps of "
                              "{:.4g} m; a voxel of {:.4g} m needs steps of at most {:.4g} m",
                              read.largest * options.scale, spacing, e, kMaxSpacingPerVoxel * e),
-                 "move the mesh to the origin in the file and give its place as the scene's pose, or take larger voxels");
+                 "move the mesh to the origin in the file and give its place as the scene's pose, "
+                 "or take larger voxels");
 }
 
-/// A warning that names extent and voxel size where their ratio is odd, else empty. `extent_m`: longest side.
-std::string unit_warning(const std::filesystem::path& path, double extent_m, const ImportOptions& options) {
+/// A warning that names extent and voxel size where their ratio is odd, else empty. `extent_m`:
+/// longest side.
+std::string unit_warning(const std::filesystem::path& path, double extent_m,
+                         const ImportOptions& options) {
   const double e = options.voxel_size_m;
-  if (e <= 0.0 || (extent_m >= kFewestVoxels * e && extent_m <= kMaxVoxels * e)) return {};
+  if (e <= 0.0 || (extent_m >= kFewestVoxels * e && extent_m <= kMaxVoxels * e))
+    return {};
   const std::string extension = import::extension_of(path);
   const bool unitless = extension == "obj" || extension == "stl" || extension == "ply";
   const bool small = extent_m < kFewestVoxels * e;
   const double voxels = extent_m / e;
-  std::string text = fmt::format("the mesh is {:.4g} m long at scale {:.4g}, {} voxels of {:.4g} m", extent_m, options.scale,
-                                 small ? fmt::format("only {:.4g}", voxels) : fmt::to_string(std::llround(voxels)), e);
-  if (unitless) text += " (." + extension + " carries no unit; its numbers are taken as metres)";
-  if (!small) return fmt::format("{}: is the file in millimetres? Then use scale {:.4g}", text, 0.001 * options.scale);
+  std::string text = fmt::format(
+      "the mesh is {:.4g} m long at scale {:.4g}, {} voxels of {:.4g} m", extent_m, options.scale,
+      small ? fmt::format("only {:.4g}", voxels) : fmt::to_string(std::llround(voxels)), e);
+  if (unitless)
+    text += " (." + extension + " carries no unit; its numbers are taken as metres)";
+  if (!small)
+    return fmt::format("{}: is the file in millimetres? Then use scale {:.4g}", text,
+                       0.001 * options.scale);
   if (1000.0 * extent_m >= kFewestVoxels * e && options.scale < 1.0)
-    return fmt::format("{}: is the file in metres, and not in millimetres? Then use scale {:.4g}", text, 1000.0 * options.scale);
+    return fmt::format("{}: is the file in metres, and not in millimetres? Then use scale {:.4g}",
+                       text, 1000.0 * options.scale);
   return text + ": is the unit right, or are the voxels too large for it? Its shape is lost";
 }
 
 }  // namespace
 
-ImportedMesh import_mesh(const std::filesystem::path& path, const ImportOptions& given, const TriangleReader& reader) {
+ImportedMesh import_mesh(const std::filesystem::path& path, const ImportOptions& given,
+                         const TriangleReader& reader) {
   const ImportOptions options = checked(path, given);
   return import_mesh(path, read_mesh_bytes(path, options.max_file_bytes), options, reader);
 }
 
-ImportedMesh import_mesh(const std::filesystem::path& path, std::string bytes, const ImportOptions& given,
-                         const TriangleReader& reader) {
+ImportedMesh import_mesh(const std::filesystem::path& path, std::string bytes,
+                         const ImportOptions& given, const TriangleReader& reader) {
   const ImportOptions options = checked(path, given);
   FileTriangles read = reader(path, std::move(bytes), options);
   check_precision(path, read, options);
 
   ImportedMesh result;
   result.warnings = std::move(read.warnings);
-  if (read.points > 0) result.warnings.push_back(left_out(read.points, "point"));
-  if (read.lines > 0) result.warnings.push_back(left_out(read.lines, "line"));
+  if (read.points > 0)
+    result.warnings.push_back(left_out(read.points, "point"));
+  if (read.lines > 0)
+    result.warnings.push_back(left_out(read.lines, "line"));
   if (read.uncut > 0)
-    result.warnings.push_back(fmt::format(
-        "polygons that cross themselves could not be cut: {} triangles are missing; triangulate on export", read.uncut));
+    result.warnings.push_back(
+        fmt::format("polygons that cross themselves could not be cut: {} triangles are missing; "
+                    "triangulate on export",
+                    read.uncut));
   // Welded before scaling: the file's own numbers say what coincides.
   const TriangleMesh welded = weld(read.mesh);
   const Eigen::AlignedBox3d box = bounds(welded);
   const std::string unit = unit_warning(path, options.scale * box.sizes().maxCoeff(), options);
-  if (!unit.empty()) result.warnings.push_back(unit);
+  if (!unit.empty())
+    result.warnings.push_back(unit);
   result.mesh = transform(welded, options.scale, options.pose);
   result.report = inspect(result.mesh);
   if (result.report.not_finite_vertices.count > 0)
-    import::refuse(path, "vertex " + std::to_string(result.report.not_finite_vertices.examples.front()) +
-                   " is not finite after scale and pose", "give a smaller scale");
+    import::refuse(path,
+                   "vertex " + std::to_string(result.report.not_finite_vertices.examples.front()) +
+                       " is not finite after scale and pose",
+                   "give a smaller scale");
   return result;
 }
 

@@ -16,8 +16,8 @@ namespace voxtouch::mesh {
 namespace import {
 namespace {
 
-/// What assimp may open: the mesh file's checked bytes, and for .gltf the regular files it names. Nothing
-/// else is geometry.
+/// What assimp may open: the mesh file's checked bytes, and for .gltf the regular files it names.
+/// Nothing else is geometry.
 class MeshFileOnly : public Assimp::DefaultIOSystem {
  public:
   explicit MeshFileOnly(const MeshFile& file) : file_(file) {}
@@ -26,7 +26,7 @@ class MeshFileOnly : public Assimp::DefaultIOSystem {
   Assimp::IOStream* Open(const char* name, const char* mode) override {
     if (is_mesh(name))
       return new Assimp::MemoryIOStream(reinterpret_cast<const std::uint8_t*>(file_.bytes.data()),
-          file_.bytes.size());
+                                        file_.bytes.size());
     return may_open(name) && mode[0] == 'r' ? DefaultIOSystem::Open(name, mode) : nullptr;
   }
 
@@ -48,13 +48,16 @@ struct Placed {
 
 /// Depth first, children in the file's order.
 void place(const aiScene& scene, const aiNode& node, const Eigen::Matrix4d& outer,
-    std::vector<Placed>& placed) {
-  const Eigen::Map<const Eigen::Matrix<ai_real, 4, 4, Eigen::RowMajor>> own(&node.mTransformation.a1);
+           std::vector<Placed>& placed) {
+  const Eigen::Map<const Eigen::Matrix<ai_real, 4, 4, Eigen::RowMajor>> own(
+      &node.mTransformation.a1);
   const Eigen::Matrix4d matrix = outer * own.cast<double>();
   for (unsigned k = 0; k < node.mNumMeshes; ++k) {
-    if (node.mMeshes[k] < scene.mNumMeshes) placed.push_back({scene.mMeshes[node.mMeshes[k]], matrix});
+    if (node.mMeshes[k] < scene.mNumMeshes)
+      placed.push_back({scene.mMeshes[node.mMeshes[k]], matrix});
   }
-  for (unsigned k = 0; k < node.mNumChildren; ++k) place(scene, *node.mChildren[k], matrix, placed);
+  for (unsigned k = 0; k < node.mNumChildren; ++k)
+    place(scene, *node.mChildren[k], matrix, placed);
 }
 
 struct Counts {
@@ -65,9 +68,10 @@ struct Counts {
     for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
       const aiFace& face = mesh.mFaces[f];
       const unsigned corners = face.mNumIndices;
-      points += corners < 2, lines += corners == 2, polygons += corners > 2;
+      points += corners<2, lines += corners == 2, polygons += corners> 2;
       triangles += corners > 2 ? corners - 2 : 0;
-      for (unsigned k = 0; k < corners; ++k) astray += face.mIndices[k] >= mesh.mNumVertices;
+      for (unsigned k = 0; k < corners; ++k)
+        astray += face.mIndices[k] >= mesh.mNumVertices;
     }
   }
 };
@@ -78,15 +82,16 @@ double single_spacing(double x) {
   return static_cast<double>(next) - static_cast<double>(single);
 }
 
-/// The steps of the numbers that assimp held: of the vertices, as long as the node makes them, and of the
-/// node's own place.
+/// The steps of the numbers that assimp held: of the vertices, as long as the node makes them, and
+/// of the node's own place.
 void note_spacing(const Placed& placed, FileTriangles& result) {
   double largest = 0.0;
   for (unsigned f = 0; f < placed.mesh->mNumFaces; ++f) {
     const aiFace& face = placed.mesh->mFaces[f];
     for (unsigned k = 0; k < face.mNumIndices; ++k) {
       const aiVector3D& x = placed.mesh->mVertices[face.mIndices[k]];
-      largest = std::max({largest, std::abs(double{x.x}), std::abs(double{x.y}), std::abs(double{x.z})});
+      largest =
+          std::max({largest, std::abs(double{x.x}), std::abs(double{x.y}), std::abs(double{x.z})});
     }
   }
   const double stretch = placed.matrix.topLeftCorner<3, 3>().colwise().norm().maxCoeff();
@@ -101,19 +106,22 @@ void append(const MeshFile& file, const Placed& placed, TriangleMesh& mesh) {
   const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
   const Eigen::Matrix3d linear = placed.matrix.topLeftCorner<3, 3>();
   const Vec3 shift = placed.matrix.topRightCorner<3, 1>();
-  const bool as_is = placed.matrix == Eigen::Matrix4d::Identity();  // keeps the bits, also of a zero's sign
+  const bool as_is =
+      placed.matrix == Eigen::Matrix4d::Identity();  // keeps the bits, also of a zero's sign
   for (unsigned v = 0; v < placed.mesh->mNumVertices; ++v) {
     const aiVector3D& a = placed.mesh->mVertices[v];
     const Vec3 x(a.x, a.y, a.z);
     mesh.vertices.push_back(as_is ? x : Vec3(linear * x + shift));
     if (!mesh.vertices.back().allFinite())
-      refuse(file.path, "vertex " + std::to_string(v) + " is not finite, or not after its node's transform",
+      refuse(file.path,
+             "vertex " + std::to_string(v) + " is not finite, or not after its node's transform",
              "repair the mesh: NaN, Inf and numbers beyond 3.4e38 cannot be placed");
   }
   const bool mirrored = linear.determinant() < 0.0;
   for (unsigned f = 0; f < placed.mesh->mNumFaces; ++f) {
     const aiFace& face = placed.mesh->mFaces[f];
-    if (face.mNumIndices != 3) continue;
+    if (face.mNumIndices != 3)
+      continue;
     const std::uint32_t a = first + face.mIndices[0], b = first + face.mIndices[1];
     const std::uint32_t c = first + face.mIndices[2];
     mesh.triangles.push_back(mirrored ? std::array{a, c, b} : std::array{a, b, c});
@@ -127,10 +135,12 @@ const aiScene& parse(const MeshFile& file, Assimp::Importer& importer) {
   const aiScene* scene = importer.ReadFile(file.path.string(), 0);
   if (scene == nullptr || scene->mRootNode == nullptr) {
     std::string reason = importer.GetErrorString();
-    if (reason == "std::bad_alloc") throw std::bad_alloc();
-    if (reason.empty()) reason = "no reason given";
+    if (reason == "std::bad_alloc")
+      throw std::bad_alloc();
+    if (reason.empty())
+      reason = "no reason given";
     refuse(file.path, "cannot be read (" + printable(reason.substr(0, 200)) + ")",
-        "check that it is a whole ." + file.extension + " file, or export it again");
+           "check that it is a whole ." + file.extension + " file, or export it again");
   }
   return *scene;
 }
@@ -144,36 +154,50 @@ FileTriangles read_checked(MeshFile file, const ImportOptions& options) {
   place(scene, *scene.mRootNode, Eigen::Matrix4d::Identity(), placed);
 
   Counts all, own;
-  for (const Placed& p : placed) all.add(*p.mesh);
-  for (unsigned m = 0; m < scene.mNumMeshes; ++m) own.add(*scene.mMeshes[m]);
+  for (const Placed& p : placed)
+    all.add(*p.mesh);
+  for (unsigned m = 0; m < scene.mNumMeshes; ++m)
+    own.add(*scene.mMeshes[m]);
   if (all.triangles > options.max_triangles)
-    refuse(file.path, "has " + std::to_string(all.triangles) + " triangles, and at most " +
-           std::to_string(options.max_triangles) + " are read", "reduce the mesh, or raise max_triangles");
+    refuse(file.path,
+           "has " + std::to_string(all.triangles) + " triangles, and at most " +
+               std::to_string(options.max_triangles) + " are read",
+           "reduce the mesh, or raise max_triangles");
   if (own.astray > 0) {  // before assimp cuts polygons, which trusts them
-    refuse(file.path, std::to_string(own.astray) + " corners of its faces name vertices that are not there", "export it again");
+    refuse(file.path,
+           std::to_string(own.astray) + " corners of its faces name vertices that are not there",
+           "export it again");
   }
   if (file.faces && own.polygons != *file.faces)
-    refuse_truncated(file, "it speaks of " + std::to_string(*file.faces) + " faces, and " + std::to_string(own.polygons) +
-                     " can be read");
+    refuse_truncated(file, "it speaks of " + std::to_string(*file.faces) + " faces, and " +
+                               std::to_string(own.polygons) + " can be read");
   if (all.triangles == 0)
-    refuse(file.path, "has no triangles (" + std::to_string(all.points) + " points, " + std::to_string(all.lines) + " lines)",
+    refuse(file.path,
+           "has no triangles (" + std::to_string(all.points) + " points, " +
+               std::to_string(all.lines) + " lines)",
            "export the surface, with faces");
   // In place: what is placed stays.
-  if (all.triangles != all.polygons && importer.ApplyPostProcessing(aiProcess_Triangulate) == nullptr)
+  if (all.triangles != all.polygons &&
+      importer.ApplyPostProcessing(aiProcess_Triangulate) == nullptr)
     refuse(file.path, "its polygons cannot be cut into triangles", "triangulate on export");
-  FileTriangles result{.mesh = {}, .points = all.points, .lines = all.lines, .warnings = file.warnings};
+  FileTriangles result{
+      .mesh = {}, .points = all.points, .lines = all.lines, .warnings = file.warnings};
   std::size_t vertices = 0;
-  for (const Placed& p : placed) vertices += p.mesh->mNumVertices;
+  for (const Placed& p : placed)
+    vertices += p.mesh->mNumVertices;
   result.mesh.vertices.reserve(vertices), result.mesh.triangles.reserve(all.triangles);
-  for (const Placed& p : placed) append(file, p, result.mesh), note_spacing(p, result);
-  result.uncut = all.triangles - std::min<std::uint64_t>(all.triangles, result.mesh.triangles.size());
+  for (const Placed& p : placed)
+    append(file, p, result.mesh), note_spacing(p, result);
+  result.uncut =
+      all.triangles - std::min<std::uint64_t>(all.triangles, result.mesh.triangles.size());
   return result;
 }
 
 }  // namespace
 }  // namespace import
 
-FileTriangles read_triangles(const std::filesystem::path& path, std::string bytes, const ImportOptions& options) {
+FileTriangles read_triangles(const std::filesystem::path& path, std::string bytes,
+                             const ImportOptions& options) {
   try {
     return import::read_checked(import::open_mesh_file(path, std::move(bytes)), options);
   } catch (const MeshError&) {
@@ -181,7 +205,8 @@ FileTriangles read_triangles(const std::filesystem::path& path, std::string byte
   } catch (const std::bad_alloc&) {
     import::refuse(path, "needs more memory than there is for it", "reduce the mesh");
   } catch (const std::exception& error) {
-    import::refuse(path, "cannot be read (" + import::printable(error.what()) + ")", "export it again");
+    import::refuse(path, "cannot be read (" + import::printable(error.what()) + ")",
+                   "export it again");
   }
 }
 

@@ -1,6 +1,7 @@
 #pragma once
-/// What is made sure of before assimp sees a file: that what it says of its own size is true, where assimp 5.2 would make another
-/// shape of it without a word. Not that assimp survives it. Private to the import.
+/// What is made sure of before assimp sees a file: that what it says of its own size is true, where
+/// assimp 5.2 would make another shape of it without a word. Not that assimp survives it. Private
+/// to the import.
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -14,20 +15,22 @@ namespace voxtouch::mesh::import {
 
 struct MeshFile {
   std::filesystem::path path;
-  std::string extension;                ///< lower case, without the dot
-  std::string bytes;                    ///< what assimp will see
-  std::optional<std::uint64_t> faces;   ///< faces (of 3 or more corners) that the file must yield, where it says so
+  std::string extension;  ///< lower case, without the dot
+  std::string bytes;      ///< what assimp will see
+  std::optional<std::uint64_t>
+      faces;  ///< faces (of 3 or more corners) that the file must yield, where it says so
   std::vector<std::string> warnings;
 };
 
 /// Throws MeshError: the file ends before what it announces; `found` says how much there is.
 [[noreturn]] void refuse_truncated(const MeshFile& file, const std::string& found);
 
-/// The file's `bytes`, checked for its format. What plays no part in geometry may be left out of them.
+/// The file's `bytes`, checked for its format. What plays no part in geometry may be left out of
+/// them.
 MeshFile open_mesh_file(const std::filesystem::path& path, std::string bytes);
 
-/// Each checks what assimp does not for its format, and throws MeshError with the remedy. glTF and COLLADA lose what plays no part in
-/// geometry.
+/// Each checks what assimp does not for its format, and throws MeshError with the remedy. glTF and
+/// COLLADA lose what plays no part in geometry.
 void check_ply(const MeshFile& file);
 void check_gltf(MeshFile& file);
 void check_collada(MeshFile& file);

@@ -1,6 +1,6 @@
-/// COLLADA: numbers where assimp would take something else for one, as many of them as are said to be there, and every part
-/// that is named is there. It sees geometry and the nodes that place it, and no skins, whose shape it would take without what
-/// bends them.
+/// COLLADA: numbers where assimp would take something else for one, as many of them as are said to
+/// be there, and every part that is named is there. It sees geometry and the nodes that place it,
+/// and no skins, whose shape it would take without what bends them.
 #include <algorithm>
 #include <map>
 #include <pugixml.hpp>
@@ -19,25 +19,32 @@ std::uint64_t count_numbers(const MeshFile& file, const pugi::xml_node& array) {
   const std::uint64_t count = array.attribute("count").as_uint();
   const std::string_view text = array.child_value();
   std::uint64_t words = 0;
-  for (std::size_t p = 0; !next_word(text, p).empty();) ++words;
-  if (words == count) return count;
-  refuse_truncated(file, "an array speaks of " + std::to_string(count) + " numbers and has " + std::to_string(words));
+  for (std::size_t p = 0; !next_word(text, p).empty();)
+    ++words;
+  if (words == count)
+    return count;
+  refuse_truncated(file, "an array speaks of " + std::to_string(count) + " numbers and has " +
+                             std::to_string(words));
 }
 
 /// assimp reads a minus as zero, and cuts off what is too long.
 void check_indices(const MeshFile& file, std::string_view text) {
   std::string_view word;
   for (std::size_t p = 0; !(word = next_word(text, p)).empty();) {
-    if (whole_number(word).value_or(~0ULL) > 0xffffffff) refuse_truncated(file, shown(word) + " stands where a number should");
+    if (whole_number(word).value_or(~0ULL) > 0xffffffff)
+      refuse_truncated(file, shown(word) + " stands where a number should");
   }
 }
 
 /// `array`: how many numbers there are to access.
 void check_accessor(const MeshFile& file, const pugi::xml_node& accessor, std::uint64_t array) {
-  const std::uint64_t begin = accessor.attribute("offset").as_uint(), count = accessor.attribute("count").as_uint();
-  const std::uint64_t stride = accessor.attribute("stride").as_uint(1), params = accessor.select_nodes("param").size();
+  const std::uint64_t begin = accessor.attribute("offset").as_uint(),
+                      count = accessor.attribute("count").as_uint();
+  const std::uint64_t stride = accessor.attribute("stride").as_uint(1),
+                      params = accessor.select_nodes("param").size();
   if (begin + (std::max(count, std::uint64_t{1}) - 1) * stride + std::max(params, stride) > array)
-    refuse_truncated(file, "an accessor reads beyond the " + std::to_string(array) + " numbers of its array");
+    refuse_truncated(
+        file, "an accessor reads beyond the " + std::to_string(array) + " numbers of its array");
 }
 
 /// What is behind the '#'.
@@ -51,26 +58,34 @@ std::string named_by(const pugi::xml_attribute& link) {
 void check_collada(MeshFile& file) {
   pugi::xml_document doc;
   const pugi::xml_parse_result parsed = doc.load_buffer(file.bytes.data(), file.bytes.size());
-  if (!parsed) refuse_truncated(file, std::string("its XML does not hold together (") + parsed.description() + ")");
+  if (!parsed)
+    refuse_truncated(file,
+                     std::string("its XML does not hold together (") + parsed.description() + ")");
   if (doc.select_node("//instance_controller"))
     file.warnings.push_back("skinned or morphed parts are left out: export them as plain geometry");
   pugi::xpath_node_set no_geometry = doc.select_nodes(
-      "//extra | //instance_controller | //instance_camera | //instance_light | //bind_material | /COLLADA/*[starts-with(name(), "
-      "'library_') and name() != 'library_geometries' and name() != 'library_nodes' and name() != 'library_visual_scenes']");
+      "//extra | //instance_controller | //instance_camera | //instance_light | //bind_material | "
+      "/COLLADA/*[starts-with(name(), "
+      "'library_') and name() != 'library_geometries' and name() != 'library_nodes' and name() != "
+      "'library_visual_scenes']");
   no_geometry.sort(true);  // what lies in another goes first
-  for (const pugi::xpath_node& found : no_geometry) found.parent().remove_child(found.node());
+  for (const pugi::xpath_node& found : no_geometry)
+    found.parent().remove_child(found.node());
 
   std::map<std::string, std::uint64_t> arrays;
   for (const auto& found : doc.select_nodes("//float_array"))
     arrays[found.node().attribute("id").value()] = count_numbers(file, found.node());
-  for (const auto& found : doc.select_nodes("//p")) check_indices(file, found.node().child_value());
+  for (const auto& found : doc.select_nodes("//p"))
+    check_indices(file, found.node().child_value());
   for (const auto& found : doc.select_nodes("//accessor"))
     check_accessor(file, found.node(), arrays[named_by(found.node().attribute("source"))]);
   std::set<std::string> parts;
-  for (const auto& found : doc.select_nodes("//node/@id | //geometry/@id")) parts.insert(found.attribute().value());
+  for (const auto& found : doc.select_nodes("//node/@id | //geometry/@id"))
+    parts.insert(found.attribute().value());
   for (const auto& found : doc.select_nodes("//instance_node/@url | //instance_geometry/@url")) {
     const std::string name = named_by(found.attribute());
-    if (!parts.contains(name)) refuse(file.path, "a node names " + shown(name) + ", which is not there", "export it again");
+    if (!parts.contains(name))
+      refuse(file.path, "a node names " + shown(name) + ", which is not there", "export it again");
   }
   std::ostringstream kept;
   doc.save(kept, "", pugi::format_raw);

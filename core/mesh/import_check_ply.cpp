@@ -1,11 +1,13 @@
-/// PLY: the header's promises against the bytes behind it. assimp makes up faces where rows are missing, and moves the columns
-/// where it leaves out a property whose type it does not know.
+/// PLY: the header's promises against the bytes behind it. assimp makes up faces where rows are
+/// missing, and moves the columns where it leaves out a property whose type it does not know.
 #include "core/mesh/import_check.hpp"
 
 namespace voxtouch::mesh::import {
 namespace {
 
-struct Property { std::size_t length_bytes, item_bytes; };  ///< `length_bytes` 0: no list
+struct Property {
+  std::size_t length_bytes, item_bytes;
+};  ///< `length_bytes` 0: no list
 
 struct Element {
   std::string_view name;
@@ -26,10 +28,13 @@ struct Header {
 
 std::size_t type_bytes(const MeshFile& file, std::string_view type) {
   constexpr std::pair<std::string_view, std::size_t> kBytes[] = {
-      {" char uchar int8 uint8 ", 1}, {" short ushort int16 uint16 ", 2},
-      {" int uint int32 uint32 float float32 ", 4}, {" double float64 ", 8}};
+      {" char uchar int8 uint8 ", 1},
+      {" short ushort int16 uint16 ", 2},
+      {" int uint int32 uint32 float float32 ", 4},
+      {" double float64 ", 8}};
   for (const auto& [names, bytes] : kBytes) {
-    if (names.find(" " + std::string(type) + " ") != std::string_view::npos) return bytes;
+    if (names.find(" " + std::string(type) + " ") != std::string_view::npos)
+      return bytes;
   }
   refuse_header(file, "the unknown type '" + printable(type.substr(0, 40)) + "'");
 }
@@ -42,19 +47,24 @@ Header read_header(const MeshFile& file) {
     header.end = end + 1;
     std::size_t p = 0;
     const std::string_view word = next_word(line, p), second = next_word(line, p);
-    if (word == "end_header") return header;
-    if (word == "comment" || word == "obj_info") continue;
+    if (word == "end_header")
+      return header;
+    if (word == "comment" || word == "obj_info")
+      continue;
     bool understood = word == "ply";
     if (word == "format") {
       header.text = second == "ascii", header.big_endian = second == "binary_big_endian";
-      understood = (header.text || header.big_endian || second == "binary_little_endian") && next_word(line, p) == "1.0";
+      understood = (header.text || header.big_endian || second == "binary_little_endian") &&
+                   next_word(line, p) == "1.0";
     } else if (word == "element") {
       const auto count = whole_number(next_word(line, p));
-      if (!count) refuse_header(file, "an element without a count");
+      if (!count)
+        refuse_header(file, "an element without a count");
       header.elements.push_back({.name = second, .count = *count}), understood = true;
     } else if (word == "property" && !header.elements.empty()) {
       const std::size_t length = second == "list" ? type_bytes(file, next_word(line, p)) : 0;
-      header.elements.back().properties.push_back({length, type_bytes(file, length > 0 ? next_word(line, p) : second)});
+      header.elements.back().properties.push_back(
+          {length, type_bytes(file, length > 0 ? next_word(line, p) : second)});
       const std::string_view name = next_word(line, p);
       header.elements.back().names.append(name).append(" "), understood = !name.empty();
     }
@@ -64,7 +74,8 @@ Header read_header(const MeshFile& file) {
   refuse_truncated(file, "a PLY header without its end");
 }
 
-/// The next number behind `at`, where it is a whole one without sign. False where the bytes end before it.
+/// The next number behind `at`, where it is a whole one without sign. False where the bytes end
+/// before it.
 bool next_number(const MeshFile& file, const Header& header, std::size_t size, std::size_t& at,
                  std::optional<std::uint64_t>& value) {
   if (header.text) {
@@ -72,10 +83,12 @@ bool next_number(const MeshFile& file, const Header& header, std::size_t size, s
     value = whole_number(word);
     return !word.empty();
   }
-  if (file.bytes.size() - at < size) return false;
+  if (file.bytes.size() - at < size)
+    return false;
   value = 0;
   for (std::size_t k = 0; k < size; ++k)
-    *value = *value << 8 | static_cast<unsigned char>(file.bytes[at + (header.big_endian ? k : size - 1 - k)]);
+    *value = *value << 8 |
+             static_cast<unsigned char>(file.bytes[at + (header.big_endian ? k : size - 1 - k)]);
   at += size;
   return true;
 }
@@ -87,20 +100,25 @@ void check_ply(const MeshFile& file) {
   std::size_t at = header.end;
   for (const Element& e : header.elements) {
     for (const char* axis : {" x ", " y ", " z "}) {  // assimp takes what is missing for zero
-      if (e.name == "vertex" && e.names.find(axis) == std::string::npos) refuse_header(file, "a vertex without its x, y or z");
+      if (e.name == "vertex" && e.names.find(axis) == std::string::npos)
+        refuse_header(file, "a vertex without its x, y or z");
     }
     const std::string name = "'" + printable(e.name.substr(0, 40)) + "'";
     for (std::uint64_t row = 0; row < e.count; ++row) {
       bool whole = !e.properties.empty();
       for (const Property& p : e.properties) {
         std::optional<std::uint64_t> value, items = 1;
-        if (p.length_bytes > 0) whole = whole && next_number(file, header, p.length_bytes, at, items);
-        if (whole && !items) refuse_truncated(file, "a list of the element " + name + " has no length");
-        for (std::uint64_t k = 0; whole && k < *items; ++k) whole = next_number(file, header, p.item_bytes, at, value);
+        if (p.length_bytes > 0)
+          whole = whole && next_number(file, header, p.length_bytes, at, items);
+        if (whole && !items)
+          refuse_truncated(file, "a list of the element " + name + " has no length");
+        for (std::uint64_t k = 0; whole && k < *items; ++k)
+          whole = next_number(file, header, p.item_bytes, at, value);
       }
       if (!whole)
-        refuse_truncated(file, "the header speaks of " + std::to_string(e.count) + " elements " + name + ", and after " +
-                         std::to_string(row) + " of them the file ends");
+        refuse_truncated(file, "the header speaks of " + std::to_string(e.count) + " elements " +
+                                   name + ", and after " + std::to_string(row) +
+                                   " of them the file ends");
     }
   }
 }

@@ -12,8 +12,9 @@ struct MassProperties {
   Mat3 inertia_m2 = Mat3::Identity();  ///< about the centre of mass, over the mass
 };
 
-/// Integrals over the tetrahedra between the origin and each triangle (Mirtich 1996). Throws std::invalid_argument where the
-/// surface bounds no volume: open, flat, or turned inside out against itself.
+/// Integrals over the tetrahedra between the origin and each triangle (Mirtich 1996). Throws
+/// std::invalid_argument where the surface bounds no volume: open, flat, or turned inside out
+/// against itself.
 MassProperties mass_properties(const TriangleMesh& mesh);
 
 }  // namespace voxtouch::mesh

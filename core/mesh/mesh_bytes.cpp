@@ -9,7 +9,8 @@
 
 namespace voxtouch::mesh {
 
-void import::refuse(const std::filesystem::path& path, const std::string& reason, const std::string& remedy) {
+void import::refuse(const std::filesystem::path& path, const std::string& reason,
+                    const std::string& remedy) {
   throw MeshError("mesh '" + path.string() + "': " + reason + "; " + remedy);
 }
 
@@ -23,16 +24,26 @@ std::uintmax_t size_of(const std::filesystem::path& path, std::uintmax_t most) {
   const auto status = std::filesystem::status(path, error);
   using Type = std::filesystem::file_type;
   switch (status.type()) {
-    case Type::regular: break;
-    case Type::not_found: refuse(path, "there is no such file", "check the path; a scene's paths start at the scene file's folder");
-    case Type::directory: refuse(path, "is a directory", "name the mesh file in it");
-    case Type::none: refuse(path, error.message(), "check the rights on its folders");
-    default: refuse(path, "is not a regular file", "name a mesh file");
+    case Type::regular:
+      break;
+    case Type::not_found:
+      refuse(path, "there is no such file",
+             "check the path; a scene's paths start at the scene file's folder");
+    case Type::directory:
+      refuse(path, "is a directory", "name the mesh file in it");
+    case Type::none:
+      refuse(path, error.message(), "check the rights on its folders");
+    default:
+      refuse(path, "is not a regular file", "name a mesh file");
   }
   const std::uintmax_t size = std::filesystem::file_size(path, error);
-  if (error) refuse(path, error.message(), "check the file");
-  if (size == 0) refuse(path, "is empty", "export the mesh again");
-  if (size > most) refuse(path, fmt::format("has {} bytes, and at most {} are read", size, most), "reduce the mesh");
+  if (error)
+    refuse(path, error.message(), "check the file");
+  if (size == 0)
+    refuse(path, "is empty", "export the mesh again");
+  if (size > most)
+    refuse(path, fmt::format("has {} bytes, and at most {} are read", size, most),
+           "reduce the mesh");
   return size;
 }
 
@@ -43,10 +54,12 @@ std::string read_mesh_bytes(const std::filesystem::path& path, std::uintmax_t mo
   errno = 0;
   std::ifstream in(path, std::ios::binary);
   if (!in)
-    refuse(path, std::string("cannot be opened (") + std::strerror(errno) + ")", "give yourself the right to read it");
+    refuse(path, std::string("cannot be opened (") + std::strerror(errno) + ")",
+           "give yourself the right to read it");
   std::string bytes(size, '\0');
   in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  if (static_cast<std::size_t>(in.gcount()) != bytes.size() || in.peek() != std::ifstream::traits_type::eof())
+  if (static_cast<std::size_t>(in.gcount()) != bytes.size() ||
+      in.peek() != std::ifstream::traits_type::eof())
     refuse(path, "changed while it was read", "try again when nothing writes to it");
   return bytes;
 }

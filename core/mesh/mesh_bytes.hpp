@@ -14,13 +14,15 @@ struct MeshError : std::runtime_error {
 
 inline constexpr std::uintmax_t kLargestMeshFile = std::uintmax_t{512} << 20;  ///< [bytes]
 
-/// The whole file. Throws MeshError where it is no regular file, is empty, cannot be read or has more than `most` bytes, which is
-/// found before any of it is read.
-std::string read_mesh_bytes(const std::filesystem::path& path, std::uintmax_t most = kLargestMeshFile);
+/// The whole file. Throws MeshError where it is no regular file, is empty, cannot be read or has
+/// more than `most` bytes, which is found before any of it is read.
+std::string read_mesh_bytes(const std::filesystem::path& path,
+                            std::uintmax_t most = kLargestMeshFile);
 
 namespace import {
 /// Throws MeshError("<path>: <reason>; <remedy>").
-[[noreturn]] void refuse(const std::filesystem::path& path, const std::string& reason, const std::string& remedy);
+[[noreturn]] void refuse(const std::filesystem::path& path, const std::string& reason,
+                         const std::string& remedy);
 }  // namespace import
 
 }  // namespace voxtouch::mesh

@@ -13,7 +13,8 @@ namespace voxtouch::mesh {
 namespace {
 
 double six_volumes(const TriangleMesh& mesh, std::uint32_t t, const Vec3& about) {
-  return (mesh.corner(t, 0) - about).dot((mesh.corner(t, 1) - about).cross(mesh.corner(t, 2) - about));
+  return (mesh.corner(t, 0) - about)
+      .dot((mesh.corner(t, 1) - about).cross(mesh.corner(t, 2) - about));
 }
 
 std::vector<std::uint32_t> of_kind(const std::vector<TriangleKind>& kinds, bool with_zero_area) {
@@ -28,31 +29,41 @@ std::vector<std::uint32_t> of_kind(const std::vector<TriangleKind>& kinds, bool 
 Finding open_edges_of(const std::vector<Side>& sides) {
   std::vector<std::uint32_t> open;
   for_edges(sides, [&](std::size_t first, std::size_t last) {
-    if (last - first == 1) open.push_back(sides[first].triangle);
+    if (last - first == 1)
+      open.push_back(sides[first].triangle);
   });
   std::sort(open.begin(), open.end());
   Finding finding;
-  for (const std::uint32_t t : open) finding.add(t);
+  for (const std::uint32_t t : open)
+    finding.add(t);
   return finding;
 }
 
-void count_vertices(const TriangleMesh& mesh, const std::vector<std::uint32_t>& stands, MeshReport& report) {
+void count_vertices(const TriangleMesh& mesh, const std::vector<std::uint32_t>& stands,
+                    MeshReport& report) {
   const std::vector<std::uint8_t> used = used_vertices(mesh);
   std::vector<std::uint8_t> point(used.size(), 0);
   for (std::uint32_t v = 0; v < used.size(); ++v) {
-    if (!used[v]) report.unused_vertices.add(v);
-    if (!mesh.vertices[v].allFinite()) report.not_finite_vertices.add(v);
-    if (used[v] && !point[stands[v]]) point[stands[v]] = 1, ++report.points;
+    if (!used[v])
+      report.unused_vertices.add(v);
+    if (!mesh.vertices[v].allFinite())
+      report.not_finite_vertices.add(v);
+    if (used[v] && !point[stands[v]])
+      point[stands[v]] = 1, ++report.points;
   }
   const Eigen::AlignedBox3d box = bounds(mesh);
-  if (!box.isEmpty()) report.min = box.min(), report.max = box.max();
+  if (!box.isEmpty())
+    report.min = box.min(), report.max = box.max();
 }
 
 void count_kinds(const std::vector<TriangleKind>& kinds, MeshReport& report) {
   for (std::uint32_t t = 0; t < kinds.size(); ++t) {
-    if (kinds[t] == TriangleKind::kZeroArea) report.zero_area.add(t);
-    if (kinds[t] == TriangleKind::kDuplicate) report.duplicates.add(t);
-    if (kinds[t] == TriangleKind::kOppositeDuplicate) report.opposite_duplicates.add(t);
+    if (kinds[t] == TriangleKind::kZeroArea)
+      report.zero_area.add(t);
+    if (kinds[t] == TriangleKind::kDuplicate)
+      report.duplicates.add(t);
+    if (kinds[t] == TriangleKind::kOppositeDuplicate)
+      report.opposite_duplicates.add(t);
   }
 }
 
@@ -60,15 +71,16 @@ void count_edges(const std::vector<Side>& sides, MeshReport& report) {
   std::vector<std::uint32_t> crowded;
   for_edges(sides, [&](std::size_t first, std::size_t last) {
     ++report.edges;
-    if (last - first > 2) crowded.push_back(sides[first].triangle);
+    if (last - first > 2)
+      crowded.push_back(sides[first].triangle);
   });
   std::sort(crowded.begin(), crowded.end());
-  for (const std::uint32_t t : crowded) report.non_manifold_edges.add(t);
+  for (const std::uint32_t t : crowded)
+    report.non_manifold_edges.add(t);
 }
 
 void judge_orientation(const TriangleMesh& mesh, const std::vector<Side>& sides,
-    const std::vector<std::uint32_t>& sound,
-                       MeshReport& report) {
+                       const std::vector<std::uint32_t>& sound, MeshReport& report) {
   const Orientation o = orientation_of(sides, sound, mesh.triangles.size());
   report.parts = o.parts;
   report.orientable = o.orientable;
@@ -77,7 +89,8 @@ void judge_orientation(const TriangleMesh& mesh, const std::vector<Side>& sides,
   std::vector<std::uint32_t> lowest(o.parts, ~std::uint32_t{0});
   double volume = 0.0;
   for (std::size_t k = 0; k < sound.size(); ++k) {
-    if (o.against[k]) report.flipped.add(sound[k]);
+    if (o.against[k])
+      report.flipped.add(sound[k]);
     const double v = six_volumes(mesh, sound[k], about) / 6.0;
     volume += v;
     part_volume[o.part[k]] += o.against[k] ? -v : v;
@@ -85,20 +98,25 @@ void judge_orientation(const TriangleMesh& mesh, const std::vector<Side>& sides,
   }
   report.signed_volume_m3 = volume;
   report.inverted = report.closed && volume < 0.0;
-  // Where more than two triangles meet at an edge a part may have a border there, and its volume says
-  // nothing.
-  if (!report.closed || report.inverted || report.non_manifold_edges.count > 0) return;
+  // Where more than two triangles meet at an edge a part may have a border there, and its volume
+  // says nothing.
+  if (!report.closed || report.inverted || report.non_manifold_edges.count > 0)
+    return;
   for (std::size_t p = 0; p < o.parts; ++p) {
-    if (part_volume[p] < 0.0) report.inward_parts.add(lowest[p]);
+    if (part_volume[p] < 0.0)
+      report.inward_parts.add(lowest[p]);
   }
 }
 
 /// "12 open edges (at triangles 3, 4, 7, 8, 9, ...)"
 std::string counted(const Finding& f, const char* one, const char* many, std::string_view where) {
-  const bool plural = f.examples.size() > 1, more = f.examples.size() == Finding::kExamples && f.count > f.examples.size();
-  const std::string noun = !plural ? std::string(where) : where == "vertex" ? "vertices" : fmt::format("{}s", where);
-  return fmt::format("{} {} ({} {}{})", f.count, f.count == 1 ? one : many, noun, fmt::join(f.examples, ", "),
-                     more ? ", ..." : "");
+  const bool plural = f.examples.size() > 1,
+             more = f.examples.size() == Finding::kExamples && f.count > f.examples.size();
+  const std::string noun = !plural             ? std::string(where)
+                           : where == "vertex" ? "vertices"
+                                               : fmt::format("{}s", where);
+  return fmt::format("{} {} ({} {}{})", f.count, f.count == 1 ? one : many, noun,
+                     fmt::join(f.examples, ", "), more ? ", ..." : "");
 }
 
 }  // namespace
@@ -117,47 +135,59 @@ MeshReport inspect(const TriangleMesh& mesh) {
   report.open_edges = open_edges_of(sides);
   if (report.open_edges.count > 0 && report.zero_area.count > 0) {
     const Finding filled = open_edges_of(sorted_sides(mesh, stands, of_kind(kinds, true)));
-    if (filled.count < report.open_edges.count) report.open_edges = filled;
+    if (filled.count < report.open_edges.count)
+      report.open_edges = filled;
   }
-  report.closed = !sound.empty() && report.open_edges.count == 0 && report.not_finite_vertices.count == 0;
+  report.closed =
+      !sound.empty() && report.open_edges.count == 0 && report.not_finite_vertices.count == 0;
   judge_orientation(mesh, sides, sound, report);
   return report;
 }
 
 std::vector<std::string> MeshReport::sentences() const {
   std::vector<std::string> all;
-  const auto say = [&](const Finding& f, const char* one, const char* many, const char* where, const char* cost) {
-    if (f.count > 0) all.push_back(counted(f, one, many, where) + cost);
+  const auto say = [&](const Finding& f, const char* one, const char* many, const char* where,
+                       const char* cost) {
+    if (f.count > 0)
+      all.push_back(counted(f, one, many, where) + cost);
   };
   say(not_finite_vertices, "vertex is not finite", "vertices are not finite", "vertex",
-      ": triangles there have no place in the grid; repair the file, nothing can be built from this mesh");
+      ": triangles there have no place in the grid; repair the file, nothing can be built from "
+      "this mesh");
   say(open_edges, "open edge", "open edges", "at triangle",
-      ": the mesh has no interior, so forces of depth do not push a tool back that goes through the surface");
+      ": the mesh has no interior, so forces of depth do not push a tool back that goes through "
+      "the surface");
   if (inverted)
-    all.push_back("the whole mesh faces inward (its signed volume is negative): it is felt as if all triangles were turned "
-                  "round; other programs may see it inside out");
+    all.push_back(
+        "the whole mesh faces inward (its signed volume is negative): it is felt as if all "
+        "triangles were turned "
+        "round; other programs may see it inside out");
   say(flipped, "triangle is flipped against its neighbours",
       "triangles are flipped against their neighbours", "triangle",
       closed && orientable ? ": felt as if turned round"
-                           : ": normals there point the wrong way, so the force drops or turns round as the tool passes");
+                           : ": normals there point the wrong way, so the force drops or turns "
+                             "round as the tool passes");
   say(inward_parts, "closed part faces inward", "closed parts face inward", "beginning at triangle",
       ": right for a cavity inside another part; a part of its own is felt as if turned round");
   if (!orientable)
-    all.push_back("the surface has one side only (a band with a twist): its normals turn round somewhere, and with them the "
-                  "force");
+    all.push_back(
+        "the surface has one side only (a band with a twist): its normals turn round somewhere, "
+        "and with them the "
+        "force");
   say(non_manifold_edges, "edge has more than two triangles", "edges have more than two triangles",
       "at triangle",
       ": sheets meet there, so shell points on it mix the normals of more than one sheet");
   say(zero_area, "triangle has no area", "triangles have no area", "triangle",
-      ": kept, but without normal and weight; shell points that only such a triangle holds add nothing where points weigh "
+      ": kept, but without normal and weight; shell points that only such a triangle holds add "
+      "nothing where points weigh "
       "by area");
   say(duplicates, "triangle repeats an earlier one", "triangles repeat earlier ones", "triangle",
       ": shell points there weigh double where points weigh by area");
   say(opposite_duplicates, "triangle repeats an earlier one the other way round",
       "triangles repeat earlier ones the other way round", "triangle",
       ": their normals cancel, so shell points there take the normal of a single face");
-  say(unused_vertices, "vertex is used by no triangle", "vertices are used by no triangle", "vertex",
-      ": no effect, also not on the bounding box");
+  say(unused_vertices, "vertex is used by no triangle", "vertices are used by no triangle",
+      "vertex", ": no effect, also not on the bounding box");
   if (triangles > 0 && edges == 0 && not_finite_vertices.count == 0)
     all.push_back("no triangle has an area: there is nothing to feel");
   return all;

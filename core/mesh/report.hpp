@@ -12,7 +12,8 @@ namespace voxtouch::mesh {
 struct Finding {
   static constexpr std::size_t kExamples = 5;
   std::size_t count = 0;
-  std::vector<std::uint32_t> examples;  ///< the first few, ascending, each once; indices of what the finding is about
+  std::vector<std::uint32_t>
+      examples;  ///< the first few, ascending, each once; indices of what the finding is about
 
   void add(std::uint32_t index) {
     ++count;
@@ -22,38 +23,43 @@ struct Finding {
   }
 };
 
-/// Vertices at exactly one position count as one point here; weld() first if a file's seams do not match to
-/// the bit.
+/// Vertices at exactly one position count as one point here; weld() first if a file's seams do not
+/// match to the bit.
 struct MeshReport {
   std::size_t vertices = 0, triangles = 0;
-  std::size_t points = 0;            ///< distinct positions among the used vertices
-  std::size_t edges = 0;             ///< distinct edges of the sound triangles
-  std::size_t parts = 0;             ///< pieces that hang together over edges where two triangles meet
-  Finding unused_vertices;           ///< vertices
-  Finding not_finite_vertices;       ///< vertices
-  Finding zero_area;                 ///< triangles; they stay in the mesh
-  Finding duplicates;                ///< triangles with the corners of an earlier one, same orientation
-  Finding opposite_duplicates;       ///< triangles with the corners of an earlier one, other orientation
-  Finding flipped;                   ///< triangles that are the wrong way round against most of their part
-  Finding open_edges;                ///< one triangle each; edges that a single triangle has
-  Finding non_manifold_edges;        ///< the lowest triangle of each edge where more than two meet
-  Finding inward_parts;              ///< lowest triangle of each closed part that faces inward, if others face outward
-  bool orientable = true;            ///< false: a part has only one side
-  bool inverted = false;             ///< closed, and the signed volume is negative: the whole mesh faces inward
-  /// No edge is open, judged without zero-area and duplicate triangles; zero-area ones are let in where they
-  /// fill the gap between a long edge and the short ones along it. Only a closed mesh has an interior.
+  std::size_t points = 0;       ///< distinct positions among the used vertices
+  std::size_t edges = 0;        ///< distinct edges of the sound triangles
+  std::size_t parts = 0;        ///< pieces that hang together over edges where two triangles meet
+  Finding unused_vertices;      ///< vertices
+  Finding not_finite_vertices;  ///< vertices
+  Finding zero_area;            ///< triangles; they stay in the mesh
+  Finding duplicates;           ///< triangles with the corners of an earlier one, same orientation
+  Finding opposite_duplicates;  ///< triangles with the corners of an earlier one, other orientation
+  Finding flipped;     ///< triangles that are the wrong way round against most of their part
+  Finding open_edges;  ///< one triangle each; edges that a single triangle has
+  Finding non_manifold_edges;  ///< the lowest triangle of each edge where more than two meet
+  Finding inward_parts;  ///< lowest triangle of each closed part that faces inward, if others face
+                         ///< outward
+  bool orientable = true;  ///< false: a part has only one side
+  bool inverted =
+      false;  ///< closed, and the signed volume is negative: the whole mesh faces inward
+  /// No edge is open, judged without zero-area and duplicate triangles; zero-area ones are let in
+  /// where they fill the gap between a long edge and the short ones along it. Only a closed mesh
+  /// has an interior.
   bool closed = false;
   Vec3 min = Vec3::Zero(), max = Vec3::Zero();  ///< box of the used vertices [m]
-  double signed_volume_m3 = 0.0;     ///< of the sound triangles as they are; has a meaning for a closed mesh only
+  double signed_volume_m3 =
+      0.0;  ///< of the sound triangles as they are; has a meaning for a closed mesh only
 
   /// Nothing to say at all.
   bool clean() const { return sentences().empty(); }
-  /// One sentence a kind of finding: how many, where first, and what it costs. Empty for a clean mesh.
+  /// One sentence a kind of finding: how many, where first, and what it costs. Empty for a clean
+  /// mesh.
   std::vector<std::string> sentences() const;
 };
 
-/// Looks at every triangle and edge; O(n log n). Throws std::runtime_error if a triangle names a vertex that
-/// is not there.
+/// Looks at every triangle and edge; O(n log n). Throws std::runtime_error if a triangle names a
+/// vertex that is not there.
 MeshReport inspect(const TriangleMesh& mesh);
 
 }  // namespace voxtouch::mesh

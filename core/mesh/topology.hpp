@@ -1,6 +1,6 @@
 #pragma once
-/// What kind each triangle of a mesh is, and which triangles meet at its edges: the ground that report.hpp
-/// stands on.
+/// What kind each triangle of a mesh is, and which triangles meet at its edges: the ground that
+/// report.hpp stands on.
 #include <cstdint>
 #include <vector>
 
@@ -9,15 +9,16 @@
 namespace voxtouch::mesh {
 
 enum class TriangleKind : std::uint8_t {
-  kSound,              ///< has an area, finite corners, and is the first with its three corners
-  kZeroArea,           ///< two corners coincide, or the three lie on one line within the rounding of double
-  kDuplicate,          ///< same corners as an earlier sound triangle, same orientation
+  kSound,      ///< has an area, finite corners, and is the first with its three corners
+  kZeroArea,   ///< two corners coincide, or the three lie on one line within the rounding of double
+  kDuplicate,  ///< same corners as an earlier sound triangle, same orientation
   kOppositeDuplicate,  ///< same corners as an earlier sound triangle, other orientation
   kNotFinite           ///< a corner is NaN or Inf
 };
 
 /// The kind of each triangle; `stands` as standing_vertices() gives it.
-std::vector<TriangleKind> triangle_kinds(const TriangleMesh& mesh, const std::vector<std::uint32_t>& stands);
+std::vector<TriangleKind> triangle_kinds(const TriangleMesh& mesh,
+                                         const std::vector<std::uint32_t>& stands);
 
 /// One side of a triangle, corners in ascending order.
 struct Side {
@@ -26,8 +27,8 @@ struct Side {
   bool forward = true;  ///< the triangle walks from `low` to `high`
 };
 
-/// The sides of the triangles in `which`, sorted by (low, high, triangle): the sides of one edge lie side by
-/// side. Sides whose two ends are one vertex are left out.
+/// The sides of the triangles in `which`, sorted by (low, high, triangle): the sides of one edge
+/// lie side by side. Sides whose two ends are one vertex are left out.
 std::vector<Side> sorted_sides(const TriangleMesh& mesh, const std::vector<std::uint32_t>& stands,
                                const std::vector<std::uint32_t>& which);
 
@@ -36,22 +37,26 @@ template <class Visit>
 void for_edges(const std::vector<Side>& sides, Visit visit) {
   for (std::size_t first = 0; first < sides.size();) {
     std::size_t last = first + 1;
-    const auto same = [&](const Side& s) { return s.low == sides[first].low && s.high == sides[first].high; };
-    while (last < sides.size() && same(sides[last])) ++last;
+    const auto same = [&](const Side& s) {
+      return s.low == sides[first].low && s.high == sides[first].high;
+    };
+    while (last < sides.size() && same(sides[last]))
+      ++last;
     visit(first, last);
     first = last;
   }
 }
 
-/// Parts of a surface and which way round each triangle is, walked over the edges where exactly two triangles
-/// meet.
+/// Parts of a surface and which way round each triangle is, walked over the edges where exactly two
+/// triangles meet.
 struct Orientation {
-  std::vector<std::uint32_t> part;   ///< of each entry of `which`; parts count from their lowest triangle
-  std::vector<std::uint8_t> against; ///< 1: against most of its part
+  std::vector<std::uint32_t>
+      part;  ///< of each entry of `which`; parts count from their lowest triangle
+  std::vector<std::uint8_t> against;  ///< 1: against most of its part
   std::size_t parts = 0;
-  bool orientable = true;            ///< false: a part has one side only (a Moebius strip)
+  bool orientable = true;  ///< false: a part has one side only (a Moebius strip)
 };
 Orientation orientation_of(const std::vector<Side>& sides, const std::vector<std::uint32_t>& which,
-    std::size_t triangles);
+                           std::size_t triangles);
 
 }  // namespace voxtouch::mesh

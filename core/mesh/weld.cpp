@@ -27,40 +27,50 @@ std::uint64_t hash_of(const Cell& c) noexcept {
 class EqualVertices {
  public:
   explicit EqualVertices(const std::vector<Vec3>& vertices)
-      : vertices_(vertices), table_(std::bit_ceil(2 * vertices.size() + 2), kNone) {}
+      : vertices_(vertices),
+        table_(std::bit_ceil(2 * vertices.size() + 2), kNone) {}
 
   std::uint32_t find_or_add(std::uint32_t vertex) {
     const Cell own = bits(vertices_[vertex]);
     const std::size_t mask = table_.size() - 1;
     std::size_t slot = hash_of(own) & mask;
-    while (table_[slot] != kNone && vertices_[table_[slot]] != vertices_[vertex]) slot = (slot + 1) & mask;
-    if (table_[slot] == kNone) table_[slot] = vertex;
+    while (table_[slot] != kNone && vertices_[table_[slot]] != vertices_[vertex])
+      slot = (slot + 1) & mask;
+    if (table_[slot] == kNone)
+      table_[slot] = vertex;
     return table_[slot];
   }
 
  private:
   static Cell bits(const Vec3& x) noexcept {  // adding 0.0 turns -0 into 0
-    return {std::bit_cast<std::int64_t>(x.x() + 0.0), std::bit_cast<std::int64_t>(x.y() + 0.0), std::bit_cast<std::int64_t>(x.z() + 0.0)};
+    return {std::bit_cast<std::int64_t>(x.x() + 0.0), std::bit_cast<std::int64_t>(x.y() + 0.0),
+            std::bit_cast<std::int64_t>(x.z() + 0.0)};
   }
   const std::vector<Vec3>& vertices_;
   std::vector<std::uint32_t> table_;
 };
 
-/// Standing vertices by cell. A cell is much wider than the tolerance, so that nearly every look-up opens one
-/// cell only.
+/// Standing vertices by cell. A cell is much wider than the tolerance, so that nearly every look-up
+/// opens one cell only.
 class StandingVertices {
  public:
   StandingVertices(const std::vector<Vec3>& vertices, double tolerance)
-      : vertices_(vertices), tolerance_(tolerance), edge_(64.0 * tolerance), table_(1024), next_(vertices.size(), kNone) {}
+      : vertices_(vertices),
+        tolerance_(tolerance),
+        edge_(64.0 * tolerance),
+        table_(1024),
+        next_(vertices.size(), kNone) {}
 
   std::uint32_t find_or_add(std::uint32_t vertex) {
     const Vec3& x = vertices_[vertex];
     std::uint32_t best = vertex;
     for_cells(cell_of(x, -tolerance_), cell_of(x, tolerance_), [&](const Cell& cell) {
       for (std::uint32_t other = table_[slot_of(cell)].last; other != kNone; other = next_[other])
-        if (other < best && (vertices_[other] - x).cwiseAbs().maxCoeff() <= tolerance_) best = other;
+        if (other < best && (vertices_[other] - x).cwiseAbs().maxCoeff() <= tolerance_)
+          best = other;
     });
-    if (best == vertex) add(vertex, cell_of(x, 0.0));
+    if (best == vertex)
+      add(vertex, cell_of(x, 0.0));
     return best;
   }
 
@@ -71,7 +81,9 @@ class StandingVertices {
     std::uint32_t hash = 0;  ///< upper half of the cell's
   };
 
-  std::int64_t cell_of(double x, double shift) const { return static_cast<std::int64_t>(std::floor((x + shift) / edge_)); }
+  std::int64_t cell_of(double x, double shift) const {
+    return static_cast<std::int64_t>(std::floor((x + shift) / edge_));
+  }
   Cell cell_of(const Vec3& x, double shift) const {
     return {cell_of(x.x(), shift), cell_of(x.y(), shift), cell_of(x.z(), shift)};
   }
@@ -79,7 +91,8 @@ class StandingVertices {
   static void for_cells(const Cell& low, const Cell& high, Visit visit) {
     for (std::int64_t i = low[0]; i <= high[0]; ++i)
       for (std::int64_t j = low[1]; j <= high[1]; ++j)
-        for (std::int64_t k = low[2]; k <= high[2]; ++k) visit(Cell{i, j, k});
+        for (std::int64_t k = low[2]; k <= high[2]; ++k)
+          visit(Cell{i, j, k});
   }
 
   /// That of the cell, or the free one where it belongs.
@@ -87,14 +100,17 @@ class StandingVertices {
     const std::uint64_t hash = hash_of(cell);
     const std::size_t mask = table_.size() - 1;
     std::size_t slot = hash & mask;
-    while (table_[slot].last != kNone && (table_[slot].hash != hash >> 32 || cell_of(vertices_[table_[slot].last], 0.0) != cell)) slot = (slot + 1) & mask;
+    while (table_[slot].last != kNone &&
+           (table_[slot].hash != hash >> 32 || cell_of(vertices_[table_[slot].last], 0.0) != cell))
+      slot = (slot + 1) & mask;
     return slot;
   }
   void add(std::uint32_t vertex, const Cell& cell) {
     Slot& slot = table_[slot_of(cell)];
     if (slot.last == kNone && ++cells_ * 2 > table_.size()) {
       grow();
-      return void(table_[slot_of(cell)] = {vertex, static_cast<std::uint32_t>(hash_of(cell) >> 32)});
+      return void(
+          table_[slot_of(cell)] = {vertex, static_cast<std::uint32_t>(hash_of(cell) >> 32)});
     }
     next_[vertex] = slot.last;
     slot = {vertex, static_cast<std::uint32_t>(hash_of(cell) >> 32)};
@@ -103,7 +119,8 @@ class StandingVertices {
     std::vector<Slot> before(2 * table_.size());
     before.swap(table_);
     for (const Slot& slot : before)
-      if (slot.last != kNone) table_[slot_of(cell_of(vertices_[slot.last], 0.0))] = slot;
+      if (slot.last != kNone)
+        table_[slot_of(cell_of(vertices_[slot.last], 0.0))] = slot;
   }
 
   const std::vector<Vec3>& vertices_;
@@ -116,7 +133,8 @@ class StandingVertices {
 /// 0 for a mesh whose used vertices all lie in the origin.
 double largest_coordinate(const TriangleMesh& mesh) {
   const Eigen::AlignedBox3d box = bounds(mesh);
-  return box.isEmpty() ? 0.0 : std::max(box.min().cwiseAbs().maxCoeff(), box.max().cwiseAbs().maxCoeff());
+  return box.isEmpty() ? 0.0
+                       : std::max(box.min().cwiseAbs().maxCoeff(), box.max().cwiseAbs().maxCoeff());
 }
 
 }  // namespace
@@ -126,8 +144,9 @@ std::vector<std::uint8_t> used_vertices(const TriangleMesh& mesh) {
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     for (const std::uint32_t v : mesh.triangles[t]) {
       if (v >= used.size())
-        throw std::runtime_error(
-            fmt::format("triangle {} names vertex {} of {}: the mesh is not complete, build it again", t, v, used.size()));
+        throw std::runtime_error(fmt::format(
+            "triangle {} names vertex {} of {}: the mesh is not complete, build it again", t, v,
+            used.size()));
       used[v] = 1;
     }
   }
@@ -138,7 +157,8 @@ Eigen::AlignedBox3d bounds(const TriangleMesh& mesh) {
   Eigen::AlignedBox3d box;
   const std::vector<std::uint8_t> used = used_vertices(mesh);
   for (std::size_t v = 0; v < used.size(); ++v) {
-    if (used[v] && mesh.vertices[v].allFinite()) box.extend(mesh.vertices[v]);
+    if (used[v] && mesh.vertices[v].allFinite())
+      box.extend(mesh.vertices[v]);
   }
   return box;
 }
@@ -148,14 +168,18 @@ std::vector<std::uint32_t> standing_vertices(const TriangleMesh& mesh, double to
   const double absolute = tolerance < 0x1p-52 ? 0.0 : tolerance * largest_coordinate(mesh);
   EqualVertices equal(mesh.vertices);
   std::optional<StandingVertices> standing;
-  if (absolute > 0.0) standing.emplace(mesh.vertices, absolute);
-  // Only an unused vertex can lie so far out that the number of its cell is too large; it merges with none.
+  if (absolute > 0.0)
+    standing.emplace(mesh.vertices, absolute);
+  // Only an unused vertex can lie so far out that the number of its cell is too large; it merges
+  // with none.
   const double limit = absolute > 0.0 ? 1e17 * absolute : std::numeric_limits<double>::infinity();
   std::vector<std::uint32_t> stands(mesh.vertices.size());
   for (std::uint32_t v = 0; v < stands.size(); ++v) {
-    const bool ordinary = mesh.vertices[v].cwiseAbs().maxCoeff() <= limit && mesh.vertices[v].allFinite();
+    const bool ordinary =
+        mesh.vertices[v].cwiseAbs().maxCoeff() <= limit && mesh.vertices[v].allFinite();
     const std::uint32_t first = ordinary ? equal.find_or_add(v) : v;
-    // What stands for the first at a place stands for all of them: those that came in between have higher numbers.
+    // What stands for the first at a place stands for all of them: those that came in between have
+    // higher numbers.
     if (first != v)
       stands[v] = stands[first];
     else
@@ -177,13 +201,15 @@ TriangleMesh weld(const TriangleMesh& mesh, double tolerance) {
     }
   }
   welded.triangles.reserve(mesh.triangles.size());
-  for (const auto& t : mesh.triangles) welded.triangles.push_back({fresh[t[0]], fresh[t[1]], fresh[t[2]]});
+  for (const auto& t : mesh.triangles)
+    welded.triangles.push_back({fresh[t[0]], fresh[t[1]], fresh[t[2]]});
   return welded;
 }
 
 TriangleMesh transform(const TriangleMesh& mesh, double scale, const Pose& pose) {
   TriangleMesh moved = mesh;
-  for (Vec3& x : moved.vertices) x = pose * Vec3(scale * x);
+  for (Vec3& x : moved.vertices)
+    x = pose * Vec3(scale * x);
   return moved;
 }
 

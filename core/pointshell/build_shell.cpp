@@ -16,9 +16,11 @@ std::uint64_t every_third_bit(std::uint64_t n) noexcept {
   return (n | n << 2) & 0x1249249249249249ULL;
 }
 
-/// Ranks of the points in Morton order of their voxels, counted from the lowest index along each axis.
+/// Ranks of the points in Morton order of their voxels, counted from the lowest index along each
+/// axis.
 std::vector<std::uint32_t> morton_order(const std::vector<ShellPoint>& points) {
-  std::array<std::int64_t, 3> low{INT64_MAX, INT64_MAX, INT64_MAX}, high{INT64_MIN, INT64_MIN, INT64_MIN};
+  std::array<std::int64_t, 3> low{INT64_MAX, INT64_MAX, INT64_MAX},
+      high{INT64_MIN, INT64_MIN, INT64_MIN};
   const auto index = [](const ShellPoint& p) {
     return std::array<std::int64_t, 3>{p.voxel.i, p.voxel.j, p.voxel.k};
   };
@@ -44,23 +46,26 @@ std::vector<std::uint32_t> morton_order(const std::vector<ShellPoint>& points) {
   }
   std::sort(keyed.begin(), keyed.end());
   std::vector<std::uint32_t> order(points.size());
-  for (std::size_t n = 0; n < order.size(); ++n) order[n] = keyed[n].second;
+  for (std::size_t n = 0; n < order.size(); ++n)
+    order[n] = keyed[n].second;
   return order;
 }
 
 template <class Position>
-Pointshell arrange(const std::vector<ShellPoint>& points, const voxmap::Grid& grid, Position&& position) {
+Pointshell arrange(const std::vector<ShellPoint>& points, const voxmap::Grid& grid,
+                   Position&& position) {
   Pointshell shell;
   shell.edge = grid.edge;
   shell.id = morton_order(points);
-  for (auto* column : {&shell.x, &shell.y, &shell.z, &shell.nx, &shell.ny, &shell.nz, &shell.area_m2,
-                       &shell.coherence})
+  for (auto* column : {&shell.x, &shell.y, &shell.z, &shell.nx, &shell.ny, &shell.nz,
+                       &shell.area_m2, &shell.coherence})
     column->reserve(points.size());
   for (const std::uint32_t rank : shell.id) {
     const ShellPoint& p = points[rank];
     const Vec3 x = position(p);
     shell.x.push_back(x.x()), shell.y.push_back(x.y()), shell.z.push_back(x.z());
-    shell.nx.push_back(p.normal.x()), shell.ny.push_back(p.normal.y()), shell.nz.push_back(p.normal.z());
+    shell.nx.push_back(p.normal.x()), shell.ny.push_back(p.normal.y()),
+        shell.nz.push_back(p.normal.z());
     shell.area_m2.push_back(p.area_m2), shell.coherence.push_back(p.coherence);
   }
   return shell;
@@ -74,10 +79,12 @@ double largest_gap_m(const std::vector<ShellPoint>& points) {
   std::array<std::size_t, 3> ahead{};
   for (const ShellPoint& p : points) {
     const voxmap::VoxelIndex& v = p.voxel;
-    const std::array<voxmap::VoxelIndex, 3> next{{{v.i + 1, v.j, v.k}, {v.i, v.j + 1, v.k}, {v.i, v.j, v.k + 1}}};
+    const std::array<voxmap::VoxelIndex, 3> next{
+        {{v.i + 1, v.j, v.k}, {v.i, v.j + 1, v.k}, {v.i, v.j, v.k + 1}}};
     for (std::size_t axis = 0; axis < 3; ++axis) {
       std::size_t& at = ahead[axis];
-      while (at < points.size() && points[at].voxel < next[axis]) ++at;
+      while (at < points.size() && points[at].voxel < next[axis])
+        ++at;
       if (at < points.size() && points[at].voxel == next[axis])
         largest = std::max(largest, (p.point - points[at].point).norm());
     }

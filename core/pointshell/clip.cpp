@@ -6,25 +6,31 @@
 namespace voxtouch::pointshell {
 namespace {
 
-/// A foot this near a side, relative to the lengths involved, is left to the search along the sides, which is
-/// right there: so a sliver's sides, all "inside" by rounding, cannot make a point beyond its end pass.
+/// A foot this near a side, relative to the lengths involved, is left to the search along the
+/// sides, which is right there: so a sliver's sides, all "inside" by rounding, cannot make a point
+/// beyond its end pass.
 constexpr double kOnSide = 1e-14;
 
 /// Keeps the part with side * x[axis] <= limit.
 void cut(VoxelPolygon& polygon, int axis, double side, double limit) noexcept {
   bool all_inside = true;
-  for (int n = 0; n < polygon.size; ++n) all_inside = all_inside && side * polygon.corner[n][axis] <= limit;
-  if (all_inside) return;
+  for (int n = 0; n < polygon.size; ++n)
+    all_inside = all_inside && side * polygon.corner[n][axis] <= limit;
+  if (all_inside)
+    return;
   VoxelPolygon kept;
   for (int n = 0; n < polygon.size; ++n) {
     const Vec3& from = polygon.corner[n];
     const Vec3& to = polygon.corner[n + 1 == polygon.size ? 0 : n + 1];
     const double at_from = side * from[axis] - limit, at_to = side * to[axis] - limit;
-    if (at_from <= 0.0 && kept.size < 9) kept.corner[kept.size++] = from;
+    if (at_from <= 0.0 && kept.size < 9)
+      kept.corner[kept.size++] = from;
     if (((at_from < 0.0 && at_to > 0.0) || (at_from > 0.0 && at_to < 0.0)) && kept.size < 9) {
-      // From the nearer end, so that a long edge costs no accuracy and both triangles of an edge agree.
-      Vec3 x = std::abs(at_from) < std::abs(at_to) ? Vec3(from + (at_from / (at_from - at_to)) * (to - from))
-                                                   : Vec3(to + (at_to / (at_to - at_from)) * (from - to));
+      // From the nearer end, so that a long edge costs no accuracy and both triangles of an edge
+      // agree.
+      Vec3 x = std::abs(at_from) < std::abs(at_to)
+                   ? Vec3(from + (at_from / (at_from - at_to)) * (to - from))
+                   : Vec3(to + (at_to / (at_to - at_from)) * (from - to));
       x[axis] = side * limit;
       kept.corner[kept.size++] = x;
     }
@@ -34,7 +40,8 @@ void cut(VoxelPolygon& polygon, int axis, double side, double limit) noexcept {
 
 /// What one rounding of the triangle's coordinates is.
 double rounding_of(const Vec3& a, const Vec3& b, const Vec3& c) noexcept {
-  return 0x1p-53 * std::max({1.0, a.cwiseAbs().maxCoeff(), b.cwiseAbs().maxCoeff(), c.cwiseAbs().maxCoeff()});
+  return 0x1p-53 *
+         std::max({1.0, a.cwiseAbs().maxCoeff(), b.cwiseAbs().maxCoeff(), c.cwiseAbs().maxCoeff()});
 }
 
 VoxelPolygon clip(const Vec3& a, const Vec3& b, const Vec3& c, double limit) noexcept {
@@ -66,16 +73,19 @@ double area(const VoxelPolygon& polygon) noexcept {
 
 Vec3 nearest_to_centre(const std::array<Vec3, 3>& triangle, const Vec3& normal,
                        const VoxelPolygon& polygon) noexcept {
-  // The triangle and the cube are asked, not the polygon: its short sides have no direction worth asking.
+  // The triangle and the cube are asked, not the polygon: its short sides have no direction worth
+  // asking.
   const Vec3 foot = normal * normal.dot(triangle[0]);
   bool inside = foot.cwiseAbs().maxCoeff() <= 0.5 && !normal.isZero(0.0);
   for (std::size_t n = 0; n < 3 && inside; ++n) {
     const Vec3 side = triangle[(n + 1) % 3] - triangle[n], to_foot = foot - triangle[n];
     inside = normal.dot(side.cross(to_foot)) > kOnSide * side.norm() * (1.0 + to_foot.norm());
   }
-  if (inside) return foot;
+  if (inside)
+    return foot;
 
-  // Along an edge or face of the cube that they only touch, rounding may have cut away all but an end.
+  // Along an edge or face of the cube that they only touch, rounding may have cut away all but an
+  // end.
   VoxelPolygon wider;
   const bool touch_only = area(polygon) <= kTouchArea;
   if (touch_only) {
@@ -91,7 +101,8 @@ Vec3 nearest_to_centre(const std::array<Vec3, 3>& triangle, const Vec3& normal,
     const double square = along.squaredNorm();
     const double t = square > 0.0 ? std::clamp(-from.dot(along) / square, 0.0, 1.0) : 0.0;
     const Vec3 x = from + t * along;
-    if (const double distance = x.squaredNorm(); distance < best_square) best = x, best_square = distance;
+    if (const double distance = x.squaredNorm(); distance < best_square)
+      best = x, best_square = distance;
   }
   return best.cwiseMax(-0.5).cwiseMin(0.5);
 }

@@ -16,7 +16,8 @@ class Row {
   Row& add(Number value) {
     char text[32];
     const auto end = std::to_chars(text, text + sizeof text, value).ptr;
-    if (!line_.empty()) line_ += ',';
+    if (!line_.empty())
+      line_ += ',';
     line_.append(text, end);
     return *this;
   }
@@ -33,7 +34,8 @@ class Row {
 
 void put_double(std::string& bytes, double value) {
   const auto bits = std::bit_cast<std::uint64_t>(value);
-  for (int n = 0; n < 8; ++n) bytes += static_cast<char>((bits >> (8 * n)) & 0xff);
+  for (int n = 0; n < 8; ++n)
+    bytes += static_cast<char>((bits >> (8 * n)) & 0xff);
 }
 
 }  // namespace
@@ -44,7 +46,11 @@ void write_surface_csv(std::ostream& out, const std::vector<ShellPoint>& points)
   for (const ShellPoint& p : points) {
     row.add(p.voxel.i).add(p.voxel.j).add(p.voxel.k).add(int{p.open});
     row.add(p.point).add(p.normal).add(p.plain_normal);
-    row.add(p.triangle).add(p.distance_m).add(p.coherence).add(int{p.tie}).add(static_cast<int>(p.rule) + (p.plain_cancels ? kPlainCancels : 0));
+    row.add(p.triangle)
+        .add(p.distance_m)
+        .add(p.coherence)
+        .add(int{p.tie})
+        .add(static_cast<int>(p.rule) + (p.plain_cancels ? kPlainCancels : 0));
     row.write(out);
   }
 }
@@ -55,14 +61,18 @@ void write_interior_csv(std::ostream& out, const voxmap::Voxmap& map) {
   voxmap::VoxelIndex first, last;
   bool running = false;
   const auto finish_run = [&] {
-    if (running) row.add(first.i).add(first.j).add(first.k).add(last.k).write(out);
+    if (running)
+      row.add(first.i).add(first.j).add(first.k).add(last.k).write(out);
     running = false;
   };
   map.for_each_occupied([&](const voxmap::VoxelIndex& v, voxmap::VoxelKind kind) {
-    if (running && !(kind == voxmap::VoxelKind::kInterior && v.i == last.i && v.j == last.j && v.k == last.k + 1))
+    if (running && !(kind == voxmap::VoxelKind::kInterior && v.i == last.i && v.j == last.j &&
+                     v.k == last.k + 1))
       finish_run();
-    if (kind != voxmap::VoxelKind::kInterior) return;
-    if (!running) first = v;
+    if (kind != voxmap::VoxelKind::kInterior)
+      return;
+    if (!running)
+      first = v;
     running = true;
     last = v;
   });

@@ -1,5 +1,6 @@
 #pragma once
-/// Voxels and shell points as files. Numbers are written shortest-that-reads-back, whatever the locale.
+/// Voxels and shell points as files. Numbers are written shortest-that-reads-back, whatever the
+/// locale.
 #include <ostream>
 #include <vector>
 
@@ -8,15 +9,15 @@
 
 namespace voxtouch::pointshell {
 
-/// `<mesh>_surface.csv`: i,j,k,open,px..pz,nx..nz,mx..mz,tri,dist,coh,tie,fallback; row number = point id.
-/// fallback: NormalRule, plus 4 where the plain normals m cancel, and m is zero.
+/// `<mesh>_surface.csv`: i,j,k,open,px..pz,nx..nz,mx..mz,tri,dist,coh,tie,fallback; row number =
+/// point id. fallback: NormalRule, plus 4 where the plain normals m cancel, and m is zero.
 void write_surface_csv(std::ostream& out, const std::vector<ShellPoint>& points);
 
 /// `<mesh>_interior.csv`: i,j,k_first,k_last, runs along k, sorted.
 void write_interior_csv(std::ostream& out, const voxmap::Voxmap& map);
 
-/// PLY, binary little-endian, doubles x y z nx ny nz area: opens in MeshLab and CloudCompare. Vertex number =
-/// point id.
+/// PLY, binary little-endian, doubles x y z nx ny nz area: opens in MeshLab and CloudCompare.
+/// Vertex number = point id.
 void write_shell_ply(std::ostream& out, const std::vector<ShellPoint>& points);
 
 }  // namespace voxtouch::pointshell

@@ -12,13 +12,13 @@
 namespace voxtouch::pointshell {
 namespace {
 
-constexpr double kTie = 1e-9;         // [e] distances that count as equal
-constexpr double kSamePoint = 1e-7;   // [e] points that count as one
+constexpr double kTie = 1e-9;        // [e] distances that count as equal
+constexpr double kSamePoint = 1e-7;  // [e] points that count as one
 constexpr std::size_t kTrianglesPerJob = 4096;
 
 /// One triangle in one voxel.
 struct Pair {
-  std::uint64_t voxel;     ///< number of the voxel within its slab, rising with (i, j, k)
+  std::uint64_t voxel;  ///< number of the voxel within its slab, rising with (i, j, k)
   std::uint32_t triangle;
   bool open;
 };
@@ -50,23 +50,26 @@ struct NormalSums {
 };
 
 /// Whether the triangle lies in the plane of one of the voxel's faces.
-bool lies_in_face(const Vec3& a, const Vec3& b, const Vec3& c, const voxmap::VoxelIndex& v) noexcept {
+bool lies_in_face(const Vec3& a, const Vec3& b, const Vec3& c,
+                  const voxmap::VoxelIndex& v) noexcept {
   const std::array<std::int32_t, 3> low{v.i, v.j, v.k};
   for (int axis = 0; axis < 3; ++axis) {
     const double x = a[axis], from = low[static_cast<std::size_t>(axis)];
-    if (x == b[axis] && x == c[axis] && (x == from || x == from + 1.0)) return true;
+    if (x == b[axis] && x == c[axis] && (x == from || x == from + 1.0))
+      return true;
   }
   return false;
 }
 
-/// The normal rule; see the header. `face`: outward normal of the triangle that holds the point, zero if it
-/// has no area.
+/// The normal rule; see the header. `face`: outward normal of the triangle that holds the point,
+/// zero if it has no area.
 void set_normals(const NormalSums& sums, const Vec3& face, const Vec3& to_centre,
                  ShellPoint& point) noexcept {
-  // A voxel that only zero-area triangles meet has no normal; any unit vector is as good, and its weight is
-  // zero.
+  // A voxel that only zero-area triangles meet has no normal; any unit vector is as good, and its
+  // weight is zero.
   Vec3 alone = to_centre.stableNormalized();
-  if (!(alone.squaredNorm() > 0.5)) alone = Vec3::UnitZ();
+  if (!(alone.squaredNorm() > 0.5))
+    alone = Vec3::UnitZ();
   const Vec3 own = face.isZero(0.0) ? alone : Vec3(-face);
   const bool touch_only = sums.area <= kTouchArea;
   const Vec3 sum = touch_only ? sums.plain : sums.weighted;
@@ -74,7 +77,9 @@ void set_normals(const NormalSums& sums, const Vec3& face, const Vec3& to_centre
   point.coherence = total > 0.0 ? sum.norm() / total : 0.0;
   const double plain = sums.plain.norm();
   point.plain_cancels = sums.count > 0 && plain <= kNormalsCancel * sums.count;
-  point.plain_normal = point.plain_cancels ? Vec3(Vec3::Zero()) : sums.count > 0 ? Vec3(-sums.plain / plain) : own;
+  point.plain_normal = point.plain_cancels ? Vec3(Vec3::Zero())
+                       : sums.count > 0    ? Vec3(-sums.plain / plain)
+                                           : own;
   if (point.coherence <= kNormalsCancel) {
     point.rule = NormalRule::kFaceForCancelling;
     point.normal = own;
@@ -86,8 +91,8 @@ void set_normals(const NormalSums& sums, const Vec3& face, const Vec3& to_centre
   }
 }
 
-ShellPoint ShellBuilder::point_of(const voxmap::VoxelIndex& voxel, const Pair* first, const Pair* last,
-                                  std::vector<Piece>& pieces) const {
+ShellPoint ShellBuilder::point_of(const voxmap::VoxelIndex& voxel, const Pair* first,
+                                  const Pair* last, std::vector<Piece>& pieces) const {
   const Vec3 centre(voxel.i + 0.5, voxel.j + 0.5, voxel.k + 0.5);
   NormalSums sums;
   pieces.clear();
@@ -97,14 +102,16 @@ ShellPoint ShellBuilder::point_of(const voxmap::VoxelIndex& voxel, const Pair* f
   for (const Pair* pair = first; pair != last; ++pair) {
     const std::uint32_t t = pair->triangle;
     point.open = point.open || pair->open;
-    if (state[t] == voxmap::TriangleState::kDuplicate) continue;
+    if (state[t] == voxmap::TriangleState::kDuplicate)
+      continue;
     const Vec3 &a = mesh.corner(t, 0), &b = mesh.corner(t, 1), &c = mesh.corner(t, 2);
     const std::array<Vec3, 3> triangle{a - centre, b - centre, c - centre};
     const VoxelPolygon polygon = clip_to_voxel(triangle[0], triangle[1], triangle[2]);
     const Vec3 nearest = nearest_to_centre(triangle, normal[t], polygon);
     pieces.push_back({t, nearest, nearest.norm()});
     least = std::min(least, pieces.back().distance);
-    if (state[t] == voxmap::TriangleState::kZeroArea) continue;
+    if (state[t] == voxmap::TriangleState::kZeroArea)
+      continue;
     const double size = area(polygon);
     sums.weighted += size * normal[t];
     sums.plain += normal[t];
@@ -115,12 +122,16 @@ ShellPoint ShellBuilder::point_of(const voxmap::VoxelIndex& voxel, const Pair* f
   const Piece& best = *std::find_if(pieces.begin(), pieces.end(),
                                     [&](const Piece& p) { return p.distance == least; });
   const Piece* owner = nullptr;  // lowest-numbered triangle that holds the point, to rounding
-  const Piece* face = nullptr;    // the same among those with an area; if none holds it, the nearest of them
+  const Piece* face =
+      nullptr;  // the same among those with an area; if none holds it, the nearest of them
   double face_distance = INFINITY;
   for (const Piece& piece : pieces) {
-    const bool contains = (piece.nearest - best.nearest).norm() <= kSamePoint && piece.distance <= least + kTie;
-    if (contains && !owner) owner = &piece;
-    if (!contains && piece.distance <= least + kTie) point.tie = true;
+    const bool contains =
+        (piece.nearest - best.nearest).norm() <= kSamePoint && piece.distance <= least + kTie;
+    if (contains && !owner)
+      owner = &piece;
+    if (!contains && piece.distance <= least + kTie)
+      point.tie = true;
     const double distance = contains ? -1.0 : piece.distance;
     if (state[piece.triangle] == voxmap::TriangleState::kSound && distance < face_distance)
       face = &piece, face_distance = distance;
@@ -134,8 +145,8 @@ ShellPoint ShellBuilder::point_of(const voxmap::VoxelIndex& voxel, const Pair* f
 }
 
 /// All pairs of one slab, sorted by voxel and triangle.
-std::vector<Pair> pairs_of(const voxmap::GridMesh& mesh, const voxmap::Slabs& slabs, std::size_t slab,
-                           const voxmap::VoxelIndex& base, std::uint64_t rows,
+std::vector<Pair> pairs_of(const voxmap::GridMesh& mesh, const voxmap::Slabs& slabs,
+                           std::size_t slab, const voxmap::VoxelIndex& base, std::uint64_t rows,
                            std::uint64_t columns) {
   std::vector<Pair> pairs;
   for (const std::uint32_t t : slabs.triangles(slab)) {
@@ -144,14 +155,16 @@ std::vector<Pair> pairs_of(const voxmap::GridMesh& mesh, const voxmap::Slabs& sl
     const auto add = [&](std::int32_t i, std::int32_t j, std::int32_t k) {
       const auto number = (static_cast<std::uint64_t>(i - slabs.first(slab)) * rows +
                            static_cast<std::uint64_t>(j - base.j)) *
-                              columns + static_cast<std::uint64_t>(k - base.k);
+                              columns +
+                          static_cast<std::uint64_t>(k - base.k);
       pairs.push_back({number, t, triangle.meeting({i, j, k}) == voxmap::Meeting::kOpen});
     };
-    triangle.for_each_run(slabs.first(slab), slabs.last(slab),
-                          [&](std::int32_t i, std::int32_t row, std::int32_t first, std::int32_t last) {
-                            for (std::int32_t n = first; n <= last; ++n)
-                              along_k ? add(i, row, n) : add(i, n, row);
-                          });
+    triangle.for_each_run(
+        slabs.first(slab), slabs.last(slab),
+        [&](std::int32_t i, std::int32_t row, std::int32_t first, std::int32_t last) {
+          for (std::int32_t n = first; n <= last; ++n)
+            along_k ? add(i, row, n) : add(i, n, row);
+        });
   }
   std::sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) {
     return a.voxel != b.voxel ? a.voxel < b.voxel : a.triangle < b.triangle;
@@ -166,18 +179,25 @@ voxmap::VoxelEstimate shell_estimate(const mesh::TriangleMesh& mesh, const voxma
   estimate.bytes = estimate.surface_voxels * sizeof(ShellPoint);
   estimate.build_bytes = estimate.surface_voxels * (2.0 * sizeof(ShellPoint) + 3.0 * sizeof(Pair)) +
                          static_cast<double>(mesh.triangles.size()) * 80.0 +
-                             static_cast<double>(mesh.vertices.size()) * 28.0;
+                         static_cast<double>(mesh.vertices.size()) * 28.0;
   return estimate;
 }
 
-/// Of each triangle, unit; zero where it has no area. A mesh that is inside out would push the tool into what it touches.
-std::vector<Vec3> outward_normals(const voxmap::GridMesh& mesh, const std::vector<std::uint32_t>& welded, const std::vector<voxmap::TriangleState>& state,
+/// Of each triangle, unit; zero where it has no area. A mesh that is inside out would push the tool
+/// into what it touches.
+std::vector<Vec3> outward_normals(const voxmap::GridMesh& mesh,
+                                  const std::vector<std::uint32_t>& welded,
+                                  const std::vector<voxmap::TriangleState>& state,
                                   const ParallelFor& parallel_for) {
-  const std::vector<std::int8_t> side = voxmap::outward_sides(mesh, voxmap::find_closed_shells(mesh, welded, state));
+  const std::vector<std::int8_t> side =
+      voxmap::outward_sides(mesh, voxmap::find_closed_shells(mesh, welded, state));
   std::vector<Vec3> normal(mesh.size());
   parallel_for((mesh.size() + kTrianglesPerJob - 1) / kTrianglesPerJob, [&](std::size_t job) {
-    for (std::size_t t = job * kTrianglesPerJob; t < std::min((job + 1) * kTrianglesPerJob, mesh.size()); ++t)
-      normal[t] = side[t] * voxmap::area_vector(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2)).stableNormalized();
+    for (std::size_t t = job * kTrianglesPerJob;
+         t < std::min((job + 1) * kTrianglesPerJob, mesh.size()); ++t)
+      normal[t] =
+          side[t] * voxmap::area_vector(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2))
+                        .stableNormalized();
   });
   return normal;
 }
@@ -185,7 +205,8 @@ std::vector<Vec3> outward_normals(const voxmap::GridMesh& mesh, const std::vecto
 /// One after the other; a part's memory goes as soon as it has been copied.
 std::vector<ShellPoint> joined(std::vector<std::vector<ShellPoint>> parts) {
   std::size_t total = 0;
-  for (const auto& part : parts) total += part.size();
+  for (const auto& part : parts)
+    total += part.size();
   std::vector<ShellPoint> points;
   points.reserve(total);
   for (auto& part : parts) {
@@ -208,8 +229,8 @@ std::vector<ShellPoint> shell_points(const mesh::TriangleMesh& mesh, const voxma
   builder.normal = outward_normals(in_grid, welded, builder.state, parallel_for);
 
   const voxmap::VoxelIndex base{static_cast<std::int32_t>(estimate.first[0]),
-                        static_cast<std::int32_t>(estimate.first[1]),
-                        static_cast<std::int32_t>(estimate.first[2])};
+                                static_cast<std::int32_t>(estimate.first[1]),
+                                static_cast<std::int32_t>(estimate.first[2])};
   const auto count = [&](std::size_t axis) {
     return static_cast<std::uint64_t>(estimate.last[axis] - estimate.first[axis]) + 1;
   };
@@ -221,11 +242,13 @@ std::vector<ShellPoint> shell_points(const mesh::TriangleMesh& mesh, const voxma
     const std::vector<Pair> pairs = pairs_of(in_grid, slabs, s, base, rows, columns);
     for (std::size_t at = 0; at < pairs.size();) {
       std::size_t end = at;
-      while (end < pairs.size() && pairs[end].voxel == pairs[at].voxel) ++end;
+      while (end < pairs.size() && pairs[end].voxel == pairs[at].voxel)
+        ++end;
       const std::uint64_t n = pairs[at].voxel;
-      const voxmap::VoxelIndex voxel{slabs.first(s) + static_cast<std::int32_t>(n / (rows * columns)),
-                             base.j + static_cast<std::int32_t>(n / columns % rows),
-                             base.k + static_cast<std::int32_t>(n % columns)};
+      const voxmap::VoxelIndex voxel{
+          slabs.first(s) + static_cast<std::int32_t>(n / (rows * columns)),
+          base.j + static_cast<std::int32_t>(n / columns % rows),
+          base.k + static_cast<std::int32_t>(n % columns)};
       parts[s].push_back(builder.point_of(voxel, &pairs[at], pairs.data() + end, pieces));
       at = end;
     }

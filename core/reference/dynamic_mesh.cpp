@@ -14,16 +14,17 @@ scene::MeshSpec without_primitives(scene::MeshSpec spec) {
 
 }  // namespace
 
-DynamicMesh::DynamicMesh(const scene::MeshSpec& spec)
-    : body_(without_primitives(spec)) {}
+DynamicMesh::DynamicMesh(const scene::MeshSpec& spec) : body_(without_primitives(spec)) {}
 
 GapResult DynamicMesh::gap(const std::vector<PosedMesh>& statics, const Pose& pose_WT) const {
   GapResult best = against(statics.front(), pose_WT);
   for (std::size_t i = 1; i < statics.size(); ++i) {
     GapResult other = against(statics[i], pose_WT);
-    const double error = std::max(best.self_error_m, other.self_error_m), buried = std::max(best.buried_m, other.buried_m);
+    const double error = std::max(best.self_error_m, other.self_error_m),
+                 buried = std::max(best.buried_m, other.buried_m);
     const bool check = best.self_check && other.self_check;
-    if (other.gap_m < best.gap_m) best = other;
+    if (other.gap_m < best.gap_m)
+      best = other;
     best.self_error_m = error, best.self_check = check, best.buried_m = buried;
   }
   return best;
@@ -32,23 +33,32 @@ GapResult DynamicMesh::gap(const std::vector<PosedMesh>& statics, const Pose& po
 double DynamicMesh::apart_m(const std::vector<PosedMesh>& statics, const Pose& pose_WT) const {
   double least = std::numeric_limits<double>::infinity();
   for (const PosedMesh& object : statics)
-    least = std::min(least, object.distance().to(body_.distance(), object.pose().inverse() * (pose_WT * body_.pose())).distance_m);
+    least = std::min(least,
+                     object.distance()
+                         .to(body_.distance(), object.pose().inverse() * (pose_WT * body_.pose()))
+                         .distance_m);
   return least;
 }
 
 bool DynamicMesh::one_swallows_other(const PosedMesh& object, const Pose& pose_OM) const {
   const Pose its_in_mine = pose_OM.inverse();
-  const auto inside_it = [&](const Vec3& corner) { return object.inside(object.pose() * (pose_OM * corner)); };
-  const auto inside_me = [&](const Vec3& corner) { return body_.inside(body_.pose() * (its_in_mine * corner)); };
+  const auto inside_it = [&](const Vec3& corner) {
+    return object.inside(object.pose() * (pose_OM * corner));
+  };
+  const auto inside_me = [&](const Vec3& corner) {
+    return body_.inside(body_.pose() * (its_in_mine * corner));
+  };
   const std::vector<Vec3>&mine = body_.one_of_each_part(), &its = object.one_of_each_part();
-  return std::any_of(mine.begin(), mine.end(), inside_it) || std::any_of(its.begin(), its.end(), inside_me);
+  return std::any_of(mine.begin(), mine.end(), inside_it) ||
+         std::any_of(its.begin(), its.end(), inside_me);
 }
 
 GapResult DynamicMesh::against(const PosedMesh& object, const Pose& pose_WT) const {
   const Pose pose_WM = pose_WT * body_.pose();
   const Pose pose_OM = object.pose().inverse() * pose_WM;
   const NearestPair pair = object.distance().to(body_.distance(), pose_OM);
-  if (pair.distance_m <= 0 || one_swallows_other(object, pose_OM)) return overlap(object, pose_WM, pair.distance_m);
+  if (pair.distance_m <= 0 || one_swallows_other(object, pose_OM))
+    return overlap(object, pose_WM, pair.distance_m);
   GapResult gap;
   gap.method = GapMethod::kMeshMesh;
   gap.gap_m = pair.distance_m;
@@ -56,25 +66,31 @@ GapResult DynamicMesh::against(const PosedMesh& object, const Pose& pose_WT) con
   gap.nearest_dynamic = object.pose() * pair.other;
   gap.direction = (gap.nearest_dynamic - gap.nearest_static).normalized();
   gap.depth_exact = true;
-  // Second way: the point that FCL says is mine must lie on me, and must be that far from the static mesh by the point test.
+  // Second way: the point that FCL says is mine must lie on me, and must be that far from the
+  // static mesh by the point test.
   const double mine_off = body_.distance().nearest(pose_OM.inverse() * pair.other).distance_m;
-  const double differ = std::abs(object.distance().nearest(pair.other).distance_m - pair.distance_m);
-  const double allowed = object.distance().second_way_error_m() + body_.distance().second_way_error_m();
+  const double differ =
+      std::abs(object.distance().nearest(pair.other).distance_m - pair.distance_m);
+  const double allowed =
+      object.distance().second_way_error_m() + body_.distance().second_way_error_m();
   gap.self_error_m = std::max(0.0, std::max(mine_off, differ) - allowed);
   gap.self_check = gap.self_error_m <= 0.0;
   return gap;
 }
 
-GapResult DynamicMesh::overlap(const PosedMesh& object, const Pose& pose_WM, double surfaces_apart_m) const {
+GapResult DynamicMesh::overlap(const PosedMesh& object, const Pose& pose_WM,
+                               double surfaces_apart_m) const {
   GapResult gap;
   gap.method = GapMethod::kVertexDepth;
   gap.self_error_m = 0.0;
   gap.self_check = true;
   for (const Vec3& corner : body_.mesh().vertices) {
     const Vec3 x = pose_WM * corner;
-    if (!object.inside(x)) continue;
+    if (!object.inside(x))
+      continue;
     const SignedPoint at = object.mesh_signed_distance(x);
-    if (-at.distance_m <= gap.buried_m) continue;
+    if (-at.distance_m <= gap.buried_m)
+      continue;
     gap.buried_m = -at.distance_m;
     gap.nearest_static = at.nearest, gap.nearest_dynamic = x;
     gap.direction = (at.nearest - x).normalized();

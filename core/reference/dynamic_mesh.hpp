@@ -1,5 +1,6 @@
 #pragma once
-/// The dynamic object where it is no declared sphere: a mesh against meshes, as far as that can be known.
+/// The dynamic object where it is no declared sphere: a mesh against meshes, as far as that can be
+/// known.
 #include <vector>
 
 #include "core/reference/gap.hpp"
@@ -15,8 +16,8 @@ class DynamicMesh {
   /// Gap against the union of `statics`, at least one, with the tool at `pose_WT`.
   GapResult gap(const std::vector<PosedMesh>& statics, const Pose& pose_WT) const;
 
-  /// Distance between its surface and that of the nearest of `statics` [m]; 0 where they meet. By FCL alone, without a second way, and
-  /// blind to one that is wholly inside the other.
+  /// Distance between its surface and that of the nearest of `statics` [m]; 0 where they meet. By
+  /// FCL alone, without a second way, and blind to one that is wholly inside the other.
   double apart_m(const std::vector<PosedMesh>& statics, const Pose& pose_WT) const;
 
  private:

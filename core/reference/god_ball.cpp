@@ -2,7 +2,8 @@
 
 namespace voxtouch::reference {
 
-Vec3 drawn_ball(const ReferenceScene& reference, double radius_m, const Vec3& start, const Vec3& hand) {
+Vec3 drawn_ball(const ReferenceScene& reference, double radius_m, const Vec3& start,
+                const Vec3& hand) {
   constexpr double kStepShare = 0.02, kEndShare = 1e-6;  // of the radius
   constexpr int kMaxSteps = 2000, kWalls = 8;
   Vec3 centre = start;
@@ -13,11 +14,13 @@ Vec3 drawn_ball(const ReferenceScene& reference, double radius_m, const Vec3& st
     for (int wall = 0; wall < kWalls; ++wall) {
       const Vec3 out = centre - reference.nearest(centre);
       const double gap = out.norm() - radius_m;
-      if (!(gap < 0.0)) break;
+      if (!(gap < 0.0))
+        break;
       centre -= gap * out.normalized();
     }
     if ((hand - centre).norm() > (hand - before).norm() - 1e-3 * step) {  // no nearer: finer
-      if ((hand - centre).norm() > (hand - before).norm()) centre = before;
+      if ((hand - centre).norm() > (hand - before).norm())
+        centre = before;
       step *= 0.5;
     }
   }

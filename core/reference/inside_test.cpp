@@ -7,8 +7,8 @@
 namespace voxtouch::reference {
 namespace {
 constexpr std::uint32_t kLeafTriangles = 8;
-constexpr double kFarInRadii = 2.5;   ///< beyond this many radii a node counts as one dipole
-constexpr double kDoubtful = 0.25;    ///< an estimate this near to 1/2 is replaced by the exact sum
+constexpr double kFarInRadii = 2.5;  ///< beyond this many radii a node counts as one dipole
+constexpr double kDoubtful = 0.25;   ///< an estimate this near to 1/2 is replaced by the exact sum
 constexpr double kFullAngle = 4.0 * std::numbers::pi;
 }  // namespace
 
@@ -17,7 +17,8 @@ InsideTest::InsideTest(const ReferenceMesh& mesh) {
   low_ = high_ = mesh.corner(0, 0);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     triangles_.push_back({mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2)});
-    for (std::size_t k = 0; k < 3; ++k) low_ = low_.cwiseMin(mesh.corner(t, k)), high_ = high_.cwiseMax(mesh.corner(t, k));
+    for (std::size_t k = 0; k < 3; ++k)
+      low_ = low_.cwiseMin(mesh.corner(t, k)), high_ = high_.cwiseMax(mesh.corner(t, k));
   }
   build(0, static_cast<std::uint32_t>(triangles_.size()));
 }
@@ -58,12 +59,14 @@ void InsideTest::build(std::uint32_t first, std::uint32_t last) {
 double InsideTest::solid_angle(const Triangle& t, const Vec3& x) noexcept {
   const Vec3 a = t.a - x, b = t.b - x, c = t.c - x;
   const double la = a.norm(), lb = b.norm(), lc = c.norm();
-  return 2.0 * std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
+  return 2.0 * std::atan2(a.dot(b.cross(c)),
+                          la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
 }
 
 double InsideTest::winding_number(const Vec3& x) const noexcept {
   double sum = 0.0;
-  for (const Triangle& t : triangles_) sum += solid_angle(t, x);
+  for (const Triangle& t : triangles_)
+    sum += solid_angle(t, x);
   return sum / kFullAngle;
 }
 
@@ -78,7 +81,8 @@ double InsideTest::winding_estimate(const Vec3& x) const noexcept {
       sum += arm.dot(node.area) / (distance * distance * distance);
       n = node.skip;
     } else if (leaf) {
-      for (std::uint32_t i = node.first; i < node.last; ++i) sum += solid_angle(triangles_[i], x);
+      for (std::uint32_t i = node.first; i < node.last; ++i)
+        sum += solid_angle(triangles_[i], x);
       n = node.skip;
     } else {
       ++n;
@@ -88,9 +92,11 @@ double InsideTest::winding_estimate(const Vec3& x) const noexcept {
 }
 
 bool InsideTest::inside(const Vec3& x) const noexcept {
-  if ((x.array() < low_.array()).any() || (x.array() > high_.array()).any() || !x.allFinite()) return false;
+  if ((x.array() < low_.array()).any() || (x.array() > high_.array()).any() || !x.allFinite())
+    return false;
   const double estimate = std::abs(winding_estimate(x));
-  if (std::abs(estimate - 0.5) > kDoubtful) return estimate > 0.5;
+  if (std::abs(estimate - 0.5) > kDoubtful)
+    return estimate > 0.5;
   return std::abs(winding_number(x)) > 0.5;
 }
 

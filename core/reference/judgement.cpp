@@ -12,23 +12,24 @@
 namespace voxtouch::reference {
 namespace {
 
-constexpr double kDiagonal = std::numbers::sqrt3;            ///< of a voxel, in edges
-constexpr double kDepthTolerance = 1.0;                      ///< in edges
-constexpr double kDirectionTolerance = std::numbers::pi / 9; ///< 20 degrees
+constexpr double kDiagonal = std::numbers::sqrt3;             ///< of a voxel, in edges
+constexpr double kDepthTolerance = 1.0;                       ///< in edges
+constexpr double kDirectionTolerance = std::numbers::pi / 9;  ///< 20 degrees
 constexpr double kWrongSide = std::numbers::pi / 2;
-constexpr double kDirectionFromDepth = 0.25;                 ///< in edges
-constexpr double kSignFromGap = 0.5;                         ///< in edges
+constexpr double kDirectionFromDepth = 0.25;  ///< in edges
+constexpr double kSignFromGap = 0.5;          ///< in edges
 constexpr std::uint32_t kDirectionFromHits = 4;
 constexpr double kDirectionFromCoherence = 0.5;
-constexpr double kCapSlack = 0.25;                           ///< in edges
-constexpr double kLeverSlack = 1e-3;                         ///< in edges, for rounding
+constexpr double kCapSlack = 0.25;    ///< in edges
+constexpr double kLeverSlack = 1e-3;  ///< in edges, for rounding
 constexpr int kFrozenSamples = 3;
-constexpr double kFrozenGap = 0.25;                          ///< in edges
+constexpr double kFrozenGap = 0.25;  ///< in edges
 
 double degrees(double radians) { return radians * 180.0 / std::numbers::pi; }
 
 void require(bool ok, std::string_view field, double value, std::string_view rule) {
-  if (!ok) throw std::invalid_argument(fmt::format("{} = {:g} must be {}", field, value, rule));
+  if (!ok)
+    throw std::invalid_argument(fmt::format("{} = {:g} must be {}", field, value, rule));
 }
 
 /// Sentences carry lengths in millimetres.
@@ -38,9 +39,12 @@ double mm(double metres) { return 1e3 * metres; }
 
 void JudgeSettings::validate() const {
   require(std::isfinite(edge_m) && edge_m > 0, "edge_m", edge_m, "finite and above 0");
-  require(std::isfinite(chord_error_m) && chord_error_m >= 0, "chord_error_m", chord_error_m, "finite and 0 or more");
-  require(std::isfinite(shell_gap_m) && shell_gap_m >= 0, "shell_gap_m", shell_gap_m, "finite and 0 or more");
-  require(std::isfinite(shell_offset_m) && shell_offset_m >= 0, "shell_offset_m", shell_offset_m, "finite and 0 or more");
+  require(std::isfinite(chord_error_m) && chord_error_m >= 0, "chord_error_m", chord_error_m,
+          "finite and 0 or more");
+  require(std::isfinite(shell_gap_m) && shell_gap_m >= 0, "shell_gap_m", shell_gap_m,
+          "finite and 0 or more");
+  require(std::isfinite(shell_offset_m) && shell_offset_m >= 0, "shell_offset_m", shell_offset_m,
+          "finite and 0 or more");
 }
 
 Judge::Judge(const JudgeSettings& settings) : settings_(settings) { settings_.validate(); }
@@ -56,7 +60,8 @@ double Judge::free_limit_m() const noexcept {
 }
 
 double Judge::buried_limit_m() const noexcept {
-  return 0.5 * kDiagonal * settings_.edge_m + settings_.shell_gap_m + settings_.chord_error_m + settings_.shell_offset_m;
+  return 0.5 * kDiagonal * settings_.edge_m + settings_.shell_gap_m + settings_.chord_error_m +
+         settings_.shell_offset_m;
 }
 
 Judgement Judge::judge(const GapResult& gap, const ReportedContact& report) {
@@ -72,7 +77,8 @@ Judgement Judge::judge(const GapResult& gap, const ReportedContact& report) {
     conclude(gap.self_check, out);
     if (!gap.self_check) {
       out.decided = false;
-      out.explanation += fmt::format(" (two ways to the same distance differ by {:.3g} mm)", mm(gap.self_error_m));
+      out.explanation +=
+          fmt::format(" (two ways to the same distance differ by {:.3g} mm)", mm(gap.self_error_m));
     }
   }
   count(out);
@@ -84,7 +90,8 @@ void Judge::conclude(bool checked, Judgement& out) {
     out.verdict = Verdict::kDisagree, out.cause = checked ? Cause::kRendering : Cause::kReference;
   } else if (!checked) {
     out.cause = Cause::kReference;
-    out.explanation = "nothing is wrong with the contact, but the reference's own cross-check fails";
+    out.explanation =
+        "nothing is wrong with the contact, but the reference's own cross-check fails";
   } else if (out.decided) {
     out.verdict = Verdict::kAgree;
   }
@@ -92,16 +99,21 @@ void Judge::conclude(bool checked, Judgement& out) {
 
 void Judge::count(const Judgement& judgement) noexcept {
   ++counts_.checked;
-  if (judgement.decided) ++counts_.decided;
-  if (judgement.verdict == Verdict::kAgree) ++counts_.agree;
-  if (judgement.verdict == Verdict::kInBand) ++counts_.in_band;
-  if (judgement.verdict != Verdict::kDisagree) return;
+  if (judgement.decided)
+    ++counts_.decided;
+  if (judgement.verdict == Verdict::kAgree)
+    ++counts_.agree;
+  if (judgement.verdict == Verdict::kInBand)
+    ++counts_.in_band;
+  if (judgement.verdict != Verdict::kDisagree)
+    return;
   ++counts_.disagree;
   ++(judgement.cause == Cause::kReference ? counts_.reference : counts_.rendering);
 }
 
 void Judge::follow(const GapResult& gap, const ReportedContact& report) {
-  const bool same = run_.samples > 0 && report.wrench.force == run_.wrench.force && report.wrench.torque == run_.wrench.torque;
+  const bool same = run_.samples > 0 && report.wrench.force == run_.wrench.force &&
+                    report.wrench.torque == run_.wrench.torque;
   if (report.wrench.zero() || report.retained) {
     run_ = {};
   } else if (same) {
@@ -114,30 +126,42 @@ void Judge::follow(const GapResult& gap, const ReportedContact& report) {
 }
 
 std::string Judge::not_usable(const ReportedContact& report) const {
-  const bool finite = report.pose_WT.finite() && report.wrench.finite() && report.mean_normal.allFinite() &&
-                      std::isfinite(report.deepest_depth_m) && std::isfinite(report.coherence);
+  const bool finite = report.pose_WT.finite() && report.wrench.finite() &&
+                      report.mean_normal.allFinite() && std::isfinite(report.deepest_depth_m) &&
+                      std::isfinite(report.coherence);
   return finite ? "" : "the contact carries a value that is not a finite number";
 }
 
-std::string Judge::breach(const GapResult& gap, const ReportedContact& report, Judgement& out) const {
+std::string Judge::breach(const GapResult& gap, const ReportedContact& report,
+                          Judgement& out) const {
   std::string found = hits_breach(gap, report, out);
-  if (found.empty()) found = force_breach(report);
-  if (std::string other = depth_breach(gap, report, out); found.empty()) found = std::move(other);
-  if (std::string other = direction_breach(gap, report, out); found.empty()) found = std::move(other);
-  if (found.empty()) found = torque_breach(gap, report);
+  if (found.empty())
+    found = force_breach(report);
+  if (std::string other = depth_breach(gap, report, out); found.empty())
+    found = std::move(other);
+  if (std::string other = direction_breach(gap, report, out); found.empty())
+    found = std::move(other);
+  if (found.empty())
+    found = torque_breach(gap, report);
   return found;
 }
 
-std::string Judge::hits_breach(const GapResult& gap, const ReportedContact& report, Judgement& out) const {
+std::string Judge::hits_breach(const GapResult& gap, const ReportedContact& report,
+                               Judgement& out) const {
   const std::uint32_t interior = gap.inside_known ? report.interior_hits : 0;
   if (gap.gap_m > free_limit_m()) {
-    // Where the reference knows no inside, a tool that is wholly inside looks free to it: nothing to say about that.
-    if (!gap.inside_known && report.interior_hits > 0 && report.surface_hits == 0) return "";
+    // Where the reference knows no inside, a tool that is wholly inside looks free to it: nothing
+    // to say about that.
+    if (!gap.inside_known && report.interior_hits > 0 && report.surface_hits == 0)
+      return "";
     out.decided = true;
     if (report.surface_hits > 0 || interior > 0 || !report.wrench.zero())
-      return fmt::format("in free space, {:.3g} mm from the surface (free from {:.3g} mm): {} surface and {} interior hits and "
-                         "a force of {:.3g} N", mm(gap.gap_m), mm(free_limit_m()), report.surface_hits, interior,
-                         report.wrench.force.norm());
+      return fmt::format(
+          "in free space, {:.3g} mm from the surface (free from {:.3g} mm): {} surface and {} "
+          "interior hits and "
+          "a force of {:.3g} N",
+          mm(gap.gap_m), mm(free_limit_m()), report.surface_hits, interior,
+          report.wrench.force.norm());
     return "";
   }
   // A point that was left out is no deeper than this beyond one that was asked.
@@ -145,16 +169,23 @@ std::string Judge::hits_breach(const GapResult& gap, const ReportedContact& repo
   if (gap.buried_m > must_collide_m) {
     out.decided = true;
     if (report.surface_hits == 0 && report.interior_hits == 0)
-      return fmt::format("no hit, though the tool is buried by {:.3g} mm (must collide from {:.3g} mm)", mm(gap.buried_m),
-                         mm(must_collide_m));
+      return fmt::format(
+          "no hit, though the tool is buried by {:.3g} mm (must collide from {:.3g} mm)",
+          mm(gap.buried_m), mm(must_collide_m));
   }
-  const double cap_limit = kCapSlack * settings_.edge_m + settings_.chord_error_m + settings_.shell_offset_m;
-  const bool cap_contains_a_point = report.left_out_depth_m == 0.0 && settings_.shell_gap_m <= kDiagonal * settings_.edge_m * (1 + 1e-9);
-  if (report.surface_hits == 0 && report.interior_hits == 0 && cap_contains_a_point && gap.cap_buried_m > cap_limit)
-    return fmt::format("no hit, though all of the tool round its deepest point is at least {:.3g} mm inside",
-                       mm(gap.cap_buried_m));
+  const double cap_limit =
+      kCapSlack * settings_.edge_m + settings_.chord_error_m + settings_.shell_offset_m;
+  const bool cap_contains_a_point =
+      report.left_out_depth_m == 0.0 &&
+      settings_.shell_gap_m <= kDiagonal * settings_.edge_m * (1 + 1e-9);
+  if (report.surface_hits == 0 && report.interior_hits == 0 && cap_contains_a_point &&
+      gap.cap_buried_m > cap_limit)
+    return fmt::format(
+        "no hit, though all of the tool round its deepest point is at least {:.3g} mm inside",
+        mm(gap.cap_buried_m));
   if (interior > 0 && gap.gap_m > settings_.chord_error_m + settings_.shell_offset_m)
-    return fmt::format("{} interior hits, though the tool is {:.3g} mm outside the surface", interior, mm(gap.gap_m));
+    return fmt::format("{} interior hits, though the tool is {:.3g} mm outside the surface",
+                       interior, mm(gap.gap_m));
   return "";
 }
 
@@ -165,56 +196,79 @@ std::string Judge::force_breach(const ReportedContact& report) const {
   const bool deep = report.deepest_depth_m > kDirectionFromDepth * settings_.edge_m;
   if (!force && deep && !report.fallback && report.coherence >= kDirectionFromCoherence)
     return fmt::format("no force at a reported depth of {:.3g} mm", mm(report.deepest_depth_m));
-  if (run_.samples >= kFrozenSamples && run_.largest_gap_m - run_.least_gap_m > kFrozenGap * settings_.edge_m)
-    return fmt::format("a frozen force: the same bits in {} checked samples while the gap went over {:.3g} mm", run_.samples,
-                       mm(run_.largest_gap_m - run_.least_gap_m));
+  if (run_.samples >= kFrozenSamples &&
+      run_.largest_gap_m - run_.least_gap_m > kFrozenGap * settings_.edge_m)
+    return fmt::format(
+        "a frozen force: the same bits in {} checked samples while the gap went over {:.3g} mm",
+        run_.samples, mm(run_.largest_gap_m - run_.least_gap_m));
   return "";
 }
 
-std::string Judge::depth_breach(const GapResult& gap, const ReportedContact& report, Judgement& out) const {
-  if (!gap.depth_exact || report.retained || gap.gap_m > free_limit_m()) return "";
-  const double e = settings_.edge_m, g = settings_.shell_gap_m + report.left_out_depth_m, radius = gap.sphere_radius_m;
+std::string Judge::depth_breach(const GapResult& gap, const ReportedContact& report,
+                                Judgement& out) const {
+  if (!gap.depth_exact || report.retained || gap.gap_m > free_limit_m())
+    return "";
+  const double e = settings_.edge_m, g = settings_.shell_gap_m + report.left_out_depth_m,
+               radius = gap.sphere_radius_m;
   const double sag = radius > 0 ? std::min(g, g * g / (2.0 * radius)) : g;
   const double layer = 0.5 * e * (gap.direction.isZero() ? kDiagonal : gap.direction.lpNorm<1>());
-  const double tolerance =
-      std::max(kDepthTolerance * e, layer + sag) + settings_.chord_error_m + settings_.shell_offset_m;
+  const double tolerance = std::max(kDepthTolerance * e, layer + sag) + settings_.chord_error_m +
+                           settings_.shell_offset_m;
   const double depth = std::max(0.0, -gap.gap_m), error = report.deepest_depth_m - depth;
   const bool saturated = report.interior_hits > 0;
-  if (!saturated || error > 0) out.depth_error_m = error;
+  if (!saturated || error > 0)
+    out.depth_error_m = error;
   if (error > tolerance || (error < -tolerance && !saturated))
-    return fmt::format("reported depth {:.3g} mm, reference {:.3g} mm: {:.3g} mm apart, more than {:.3g} mm",
-                       mm(report.deepest_depth_m), mm(depth), mm(std::abs(error)), mm(tolerance));
+    return fmt::format(
+        "reported depth {:.3g} mm, reference {:.3g} mm: {:.3g} mm apart, more than {:.3g} mm",
+        mm(report.deepest_depth_m), mm(depth), mm(std::abs(error)), mm(tolerance));
   return "";
 }
 
-std::string Judge::direction_breach(const GapResult& gap, const ReportedContact& report, Judgement& out) const {
+std::string Judge::direction_breach(const GapResult& gap, const ReportedContact& report,
+                                    Judgement& out) const {
   const double e = settings_.edge_m;
   const bool coherent = report.coherence >= kDirectionFromCoherence;
-  if (!gap.unique_face || gap.direction.isZero() || report.fallback || !(coherent || report.retained)) return "";
-  if (gap.gap_m >= kSignFromGap * e || report.surface_hits + report.interior_hits == 0) return "";
+  if (!gap.unique_face || gap.direction.isZero() || report.fallback ||
+      !(coherent || report.retained))
+    return "";
+  if (gap.gap_m >= kSignFromGap * e || report.surface_hits + report.interior_hits == 0)
+    return "";
   for (const Vec3& reported : {report.wrench.force, report.mean_normal})
     if (!reported.isZero(0.0))
-      out.direction_error_rad = std::fmax(out.direction_error_rad, angle_between(reported, gap.direction));
+      out.direction_error_rad =
+          std::fmax(out.direction_error_rad, angle_between(reported, gap.direction));
   const double from_depth = kDirectionFromDepth * e + settings_.shell_offset_m;
   const bool to_angle = -gap.gap_m >= from_depth && report.surface_hits >= kDirectionFromHits &&
-                        report.interior_hits == 0 && !report.retained && report.left_out_depth_m == 0.0;
+                        report.interior_hits == 0 && !report.retained &&
+                        report.left_out_depth_m == 0.0;
   const double limit = to_angle ? kDirectionTolerance : kWrongSide;
-  if (!(out.direction_error_rad > limit)) return "";
-  return fmt::format("the direction is {:.3g} degrees off, more than {:.3g}", degrees(out.direction_error_rad), degrees(limit));
+  if (!(out.direction_error_rad > limit))
+    return "";
+  return fmt::format("the direction is {:.3g} degrees off, more than {:.3g}",
+                     degrees(out.direction_error_rad), degrees(limit));
 }
 
 std::string Judge::torque_breach(const GapResult& gap, const ReportedContact& report) const {
-  if (!(gap.sphere_radius_m > 0) || gap.direction.isZero()) return "";
-  if (report.retained || report.fallback || report.interior_hits > 0) return "";
-  if (report.coherence < kDirectionFromCoherence) return "";
+  if (!(gap.sphere_radius_m > 0) || gap.direction.isZero())
+    return "";
+  if (report.retained || report.fallback || report.interior_hits > 0)
+    return "";
+  if (report.coherence < kDirectionFromCoherence)
+    return "";
   const Vec3 centre = gap.nearest_dynamic + gap.sphere_radius_m * gap.direction;
   const Vec3 lever = centre - report.pose_WT.position;
-  const double off_sphere = settings_.shell_offset_m + settings_.chord_error_m + kLeverSlack * settings_.edge_m;
+  const double off_sphere =
+      settings_.shell_offset_m + settings_.chord_error_m + kLeverSlack * settings_.edge_m;
   const double limit = gap.sphere_radius_m + off_sphere;
   const double off = (report.wrench.torque - lever.cross(report.wrench.force)).norm();
-  if (off <= limit * report.wrench.force.norm()) return "";
-  return fmt::format("force and torque together act along a line {:.3g} mm from the centre of the tool's sphere, more than "
-                     "{:.3g} mm", mm(off / report.wrench.force.norm()), mm(limit));
+  if (off <= limit * report.wrench.force.norm())
+    return "";
+  return fmt::format(
+      "force and torque together act along a line {:.3g} mm from the centre of the tool's sphere, "
+      "more than "
+      "{:.3g} mm",
+      mm(off / report.wrench.force.norm()), mm(limit));
 }
 
 }  // namespace voxtouch::reference

@@ -10,18 +10,20 @@
 namespace voxtouch::reference {
 namespace {
 
-constexpr double kProbeShare = 1e-9;    ///< size of the second way's triangle over the mesh's size
-constexpr double kRoundingShare = 1e-9; ///< rounding of FCL's projections over the mesh's size
+constexpr double kProbeShare = 1e-9;     ///< size of the second way's triangle over the mesh's size
+constexpr double kRoundingShare = 1e-9;  ///< rounding of FCL's projections over the mesh's size
 
 double size_of(const ReferenceMesh& mesh) {
   double size = 0.0;
-  for (const Vec3& v : mesh.vertices) size = std::max(size, (v - mesh.vertices.front()).norm());
+  for (const Vec3& v : mesh.vertices)
+    size = std::max(size, (v - mesh.vertices.front()).norm());
   return size;
 }
 
 ReferenceMesh probe_triangle(double size) {
   ReferenceMesh mesh;
-  mesh.vertices = {size * Vec3(1, 0, 0), size * Vec3(-0.5, 0.8, 0.1), size * Vec3(-0.5, -0.8, -0.1)};
+  mesh.vertices = {size * Vec3(1, 0, 0), size * Vec3(-0.5, 0.8, 0.1),
+                   size * Vec3(-0.5, -0.8, -0.1)};
   mesh.triangles = {{0, 1, 2}};
   return mesh;
 }
@@ -48,7 +50,9 @@ MeshDistance::~MeshDistance() = default;
 MeshDistance::MeshDistance(MeshDistance&&) noexcept = default;
 MeshDistance& MeshDistance::operator=(MeshDistance&&) noexcept = default;
 
-double MeshDistance::second_way_error_m() const noexcept { return (kProbeShare + kRoundingShare) * model_->size; }
+double MeshDistance::second_way_error_m() const noexcept {
+  return (kProbeShare + kRoundingShare) * model_->size;
+}
 
 NearestPoint MeshDistance::nearest(const Vec3& x) const {
   const fcl::DistanceRequestd request(true);
@@ -57,7 +61,8 @@ NearestPoint MeshDistance::nearest(const Vec3& x) const {
   fcl::distance(model_->bvh.get(), fcl::Transform3d::Identity(), &point, at(x), request, result);
   const Vec3 found = result.nearest_points[0];
   const double length = (x - found).norm();
-  if (std::isfinite(length) && std::abs(length - result.min_distance) <= kRoundingShare * (model_->size + length))
+  if (std::isfinite(length) &&
+      std::abs(length - result.min_distance) <= kRoundingShare * (model_->size + length))
     return {length, found};
   return {second_way(x), x};
 }
@@ -65,7 +70,8 @@ NearestPoint MeshDistance::nearest(const Vec3& x) const {
 double MeshDistance::second_way(const Vec3& x) const {
   const fcl::DistanceRequestd request(true);
   fcl::DistanceResultd result;
-  fcl::distance(model_->bvh.get(), fcl::Transform3d::Identity(), model_->probe.get(), at(x), request, result);
+  fcl::distance(model_->bvh.get(), fcl::Transform3d::Identity(), model_->probe.get(), at(x),
+                request, result);
   return std::max(0.0, result.min_distance);
 }
 
@@ -74,8 +80,10 @@ NearestPair MeshDistance::to(const MeshDistance& other, const Pose& other_in_min
   fcl::DistanceResultd result;
   fcl::Transform3d pose = at(other_in_mine.position);
   pose.linear() = other_in_mine.orientation.toRotationMatrix();
-  fcl::distance(model_->bvh.get(), fcl::Transform3d::Identity(), other.model_->bvh.get(), pose, request, result);
-  if (!(result.min_distance > 0)) return {};
+  fcl::distance(model_->bvh.get(), fcl::Transform3d::Identity(), other.model_->bvh.get(), pose,
+                request, result);
+  if (!(result.min_distance > 0))
+    return {};
   return {result.min_distance, result.nearest_points[0], result.nearest_points[1]};
 }
 

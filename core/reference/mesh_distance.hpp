@@ -12,13 +12,15 @@ struct NearestPoint {
   Vec3 point = Vec3::Zero();
 };
 
-/// Nearest points of two meshes that are apart, in the first mesh's frame; `distance_m` 0 where they meet (points zero).
+/// Nearest points of two meshes that are apart, in the first mesh's frame; `distance_m` 0 where
+/// they meet (points zero).
 struct NearestPair {
   double distance_m = 0.0;
   Vec3 mine = Vec3::Zero(), other = Vec3::Zero();
 };
 
-/// A bounding-volume tree of OBBRSS over one mesh. Queries are const and may run at once; they allocate.
+/// A bounding-volume tree of OBBRSS over one mesh. Queries are const and may run at once; they
+/// allocate.
 class MeshDistance {
  public:
   /// Builds the tree over all triangles. Allocates.
@@ -27,12 +29,14 @@ class MeshDistance {
   MeshDistance(MeshDistance&&) noexcept;
   MeshDistance& operator=(MeshDistance&&) noexcept;
 
-  /// First way: FCL's mesh against a sphere of radius 0, whose triangle test is a closed-form projection. FCL leaves the
-  /// distance unset for a point that lies on a triangle; that is noticed, and answered by the second way.
+  /// First way: FCL's mesh against a sphere of radius 0, whose triangle test is a closed-form
+  /// projection. FCL leaves the distance unset for a point that lies on a triangle; that is
+  /// noticed, and answered by the second way.
   NearestPoint nearest(const Vec3& x) const;
 
-  /// Second way, which shares only the tree with the first: FCL's mesh against a mesh of one triangle that is small enough to
-  /// count as a point. Differs from the truth by up to `second_way_error_m()`.
+  /// Second way, which shares only the tree with the first: FCL's mesh against a mesh of one
+  /// triangle that is small enough to count as a point. Differs from the truth by up to
+  /// `second_way_error_m()`.
   double second_way(const Vec3& x) const;
   /// The bound for `second_way` [m].
   double second_way_error_m() const noexcept;

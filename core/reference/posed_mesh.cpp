@@ -11,28 +11,38 @@ namespace {
 /// The chord error is the largest of samples; the largest anywhere may be a little more.
 constexpr double kChordSlack = 1.5;
 
-/// One corner of each connected part of a mesh: if surfaces do not meet, a part is inside or outside as a whole.
+/// One corner of each connected part of a mesh: if surfaces do not meet, a part is inside or
+/// outside as a whole.
 std::vector<Vec3> corner_of_each_part(const ReferenceMesh& mesh) {
   std::vector<std::uint32_t> root(mesh.vertices.size());
   std::iota(root.begin(), root.end(), 0U);
   const auto find = [&root](std::uint32_t v) {
-    while (root[v] != v) v = root[v] = root[root[v]];
+    while (root[v] != v)
+      v = root[v] = root[root[v]];
     return v;
   };
-  for (const auto& t : mesh.triangles) root[find(t[1])] = find(t[0]), root[find(t[2])] = find(t[0]);
+  for (const auto& t : mesh.triangles)
+    root[find(t[1])] = find(t[0]), root[find(t[2])] = find(t[0]);
   std::vector<Vec3> corners;
   std::vector<bool> seen(root.size(), false);
   for (const auto& t : mesh.triangles)
-    if (const std::uint32_t part = find(t[0]); !seen[part]) seen[part] = true, corners.push_back(mesh.vertices[t[0]]);
+    if (const std::uint32_t part = find(t[0]); !seen[part])
+      seen[part] = true, corners.push_back(mesh.vertices[t[0]]);
   return corners;
 }
 
 }  // namespace
 
 PosedMesh::PosedMesh(const scene::MeshSpec& spec)
-    : pose_(spec.pose), rest_(spec.pose.position), mesh_(read_reference_mesh(spec)), inside_(mesh_), distance_(mesh_), primitives_(spec.primitives),
+    : pose_(spec.pose),
+      rest_(spec.pose.position),
+      mesh_(read_reference_mesh(spec)),
+      inside_(mesh_),
+      distance_(mesh_),
+      primitives_(spec.primitives),
       one_of_each_part_(corner_of_each_part(mesh_)) {
-  if (!primitives_.empty()) chord_error_m_ = chord_error(mesh_, distance_, primitives_).value_m();
+  if (!primitives_.empty())
+    chord_error_m_ = chord_error(mesh_, distance_, primitives_).value_m();
 }
 
 bool PosedMesh::inside(const Vec3& x) const noexcept {
@@ -60,13 +70,16 @@ PosedMesh::Answer PosedMesh::signed_distance(const Vec3& x) const {
     answer.check_error_m = std::max(0.0, differ - distance_.second_way_error_m());
   } else {
     const SignedPoint by_form = voxtouch::reference::signed_distance(primitives_, local);
-    // Inside a union the closed form is only a bound: seams between parts are no surface. There the mesh is the better one.
+    // Inside a union the closed form is only a bound: seams between parts are no surface. There the
+    // mesh is the better one.
     const bool form_is_exact = by_form.distance_m > 0 || primitives_.size() == 1;
     const double allowed = kChordSlack * chord_error_m_ + distance_.second_way_error_m();
-    const double side = mesh_.closed ? by_form.distance_m : std::abs(by_form.distance_m);  // open: the mesh has one side
+    const double side = mesh_.closed ? by_form.distance_m
+                                     : std::abs(by_form.distance_m);  // open: the mesh has one side
     const double differ = form_is_exact ? std::abs(side - by_mesh) : std::max(0.0, by_mesh);
     answer.check_error_m = std::max(0.0, differ - allowed);
-    if (form_is_exact) answer.signed_point = by_form, answer.closed_form = true;
+    if (form_is_exact)
+      answer.signed_point = by_form, answer.closed_form = true;
   }
   answer.signed_point.nearest = pose_ * answer.signed_point.nearest;
   return answer;

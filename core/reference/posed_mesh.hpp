@@ -1,6 +1,6 @@
 #pragma once
-/// One mesh of a scene, static or dynamic, with everything the reference can ask it. Lengths in metres, points in W (T for
-/// the dynamic one).
+/// One mesh of a scene, static or dynamic, with everything the reference can ask it. Lengths in
+/// metres, points in W (T for the dynamic one).
 #include <vector>
 
 #include "core/reference/closed_forms.hpp"
@@ -9,7 +9,8 @@
 
 namespace voxtouch::reference {
 
-/// Arithmetic runs in the mesh's own frame, so that an object far from the world's origin loses no digits.
+/// Arithmetic runs in the mesh's own frame, so that an object far from the world's origin loses no
+/// digits.
 class PosedMesh {
  public:
   /// Throws as `read_reference_mesh` does.
@@ -20,15 +21,16 @@ class PosedMesh {
 
   /// Signed distance and what the cross-check of it says.
   struct Answer {
-    SignedPoint signed_point;      ///< nearest point in W
-    bool closed_form = false;      ///< from declared primitives
-    double check_error_m = 0.0;    ///< by how much two ways differ beyond what they may
+    SignedPoint signed_point;    ///< nearest point in W
+    bool closed_form = false;    ///< from declared primitives
+    double check_error_m = 0.0;  ///< by how much two ways differ beyond what they may
   };
   /// Of `x` in W [m], negative inside. Allocates.
   Answer signed_distance(const Vec3& x) const;
   /// By the triangles alone.
   SignedPoint mesh_signed_distance(const Vec3& x) const;
-  /// Unsigned, by primitives outside of them, else by the triangles: for points on the side that is already known.
+  /// Unsigned, by primitives outside of them, else by the triangles: for points on the side that is
+  /// already known.
   Vec3 nearest(const Vec3& x) const;
   /// Whether `x` (W) lies inside the mesh; false for one that is not closed.
   bool inside(const Vec3& x) const noexcept;
@@ -39,8 +41,8 @@ class PosedMesh {
   const ReferenceMesh& mesh() const noexcept { return mesh_; }
   const MeshDistance& distance() const noexcept { return distance_; }
   const Pose& pose() const noexcept { return pose_; }
-  /// One corner of each connected part, in the mesh's frame: where surfaces do not meet, a part is inside or outside as a
-  /// whole.
+  /// One corner of each connected part, in the mesh's frame: where surfaces do not meet, a part is
+  /// inside or outside as a whole.
   const std::vector<Vec3>& one_of_each_part() const noexcept { return one_of_each_part_; }
 
  private:

@@ -20,12 +20,13 @@ Eigen::Affine3d transform_of(const aiMatrix4x4& m) {
   Eigen::Affine3d out = Eigen::Affine3d::Identity();
   for (int row = 0; row < 3; ++row)
     for (int column = 0; column < 4; ++column)
-      out.matrix()(row, column) = static_cast<double>(m[static_cast<unsigned>(row)][static_cast<unsigned>(column)]);
+      out.matrix()(row, column) =
+          static_cast<double>(m[static_cast<unsigned>(row)][static_cast<unsigned>(column)]);
   return out;
 }
 
-void append(const aiMesh& mesh, const Eigen::Affine3d& to_file, double scale, std::vector<Vec3>& vertices,
-            Triangles& triangles) {
+void append(const aiMesh& mesh, const Eigen::Affine3d& to_file, double scale,
+            std::vector<Vec3>& vertices, Triangles& triangles) {
   const auto first = static_cast<std::uint32_t>(vertices.size());
   for (unsigned v = 0; v < mesh.mNumVertices; ++v) {
     const aiVector3D& p = mesh.mVertices[v];
@@ -34,9 +35,12 @@ void append(const aiMesh& mesh, const Eigen::Affine3d& to_file, double scale, st
   const bool mirrored = to_file.linear().determinant() < 0;  // a mirror turns triangles inside out
   for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
     const aiFace& face = mesh.mFaces[f];
-    if (face.mNumIndices != 3) continue;  // lines and points have no inside and no surface
-    std::array<std::uint32_t, 3> t{first + face.mIndices[0], first + face.mIndices[1], first + face.mIndices[2]};
-    if (mirrored) std::swap(t[1], t[2]);
+    if (face.mNumIndices != 3)
+      continue;  // lines and points have no inside and no surface
+    std::array<std::uint32_t, 3> t{first + face.mIndices[0], first + face.mIndices[1],
+                                   first + face.mIndices[2]};
+    if (mirrored)
+      std::swap(t[1], t[2]);
     triangles.push_back(t);
   }
 }
@@ -50,8 +54,9 @@ void walk(const aiScene& scene, const aiNode& node, const Eigen::Affine3d& paren
     walk(scene, *node.mChildren[c], to_file, scale, vertices, triangles);
 }
 
-/// Joins positions that are the same but for the rounding of a single-precision file: within a few float steps of the largest
-/// coordinate. A seam that does not join would leave the mesh open, and an open mesh has no inside to judge by.
+/// Joins positions that are the same but for the rounding of a single-precision file: within a few
+/// float steps of the largest coordinate. A seam that does not join would leave the mesh open, and
+/// an open mesh has no inside to judge by.
 class Joiner {
  public:
   explicit Joiner(double largest_coordinate) : step_(kSteps * largest_coordinate) {}
@@ -65,9 +70,12 @@ class Joiner {
         for (std::int64_t z = -1; z <= 1; ++z) {
           const auto [first, last] = cells_.equal_range({cell[0] + x, cell[1] + y, cell[2] + z});
           for (auto entry = first; entry != last; ++entry)
-            if (entry->second < found && (vertices[entry->second] - position).cwiseAbs().maxCoeff() <= step_) found = entry->second;
+            if (entry->second < found &&
+                (vertices[entry->second] - position).cwiseAbs().maxCoeff() <= step_)
+              found = entry->second;
         }
-    if (found != kNone) return found;
+    if (found != kNone)
+      return found;
     const auto id = static_cast<std::uint32_t>(vertices.size());
     vertices.push_back(position);
     cells_.emplace(cell, id);
@@ -79,14 +87,17 @@ class Joiner {
   struct Hash {
     std::size_t operator()(const Cell& c) const noexcept {
       std::uint64_t all = 0;
-      for (const std::int64_t index : c) all = (all ^ static_cast<std::uint64_t>(index)) * 0x9e3779b97f4a7c15U, all ^= all >> 32;
+      for (const std::int64_t index : c)
+        all = (all ^ static_cast<std::uint64_t>(index)) * 0x9e3779b97f4a7c15U, all ^= all >> 32;
       return static_cast<std::size_t>(all);
     }
   };
   static constexpr std::uint32_t kNone = 0xffffffff;
   static constexpr double kSteps = 4.0 / (1 << 23);
   Cell cell_of(const Vec3& p) const {
-    const auto index = [this](double x) { return step_ > 0 ? static_cast<std::int64_t>(std::floor(x / step_)) : 0; };
+    const auto index = [this](double x) {
+      return step_ > 0 ? static_cast<std::int64_t>(std::floor(x / step_)) : 0;
+    };
     return {index(p.x()), index(p.y()), index(p.z())};
   }
   double step_;
@@ -94,12 +105,14 @@ class Joiner {
 };
 
 /// Largest absolute coordinate. Throws where one is not finite.
-double largest_coordinate(const std::vector<Vec3>& vertices, const Triangles& triangles, const std::string& name) {
+double largest_coordinate(const std::vector<Vec3>& vertices, const Triangles& triangles,
+                          const std::string& name) {
   double largest = 0.0;
   for (const auto& t : triangles)
     for (const std::uint32_t vertex : t) {
       if (!vertices.at(vertex).allFinite())
-        throw std::runtime_error(name + ": a vertex has a coordinate that is not a finite number; repair the mesh");
+        throw std::runtime_error(
+            name + ": a vertex has a coordinate that is not a finite number; repair the mesh");
       largest = std::max(largest, vertices[vertex].cwiseAbs().maxCoeff());
     }
   return largest;
@@ -111,8 +124,8 @@ std::array<std::uint32_t, 3> canonical(std::array<std::uint32_t, 3> t) {
   return t;
 }
 
-/// True if the boundary of the triangles, as a chain of directed edges, is empty. That is exactly when the winding number is
-/// an integer everywhere off the surface.
+/// True if the boundary of the triangles, as a chain of directed edges, is empty. That is exactly
+/// when the winding number is an integer everywhere off the surface.
 bool balanced(const Triangles& triangles) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> walks;
   for (const auto& t : triangles)
@@ -125,23 +138,29 @@ bool balanced(const Triangles& triangles) {
 
 }  // namespace
 
-ReferenceMesh make_reference_mesh(const std::vector<Vec3>& vertices, const Triangles& triangles, const std::string& name) {
+ReferenceMesh make_reference_mesh(const std::vector<Vec3>& vertices, const Triangles& triangles,
+                                  const std::string& name) {
   ReferenceMesh out;
   Joiner joiner(largest_coordinate(vertices, triangles, name));
   std::set<std::array<std::uint32_t, 3>> seen;
-  const auto id_of = [&](std::uint32_t vertex) { return joiner.id_of(vertices[vertex], out.vertices); };
+  const auto id_of = [&](std::uint32_t vertex) {
+    return joiner.id_of(vertices[vertex], out.vertices);
+  };
   for (const auto& t : triangles) {
     const std::array<std::uint32_t, 3> welded = canonical({id_of(t[0]), id_of(t[1]), id_of(t[2])});
     const Vec3& a = out.vertices[welded[0]];
-    const double doubled_area = (out.vertices[welded[1]] - a).cross(out.vertices[welded[2]] - a).norm();
-    const bool collapsed = welded[0] == welded[1] || welded[1] == welded[2] || welded[0] == welded[2];
+    const double doubled_area =
+        (out.vertices[welded[1]] - a).cross(out.vertices[welded[2]] - a).norm();
+    const bool collapsed =
+        welded[0] == welded[1] || welded[1] == welded[2] || welded[0] == welded[2];
     if (collapsed || !(doubled_area > 0) || !seen.insert(welded).second)
       ++out.dropped;
     else
       out.triangles.push_back(welded);
   }
   if (out.triangles.empty())
-    throw std::runtime_error(name + ": holds no triangle with an area; check the file and its scale");
+    throw std::runtime_error(name +
+                             ": holds no triangle with an area; check the file and its scale");
   out.closed = balanced(out.triangles);
   return out;
 }
@@ -149,11 +168,13 @@ ReferenceMesh make_reference_mesh(const std::vector<Vec3>& vertices, const Trian
 ReferenceMesh read_reference_mesh(const scene::MeshSpec& spec) {
   const std::string name = spec.path.string();
   if (!(spec.scale > 0) || !std::isfinite(spec.scale))
-    throw std::runtime_error(name + ": scale " + std::to_string(spec.scale) + " is not a positive number; correct the scene");
+    throw std::runtime_error(name + ": scale " + std::to_string(spec.scale) +
+                             " is not a positive number; correct the scene");
   Assimp::Importer importer;
   const aiScene* scene = importer.ReadFile(name, aiProcess_Triangulate);
   if (scene == nullptr || scene->mRootNode == nullptr)
-    throw std::runtime_error(name + ": the mesh cannot be read (" + importer.GetErrorString() + "); check path and format");
+    throw std::runtime_error(name + ": the mesh cannot be read (" + importer.GetErrorString() +
+                             "); check path and format");
   std::vector<Vec3> vertices;
   Triangles triangles;
   walk(*scene, *scene->mRootNode, Eigen::Affine3d::Identity(), spec.scale, vertices, triangles);

@@ -14,9 +14,12 @@
 namespace voxtouch::reference {
 namespace {
 
-constexpr double kUniqueAngleRad = 5.0 * std::numbers::pi / 180.0;  ///< the patch's mean direction against its middle's
-constexpr double kThickShare = 0.25;  ///< of an edge: how much less buried than deep still counts as one thick face
-constexpr double kKeepSide = 0.9;     ///< of the centre's distance: a smaller step cannot cross the surface
+constexpr double kUniqueAngleRad =
+    5.0 * std::numbers::pi / 180.0;  ///< the patch's mean direction against its middle's
+constexpr double kThickShare =
+    0.25;  ///< of an edge: how much less buried than deep still counts as one thick face
+constexpr double kKeepSide =
+    0.9;  ///< of the centre's distance: a smaller step cannot cross the surface
 
 constexpr int kRimPoints = 6;
 
@@ -27,29 +30,38 @@ struct Union {
   SignedPoint mesh_signed_distance(const Vec3& x) const {
     SignedPoint best = objects.front().mesh_signed_distance(x);
     for (std::size_t i = 1; i < objects.size(); ++i)
-      if (const SignedPoint other = objects[i].mesh_signed_distance(x); other.distance_m < best.distance_m) best = other;
+      if (const SignedPoint other = objects[i].mesh_signed_distance(x);
+          other.distance_m < best.distance_m)
+        best = other;
     return best;
   }
   Vec3 nearest(const Vec3& x) const {
     Vec3 best = objects.front().nearest(x);
     for (std::size_t i = 1; i < objects.size(); ++i)
-      if (const Vec3 other = objects[i].nearest(x); (x - other).squaredNorm() < (x - best).squaredNorm()) best = other;
+      if (const Vec3 other = objects[i].nearest(x);
+          (x - other).squaredNorm() < (x - best).squaredNorm())
+        best = other;
     return best;
   }
   /// Unit vector from the nearest surface point to `x`, reversed if `inside`.
-  Vec3 direction(const Vec3& x, bool inside) const { return (inside ? -1.0 : 1.0) * (x - nearest(x)).normalized(); }
+  Vec3 direction(const Vec3& x, bool inside) const {
+    return (inside ? -1.0 : 1.0) * (x - nearest(x)).normalized();
+  }
 };
 
 /// See ReferenceScene: does `up`, found at `centre`, stand for the whole patch?
-bool stands_for_patch(const Union& all, const Vec3& centre, double distance, const Vec3& up, double reach, double lift) {
+bool stands_for_patch(const Union& all, const Vec3& centre, double distance, const Vec3& up,
+                      double reach, double lift) {
   const bool inside = distance < 0;
   const double limit = kKeepSide * std::abs(distance);
   const Vec3 side = up.unitOrthogonal(), other = up.cross(side);
   Vec3 mean = Vec3::Zero();
   for (const Vec3& step : {side, Vec3(-side), other, Vec3(-other)})
     mean += all.direction(centre + std::min(reach, limit) * step, inside);
-  if (angle_between(mean, up) > kUniqueAngleRad) return false;
-  return angle_between(all.direction(centre + std::min(lift, limit) * up, inside), up) <= kUniqueAngleRad;
+  if (angle_between(mean, up) > kUniqueAngleRad)
+    return false;
+  return angle_between(all.direction(centre + std::min(lift, limit) * up, inside), up) <=
+         kUniqueAngleRad;
 }
 
 }  // namespace
@@ -59,7 +71,7 @@ struct ReferenceScene::Parts {
   bool all_closed = true;
   std::vector<PosedMesh> statics;
   std::vector<std::pair<std::size_t, Motion>> moving;  ///< which of them, and how
-  std::optional<scene::SpherePrimitive> sphere;  ///< in T
+  std::optional<scene::SpherePrimitive> sphere;        ///< in T
   std::optional<DynamicMesh> mesh;
 
   GapResult sphere_gap(const Vec3& centre) const;
@@ -70,7 +82,8 @@ struct ReferenceScene::Parts {
 ReferenceScene::ReferenceScene(const scene::Scene& scene) : parts_(std::make_unique<Parts>()) {
   Parts& p = *parts_;
   if (scene.static_meshes.empty() || !(scene.voxel_size_m > 0))
-    throw std::runtime_error(scene.file.string() + ": the reference needs a static mesh and a voxel size above zero");
+    throw std::runtime_error(scene.file.string() +
+                             ": the reference needs a static mesh and a voxel size above zero");
   p.edge = scene.voxel_size_m;
   double static_chord = 0.0;
   for (const scene::MeshSpec& spec : scene.static_meshes) {
@@ -81,7 +94,9 @@ ReferenceScene::ReferenceScene(const scene::Scene& scene) : parts_(std::make_uni
     static_chord = std::max(static_chord, p.statics.back().chord_error_m());
   }
   const scene::MeshSpec& tool = scene.dynamic_mesh;
-  const auto* declared = tool.primitives.size() == 1 ? std::get_if<scene::SpherePrimitive>(&tool.primitives.front()) : nullptr;
+  const auto* declared = tool.primitives.size() == 1
+                             ? std::get_if<scene::SpherePrimitive>(&tool.primitives.front())
+                             : nullptr;
   if (declared != nullptr) {
     const ReferenceMesh mesh = read_reference_mesh(tool);
     p.chord = static_chord + chord_error(mesh, MeshDistance(mesh), tool.primitives).value_m();
@@ -92,14 +107,16 @@ ReferenceScene::ReferenceScene(const scene::Scene& scene) : parts_(std::make_uni
   }
   for (const Vec3& vertex : read_reference_mesh(tool).vertices)
     p.tool_reach = std::max(p.tool_reach, (tool.pose * vertex).norm());
-  if (p.sphere) p.tool_reach = std::max(p.tool_reach, p.sphere->centre.norm() + p.sphere->radius_m);
+  if (p.sphere)
+    p.tool_reach = std::max(p.tool_reach, p.sphere->centre.norm() + p.sphere->radius_m);
 }
 ReferenceScene::~ReferenceScene() = default;
 ReferenceScene::ReferenceScene(ReferenceScene&&) noexcept = default;
 ReferenceScene& ReferenceScene::operator=(ReferenceScene&&) noexcept = default;
 
 void ReferenceScene::move_to(double time_s) noexcept {
-  for (const auto& [which, motion] : parts_->moving) parts_->statics[which].move_by(motion_at(motion, time_s).position);
+  for (const auto& [which, motion] : parts_->moving)
+    parts_->statics[which].move_by(motion_at(motion, time_s).position);
 }
 
 double ReferenceScene::chord_error_m() const noexcept { return parts_->chord; }
@@ -111,20 +128,25 @@ double ReferenceScene::tool_reach_m() const noexcept { return parts_->tool_reach
 bool ReferenceScene::inside_known() const noexcept { return parts_->all_closed; }
 
 GapResult ReferenceScene::gap(const Pose& pose_WT) const {
-  if (!pose_WT.finite()) return {};
+  if (!pose_WT.finite())
+    return {};
   const Parts& p = *parts_;
-  GapResult gap = p.sphere ? p.sphere_gap(pose_WT * p.sphere->centre) : p.mesh->gap(p.statics, pose_WT);
+  GapResult gap =
+      p.sphere ? p.sphere_gap(pose_WT * p.sphere->centre) : p.mesh->gap(p.statics, pose_WT);
   gap.inside_known = p.all_closed;
   return gap;
 }
 
 double ReferenceScene::apart_m(const Pose& pose_WT) const {
   const Parts& p = *parts_;
-  if (!pose_WT.finite()) return std::numeric_limits<double>::quiet_NaN();
-  if (!p.sphere) return p.mesh->apart_m(p.statics, pose_WT);
+  if (!pose_WT.finite())
+    return std::numeric_limits<double>::quiet_NaN();
+  if (!p.sphere)
+    return p.mesh->apart_m(p.statics, pose_WT);
   double least = std::numeric_limits<double>::infinity();
   for (const PosedMesh& object : p.statics)
-    least = std::min(least, object.signed_distance(pose_WT * p.sphere->centre).signed_point.distance_m);
+    least =
+        std::min(least, object.signed_distance(pose_WT * p.sphere->centre).signed_point.distance_m);
   return least - p.sphere->radius_m;
 }
 
@@ -136,7 +158,8 @@ GapResult ReferenceScene::Parts::sphere_gap(const Vec3& centre) const {
   for (const PosedMesh& object : statics) {
     const PosedMesh::Answer answer = object.signed_distance(centre);
     gap.self_error_m = std::max(gap.self_error_m, answer.check_error_m);
-    if (!best || answer.signed_point.distance_m < best->signed_point.distance_m) best = answer;
+    if (!best || answer.signed_point.distance_m < best->signed_point.distance_m)
+      best = answer;
   }
   gap.self_check = gap.self_error_m <= 0.0;
   gap.method = best->closed_form ? GapMethod::kClosedForm : GapMethod::kSphereMesh;
@@ -146,33 +169,42 @@ GapResult ReferenceScene::Parts::sphere_gap(const Vec3& centre) const {
   return gap;
 }
 
-double ReferenceScene::Parts::cap_buried(const Union& all, const Vec3& centre, const GapResult& gap) const {
+double ReferenceScene::Parts::cap_buried(const Union& all, const Vec3& centre,
+                                         const GapResult& gap) const {
   const double radius = sphere->radius_m, reach = std::sqrt(3.0) * edge;
-  if (gap.buried_m <= 0 || reach >= radius) return 0.0;
+  if (gap.buried_m <= 0 || reach >= radius)
+    return 0.0;
   const double angle = 2.0 * std::asin(0.5 * reach / radius);
   const Vec3 side = gap.direction.unitOrthogonal(), other = gap.direction.cross(side);
   double least = gap.buried_m;
   for (int k = 0; k < kRimPoints && least > 0; ++k) {
     const double around = 2.0 * std::numbers::pi * k / kRimPoints;
-    const Vec3 out = std::sin(angle) * (std::cos(around) * side + std::sin(around) * other) - std::cos(angle) * gap.direction;
+    const Vec3 out = std::sin(angle) * (std::cos(around) * side + std::sin(around) * other) -
+                     std::cos(angle) * gap.direction;
     least = std::min(least, -all.mesh_signed_distance(centre + radius * out).distance_m);
   }
   return std::max(0.0, least);
 }
 
-void ReferenceScene::Parts::add_depth(const SignedPoint& at_centre, const Vec3& centre, GapResult& gap) const {
+void ReferenceScene::Parts::add_depth(const SignedPoint& at_centre, const Vec3& centre,
+                                      GapResult& gap) const {
   const double distance = at_centre.distance_m, depth = std::max(0.0, -gap.gap_m);
   gap.nearest_dynamic = centre;
-  if (std::abs(distance) < kThickShare * edge) return;  // the centre lies on the surface: no direction can be told
+  if (std::abs(distance) < kThickShare * edge)
+    return;  // the centre lies on the surface: no direction can be told
   const Union all{statics};
   gap.direction = (distance < 0 ? -1.0 : 1.0) * (centre - at_centre.nearest).normalized();
   gap.nearest_dynamic = centre - sphere->radius_m * gap.direction;
-  if (depth > 0) gap.buried_m = std::clamp(-all.mesh_signed_distance(gap.nearest_dynamic).distance_m, 0.0, depth);
+  if (depth > 0)
+    gap.buried_m =
+        std::clamp(-all.mesh_signed_distance(gap.nearest_dynamic).distance_m, 0.0, depth);
   gap.cap_buried_m = cap_buried(all, centre, gap);
   gap.depth_exact = depth - gap.buried_m <= kThickShare * edge + chord;
-  const double layer = std::sqrt(3.0) * edge - gap.gap_m;  // shell points up to this far above the lowest one may collide
+  const double layer = std::sqrt(3.0) * edge -
+                       gap.gap_m;  // shell points up to this far above the lowest one may collide
   gap.unique_face = layer > 0 && stands_for_patch(all, centre, distance, gap.direction,
-                                                  std::sqrt(2.0 * sphere->radius_m * layer), 0.5 * layer + kThickShare * edge);
+                                                  std::sqrt(2.0 * sphere->radius_m * layer),
+                                                  0.5 * layer + kThickShare * edge);
 }
 
 }  // namespace voxtouch::reference

@@ -1,5 +1,6 @@
 #pragma once
-/// A scene as the reference sees it: gap between tool and static objects at any pose, found without any rendering code.
+/// A scene as the reference sees it: gap between tool and static objects at any pose, found without
+/// any rendering code.
 #include <memory>
 
 #include "core/reference/gap.hpp"
@@ -8,24 +9,27 @@
 
 namespace voxtouch::reference {
 
-/// Reads the scene's mesh files itself. Queries are const, hold no state between calls and may run at once (but for move_to); they allocate and
-/// are not for the 1 kHz loop.
+/// Reads the scene's mesh files itself. Queries are const, hold no state between calls and may run
+/// at once (but for move_to); they allocate and are not for the 1 kHz loop.
 ///
-/// Dynamic object a declared sphere: s = signed distance of its centre - radius. The distance is the declared primitives'
-/// closed form, checked against FCL's distance to the mesh; without primitives it is FCL's, found in two ways, with the sign
-/// by the winding number. `unique_face`: the push directions met when the centre is moved to the rim of the contact patch
-/// (and off the face, which finds an opposite wall) average to the direction in its middle to within 5 degrees. That holds
-/// on planes and on round things, and fails where the patch hangs over an edge or reaches a second wall; there a mean of
-/// normals has no one true direction to agree with.
+/// Dynamic object a declared sphere: s = signed distance of its centre - radius. The distance is
+/// the declared primitives' closed form, checked against FCL's distance to the mesh; without
+/// primitives it is FCL's, found in two ways, with the sign by the winding number. `unique_face`:
+/// the push directions met when the centre is moved to the rim of the contact patch (and off the
+/// face, which finds an opposite wall) average to the direction in its middle to within 5 degrees.
+/// That holds on planes and on round things, and fails where the patch hangs over an edge or
+/// reaches a second wall; there a mean of normals has no one true direction to agree with.
 ///
-/// Any other dynamic object: FCL's mesh-mesh distance while apart (and neither inside the other); once they overlap, the
-/// depth of the deepest corner of the dynamic mesh, a lower bound (`depth_exact` false). FCL's mesh-mesh penetration depths
-/// and normals are not used: they are those of single triangle pairs. `unique_face` stays false.
+/// Any other dynamic object: FCL's mesh-mesh distance while apart (and neither inside the other);
+/// once they overlap, the depth of the deepest corner of the dynamic mesh, a lower bound
+/// (`depth_exact` false). FCL's mesh-mesh penetration depths and normals are not used: they are
+/// those of single triangle pairs. `unique_face` stays false.
 ///
 /// Several static meshes count as their union: the nearest one answers.
 class ReferenceScene {
  public:
-  /// Throws std::runtime_error naming the file if a mesh cannot be read, or if the scene has no static mesh or voxel size.
+  /// Throws std::runtime_error naming the file if a mesh cannot be read, or if the scene has no
+  /// static mesh or voxel size.
   explicit ReferenceScene(const scene::Scene& scene);
   ~ReferenceScene();
   ReferenceScene(ReferenceScene&&) noexcept;
@@ -37,12 +41,13 @@ class ReferenceScene {
   /// The gap with the tool at `pose_WT`. A pose that is not finite gives method kNone.
   GapResult gap(const Pose& pose_WT) const;
 
-  /// Distance between the surfaces of tool and static objects [m], not above 0 where they meet: what a gap begins with, for those who
-  /// move step by step from where a gap has said that the tool is outside. Nothing is checked in a second way.
+  /// Distance between the surfaces of tool and static objects [m], not above 0 where they meet:
+  /// what a gap begins with, for those who move step by step from where a gap has said that the
+  /// tool is outside. Nothing is checked in a second way.
   double apart_m(const Pose& pose_WT) const;
 
-  /// Largest difference between declared primitives and meshes that a gap may carry: the dynamic object's plus the largest
-  /// of the static ones [m]. What a Judge wants to know.
+  /// Largest difference between declared primitives and meshes that a gap may carry: the dynamic
+  /// object's plus the largest of the static ones [m]. What a Judge wants to know.
   double chord_error_m() const noexcept;
 
   /// The point of the static surface that is nearest to `x`, which lies outside.
@@ -51,7 +56,8 @@ class ReferenceScene {
   /// No point of the dynamic object is farther from the tool's origin [m].
   double tool_reach_m() const noexcept;
 
-  /// False where a static mesh is open or inconsistent: then nothing that hangs on being inside is judged.
+  /// False where a static mesh is open or inconsistent: then nothing that hangs on being inside is
+  /// judged.
   bool inside_known() const noexcept;
 
  private:

@@ -18,30 +18,39 @@ struct TrueWrench {
 };
 
 enum class WrenchWay : std::uint8_t {
-  /// Split where the depth bends (depth_integral.hpp), signed distances by the nearest feature (signed_surface.hpp).
+  /// Split where the depth bends (depth_integral.hpp), signed distances by the nearest feature
+  /// (signed_surface.hpp).
   kWhereDepthBends,
-  /// Split until triangles are smaller than the resolution inside (edge midpoints: exact for depths linear in place, and for their torque)
-  /// and than a quarter of it where they cross the surface; signed distances by FCL, signs by the winding number. Many
-  /// times slower, and it shares nothing but the reading of meshes with the first: what that is tested by.
+  /// Split until triangles are smaller than the resolution inside (edge midpoints: exact for depths
+  /// linear in place, and for their torque)
+  /// and than a quarter of it where they cross the surface; signed distances by FCL, signs by the
+  /// winding number. Many
+  /// times slower, and it shares nothing but the reading of meshes with the first: what that is
+  /// tested by.
   kSampledEverywhere,
 };
 
 /// The penalty law in the limit of ever finer points,
 ///
-///   F = k  integral over the tool's surface inside the static object of  depth(x) n(x) dA,     torque likewise,
+///   F = k  integral over the tool's surface inside the static object of  depth(x) n(x) dA, torque
+///   likewise,
 ///
-/// depth = minus the signed distance to the static triangles, n the tool's inward normal, of a closed tool
-/// whichever way round its triangles run. By the divergence theorem it is the
-/// gradient of the energy k times the integral of depth over the volume shared (the pressure law of a liquid), so it is
-/// conservative, and a sphere of radius R at depth h in a half space feels k pi h^2 (R - h / 3) along the normal.
+/// depth = minus the signed distance to the static triangles, n the tool's inward normal, of a
+/// closed tool whichever way round its triangles run. By the divergence theorem it is the gradient
+/// of the energy k times the integral of depth over the volume shared (the pressure law of a
+/// liquid), so it is conservative, and a sphere of radius R at depth h in a half space feels k pi
+/// h^2 (R - h / 3) along the normal.
 ///
-/// The integral runs over the tool's own triangles, in one of two ways (WrenchWay). A part of the tool whose centre is farther outside
-/// than it is wide is skipped: a distance changes by no more than the way. Queries are const and may run at once; they allocate.
+/// The integral runs over the tool's own triangles, in one of two ways (WrenchWay). A part of the
+/// tool whose centre is farther outside than it is wide is skipped: a distance changes by no more
+/// than the way. Queries are const and may run at once; they allocate.
 class ReferenceWrench {
  public:
-  /// Reads the scene's mesh files itself. Throws std::runtime_error naming the file if one cannot be read, if the scene has no
-  /// static mesh, or if a static mesh is open: it has no inside to be in. Several static meshes count as their union.
-  ReferenceWrench(const scene::Scene& scene, double resolution_m, WrenchWay way = WrenchWay::kWhereDepthBends);
+  /// Reads the scene's mesh files itself. Throws std::runtime_error naming the file if one cannot
+  /// be read, if the scene has no static mesh, or if a static mesh is open: it has no inside to be
+  /// in. Several static meshes count as their union.
+  ReferenceWrench(const scene::Scene& scene, double resolution_m,
+                  WrenchWay way = WrenchWay::kWhereDepthBends);
   ~ReferenceWrench();
 
   /// A pose that is not finite gives zeros.

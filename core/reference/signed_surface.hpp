@@ -9,20 +9,24 @@
 
 namespace voxtouch::reference {
 
-/// Triangles in a tree of boxes. The sign is that of the nearest feature: of the face's normal, or of the angle-weighted pseudonormal of
-/// the edge or vertex (Baerentzen and Aanaes 2005). That is right for a surface without borders that does not cross itself; whether this mesh
-/// is one is found out at construction: every edge has two triangles and every vertex one fan, no edge passes through another
-/// triangle, and beside the middles of faces (up to kTestedFaces of them, evenly chosen) the winding number says the same. Where it is not,
-/// the winding number gives all signs (InsideTest).
+/// Triangles in a tree of boxes. The sign is that of the nearest feature: of the face's normal, or
+/// of the angle-weighted pseudonormal of the edge or vertex (Baerentzen and Aanaes 2005). That is
+/// right for a surface without borders that does not cross itself; whether this mesh is one is
+/// found out at construction: every edge has two triangles and every vertex one fan, no edge passes
+/// through another triangle, and beside the middles of faces (up to kTestedFaces of them, evenly
+/// chosen) the winding number says the same. Where it is not, the winding number gives all signs
+/// (InsideTest).
 class SignedSurface {
  public:
   static constexpr std::size_t kTestedFaces = 2000;
 
-  /// Copies what it needs; the mesh may go. Throws std::invalid_argument where the mesh is not closed: it has no inside.
+  /// Copies what it needs; the mesh may go. Throws std::invalid_argument where the mesh is not
+  /// closed: it has no inside.
   explicit SignedSurface(const ReferenceMesh& mesh);
 
-  /// Of `x` in the mesh's frame [m], negative inside. `hint`: kNoHint, or what the last query close by left there, which makes this one
-  /// faster and changes what it gives by no more than rounding. Does not allocate; const, may run at once.
+  /// Of `x` in the mesh's frame [m], negative inside. `hint`: kNoHint, or what the last query close
+  /// by left there, which makes this one faster and changes what it gives by no more than rounding.
+  /// Does not allocate; const, may run at once.
   double distance(const Vec3& x, std::uint32_t& hint) const noexcept;
   static constexpr std::uint32_t kNoHint = 0xffffffff;
 
@@ -33,10 +37,12 @@ class SignedSurface {
   using Corners = std::array<Vec3, 3>;
   struct Node {
     Vec3 low, high;
-    std::uint32_t first = 0;  ///< triangle of a leaf; else the second child, the first follows its parent
+    std::uint32_t first =
+        0;  ///< triangle of a leaf; else the second child, the first follows its parent
     std::uint32_t count = 0;  ///< triangles of a leaf, 0 inside the tree
   };
-  /// The nearest point and which feature it lies on: 0 the face; 1, 2, 3 the edges from corner 0, 1, 2; 4, 5, 6 the corners.
+  /// The nearest point and which feature it lies on: 0 the face; 1, 2, 3 the edges from corner 0,
+  /// 1, 2; 4, 5, 6 the corners.
   struct Nearest {
     double square = 0.0;
     Vec3 point = Vec3::Zero();
@@ -45,13 +51,15 @@ class SignedSurface {
 
   static Nearest on_triangle(const Corners& t, const Vec3& x) noexcept;
   Nearest nearest(const Vec3& x, std::uint32_t hint) const noexcept;
-  void build(std::vector<std::uint32_t>& order, std::uint32_t first, std::uint32_t last, const std::vector<Corners>& all);
+  void build(std::vector<std::uint32_t>& order, std::uint32_t first, std::uint32_t last,
+             const std::vector<Corners>& all);
   bool crosses_itself(const ReferenceMesh& mesh, const std::vector<std::uint32_t>& order) const;
   bool agrees_with_winding() const;
 
-  std::vector<Corners> triangles_;               ///< in the tree's order
-  std::vector<std::array<Vec3, 7>> normals_;     ///< of each feature, outward, not of unit length; empty without `by_feature_`
-  std::vector<Node> nodes_;                      ///< depth first
+  std::vector<Corners> triangles_;  ///< in the tree's order
+  std::vector<std::array<Vec3, 7>>
+      normals_;  ///< of each feature, outward, not of unit length; empty without `by_feature_`
+  std::vector<Node> nodes_;  ///< depth first
   InsideTest inside_;
   bool by_feature_ = false;
 };

@@ -9,8 +9,10 @@
 namespace voxtouch::reference {
 namespace {
 
-constexpr double kDeep = 0.1, kOff = 0.02, kFree = 0.2, kSettled = 0.02, kShortSpring = 0.25;  ///< in edges
-constexpr double kHalfWall = 0.0625;  ///< in edges: a mesh that is open is held off as a wall so thick to either side of it
+constexpr double kDeep = 0.1, kOff = 0.02, kFree = 0.2, kSettled = 0.02,
+                 kShortSpring = 0.25;  ///< in edges
+constexpr double kHalfWall =
+    0.0625;  ///< in edges: a mesh that is open is held off as a wall so thick to either side of it
 constexpr double kDirection = 6.0 * std::numbers::pi / 180.0;
 constexpr double kAlongSpring = 1e-6;  ///< rad
 constexpr double kSamePose = 1e-12;    ///< m, and of a unit quaternion
@@ -18,7 +20,9 @@ constexpr double kSamePose = 1e-12;    ///< m, and of a unit quaternion
 double in_degrees(double radians) { return radians * 180.0 / std::numbers::pi; }
 double in_mm(double metres) { return 1e3 * metres; }
 
-double turn_between(const Pose& a, const Pose& b) { return a.orientation.angularDistance(b.orientation); }
+double turn_between(const Pose& a, const Pose& b) {
+  return a.orientation.angularDistance(b.orientation);
+}
 
 bool same_pose(const Pose& a, const Pose& b) {
   return (a.position - b.position).norm() <= kSamePose &&
@@ -27,11 +31,18 @@ bool same_pose(const Pose& a, const Pose& b) {
 
 std::string state_breach(const ReportedTool& r) {
   const bool force = !r.wrench.zero();
-  if (force && r.unplaced) return fmt::format("a force of {:.3g} N without a virtual tool in its place", r.wrench.force.norm());
-  if (force && !r.constrained) return fmt::format("a force of {:.3g} N, though nothing constrains the virtual tool", r.wrench.force.norm());
+  if (force && r.unplaced)
+    return fmt::format("a force of {:.3g} N without a virtual tool in its place",
+                       r.wrench.force.norm());
+  if (force && !r.constrained)
+    return fmt::format("a force of {:.3g} N, though nothing constrains the virtual tool",
+                       r.wrench.force.norm());
   if (!r.unplaced && !r.lag && !r.constrained && !same_pose(r.tool, r.hand))
-    return fmt::format("nothing constrains the virtual tool, but it is {:.3g} mm away from the hand", in_mm((r.tool.position - r.hand.position).norm()));
-  if (!force || r.wrench.force.isZero(0.0)) return "";
+    return fmt::format(
+        "nothing constrains the virtual tool, but it is {:.3g} mm away from the hand",
+        in_mm((r.tool.position - r.hand.position).norm()));
+  if (!force || r.wrench.force.isZero(0.0))
+    return "";
   const double off = angle_between(r.wrench.force, r.tool.position - r.hand.position);
   if (off > kAlongSpring && (r.tool.position - r.hand.position).norm() > kSamePose)
     return fmt::format("the force is {:.3g} degrees off the spring's way", in_degrees(off));
@@ -40,45 +51,58 @@ std::string state_breach(const ReportedTool& r) {
 
 }  // namespace
 
-std::string tool_breach(const JudgeSettings& s, const ToolSettings& tool, const GapResult& at_tool, const GapResult& at_hand,
-                        const ReportedTool& r, Judgement& out) {
+std::string tool_breach(const JudgeSettings& s, const ToolSettings& tool, const GapResult& at_tool,
+                        const GapResult& at_hand, const ReportedTool& r, Judgement& out) {
   if (!r.tool.finite() || !r.hand.finite() || !r.wrench.finite() || !std::isfinite(r.residual_m))
     return "the contact carries a value that is not a finite number";
-  if (std::string found = state_breach(r); !found.empty()) return found;
-  if (r.unplaced || r.lag) return "";
-  const double e = s.edge_m, c = s.chord_error_m + s.shell_offset_m, g = s.shell_gap_m, radius = at_tool.sphere_radius_m;
+  if (std::string found = state_breach(r); !found.empty())
+    return found;
+  if (r.unplaced || r.lag)
+    return "";
+  const double e = s.edge_m, c = s.chord_error_m + s.shell_offset_m, g = s.shell_gap_m,
+               radius = at_tool.sphere_radius_m;
   const double sag = radius > 0.0 ? g * g / (8.0 * radius) : 0.5 * g;
   const bool force = !r.wrench.zero(), settled = r.residual_m <= kSettled * e;
   if (!force) {
     if (-at_hand.gap_m > sag + kFree * e + c)
-      return fmt::format("no force, though the hand's tool is {:.3g} mm inside", in_mm(-at_hand.gap_m));
+      return fmt::format("no force, though the hand's tool is {:.3g} mm inside",
+                         in_mm(-at_hand.gap_m));
     return "";
   }
   const Vec3 shift = r.hand.position - r.tool.position;
   out.depth_error_m = -at_tool.gap_m;
   if (-at_tool.gap_m > kDeep * e + c)
-    return fmt::format("the virtual tool is {:.3g} mm inside, more than {:.3g} mm", in_mm(-at_tool.gap_m), in_mm(kDeep * e + c));
-  const double off = ((at_tool.unique_face ? kOff : 1.0) + (at_tool.inside_known ? 0.0 : kHalfWall)) * e + sag + c + r.residual_m;
+    return fmt::format("the virtual tool is {:.3g} mm inside, more than {:.3g} mm",
+                       in_mm(-at_tool.gap_m), in_mm(kDeep * e + c));
+  const double off =
+      ((at_tool.unique_face ? kOff : 1.0) + (at_tool.inside_known ? 0.0 : kHalfWall)) * e + sag +
+      c + r.residual_m;
   if (at_tool.gap_m > off)
-    return fmt::format("a force of {:.3g} N, though the virtual tool is {:.3g} mm off, more than {:.3g} mm", r.wrench.force.norm(),
-                       in_mm(at_tool.gap_m), in_mm(off));
+    return fmt::format(
+        "a force of {:.3g} N, though the virtual tool is {:.3g} mm off, more than {:.3g} mm",
+        r.wrench.force.norm(), in_mm(at_tool.gap_m), in_mm(off));
   const double way = shift.norm() + tool.reach_m * turn_between(r.tool, r.hand);
   if (settled && at_hand.gap_m > way + kFree * e + c)
-    return fmt::format("a force of {:.3g} N, though nothing lies between the virtual tool and the hand, which is {:.3g} mm off the surface",
-                       r.wrench.force.norm(), in_mm(at_hand.gap_m));
-  if (!at_tool.unique_face || at_tool.direction.isZero() || tool.rubs || !settled || shift.norm() < kShortSpring * e) return "";
+    return fmt::format(
+        "a force of {:.3g} N, though nothing lies between the virtual tool and the hand, which is "
+        "{:.3g} mm off the surface",
+        r.wrench.force.norm(), in_mm(at_hand.gap_m));
+  if (!at_tool.unique_face || at_tool.direction.isZero() || tool.rubs || !settled ||
+      shift.norm() < kShortSpring * e)
+    return "";
   out.direction_error_rad = angle_between(r.wrench.force, at_tool.direction);
   if (out.direction_error_rad > kDirection)
-    return fmt::format("the force is {:.3g} degrees off the contact's normal, more than {:.3g}", in_degrees(out.direction_error_rad),
-                       in_degrees(kDirection));
+    return fmt::format("the force is {:.3g} degrees off the contact's normal, more than {:.3g}",
+                       in_degrees(out.direction_error_rad), in_degrees(kDirection));
   return "";
 }
 
-Judgement Judge::judge(const GapResult& at_tool, const GapResult& at_hand, const ToolSettings& tool, const ReportedTool& report) {
+Judgement Judge::judge(const GapResult& at_tool, const GapResult& at_hand, const ToolSettings& tool,
+                       const ReportedTool& report) {
   Judgement out;
   run_ = {};
-  const bool known = at_tool.method != GapMethod::kNone && at_hand.method != GapMethod::kNone && std::isfinite(at_tool.gap_m) &&
-                     std::isfinite(at_hand.gap_m);
+  const bool known = at_tool.method != GapMethod::kNone && at_hand.method != GapMethod::kNone &&
+                     std::isfinite(at_tool.gap_m) && std::isfinite(at_hand.gap_m);
   const bool checked = at_tool.self_check && at_hand.self_check;
   if (!known) {
     out.cause = Cause::kReference, out.explanation = "the reference has no gap for this pose";

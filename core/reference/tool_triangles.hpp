@@ -8,7 +8,8 @@
 
 namespace voxtouch::reference {
 
-/// One triangle of the tool, in T; a closed tool's faces outward whichever way round its file has it, an open one has no outside.
+/// One triangle of the tool, in T; a closed tool's faces outward whichever way round its file has
+/// it, an open one has no outside.
 struct ToolTriangle {
   std::array<Vec3, 3> corner;
 };

@@ -1,5 +1,6 @@
 #pragma once
-/// From a scene to something that renders: import, voxmap, pointshell, contact renderer, and the plan that tells of them.
+/// From a scene to something that renders: import, voxmap, pointshell, contact renderer, and the
+/// plan that tells of them.
 #include <functional>
 #include <memory>
 #include <optional>
@@ -9,9 +10,9 @@
 #include "core/rendering/object_contacts.hpp"
 #include "core/rendering/plan.hpp"
 #include "core/rendering/proximity_field.hpp"
-#include "core/scene/scene.hpp"
 #include "core/rendering/scene_renderer.hpp"
 #include "core/rendering/scene_store.hpp"
+#include "core/scene/scene.hpp"
 #include "core/types/parallel.hpp"
 
 namespace voxtouch::rendering {
@@ -20,7 +21,7 @@ namespace voxtouch::rendering {
 struct EffectGround {
   std::optional<ProximityField> proximity;
   ToolPoints tool;
-  std::optional<effects::BodyShape> body;  ///< of the dynamic object, where it moves by itself
+  std::optional<effects::BodyShape> body;      ///< of the dynamic object, where it moves by itself
   std::optional<double> virtual_tool_lever_m;  ///< where the scene has one; 0: the tool's reach
   contact::ToolWork virtual_tool_work;         ///< that a frame of it may cost
 };
@@ -29,15 +30,23 @@ struct EffectGround {
 class BuiltScene {
  public:
   /// For `build_scene`.
-  BuiltScene(std::unique_ptr<ToolBody> tool_body, std::vector<std::unique_ptr<StaticObject>> objects, std::vector<effects::EffectSpec> effects,
-             EffectGround ground, Plan plan, double largest_shell_gap_m);
+  BuiltScene(std::unique_ptr<ToolBody> tool_body,
+             std::vector<std::unique_ptr<StaticObject>> objects,
+             std::vector<effects::EffectSpec> effects, EffectGround ground, Plan plan,
+             double largest_shell_gap_m);
   BuiltScene(const BuiltScene&) = delete;
   BuiltScene& operator=(const BuiltScene&) = delete;
 
-  SceneRenderer& scene_renderer() noexcept { return scene_; }  ///< contact and effects: what the ring runs
-  ObjectContacts& contacts() noexcept { return contacts_; }    ///< contact alone, with all objects
-  contact::ContactRenderer& renderer() noexcept { return *contacts_.object(0).renderer; }  ///< contact with the first object alone
-  const voxmap::Voxmap& voxmap() const noexcept { return contacts_.object(0).voxmap; }     ///< of the first object
+  SceneRenderer& scene_renderer() noexcept {
+    return scene_;
+  }  ///< contact and effects: what the ring runs
+  ObjectContacts& contacts() noexcept { return contacts_; }  ///< contact alone, with all objects
+  contact::ContactRenderer& renderer() noexcept {
+    return *contacts_.object(0).renderer;
+  }  ///< contact with the first object alone
+  const voxmap::Voxmap& voxmap() const noexcept {
+    return contacts_.object(0).voxmap;
+  }  ///< of the first object
   /// Of the first object; null where the contact model looks up none.
   const voxmap::DistanceField* field() const noexcept {
     const StaticObject& first = contacts_.object(0);
@@ -63,22 +72,30 @@ using Progress = std::function<void(const std::string&)>;
 /// What may be built otherwise than the scene says, to compare; and who reads the meshes.
 struct BuildChoices {
   std::optional<contact::ContactModelKind> model = {};
-  std::optional<contact::PointWeights> weights = {};  ///< std::invalid_argument where the model does not weigh so
-  std::optional<double> shell_voxel_m = {};  ///< voxel edge that the pointshell is made with, instead of the scene's
-  /// Share of the shell's points that a frame may test of each object, instead of what the scene's time budget comes to: to measure what a budget
-  /// costs. Without a bound from below. Not for a virtual tool.
+  std::optional<contact::PointWeights> weights =
+      {};  ///< std::invalid_argument where the model does not weigh so
+  std::optional<double> shell_voxel_m =
+      {};  ///< voxel edge that the pointshell is made with, instead of the scene's
+  /// Share of the shell's points that a frame may test of each object, instead of what the scene's
+  /// time budget comes to: to measure what a budget costs. Without a bound from below. Not for a
+  /// virtual tool.
   std::optional<double> share_of_points = {};
-  /// A field that tells depth down to here [voxels] instead of DistanceFieldOptions' own: the same bits to this depth for less time. For a tool that
-  /// is known to go no deeper.
+  /// A field that tells depth down to here [voxels] instead of DistanceFieldOptions' own: the same
+  /// bits to this depth for less time. For a tool that is known to go no deeper.
   std::optional<double> field_depth_voxels = {};
-  mesh::TriangleReader read = mesh::read_triangles;  ///< programs give one that a broken file cannot take with it (nodes/mesh_import)
-  SceneStore* store = nullptr;  ///< where parts that were built before are found and new ones kept; null: all is built
+  mesh::TriangleReader read = mesh::read_triangles;  ///< programs give one that a broken file
+                                                     ///< cannot take with it (nodes/mesh_import)
+  SceneStore* store = nullptr;  ///< where parts that were built before are found and new ones kept;
+                                ///< null: all is built
 };
 
-/// Reads the scene's meshes and builds what it calls for, and nothing else; what the store has is as if it were built, bit for bit. Throws MeshError,
-/// VoxelBudgetError and std::invalid_argument, each a sentence; the last also for forces of depth with `field` where no static mesh
-/// has an inside, and for effects that ask for distances where no static mesh is closed or for a lever that the tool is longer than.
+/// Reads the scene's meshes and builds what it calls for, and nothing else; what the store has is
+/// as if it were built, bit for bit. Throws MeshError, VoxelBudgetError and std::invalid_argument,
+/// each a sentence; the last also for forces of depth with `field` where no static mesh has an
+/// inside, and for effects that ask for distances where no static mesh is closed or for a lever
+/// that the tool is longer than.
 std::unique_ptr<BuiltScene> build_scene(const scene::Scene& scene, const ParallelFor& parallel_for,
-                                        const BuildChoices& choices = {}, const Progress& progress = {});
+                                        const BuildChoices& choices = {},
+                                        const Progress& progress = {});
 
 }  // namespace voxtouch::rendering

@@ -16,12 +16,14 @@
 namespace voxtouch::rendering {
 namespace {
 
-/// Edge of the voxels of the distances to the tool over the scene's, how deep they go in these voxels, and what they may take: edges are worth no more.
+/// Edge of the voxels of the distances to the tool over the scene's, how deep they go in these
+/// voxels, and what they may take: edges are worth no more.
 constexpr double kToolVoxels = 0.5, kToolDepthVoxels = 4.0;
 constexpr std::uint64_t kToolBodyBytes = std::uint64_t{256} << 20;
 
 /// The mesh that the scene was read with, and no other that stands in its place now.
-mesh::ImportedMesh import(const scene::MeshSpec& spec, const scene::Scene& scene, const mesh::TriangleReader& reader) {
+mesh::ImportedMesh import(const scene::MeshSpec& spec, const scene::Scene& scene,
+                          const mesh::TriangleReader& reader) {
   mesh::ImportOptions options;
   options.scale = spec.scale;
   options.pose = spec.pose;
@@ -29,14 +31,16 @@ mesh::ImportedMesh import(const scene::MeshSpec& spec, const scene::Scene& scene
   std::string bytes = mesh::read_mesh_bytes(spec.path);
   const auto read = scene.mesh_hashes.find(spec.path);
   if (read != scene.mesh_hashes.end() && scene::hash_of_mesh(spec.path, bytes) != read->second)
-    throw mesh::MeshError("mesh '" + spec.path.string() +
-                    "': has changed since the scene was read; read the scene again when nothing writes to it");
+    throw mesh::MeshError(
+        "mesh '" + spec.path.string() +
+        "': has changed since the scene was read; read the scene again when nothing writes to it");
   return mesh::import_mesh(spec.path, std::move(bytes), options, reader);
 }
 
 void warn(BuildCounts& counts, const scene::MeshSpec& spec, const mesh::ImportedMesh& imported) {
   const std::string name = spec.path.filename().string();
-  for (const std::string& sentence : imported.warnings) counts.mesh_warnings.push_back(name + ": " + sentence);
+  for (const std::string& sentence : imported.warnings)
+    counts.mesh_warnings.push_back(name + ": " + sentence);
   for (const std::string& sentence : imported.report.sentences())
     counts.mesh_warnings.push_back(name + ": " + sentence);
 }
@@ -44,10 +48,12 @@ void warn(BuildCounts& counts, const scene::MeshSpec& spec, const mesh::Imported
 void append(mesh::TriangleMesh& all, const mesh::TriangleMesh& mesh) {
   const auto offset = static_cast<std::uint32_t>(all.vertices.size());
   all.vertices.insert(all.vertices.end(), mesh.vertices.begin(), mesh.vertices.end());
-  for (const auto& t : mesh.triangles) all.triangles.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
+  for (const auto& t : mesh.triangles)
+    all.triangles.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
 }
 
-/// The meshes of one object as one, in W; `last_triangle`: the number of triangles up to each mesh, it included.
+/// The meshes of one object as one, in W; `last_triangle`: the number of triangles up to each mesh,
+/// it included.
 struct ObjectMesh {
   mesh::TriangleMesh mesh;
   std::vector<const scene::MeshSpec*> specs;
@@ -65,7 +71,8 @@ struct BuildContext {
   BuildCounts& counts;
 
   void step(const std::string& text) const {
-    if (progress) progress(text);
+    if (progress)
+      progress(text);
   }
 };
 
@@ -74,13 +81,15 @@ ObjectMesh import_object(const BuildContext& context, std::uint32_t object) {
   BuildCounts& counts = context.counts;
   ObjectMesh all;
   for (const scene::MeshSpec& spec : scene.static_meshes) {
-    if (spec.object != object) continue;
+    if (spec.object != object)
+      continue;
     if (const auto n = &spec - scene.static_meshes.data(); n > 0)
       context.step(fmt::format("reading mesh {} of {}", n + 1, scene.static_meshes.size()));
     const mesh::ImportedMesh imported = import(spec, scene, context.choices.read);
     warn(counts, spec, imported);
     counts.closed = counts.closed && imported.report.closed;
-    if (!imported.report.closed) counts.open_meshes.push_back(spec.path.filename().string()), ++all.open;
+    if (!imported.report.closed)
+      counts.open_meshes.push_back(spec.path.filename().string()), ++all.open;
     append(all.mesh, imported.mesh);
     all.specs.push_back(&spec);
     all.last_triangle.push_back(all.mesh.triangles.size());
@@ -96,40 +105,49 @@ auto with_hints(const BuildCounts& counts, Build&& build) {
     return build();
   } catch (const voxmap::VoxelBudgetError& error) {
     std::string text = error.what();
-    for (const std::string& hint : counts.mesh_warnings) text += ". " + hint;
+    for (const std::string& hint : counts.mesh_warnings)
+      text += ". " + hint;
     throw voxmap::VoxelBudgetError(text);
   }
 }
 
-/// Only a body with an inside can push by depth; a virtual tool is held by any surface. `edges`: gets the points of its sharp edges, where a virtual tool asks for them.
-voxmap::DistanceField build_field(const BuildContext& context, const ObjectMesh& fixed, const voxmap::Voxmap& voxmap, pointshell::Pointshell& edges) {
+/// Only a body with an inside can push by depth; a virtual tool is held by any surface. `edges`:
+/// gets the points of its sharp edges, where a virtual tool asks for them.
+voxmap::DistanceField build_field(const BuildContext& context, const ObjectMesh& fixed,
+                                  const voxmap::Voxmap& voxmap, pointshell::Pointshell& edges) {
   const scene::Scene& scene = context.scene;
   BuildCounts& counts = context.counts;
   const ParallelFor& parallel_for = context.parallel_for;
   voxmap::DistanceFieldOptions options;
   options.depth_voxels = context.choices.field_depth_voxels.value_or(options.depth_voxels);
-  if (scene.virtual_tool()) options.open_wall_voxels = voxmap::kOpenWallVoxels;
+  if (scene.virtual_tool())
+    options.open_wall_voxels = voxmap::kOpenWallVoxels;
   const voxmap::ClosedMesh closed(fixed.mesh, voxmap.grid());
-  voxmap::DistanceField field =
-      with_hints(counts, [&] { return voxmap::build_distance_field(closed, voxmap, options, parallel_for); });
+  voxmap::DistanceField field = with_hints(
+      counts, [&] { return voxmap::build_distance_field(closed, voxmap, options, parallel_for); });
   if (!(scene.virtual_tool() ? field.stored_nodes() > 0 : field.has_inside()))
     throw std::invalid_argument(fmt::format(
-        "{}: the contact model 'field' pushes by the depth inside a static mesh, but {}. Close the mesh, use a smaller "
+        "{}: the contact model 'field' pushes by the depth inside a static mesh, but {}. Close the "
+        "mesh, use a smaller "
         "voxel_size, or leave out the stiffness, for a virtual tool, which needs a surface only.",
         scene.file.string(),
-        fixed.open == fixed.specs.size() ? "no static mesh is closed, so none has an inside"
-                                         : fmt::format("at {:g} m no corner of a voxel lies in one", scene.voxel_size_m)));
-  if (scene.virtual_tool()) edges = pointshell::edge_points(closed, voxmap.grid());
+        fixed.open == fixed.specs.size()
+            ? "no static mesh is closed, so none has an inside"
+            : fmt::format("at {:g} m no corner of a voxel lies in one", scene.voxel_size_m)));
+  if (scene.virtual_tool())
+    edges = pointshell::edge_points(closed, voxmap.grid());
   counts.field_bytes += field.bytes();
   counts.field_nodes += field.stored_nodes();
   counts.field_depth_m = field.depth_m();
   const voxmap::ThinnestWall thinnest = voxmap::thinnest_wall(closed, voxmap.grid(), parallel_for);
-  if (!(thinnest.thickness_m < counts.thinnest_m)) return field;
-  const auto mesh =
-      std::upper_bound(fixed.last_triangle.begin(), fixed.last_triangle.end(), std::size_t{thinnest.triangle});
+  if (!(thinnest.thickness_m < counts.thinnest_m))
+    return field;
+  const auto mesh = std::upper_bound(fixed.last_triangle.begin(), fixed.last_triangle.end(),
+                                     std::size_t{thinnest.triangle});
   counts.thinnest_m = thinnest.thickness_m;
-  counts.thinnest_mesh =
-      fixed.specs[static_cast<std::size_t>(mesh - fixed.last_triangle.begin())]->path.filename().string();
+  counts.thinnest_mesh = fixed.specs[static_cast<std::size_t>(mesh - fixed.last_triangle.begin())]
+                             ->path.filename()
+                             .string();
   return field;
 }
 
@@ -138,47 +156,60 @@ effects::BodyShape body_shape(const scene::Scene& scene, const mesh::TriangleMes
   try {
     const mesh::MassProperties mass = mesh::mass_properties(mesh);
     effects::BodyShape shape{.centre = mass.centre, .inertia_m2 = mass.inertia_m2};
-    for (const Vec3& v : mesh.vertices) shape.reach_m = std::max(shape.reach_m, v.norm());
+    for (const Vec3& v : mesh.vertices)
+      shape.reach_m = std::max(shape.reach_m, v.norm());
     return shape;
   } catch (const std::invalid_argument& error) {
-    throw std::invalid_argument(fmt::format("{}: the effect 'body' gives the dynamic object {} a weight, but {}.",
-                                            scene.file.string(), scene.dynamic_mesh.path.filename().string(),
-                                            error.what()));
+    throw std::invalid_argument(fmt::format(
+        "{}: the effect 'body' gives the dynamic object {} a weight, but {}.", scene.file.string(),
+        scene.dynamic_mesh.path.filename().string(), error.what()));
   }
 }
 
-/// The tool for the objects' edges. Null where it cannot be had: then no edges are looked up, and the counts say why.
-std::unique_ptr<ToolBody> build_tool_body(const BuildContext& context, const mesh::ImportedMesh& moving) {
+/// The tool for the objects' edges. Null where it cannot be had: then no edges are looked up, and
+/// the counts say why.
+std::unique_ptr<ToolBody> build_tool_body(const BuildContext& context,
+                                          const mesh::ImportedMesh& moving) {
   BuildCounts& counts = context.counts;
   const auto left_out = [&](const std::string& why) {
     counts.edges_left_out = why;
     return nullptr;
   };
-  if (!moving.report.closed) return left_out("the dynamic mesh is not closed");
+  if (!moving.report.closed)
+    return left_out("the dynamic mesh is not closed");
   context.step("distances to the dynamic mesh");
   try {
-    const voxmap::Grid grid = voxmap::object_grid(moving.mesh, kToolVoxels * context.scene.voxel_size_m);
-    voxmap::Voxmap voxmap = voxmap::voxelise(moving.mesh, grid, context.parallel_for, kToolBodyBytes);
-    voxmap::DistanceField field = voxmap::build_distance_field(moving.mesh, voxmap, {.depth_voxels = kToolDepthVoxels}, context.parallel_for, kToolBodyBytes);
-    if (!field.has_inside()) return left_out("the dynamic mesh is so thin that no corner of half a voxel lies in it");
+    const voxmap::Grid grid =
+        voxmap::object_grid(moving.mesh, kToolVoxels * context.scene.voxel_size_m);
+    voxmap::Voxmap voxmap =
+        voxmap::voxelise(moving.mesh, grid, context.parallel_for, kToolBodyBytes);
+    voxmap::DistanceField field =
+        voxmap::build_distance_field(moving.mesh, voxmap, {.depth_voxels = kToolDepthVoxels},
+                                     context.parallel_for, kToolBodyBytes);
+    if (!field.has_inside())
+      return left_out("the dynamic mesh is so thin that no corner of half a voxel lies in it");
     return std::make_unique<ToolBody>(std::move(voxmap), std::move(field));
   } catch (const voxmap::VoxelBudgetError&) {
-    return left_out("distances to the dynamic mesh would take more than " + bytes_text(kToolBodyBytes));
+    return left_out("distances to the dynamic mesh would take more than " +
+                    bytes_text(kToolBodyBytes));
   }
 }
 
 /// Of the objects' edges in the tool: what is built and counted.
 void build_edges(const BuildContext& context, const mesh::ImportedMesh& moving, BuiltParts& parts) {
   BuildCounts& counts = context.counts;
-  for (const auto& object : parts.objects) counts.edge_points += object->edge_points.size();
-  if (counts.edge_points == 0) return;
+  for (const auto& object : parts.objects)
+    counts.edge_points += object->edge_points.size();
+  if (counts.edge_points == 0)
+    return;
   parts.tool_body = build_tool_body(context, moving);
   if (parts.tool_body) {
     counts.edge_bytes = parts.tool_body->voxmap.bytes() + parts.tool_body->field.bytes();
     return;
   }
   counts.edge_points = 0;
-  for (const auto& object : parts.objects) object->edge_points = {};
+  for (const auto& object : parts.objects)
+    object->edge_points = {};
 }
 
 /// What is made of the dynamic mesh.
@@ -189,43 +220,52 @@ void build_tool(const BuildContext& context, BuiltParts& parts) {
   warn(context.counts, scene.dynamic_mesh, moving);
   context.counts.dynamic_triangles = moving.mesh.triangles.size();
   context.step("pointshell of " + std::to_string(moving.mesh.triangles.size()) + " triangles");
-  const voxmap::Grid grid = voxmap::default_grid(moving.mesh, context.choices.shell_voxel_m.value_or(scene.voxel_size_m));
-  const std::vector<pointshell::ShellPoint> points =
-      with_hints(context.counts, [&] { return pointshell::shell_points(moving.mesh, grid, context.parallel_for); });
+  const voxmap::Grid grid =
+      voxmap::default_grid(moving.mesh, context.choices.shell_voxel_m.value_or(scene.voxel_size_m));
+  const std::vector<pointshell::ShellPoint> points = with_hints(context.counts, [&] {
+    return pointshell::shell_points(moving.mesh, grid, context.parallel_for);
+  });
   parts.largest_gap_m = pointshell::largest_gap_m(points);
-  parts.shell =
-      scene.shell == scene::ShellKind::kExact ? pointshell::make_exact_shell(points, grid) : pointshell::make_naive_shell(points, grid);
+  parts.shell = scene.shell == scene::ShellKind::kExact
+                    ? pointshell::make_exact_shell(points, grid)
+                    : pointshell::make_naive_shell(points, grid);
   context.counts.shell_points = parts.shell.size();
   build_edges(context, moving, parts);
-  if (effects::needs_of(scene.effects).body) parts.body = body_shape(scene, moving.mesh);
+  if (effects::needs_of(scene.effects).body)
+    parts.body = body_shape(scene, moving.mesh);
 }
 
 /// The voxel grid of an object, written down for the plan.
-voxmap::Grid place_grid(const BuildContext& context, std::uint32_t id, const std::string& name, const mesh::TriangleMesh& mesh) {
+voxmap::Grid place_grid(const BuildContext& context, std::uint32_t id, const std::string& name,
+                        const mesh::TriangleMesh& mesh) {
   const double edge = context.scene.voxel_size_m;
   const Vec3 at_multiples = voxmap::default_grid(mesh, edge).origin;
-  const std::optional<Vec3>& given = id == 0 ? context.scene.grid_origin : context.scene.objects[id - 1].grid_origin;
+  const std::optional<Vec3>& given =
+      id == 0 ? context.scene.grid_origin : context.scene.objects[id - 1].grid_origin;
   const voxmap::Grid grid = given ? voxmap::Grid{*given, edge} : voxmap::object_grid(mesh, edge);
   context.counts.grids.push_back({name, grid.origin, at_multiples, given.has_value()});
   return grid;
 }
 
 /// Voxmap, and what else the contact model looks up. Null for the ground where no mesh lies on it.
-std::unique_ptr<StaticObject> build_object(const BuildContext& context, std::uint32_t id, const ObjectMesh& fixed) {
+std::unique_ptr<StaticObject> build_object(const BuildContext& context, std::uint32_t id,
+                                           const ObjectMesh& fixed) {
   const scene::Scene& scene = context.scene;
-  if (fixed.specs.empty()) return nullptr;
+  if (fixed.specs.empty())
+    return nullptr;
   const std::string name = id == 0 ? "ground" : scene.objects[id - 1].name;
   context.step("voxmap of " + std::to_string(fixed.mesh.triangles.size()) + " triangles");
   const voxmap::Grid grid = place_grid(context, id, name, fixed.mesh);
-  auto object = std::make_unique<StaticObject>(
-      StaticObject{.id = id,
-                   .name = name,
-                   .voxmap = with_hints(context.counts, [&] { return voxmap::voxelise(fixed.mesh, grid, context.parallel_for); }),
-                   .field = {},
-                   .edge_points = {},
-                   .moves = id == 0 ? std::nullopt : scene.objects[id - 1].moves,
-                   .renderer = {},
-                   .edges = {}});
+  auto object = std::make_unique<StaticObject>(StaticObject{
+      .id = id,
+      .name = name,
+      .voxmap = with_hints(
+          context.counts, [&] { return voxmap::voxelise(fixed.mesh, grid, context.parallel_for); }),
+      .field = {},
+      .edge_points = {},
+      .moves = id == 0 ? std::nullopt : scene.objects[id - 1].moves,
+      .renderer = {},
+      .edges = {}});
   context.counts.surface_voxels += object->voxmap.surface_count();
   context.counts.interior_voxels += object->voxmap.interior_count();
   context.counts.voxmap_bytes += object->voxmap.bytes();
@@ -237,47 +277,60 @@ std::unique_ptr<StaticObject> build_object(const BuildContext& context, std::uin
 }
 
 /// What `needs` asks for round the ground; the shell's points are where the tool is looked at.
-void build_proximity(const BuildContext& context, const effects::EffectNeeds& needs, const ObjectMesh& fixed, BuiltParts& parts) {
+void build_proximity(const BuildContext& context, const effects::EffectNeeds& needs,
+                     const ObjectMesh& fixed, BuiltParts& parts) {
   const scene::Scene& scene = context.scene;
   BuildCounts& counts = context.counts;
   if (fixed.open == fixed.specs.size())
     throw std::invalid_argument(fmt::format(
-        "{}: the effect 'proximity' asks for distances to the static meshes of the ground, but {}, and only a closed "
+        "{}: the effect 'proximity' asks for distances to the static meshes of the ground, but {}, "
+        "and only a closed "
         "mesh has an outside. Close it or leave the effect out.",
-        scene.file.string(), fixed.specs.empty() ? "all of them belong to objects" : "none of them is closed"));
+        scene.file.string(),
+        fixed.specs.empty() ? "all of them belong to objects" : "none of them is closed"));
   context.step("distances round the static meshes");
   ToolPoints& tool = parts.tool_points = spread_tool_points(parts.shell);
   if (tool.reach_m > needs.lever_m)
-    throw std::invalid_argument(fmt::format(
-        "{}: 'lever_m' of the effect 'proximity' is {:g} m, but the tool reaches {:.4g} m from its origin. Say at least that.",
-        scene.file.string(), needs.lever_m, tool.reach_m));
+    throw std::invalid_argument(
+        fmt::format("{}: 'lever_m' of the effect 'proximity' is {:g} m, but the tool reaches "
+                    "{:.4g} m from its origin. Say at least that.",
+                    scene.file.string(), needs.lever_m, tool.reach_m));
   with_hints(counts, [&] {
-    parts.proximity.emplace(fixed.mesh, parts.objects.front()->voxmap, needs.proximity_m, needs.smoothing_m, context.parallel_for);
+    parts.proximity.emplace(fixed.mesh, parts.objects.front()->voxmap, needs.proximity_m,
+                            needs.smoothing_m, context.parallel_for);
     return true;
   });
-  counts.proximity_bytes = parts.proximity->bytes() + tool.points.size() * sizeof(effects::ToolPoint);
+  counts.proximity_bytes =
+      parts.proximity->bytes() + tool.points.size() * sizeof(effects::ToolPoint);
   counts.proximity_nodes = parts.proximity->nodes();
-  counts.proximity_m = needs.proximity_m, counts.proximity_smoothing_m = parts.proximity->smoothing_m();
+  counts.proximity_m = needs.proximity_m,
+  counts.proximity_smoothing_m = parts.proximity->smoothing_m();
   counts.tool_points = tool.points.size(), counts.tool_gap_m = tool.gap_m;
 }
 
 }  // namespace
 
-BuiltParts build_parts(const PartsRequest& request, const ParallelFor& parallel_for, const Progress& progress) {
+BuiltParts build_parts(const PartsRequest& request, const ParallelFor& parallel_for,
+                       const Progress& progress) {
   const scene::Scene& scene = request.scene;
   const effects::EffectNeeds needs = effects::needs_of(scene.effects);
   BuiltParts parts;
-  const BuildContext context{scene, parallel_for, request.choices, progress, request.model, parts.counts};
+  const BuildContext context{scene,    parallel_for,  request.choices,
+                             progress, request.model, parts.counts};
   ObjectMesh ground;  // the other meshes are not needed once their object is built
   for (std::uint32_t id = 0; id <= scene.objects.size(); ++id) {
-    context.step(id == 0 ? "reading the static meshes" : "reading the meshes of '" + scene.objects[id - 1].name + "'");
+    context.step(id == 0 ? "reading the static meshes"
+                         : "reading the meshes of '" + scene.objects[id - 1].name + "'");
     ObjectMesh fixed = import_object(context, id);
-    if (auto object = build_object(context, id, fixed)) parts.objects.push_back(std::move(object));
-    if (id == 0 && needs.proximity_m > 0.0) ground = std::move(fixed);
+    if (auto object = build_object(context, id, fixed))
+      parts.objects.push_back(std::move(object));
+    if (id == 0 && needs.proximity_m > 0.0)
+      ground = std::move(fixed);
   }
   parts.counts.objects = parts.objects.size();
   build_tool(context, parts);
-  if (needs.proximity_m > 0.0) build_proximity(context, needs, ground, parts);
+  if (needs.proximity_m > 0.0)
+    build_proximity(context, needs, ground, parts);
   return parts;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
-/// What is made of a scene's meshes: all that takes time, apart from all that the rest of the scene says. It can be kept and read again.
+/// What is made of a scene's meshes: all that takes time, apart from all that the rest of the scene
+/// says. It can be kept and read again.
 #include <memory>
 #include <optional>
 #include <string>
@@ -24,7 +25,9 @@ struct PartsRequest {
 };
 
 struct BuiltParts {
-  std::vector<std::unique_ptr<StaticObject>> objects;  ///< without their renderers and edges' queries; those with meshes, in the order of their ids
+  std::vector<std::unique_ptr<StaticObject>>
+      objects;  ///< without their renderers and edges' queries; those with meshes, in the order of
+                ///< their ids
   pointshell::Pointshell shell;
   double largest_gap_m = 0.0;               ///< of the shell
   std::unique_ptr<ToolBody> tool_body;      ///< where there is a virtual tool, and it can be had
@@ -35,14 +38,17 @@ struct BuiltParts {
 };
 
 /// Reads the meshes and builds. Throws as build_scene. In build_parts.cpp.
-BuiltParts build_parts(const PartsRequest& request, const ParallelFor& parallel_for, const Progress& progress);
+BuiltParts build_parts(const PartsRequest& request, const ParallelFor& parallel_for,
+                       const Progress& progress);
 
-/// All that the parts depend on, as bytes: equal where they come out equal, bit for bit. Of the meshes it holds `store`'s digests; reads their
-/// files. Empty where that cannot be said, since the scene does not tell which bytes it was read with. Throws MeshError. In parts_recipe.cpp.
+/// All that the parts depend on, as bytes: equal where they come out equal, bit for bit. Of the
+/// meshes it holds `store`'s digests; reads their files. Empty where that cannot be said, since the
+/// scene does not tell which bytes it was read with. Throws MeshError. In parts_recipe.cpp.
 std::string recipe_of(const PartsRequest& request, const SceneStore& store);
 
-/// The parts as bytes, and again from bytes, for the same request. `parts_from` throws StoredBytesError for bytes that are no such parts; what it
-/// gives, every lookup stands. In stored_parts.cpp.
+/// The parts as bytes, and again from bytes, for the same request. `parts_from` throws
+/// StoredBytesError for bytes that are no such parts; what it gives, every lookup stands. In
+/// stored_parts.cpp.
 std::string stored(const BuiltParts& parts);
 BuiltParts parts_from(std::string_view bytes, const PartsRequest& request);
 /// Bytes that `stored` will give, roughly, before anything is allocated.

@@ -9,23 +9,26 @@
 namespace voxtouch::rendering {
 namespace {
 
-contact::VirtualToolOptions options_of(const ObjectContacts& objects, double lever_m, const contact::ToolWork& work) {
+contact::VirtualToolOptions options_of(const ObjectContacts& objects, double lever_m,
+                                       const contact::ToolWork& work) {
   const contact::ContactQuery& query = objects.object(0).renderer->query();
   contact::VirtualToolOptions options{.points = query.shell().size(),
-                             .objects = objects.size(),
-                             .reach_m = query.reach_m(),
-                             .edge_m = query.voxmap().grid().edge,
-                             .lever_m = lever_m,
-                             .work = work};
+                                      .objects = objects.size(),
+                                      .reach_m = query.reach_m(),
+                                      .edge_m = query.voxmap().grid().edge,
+                                      .lever_m = lever_m,
+                                      .work = work};
   for (std::size_t n = 0; n < objects.size(); ++n) {
     options.edge_m = std::min(options.edge_m, objects.object(n).voxmap.grid().edge);
-    if (const auto& edges = objects.object(n).edges) options.edge_points += edges->query.shell().size();
+    if (const auto& edges = objects.object(n).edges)
+      options.edge_points += edges->query.shell().size();
   }
   return options;
 }
 
 /// A frame as a contact, with a spring of `k` [N/m]. Real-time safe.
-contact::ContactResult contact_of(const contact::VirtualToolFrame& frame, double k, bool felt) noexcept {
+contact::ContactResult contact_of(const contact::VirtualToolFrame& frame, double k,
+                                  bool felt) noexcept {
   contact::ContactResult contact;
   contact.pose_status = frame.pose_status;
   contact.surface_hits = frame.surface_hits, contact.interior_hits = frame.interior_hits;
@@ -46,19 +49,25 @@ contact::ContactResult contact_of(const contact::VirtualToolFrame& frame, double
 
 }  // namespace
 
-ConstrainedTool::ConstrainedTool(ObjectContacts& objects, double lever_m, const contact::ToolWork& work)
-    : objects_(objects), tool_(options_of(objects, lever_m, work)), results_(objects.size()) {
+ConstrainedTool::ConstrainedTool(ObjectContacts& objects, double lever_m,
+                                 const contact::ToolWork& work)
+    : objects_(objects),
+      tool_(options_of(objects, lever_m, work)),
+      results_(objects.size()) {
   for (std::size_t n = 0; n < objects.size(); ++n) {
     const StaticObject& object = objects.object(n);
     grounds_.push_back({.query = &object.renderer->query(), .field = &*object.field});
-    if (object.edges) grounds_.back().edges = &object.edges->query, grounds_.back().tool_field = object.edges->tool_field;
+    if (object.edges)
+      grounds_.back().edges = &object.edges->query,
+      grounds_.back().tool_field = object.edges->tool_field;
     parts_.push_back({.object = object.id, .contact = &results_[n], .twist = {}});
   }
 }
 
 void ConstrainedTool::aim_for(double spring_n_per_m) noexcept {
   const double aim = std::isfinite(spring_n_per_m) ? std::max(spring_n_per_m, 0.0) : 0.0;
-  if (aim == aim_n_per_m_) return;
+  if (aim == aim_n_per_m_)
+    return;
   aim_n_per_m_ = aim;
   if (fresh_)
     spring_ = coupling::Ramp(aim);
@@ -69,27 +78,32 @@ void ConstrainedTool::aim_for(double spring_n_per_m) noexcept {
 void ConstrainedTool::put_objects(double time_s) noexcept {
   for (std::size_t n = 0; n < grounds_.size(); ++n) {
     const StaticObject& object = objects_.object(n);
-    if (!object.moves) continue;
+    if (!object.moves)
+      continue;
     const MotionPoint at = motion_at(*object.moves, time_s);
     grounds_[n].displacement = at.position;
     parts_[n].twist.linear = at.velocity;
   }
 }
 
-contact::ContactResult ConstrainedTool::render(const Pose& hand, double time_s, double dt_s, double friction, ToolFrame& out) noexcept {
+contact::ContactResult ConstrainedTool::render(const Pose& hand, double time_s, double dt_s,
+                                               double friction, ToolFrame& out) noexcept {
   const bool was_placed = tool_.placed() && !fresh_;
-  if (!fresh_ && (hand.position - hand_.position).norm() > kJumpMPerS * dt_s) tool_.reset();
+  if (!fresh_ && (hand.position - hand_.position).norm() > kJumpMPerS * dt_s)
+    tool_.reset();
   const Pose before = frame_.tool;
   put_objects(time_s);
   frame_ = tool_.frame({.pose = hand, .period_s = dt_s, .friction = friction}, grounds_);
   out = {.constrained = frame_.constrained,
-          .lag = frame_.lag || frame_.moved_too_far,
-          .unplaced = frame_.unplaced || frame_.pose_status != contact::PoseStatus::kUsable || (frame_.constrained && aim_n_per_m_ == 0.0),
-          .cut_short = frame_.cut_short,
-          .residual_m = frame_.residual_m,
-          .queries = static_cast<std::uint32_t>(std::max(frame_.queries, 0)),
-          .iterations = static_cast<std::uint32_t>(std::max(frame_.iterations, 0))};
-  if (frame_.unplaced) frame_.tool = hand;
+         .lag = frame_.lag || frame_.moved_too_far,
+         .unplaced = frame_.unplaced || frame_.pose_status != contact::PoseStatus::kUsable ||
+                     (frame_.constrained && aim_n_per_m_ == 0.0),
+         .cut_short = frame_.cut_short,
+         .residual_m = frame_.residual_m,
+         .queries = static_cast<std::uint32_t>(std::max(frame_.queries, 0)),
+         .iterations = static_cast<std::uint32_t>(std::max(frame_.iterations, 0))};
+  if (frame_.unplaced)
+    frame_.tool = hand;
   if (frame_.pose_status == contact::PoseStatus::kUsable) {
     hand_ = hand;
     fresh_ = false;
@@ -97,7 +111,8 @@ contact::ContactResult ConstrainedTool::render(const Pose& hand, double time_s, 
   const double k = spring_.advance(dt_s), felt = k * frame_.share;
   const bool felt_at_all = frame_.constrained && felt > 0.0;
   contact::ContactResult contact = contact_of(frame_, k, felt_at_all);
-  if (!contact.wrench.finite() || !contact.stiffness.allFinite()) {  // nothing that is no number goes on from here
+  if (!contact.wrench.finite() ||
+      !contact.stiffness.allFinite()) {  // nothing that is no number goes on from here
     contact.wrench = {}, contact.stiffness.setZero(), contact.stiffness_bound_n_per_m = 0.0;
     tool_.reset();
     out.unplaced = true;
@@ -115,7 +130,9 @@ contact::ContactResult ConstrainedTool::render(const Pose& hand, double time_s, 
 }
 
 double ConstrainedTool::depth_of_spring2() const noexcept {
-  return frame_.constrained ? frame_.shift.squaredNorm() + frame_.lever_m * frame_.lever_m * frame_.turn.squaredNorm() : 0.0;
+  return frame_.constrained ? frame_.shift.squaredNorm() +
+                                  frame_.lever_m * frame_.lever_m * frame_.turn.squaredNorm()
+                            : 0.0;
 }
 
 void ConstrainedTool::tell_parts(double felt_n_per_m) noexcept {
@@ -124,7 +141,8 @@ void ConstrainedTool::tell_parts(double felt_n_per_m) noexcept {
   for (std::size_t n = 0; n < results_.size(); ++n) {
     contact::ContactResult& part = results_[n];
     part = {};
-    if (n >= pushes.size() || !(felt_n_per_m > 0.0) || pushes[n].zero()) continue;
+    if (n >= pushes.size() || !(felt_n_per_m > 0.0) || pushes[n].zero())
+      continue;
     part.wrench = {felt_n_per_m * pushes[n].force, felt_n_per_m * pushes[n].torque};
     part.deepest_point = n == frame_.contact_object ? frame_.contact_point : frame_.tool.position;
     part.deepest_depth_m = frame_.worst_depth_m;
@@ -136,7 +154,8 @@ void ConstrainedTool::tell_parts(double felt_n_per_m) noexcept {
 void ConstrainedTool::start_from(const Pose& tool, double time_s) noexcept {
   reset();
   put_objects(time_s);
-  if (tool_.place(tool, grounds_)) frame_.tool = tool;
+  if (tool_.place(tool, grounds_))
+    frame_.tool = tool;
 }
 
 void ConstrainedTool::reset() noexcept {
@@ -146,7 +165,8 @@ void ConstrainedTool::reset() noexcept {
   spring_ = coupling::Ramp(aim_n_per_m_);
   felt_n_per_m_ = power_w_ = stiffened_j_ = 0.0;
   fresh_ = true;
-  for (contact::ContactResult& part : results_) part = {};
+  for (contact::ContactResult& part : results_)
+    part = {};
 }
 
 }  // namespace voxtouch::rendering

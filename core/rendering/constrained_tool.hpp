@@ -1,5 +1,6 @@
 #pragma once
-/// The virtual tool in a scene: against all objects where they are, with the spring that the coupling is certified for.
+/// The virtual tool in a scene: against all objects where they are, with the spring that the
+/// coupling is certified for.
 #include <span>
 #include <vector>
 
@@ -12,10 +13,13 @@ namespace voxtouch::rendering {
 /// What a frame of a virtual tool says beside its contact.
 struct ToolFrame {
   bool constrained = false;  ///< something holds it off the hand's pose
-  bool lag = false;          ///< it has not come to its place within the frame, or an object moved so far that it may have passed it
-  bool unplaced = false;     ///< it has none: the hand has not been outside yet, or is where nothing can be looked up; or no spring is known yet to pull it
-  bool cut_short = false;    ///< the frame ended by its time budget before the tool had come to its place
-  double residual_m = 0.0;   ///< way that its last step would still have gone
+  bool lag = false;  ///< it has not come to its place within the frame, or an object moved so far
+                     ///< that it may have passed it
+  bool unplaced = false;  ///< it has none: the hand has not been outside yet, or is where nothing
+                          ///< can be looked up; or no spring is known yet to pull it
+  bool cut_short =
+      false;  ///< the frame ended by its time budget before the tool had come to its place
+  double residual_m = 0.0;                    ///< way that its last step would still have gone
   std::uint32_t queries = 0, iterations = 0;  ///< of all steps
 };
 
@@ -31,13 +35,15 @@ class ConstrainedTool {
   /// `lever_m` 0: the tool's reach. Every object must have its field.
   ConstrainedTool(ObjectContacts& objects, double lever_m, const contact::ToolWork& work = {});
 
-  /// The stiffness of the spring [N/m] in W from the next frames on, on a straight line over kSpringRampS; at once after `reset`. One
-  /// that is no number, or below zero, is 0. Real-time safe.
+  /// The stiffness of the spring [N/m] in W from the next frames on, on a straight line over
+  /// kSpringRampS; at once after `reset`. One that is no number, or below zero, is 0. Real-time
+  /// safe.
   void aim_for(double spring_n_per_m) noexcept;
 
-  /// One frame: the spring's wrench on the hand, stiffness and what is touched, as a contact. `contact.stiffness_bound_n_per_m` is the
-  /// spring's own. Real-time safe.
-  contact::ContactResult render(const Pose& hand, double time_s, double dt_s, double friction, ToolFrame& out) noexcept;
+  /// One frame: the spring's wrench on the hand, stiffness and what is touched, as a contact.
+  /// `contact.stiffness_bound_n_per_m` is the spring's own. Real-time safe.
+  contact::ContactResult render(const Pose& hand, double time_s, double dt_s, double friction,
+                                ToolFrame& out) noexcept;
 
   /// Of the last `render`: the virtual tool, and its motion since the one before.
   const Pose& pose() const noexcept { return frame_.tool; }
@@ -51,7 +57,8 @@ class ConstrainedTool {
   double power_w() const noexcept { return power_w_; }
   double stiffened_j() const noexcept { return stiffened_j_; }
 
-  /// Starts from `tool`, the virtual tool of a scene that this one takes the place of, where that is free here. Real-time safe.
+  /// Starts from `tool`, the virtual tool of a scene that this one takes the place of, where that
+  /// is free here. Real-time safe.
   void start_from(const Pose& tool, double time_s) noexcept;
   /// There is no virtual tool any more, until the hand is outside. Real-time safe.
   void reset() noexcept;
@@ -66,8 +73,9 @@ class ConstrainedTool {
   contact::VirtualTool tool_;
   contact::VirtualToolFrame frame_;
   coupling::Ramp spring_;
-  double aim_n_per_m_ = 0.0, felt_n_per_m_ = 0.0;  ///< felt: with the fade that a tool that was placed begins with
-  bool fresh_ = true;                             ///< no frame since `reset`
+  double aim_n_per_m_ = 0.0,
+         felt_n_per_m_ = 0.0;  ///< felt: with the fade that a tool that was placed begins with
+  bool fresh_ = true;          ///< no frame since `reset`
   Pose hand_;
   Twist twist_;
   std::vector<contact::ContactResult> results_;

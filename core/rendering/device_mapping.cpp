@@ -13,7 +13,8 @@ Vec3 arm_PT_W(const scene::WorkspaceMapping& spec, const Quat& rotation_WT) noex
 
 }  // namespace
 
-Wrench wrench_to_device(const scene::WorkspaceMapping& spec, const Wrench& wrench_W, const Quat& rotation_WT) noexcept {
+Wrench wrench_to_device(const scene::WorkspaceMapping& spec, const Wrench& wrench_W,
+                        const Quat& rotation_WT) noexcept {
   const Quat rotation_DW = spec.pose_WD.orientation.conjugate();
   const Vec3 torque_P_W = wrench_W.torque + arm_PT_W(spec, rotation_WT).cross(wrench_W.force);
   return {spec.force_scale * (rotation_DW * wrench_W.force),
@@ -21,7 +22,8 @@ Wrench wrench_to_device(const scene::WorkspaceMapping& spec, const Wrench& wrenc
 }
 
 Wrench WrenchToDevice::operator()(const Wrench& wrench_W, const Quat& rotation_WT) noexcept {
-  if (Quat unit = rotation_WT; normalise_within(unit, 1.0 - 1e-3, 1.0 + 1e-3)) last_rotation_WT_ = rotation_WT;
+  if (Quat unit = rotation_WT; normalise_within(unit, 1.0 - 1e-3, 1.0 + 1e-3))
+    last_rotation_WT_ = rotation_WT;
   return wrench_to_device(spec_, wrench_W, last_rotation_WT_);
 }
 
@@ -38,12 +40,14 @@ const ToolState& DeviceMapping::update(const Pose& pose_DP, const Twist& twist_D
     return tool_;
   }
   const bool pressed = spec_.clutch_button && ((buttons >> *spec_.clutch_button) & 1U) != 0U;
-  if (pressed && !tool_.clutched) clutched_WP_ = seen_ ? tool_.pose * spec_.pose_PT.inverse() : free_WP;
+  if (pressed && !tool_.clutched)
+    clutched_WP_ = seen_ ? tool_.pose * spec_.pose_PT.inverse() : free_WP;
   if (!pressed && tool_.clutched) {
     shift_W_ = clutched_WP_.position - free_WP.position;
     rotation_P_ = (free_WP.orientation.conjugate() * clutched_WP_.orientation).normalized();
   }
-  const Pose now_WP = pressed ? clutched_WP_ : Pose{free_WP.position + shift_W_, free_WP.orientation * rotation_P_};
+  const Pose now_WP =
+      pressed ? clutched_WP_ : Pose{free_WP.position + shift_W_, free_WP.orientation * rotation_P_};
   tool_.clutched = pressed;
   tool_.buttons = buttons;
   seen_ = true;
@@ -54,7 +58,8 @@ const ToolState& DeviceMapping::update(const Pose& pose_DP, const Twist& twist_D
     tool_.twist.angular = pose_WD.orientation * twist_D.angular;
     tool_.twist.linear = spec_.position_scale * (pose_WD.orientation * twist_D.linear) +
                          tool_.twist.angular.cross(arm_PT_W(spec_, tool_.pose.orientation));
-    if (!tool_.twist.finite()) tool_.twist = {};  // in the device's units it still was
+    if (!tool_.twist.finite())
+      tool_.twist = {};  // in the device's units it still was
   }
   return tool_;
 }

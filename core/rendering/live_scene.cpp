@@ -20,7 +20,8 @@ SceneFrame blend(const SceneFrame& a, const SceneFrame& b, double w) noexcept {
   contact.stiffness_bound_n_per_m = mix(one.stiffness_bound_n_per_m, two.stiffness_bound_n_per_m);
   frame.effects.wrench = blend(a.effects.wrench, b.effects.wrench, w);
   frame.effects.stiffness = (1.0 - w) * a.effects.stiffness + w * b.effects.stiffness;
-  frame.effects.stiffness_bound_n_per_m = mix(a.effects.stiffness_bound_n_per_m, b.effects.stiffness_bound_n_per_m);
+  frame.effects.stiffness_bound_n_per_m =
+      mix(a.effects.stiffness_bound_n_per_m, b.effects.stiffness_bound_n_per_m);
   frame.effects.potential_j = mix(a.effects.potential_j, b.effects.potential_j);
   frame.wrench = blend(a.wrench, b.wrench, w);
   frame.stiffness = (1.0 - w) * a.stiffness + w * b.stiffness;
@@ -34,14 +35,16 @@ void LiveScene::advance(double time_s) noexcept {
   const double step = last_s_ < 0.0 ? SceneRenderer::kDefaultStepS : time_s - last_s_;
   const bool usual = step >= SceneRenderer::kMinStepS && step <= SceneRenderer::kLongestStepS;
   weight_ += (usual ? step : SceneRenderer::kDefaultStepS) / kFadeS;
-  if (weight_ > 1.0 - 1e-9) weight_ = 1.0;  // what was lost in rounding is no sample more
+  if (weight_ > 1.0 - 1e-9)
+    weight_ = 1.0;  // what was lost in rounding is no sample more
 }
 
 SceneFrame LiveScene::render(const ToolState& tool, double time_s) noexcept {
   if (!fading()) {
     last_s_ = time_s;
     SceneFrame frame = now_->scene_renderer().render(tool, time_s);
-    supplied_j_ += frame.supplied_energy_j - std::exchange(supplied_now_j_, frame.supplied_energy_j);
+    supplied_j_ +=
+        frame.supplied_energy_j - std::exchange(supplied_now_j_, frame.supplied_energy_j);
     frame.supplied_energy_j = supplied_j_;
     return frame;
   }
@@ -52,42 +55,51 @@ SceneFrame LiveScene::render(const ToolState& tool, double time_s) noexcept {
   dominant_ = weight_ < 0.5 ? old_ : now_;
   SceneFrame frame = blend(before, after, weight_);
   // What each of them may have given counts as much as its force.
-  supplied_j_ += (1.0 - weight_) * (before.supplied_energy_j - std::exchange(supplied_old_j_, before.supplied_energy_j)) +
-                 weight_ * (after.supplied_energy_j - std::exchange(supplied_now_j_, after.supplied_energy_j));
+  supplied_j_ +=
+      (1.0 - weight_) *
+          (before.supplied_energy_j - std::exchange(supplied_old_j_, before.supplied_energy_j)) +
+      weight_ * (after.supplied_energy_j - std::exchange(supplied_now_j_, after.supplied_energy_j));
   frame.supplied_energy_j = supplied_j_;
-  if (weight_ >= 1.0) finish();
+  if (weight_ >= 1.0)
+    finish();
   return frame;
 }
 
 void LiveScene::swap_to(BuiltScene& next) noexcept {
   old_ = std::exchange(now_, &next);
   now_->scene_renderer().aim_for_spring(spring_n_per_m_);
-  if (external_) now_->scene_renderer().external_is(*external_);
+  if (external_)
+    now_->scene_renderer().external_is(*external_);
   now_->scene_renderer().start_tool_from(old_->scene_renderer(), last_s_ < 0.0 ? 0.0 : last_s_);
   supplied_old_j_ = std::exchange(supplied_now_j_, 0.0);
   weight_ = 0.0;
 }
 
 void LiveScene::aim_for_spring(double n_per_m) noexcept {
-  if (n_per_m == spring_n_per_m_) return;
+  if (n_per_m == spring_n_per_m_)
+    return;
   spring_n_per_m_ = n_per_m;
   for (BuiltScene* scene : {now_, old_})
-    if (scene != nullptr) scene->scene_renderer().aim_for_spring(n_per_m);
+    if (scene != nullptr)
+      scene->scene_renderer().aim_for_spring(n_per_m);
 }
 
 void LiveScene::external_is(const effects::ExternalWrench& newest) noexcept {
   external_ = newest;
   for (BuiltScene* scene : {now_, old_})
-    if (scene != nullptr) scene->scene_renderer().external_is(newest);
+    if (scene != nullptr)
+      scene->scene_renderer().external_is(newest);
 }
 
 void LiveScene::lose_tool() noexcept {
   for (BuiltScene* scene : {now_, old_})
-    if (scene != nullptr) scene->scene_renderer().lose_tool();
+    if (scene != nullptr)
+      scene->scene_renderer().lose_tool();
 }
 
 void LiveScene::finish() noexcept {
-  if (!fading()) return;
+  if (!fading())
+    return;
   retired_ = std::exchange(old_, nullptr);
   dominant_ = now_;
   weight_ = 1.0;

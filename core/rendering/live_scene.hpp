@@ -4,12 +4,15 @@
 
 namespace voxtouch::rendering {
 
-/// Renders one scene; after `swap_to`, for kFadeS, the old and the new one, and gives (1 - w) old + w new with w on a straight
-/// line from 0 to 1. Force, torque, stiffness and its bound are all blended so: a convex sum of symmetric positive
-/// semidefinite matrices is one, and the bound stays a bound. Between two samples the blend adds to what each scene does at most
-/// |new - old| dt / kFadeS. What cannot be blended (hits, normal, deepest point, model) is told by the one with more weight.
+/// Renders one scene; after `swap_to`, for kFadeS, the old and the new one, and gives (1 - w) old +
+/// w new with w on a straight line from 0 to 1. Force, torque, stiffness and its bound are all
+/// blended so: a convex sum of symmetric positive semidefinite matrices is one, and the bound stays
+/// a bound. Between two samples the blend adds to what each scene does at most |new - old| dt /
+/// kFadeS. What cannot be blended (hits, normal, deepest point, model) is told by the one with more
+/// weight.
 ///
-/// Owns no scene: whoever gave the old one takes it back from `retired`. Costs twice a frame while it fades. Real-time safe.
+/// Owns no scene: whoever gave the old one takes it back from `retired`. Costs twice a frame while
+/// it fades. Real-time safe.
 class LiveScene {
  public:
   static constexpr double kFadeS = 0.2;
@@ -17,11 +20,14 @@ class LiveScene {
   /// `first` must outlive this, or be given back by `retired`.
   explicit LiveScene(BuiltScene& first) noexcept : dominant_(&first), now_(&first) {}
 
-  /// One sample: T in W as the device holds it, `time_s` since the session's begin. Wrenches in N and Nm, W axes.
+  /// One sample: T in W as the device holds it, `time_s` since the session's begin. Wrenches in N
+  /// and Nm, W axes.
   SceneFrame render(const ToolState& tool, double time_s) noexcept;
-  /// Not while one is still fading in. Where both have a virtual tool, the next one's begins at the present one's place, if that is free.
+  /// Not while one is still fading in. Where both have a virtual tool, the next one's begins at the
+  /// present one's place, if that is free.
   void swap_to(BuiltScene& next) noexcept;
-  /// Of a virtual tool, in all scenes from now on: the spring's stiffness in W [N/m], and that it is placed anew; see SceneRenderer.
+  /// Of a virtual tool, in all scenes from now on: the spring's stiffness in W [N/m], and that it
+  /// is placed anew; see SceneRenderer.
   void aim_for_spring(double n_per_m) noexcept;
   /// What the effect `external` of every scene follows from the next sample on.
   void external_is(const effects::ExternalWrench& newest) noexcept;
@@ -35,7 +41,9 @@ class LiveScene {
   /// The scene that is not rendered any more, once; null where there is none.
   BuiltScene* retired() noexcept;
 
-  effects::EffectChain& effects() noexcept { return now_->scene_renderer().effects(); }  ///< of the newest scene
+  effects::EffectChain& effects() noexcept {
+    return now_->scene_renderer().effects();
+  }  ///< of the newest scene
   /// The scene that the last frame's hits, normal and model belong to.
   BuiltScene& dominant() noexcept { return *dominant_; }
 
@@ -46,11 +54,12 @@ class LiveScene {
   BuiltScene* now_;
   BuiltScene* old_ = nullptr;  ///< fading out
   BuiltScene* retired_ = nullptr;
-  double weight_ = 1.0;   ///< of now_
+  double weight_ = 1.0;  ///< of now_
   double spring_n_per_m_ = 0.0;
   std::optional<effects::ExternalWrench> external_;
   double last_s_ = -1.0;  ///< time of the last frame; below 0: none
-  double supplied_j_ = 0.0, supplied_now_j_ = 0.0, supplied_old_j_ = 0.0;  ///< told to the hand; by each scene so far
+  double supplied_j_ = 0.0, supplied_now_j_ = 0.0,
+         supplied_old_j_ = 0.0;  ///< told to the hand; by each scene so far
 };
 
 }  // namespace voxtouch::rendering

@@ -8,10 +8,15 @@
 namespace voxtouch::rendering {
 namespace {
 
-/// Sum of the colliding points' normals over their number; what `coherence` and `mean_normal` are made of.
-Vec3 normal_sum(const contact::ContactResult& c) noexcept { return (c.coherence * c.surface_hits) * c.mean_normal; }
+/// Sum of the colliding points' normals over their number; what `coherence` and `mean_normal` are
+/// made of.
+Vec3 normal_sum(const contact::ContactResult& c) noexcept {
+  return (c.coherence * c.surface_hits) * c.mean_normal;
+}
 
-Pose moved_back(const Pose& tool, const Vec3& shift) noexcept { return {tool.position - shift, tool.orientation}; }
+Pose moved_back(const Pose& tool, const Vec3& shift) noexcept {
+  return {tool.position - shift, tool.orientation};
+}
 
 }  // namespace
 
@@ -29,16 +34,18 @@ void add_contact(const contact::ContactResult& other, contact::ContactResult& su
   sum.stiffness_bound_n_per_m += other.stiffness_bound_n_per_m;
   sum.stiffness += other.stiffness;
   sum.fallback |= other.fallback, sum.saturated |= other.saturated;
-  if (sum.pose_status == contact::PoseStatus::kUsable) sum.pose_status = other.pose_status;
+  if (sum.pose_status == contact::PoseStatus::kUsable)
+    sum.pose_status = other.pose_status;
   sum.points_tested += other.points_tested;
   sum.left_out.points += other.left_out.points;
   sum.left_out.depth_m = std::max(sum.left_out.depth_m, other.left_out.depth_m);
 }
 
-ObjectContacts::ObjectContacts(std::vector<std::unique_ptr<StaticObject>> objects) : objects_(std::move(objects)) {
+ObjectContacts::ObjectContacts(std::vector<std::unique_ptr<StaticObject>> objects)
+    : objects_(std::move(objects)) {
   if (objects_.empty() || objects_.size() > scene::kMaxObjects)
-    throw std::invalid_argument(
-        fmt::format("a scene has 1 to {} static objects, not {}", scene::kMaxObjects, objects_.size()));
+    throw std::invalid_argument(fmt::format("a scene has 1 to {} static objects, not {}",
+                                            scene::kMaxObjects, objects_.size()));
   for (const auto& object : objects_) {
     moves_ = moves_ || object->moves;
     parts_.push_back({.object = object->id, .contact = nullptr, .twist = {}});
@@ -48,7 +55,8 @@ ObjectContacts::ObjectContacts(std::vector<std::unique_ptr<StaticObject>> object
     return;
   }
   results_.resize(objects_.size());
-  for (std::size_t n = 0; n < objects_.size(); ++n) parts_[n].contact = &results_[n];
+  for (std::size_t n = 0; n < objects_.size(); ++n)
+    parts_[n].contact = &results_[n];
 }
 
 contact::StageResult ObjectContacts::render_all(const Pose& tool, double time_s) noexcept {
@@ -57,8 +65,10 @@ contact::StageResult ObjectContacts::render_all(const Pose& tool, double time_s)
   for (std::size_t n = 0; n < objects_.size(); ++n) {
     StaticObject& object = *objects_[n];
     const MotionPoint at = object.moves ? motion_at(*object.moves, time_s) : MotionPoint{};
-    contact::StageResult one = object.renderer->render(object.moves ? moved_back(tool, at.position) : tool);
-    if (one.contact.deepest_depth_m > 0.0) one.contact.deepest_point += at.position;
+    contact::StageResult one =
+        object.renderer->render(object.moves ? moved_back(tool, at.position) : tool);
+    if (one.contact.deepest_depth_m > 0.0)
+      one.contact.deepest_point += at.position;
     results_[n] = one.contact;
     parts_[n].twist.linear = at.velocity;
     power_w_ += one.contact.wrench.force.dot(at.velocity);
@@ -66,7 +76,8 @@ contact::StageResult ObjectContacts::render_all(const Pose& tool, double time_s)
       all = one;
     } else {
       add_contact(one.contact, all.contact);
-      all.retained |= one.retained, all.fast |= one.fast, all.missed |= one.missed, all.passing |= one.passing;
+      all.retained |= one.retained, all.fast |= one.fast, all.missed |= one.missed,
+          all.passing |= one.passing;
     }
   }
   if (all.contact.pose_status != contact::PoseStatus::kUsable && objects_.size() > 1) {
@@ -74,24 +85,28 @@ contact::StageResult ObjectContacts::render_all(const Pose& tool, double time_s)
     all = {};
     all.contact.pose_status = why;
     power_w_ = 0.0;
-    for (std::size_t n = 0; n < objects_.size(); ++n) results_[n] = all.contact;
+    for (std::size_t n = 0; n < objects_.size(); ++n)
+      results_[n] = all.contact;
   }
   return all;
 }
 
 void ObjectContacts::reset() noexcept {
-  for (auto& object : objects_) object->renderer->reset();
+  for (auto& object : objects_)
+    object->renderer->reset();
   power_w_ = 0.0;
 }
 
-contact::ContactResult ObjectContacts::probe(const Pose& tool, std::vector<std::uint32_t>& surface_ids) {
+contact::ContactResult ObjectContacts::probe(const Pose& tool,
+                                             std::vector<std::uint32_t>& surface_ids) {
   surface_ids.clear();
   std::vector<std::uint32_t> of_one;
   contact::ContactResult sum;
   for (std::size_t n = 0; n < objects_.size(); ++n) {
     StaticObject& object = *objects_[n];
     const Vec3 shift = object.moves ? motion_at(*object.moves, 0.0).position : Vec3::Zero();
-    const contact::ContactResult one = object.renderer->probe(object.moves ? moved_back(tool, shift) : tool, of_one);
+    const contact::ContactResult one =
+        object.renderer->probe(object.moves ? moved_back(tool, shift) : tool, of_one);
     surface_ids.insert(surface_ids.end(), of_one.begin(), of_one.end());
     if (n == 0) {
       sum = one;

@@ -16,18 +16,23 @@ namespace {
 
 /// A body this thick keeps pushing back more the deeper a tool goes, down to ten voxels.
 constexpr double kThickVoxels = 25.0;
-/// Walls of about a voxel to this many bend the distances that a virtual tool reads where they lie askew (README of core/contact, limits).
+/// Walls of about a voxel to this many bend the distances that a virtual tool reads where they lie
+/// askew (README of core/contact, limits).
 constexpr double kAskewVoxels = 1.5;
 
-std::string counted(std::uint64_t n, const char* one, const char* many) { return fmt::format("{} {}", n, n == 1 ? one : many); }
+std::string counted(std::uint64_t n, const char* one, const char* many) {
+  return fmt::format("{} {}", n, n == 1 ? one : many);
+}
 
 std::string law_sentence(const coupling::CouplingSpec& c) {
   if (c.kind == "shaping_filter")
-    return fmt::format("Coupling: shaping filter, w0/(2 pi) = {:g} Hz, damping ratio {:g}, gain {:g}; it lags by {:.3g} ms.",
-                       c.cutoff_hz, c.damping_ratio, c.gain, 1e3 * coupling::lag_s(c));
+    return fmt::format(
+        "Coupling: shaping filter, w0/(2 pi) = {:g} Hz, damping ratio {:g}, gain {:g}; it lags by "
+        "{:.3g} ms.",
+        c.cutoff_hz, c.damping_ratio, c.gain, 1e3 * coupling::lag_s(c));
   if (c.kind == "spring_damper")
-    return fmt::format("Coupling: spring-damper of {:g} N/m and {:g} Ns/m to a massless object.", c.stiffness_n_per_m,
-                       c.damping_ns_per_m);
+    return fmt::format("Coupling: spring-damper of {:g} N/m and {:g} Ns/m to a massless object.",
+                       c.stiffness_n_per_m, c.damping_ns_per_m);
   return "Coupling: none; the contact goes straight to the device.";
 }
 
@@ -36,47 +41,65 @@ std::string coupling_sentence(const coupling::CouplingSpec& c) {
   if (std::isfinite(c.stiffness_cap_n_per_m))
     text += fmt::format(" The contact's stiffness is capped at {:g} N/m.", c.stiffness_cap_n_per_m);
   if (std::isfinite(c.stiffness_cap_nm_per_rad))
-    text += fmt::format(" The contact's stiffness against rotation is capped at {:g} Nm/rad.", c.stiffness_cap_nm_per_rad);
+    text += fmt::format(" The contact's stiffness against rotation is capped at {:g} Nm/rad.",
+                        c.stiffness_cap_nm_per_rad);
   if (c.injected_damping_ns_per_m > 0.0 || c.injected_damping_nms_per_rad > 0.0)
-    text += fmt::format(" In contact it damps with {:g} Ns/m and {:g} Nms/rad.", c.injected_damping_ns_per_m,
-                        c.injected_damping_nms_per_rad);
+    text += fmt::format(" In contact it damps with {:g} Ns/m and {:g} Nms/rad.",
+                        c.injected_damping_ns_per_m, c.injected_damping_nms_per_rad);
   return text;
 }
 
 std::string design_sentence(const scene::DesignOptions& options) {
-  std::string text = fmt::format("Coupling: designed when the device is known; kind {}, ", options.kind);
-  if (options.kind == "auto" || options.kind == "shaping_filter") text += fmt::format("wished cut-off {:g} Hz, ", options.cutoff_hz);
-  text += fmt::format("gain margin {:g}, hand: {}, {}", options.gain_margin, scene::name_of(options.hand),
+  std::string text =
+      fmt::format("Coupling: designed when the device is known; kind {}, ", options.kind);
+  if (options.kind == "auto" || options.kind == "shaping_filter")
+    text += fmt::format("wished cut-off {:g} Hz, ", options.cutoff_hz);
+  text += fmt::format("gain margin {:g}, hand: {}, {}", options.gain_margin,
+                      scene::name_of(options.hand),
                       options.released ? "and it may be let go" : "but it is never let go");
-  if (options.stiffness_cap_n_per_m) text += fmt::format(", stiffness capped at {:g} N/m", *options.stiffness_cap_n_per_m);
-  if (options.stiffness_cap_nm_per_rad) text += fmt::format(", capped at {:g} Nm/rad", *options.stiffness_cap_nm_per_rad);
-  if (!options.inject_damping) text += ", no injected damping";
+  if (options.stiffness_cap_n_per_m)
+    text += fmt::format(", stiffness capped at {:g} N/m", *options.stiffness_cap_n_per_m);
+  if (options.stiffness_cap_nm_per_rad)
+    text += fmt::format(", capped at {:g} Nm/rad", *options.stiffness_cap_nm_per_rad);
+  if (!options.inject_damping)
+    text += ", no injected damping";
   return text + ".";
 }
 
 std::string joined(const std::vector<std::string>& parts) {
   std::string text;
-  for (const std::string& part : parts) text += (text.empty() ? "" : ", ") + part;
+  for (const std::string& part : parts)
+    text += (text.empty() ? "" : ", ") + part;
   return text;
 }
 
 std::string needs_text(const effects::EffectNeeds& needs) {
   std::vector<std::string> parts;
-  if (needs.contact) parts.push_back("the contact");
-  if (needs.twist) parts.push_back("the tool's velocity");
-  if (needs.orientation) parts.push_back("the tool's orientation");
-  if (needs.external) parts.push_back("a writer outside the ring");
-  if (needs.proximity_m > 0.0) parts.push_back(fmt::format("distances out to {:g} m", needs.proximity_m));
+  if (needs.contact)
+    parts.push_back("the contact");
+  if (needs.twist)
+    parts.push_back("the tool's velocity");
+  if (needs.orientation)
+    parts.push_back("the tool's orientation");
+  if (needs.external)
+    parts.push_back("a writer outside the ring");
+  if (needs.proximity_m > 0.0)
+    parts.push_back(fmt::format("distances out to {:g} m", needs.proximity_m));
   return parts.empty() ? "nothing but the tool's position" : joined(parts);
 }
 
 std::string bound_text(const effects::EffectBound& bound) {
   std::vector<std::string> parts;
-  if (bound.stiffness_n_per_m > 0.0) parts.push_back(fmt::format("{:.4g} N/m", bound.stiffness_n_per_m));
-  if (bound.stiffness_nm_per_rad > 0.0) parts.push_back(fmt::format("{:.4g} Nm/rad", bound.stiffness_nm_per_rad));
-  if (bound.damping_ns_per_m > 0.0) parts.push_back(fmt::format("{:.4g} Ns/m", bound.damping_ns_per_m));
-  if (bound.damping_nms_per_rad > 0.0) parts.push_back(fmt::format("{:.4g} Nms/rad", bound.damping_nms_per_rad));
-  if (std::isfinite(bound.force_n)) parts.push_back(fmt::format("{:.4g} N", bound.force_n));
+  if (bound.stiffness_n_per_m > 0.0)
+    parts.push_back(fmt::format("{:.4g} N/m", bound.stiffness_n_per_m));
+  if (bound.stiffness_nm_per_rad > 0.0)
+    parts.push_back(fmt::format("{:.4g} Nm/rad", bound.stiffness_nm_per_rad));
+  if (bound.damping_ns_per_m > 0.0)
+    parts.push_back(fmt::format("{:.4g} Ns/m", bound.damping_ns_per_m));
+  if (bound.damping_nms_per_rad > 0.0)
+    parts.push_back(fmt::format("{:.4g} Nms/rad", bound.damping_nms_per_rad));
+  if (std::isfinite(bound.force_n))
+    parts.push_back(fmt::format("{:.4g} N", bound.force_n));
   return parts.empty() ? "" : " At most " + joined(parts) + ".";
 }
 
@@ -84,26 +107,36 @@ std::string effect_sentence(const effects::EffectSpec& effect) {
   const std::string title = effect.name == effect.kind->name
                                 ? fmt::format("Effect '{}'", effect.name)
                                 : fmt::format("Effect '{}' ({})", effect.name, effect.kind->name);
-  return fmt::format("{}: {} Needs {}.{}{}", title, effect.kind->says, needs_text(effect.kind->needs(effect.values)),
-                     bound_text(effects::bound_of(effect)), effect.on ? "" : " Switched off at the start.");
+  return fmt::format("{}: {} Needs {}.{}{}", title, effect.kind->says,
+                     needs_text(effect.kind->needs(effect.values)),
+                     bound_text(effects::bound_of(effect)),
+                     effect.on ? "" : " Switched off at the start.");
 }
 
 std::string absent_effects(const scene::Scene& scene) {
   std::vector<std::string> absent;
   for (const effects::EffectKind* kind : effects::effect_kinds())
-    if (std::none_of(scene.effects.begin(), scene.effects.end(), [&](const effects::EffectSpec& e) { return e.kind == kind; }))
+    if (std::none_of(scene.effects.begin(), scene.effects.end(),
+                     [&](const effects::EffectSpec& e) { return e.kind == kind; }))
       absent.emplace_back(kind->name);
   return joined(absent);
 }
 
-std::string metres(const Vec3& x) { return fmt::format("[{}, {}, {}]", x.x(), x.y(), x.z()); }  // all digits, so that it can be given
+std::string metres(const Vec3& x) {
+  return fmt::format("[{}, {}, {}]", x.x(), x.y(), x.z());
+}  // all digits, so that it can be given
 
 std::string grid_sentence(const PlacedGrid& grid) {
-  const std::string begin = fmt::format("Voxel grid of '{}' begins at {} m", grid.object, metres(grid.origin));
-  if (grid.given) return begin + ", as the scene says.";
-  if (grid.origin == grid.at_multiples) return begin + ", its borders at multiples of the voxel, clear of faces along it.";
-  return fmt::format("{}, so that faces along it lie far from voxel borders; with its borders at multiples of the voxel it begins at {}.", begin,
-                     metres(grid.at_multiples));
+  const std::string begin =
+      fmt::format("Voxel grid of '{}' begins at {} m", grid.object, metres(grid.origin));
+  if (grid.given)
+    return begin + ", as the scene says.";
+  if (grid.origin == grid.at_multiples)
+    return begin + ", its borders at multiples of the voxel, clear of faces along it.";
+  return fmt::format(
+      "{}, so that faces along it lie far from voxel borders; with its borders at multiples of the "
+      "voxel it begins at {}.",
+      begin, metres(grid.at_multiples));
 }
 
 FrameWork counted_work(const BuildCounts& n) {
@@ -117,195 +150,261 @@ FrameWork counted_work(const BuildCounts& n) {
 std::string levels_text(const BuildCounts& n) {
   std::string text;
   for (std::size_t k = n.level_points.size(); k-- > 0;)
-    if (n.level_gap_m[k] > 0.0) text += fmt::format("{}{} ({:.2g} mm)", text.empty() ? "" : ", ", n.level_points[k], 1e3 * n.level_gap_m[k]);
+    if (n.level_gap_m[k] > 0.0)
+      text += fmt::format("{}{} ({:.2g} mm)", text.empty() ? "" : ", ", n.level_points[k],
+                          1e3 * n.level_gap_m[k]);
   return text;
 }
 
 std::string budget_sentence(const scene::Scene& scene, const BuildCounts& n) {
   if (n.virtual_tool_lever_m > 0.0)
     return fmt::format(
-        "Time budget of {:g} us: a virtual tool leaves out no point, so that it passes no wall. Where a frame would take longer as reckoned from its "
-        "counts it makes fewer queries, at least {}, and the tool comes to its place in the frames that follow.",
+        "Time budget of {:g} us: a virtual tool leaves out no point, so that it passes no wall. "
+        "Where a frame would take longer as reckoned from its "
+        "counts it makes fewer queries, at least {}, and the tool comes to its place in the frames "
+        "that follow.",
         *scene.budget_us, contact::limits::kMinQueries);
   contact::ContactModelKind model{};
   contact::parse_contact_model(scene.contact.model, model);
-  const std::string points = fmt::format("Time budget of {:g} us: a frame tests at most {} of the {} with each object, {:g} ns each as reckoned on every machine",
-                                         *scene.budget_us, counted(n.budget_points, "point", "points"), n.shell_points, ns_per_budget_point(model));
-  if (n.level_points.empty()) return points + "; that is enough for all of them always, so none is left out.";
+  const std::string points = fmt::format(
+      "Time budget of {:g} us: a frame tests at most {} of the {} with each object, {:g} ns each "
+      "as reckoned on every machine",
+      *scene.budget_us, counted(n.budget_points, "point", "points"), n.shell_points,
+      ns_per_budget_point(model));
+  if (n.level_points.empty())
+    return points + "; that is enough for all of them always, so none is left out.";
   return fmt::format(
-      "{}. Where culling leaves more, coarser levels are asked, of so many points (farthest of a point that is left out from the one that stands for it, "
+      "{}. Where culling leaves more, coarser levels are asked, of so many points (farthest of a "
+      "point that is left out from the one that stands for it, "
       "which bounds how much deeper it may be): {}. What touched in the frame before is "
       "not lost.",
       points, levels_text(n));
 }
 
-/// Of a contact without virtual tool: its model, the fastest motion, the stiffness that it can show.
+/// Of a contact without virtual tool: its model, the fastest motion, the stiffness that it can
+/// show.
 void say_forces_of_depth(const scene::Scene& scene, Plan& plan) {
-  plan.built.push_back(scene.contact.stiffness_n_per_m3 > 0.0
-                           ? fmt::format("Contact model '{}' with {:g} N/m^3, shell points weighed by their area.", scene.contact.model,
-                                         scene.contact.stiffness_n_per_m3)
-                           : fmt::format("Contact model '{}' with {:g} N/m per shell point.", scene.contact.model,
-                                         scene.contact.stiffness_n_per_m));
+  plan.built.push_back(
+      scene.contact.stiffness_n_per_m3 > 0.0
+          ? fmt::format("Contact model '{}' with {:g} N/m^3, shell points weighed by their area.",
+                        scene.contact.model, scene.contact.stiffness_n_per_m3)
+          : fmt::format("Contact model '{}' with {:g} N/m per shell point.", scene.contact.model,
+                        scene.contact.stiffness_n_per_m));
   if (scene.contact.rendering == scene::RenderingKind::kModelAlone)
-    plan.built.push_back("The model alone, as the paper has it: no depths are held, so that what has gone through a wall's voxels pushes no more. A run in which the middle of "
-                         "the tool is in what it touches is not a good one.");
+    plan.built.push_back(
+        "The model alone, as the paper has it: no depths are held, so that what has gone through a "
+        "wall's voxels pushes no more. A run in which the middle of "
+        "the tool is in what it touches is not a good one.");
   const double unseen_mm = 1e3 * contact::limits::kFastEdges * scene.voxel_size_m;
-  plan.built.push_back(fmt::format(
-      "Fast motion: beside the scene the tool may pass a wall unseen where it moves more than half a voxel a sample, {:.3g} mm ({:.3g} m/s at 1 kHz). "
-      "Such samples are flagged, and a run that has any is not a good one.",
-      unseen_mm, unseen_mm));
-  plan.built.push_back(fmt::format(
-      "{} in W, at most: {:.6g} N/m and {:.6g} Nm/rad about the tool's origin by one point, {:.6g} N/m and {:.6g} Nm/rad {}.",
-      effects::needs_of(scene.effects).body ? "Stiffness of the grip on the body" : "Contact stiffness", plan.contact_n_per_m.one_point,
-      plan.contact_nm_per_rad.one_point, plan.contact_n_per_m.all_points, plan.contact_nm_per_rad.all_points,
-      scene.effects.empty() ? "by all points" : "by all that may push at once"));
+  plan.built.push_back(
+      fmt::format("Fast motion: beside the scene the tool may pass a wall unseen where it moves "
+                  "more than half a voxel a sample, {:.3g} mm ({:.3g} m/s at 1 kHz). "
+                  "Such samples are flagged, and a run that has any is not a good one.",
+                  unseen_mm, unseen_mm));
+  plan.built.push_back(
+      fmt::format("{} in W, at most: {:.6g} N/m and {:.6g} Nm/rad about the tool's origin by one "
+                  "point, {:.6g} N/m and {:.6g} Nm/rad {}.",
+                  effects::needs_of(scene.effects).body ? "Stiffness of the grip on the body"
+                                                        : "Contact stiffness",
+                  plan.contact_n_per_m.one_point, plan.contact_nm_per_rad.one_point,
+                  plan.contact_n_per_m.all_points, plan.contact_nm_per_rad.all_points,
+                  scene.effects.empty() ? "by all points" : "by all that may push at once"));
 }
 
 /// What is built from the meshes.
 void say_parts(const scene::Scene& scene, const BuildCounts& n, Plan& plan) {
   const std::size_t meshes = scene.static_meshes.size();
-  plan.built.push_back(fmt::format("Voxmap of {} ({}) at {:g} m: {}, {}, {}; every contact model asks it.",
-                                   counted(meshes, "static mesh", "static meshes"),
-                                   counted(n.static_triangles, "triangle", "triangles"), scene.voxel_size_m,
-                                   counted(n.surface_voxels, "surface voxel", "surface voxels"),
-                                   counted(n.interior_voxels, "interior voxel", "interior voxels"), bytes_text(n.voxmap_bytes)));
-  for (const PlacedGrid& grid : n.grids) plan.built.push_back(grid_sentence(grid));
+  plan.built.push_back(fmt::format(
+      "Voxmap of {} ({}) at {:g} m: {}, {}, {}; every contact model asks it.",
+      counted(meshes, "static mesh", "static meshes"),
+      counted(n.static_triangles, "triangle", "triangles"), scene.voxel_size_m,
+      counted(n.surface_voxels, "surface voxel", "surface voxels"),
+      counted(n.interior_voxels, "interior voxel", "interior voxels"), bytes_text(n.voxmap_bytes)));
+  for (const PlacedGrid& grid : n.grids)
+    plan.built.push_back(grid_sentence(grid));
   if (n.field_bytes > 0)
     plan.built.push_back(fmt::format(
-        "Signed distance field to {:g} mm inside: {} of 4 bytes, {} ({:.3g} bytes a surface or interior voxel); the "
+        "Signed distance field to {:g} mm inside: {} of 4 bytes, {} ({:.3g} bytes a surface or "
+        "interior voxel); the "
         "contact model 'field' asks it.",
         1e3 * n.field_depth_m, counted(n.field_nodes, "node", "nodes"), bytes_text(n.field_bytes),
         static_cast<double>(n.field_bytes) /
             static_cast<double>(std::max<std::uint64_t>(1, n.surface_voxels + n.interior_voxels))));
   if (n.proximity_bytes > 0)
     plan.built.push_back(fmt::format(
-        "Distances round the static meshes out to {:g} mm, smoothed over {:g} mm: {} of 4 bytes, {}; effects look them up "
-        "for {} of the tool a frame ({:.1f} us at most), from which no point of its shell is farther than {:.2g} mm.",
-        1e3 * n.proximity_m, 1e3 * n.proximity_smoothing_m, counted(n.proximity_nodes, "node", "nodes"),
-        bytes_text(n.proximity_bytes), counted(n.tool_points, "point", "points"),
+        "Distances round the static meshes out to {:g} mm, smoothed over {:g} mm: {} of 4 bytes, "
+        "{}; effects look them up "
+        "for {} of the tool a frame ({:.1f} us at most), from which no point of its shell is "
+        "farther than {:.2g} mm.",
+        1e3 * n.proximity_m, 1e3 * n.proximity_smoothing_m,
+        counted(n.proximity_nodes, "node", "nodes"), bytes_text(n.proximity_bytes),
+        counted(n.tool_points, "point", "points"),
         1e-3 * kNsPerProximityPoint * static_cast<double>(n.tool_points), 1e3 * n.tool_gap_m));
-  plan.built.push_back(fmt::format("{} pointshell of the dynamic mesh ({}): {}, {}; the scene asks for shell: {}.",
-                                   scene.shell == scene::ShellKind::kExact ? "Exact" : "Naive",
-                                   counted(n.dynamic_triangles, "triangle", "triangles"),
-                                   counted(n.shell_points, "point", "points"), bytes_text(n.shell_bytes),
-                                   scene.shell == scene::ShellKind::kExact ? "exact" : "naive"));
+  plan.built.push_back(
+      fmt::format("{} pointshell of the dynamic mesh ({}): {}, {}; the scene asks for shell: {}.",
+                  scene.shell == scene::ShellKind::kExact ? "Exact" : "Naive",
+                  counted(n.dynamic_triangles, "triangle", "triangles"),
+                  counted(n.shell_points, "point", "points"), bytes_text(n.shell_bytes),
+                  scene.shell == scene::ShellKind::kExact ? "exact" : "naive"));
 }
 
 void say_built(const scene::Scene& scene, const BuildCounts& n, Plan& plan) {
   say_parts(scene, n, plan);
   if (n.virtual_tool_lever_m > 0.0)
     plan.built.push_back(fmt::format(
-        "Virtual tool, which stays outside what it touches; its spring to the hand is as stiff as the coupling is certified for, and a turn "
-        "counts with a lever of {:g} mm. At most {} queries and {} steps of {} iterations a frame; no wall is passed at any speed, and {:.3g} "
+        "Virtual tool, which stays outside what it touches; its spring to the hand is as stiff as "
+        "the coupling is certified for, and a turn "
+        "counts with a lever of {:g} mm. At most {} queries and {} steps of {} iterations a frame; "
+        "no wall is passed at any speed, and {:.3g} "
         "mm a sample are followed without lag.",
-        1e3 * n.virtual_tool_lever_m, contact::limits::kMaxQueries, contact::limits::kMaxQueries, contact::limits::kMaxIterations,
+        1e3 * n.virtual_tool_lever_m, contact::limits::kMaxQueries, contact::limits::kMaxQueries,
+        contact::limits::kMaxIterations,
         1e3 * contact::limits::kMaxQueries * contact::limits::kToolStepEdges * scene.voxel_size_m));
   else
     say_forces_of_depth(scene, plan);
   if (n.edge_points > 0)
-    plan.built.push_back(fmt::format(
-        "Sharp edges and rims of the static meshes: {} at most half a voxel apart, {}, which the virtual tool looks up in distances to itself on voxels of "
-        "half the edge, {}.",
-        counted(n.edge_points, "point", "points"), bytes_text(edge_lookup_bytes(n.edge_points)), bytes_text(n.edge_bytes)));
-  if (scene.budget_us && (n.budget_points > 0 || n.virtual_tool_lever_m > 0.0)) plan.built.push_back(budget_sentence(scene, n));
-  plan.built.push_back(scene.design ? design_sentence(*scene.design) : coupling_sentence(scene.coupling));
-  for (const effects::EffectSpec& effect : scene.effects) plan.built.push_back(effect_sentence(effect));
-  if (const effects::EffectSpec* external = effects::external_of(scene.effects)) plan.built.push_back(effects::no_certificate_sentence(external->name));
+    plan.built.push_back(
+        fmt::format("Sharp edges and rims of the static meshes: {} at most half a voxel apart, {}, "
+                    "which the virtual tool looks up in distances to itself on voxels of "
+                    "half the edge, {}.",
+                    counted(n.edge_points, "point", "points"),
+                    bytes_text(edge_lookup_bytes(n.edge_points)), bytes_text(n.edge_bytes)));
+  if (scene.budget_us && (n.budget_points > 0 || n.virtual_tool_lever_m > 0.0))
+    plan.built.push_back(budget_sentence(scene, n));
+  plan.built.push_back(scene.design ? design_sentence(*scene.design)
+                                    : coupling_sentence(scene.coupling));
+  for (const effects::EffectSpec& effect : scene.effects)
+    plan.built.push_back(effect_sentence(effect));
+  if (const effects::EffectSpec* external = effects::external_of(scene.effects))
+    plan.built.push_back(effects::no_certificate_sentence(external->name));
   std::size_t parts = 0;
-  for (const scene::MeshSpec& mesh : scene.static_meshes) parts += mesh.primitives.size();
+  for (const scene::MeshSpec& mesh : scene.static_meshes)
+    parts += mesh.primitives.size();
   parts += scene.dynamic_mesh.primitives.size();
   if (parts > 0)
-    plan.built.push_back(fmt::format("Reference from {} for the validator.", counted(parts, "closed form", "closed forms")));
+    plan.built.push_back(fmt::format("Reference from {} for the validator.",
+                                     counted(parts, "closed form", "closed forms")));
 }
 
 void say_left_out(const scene::Scene& scene, const BuildCounts& n, Plan& plan) {
   if (n.field_bytes == 0)
-    plan.left_out.push_back("Signed distance field: only the contact model 'field' would ask for it.");
+    plan.left_out.push_back(
+        "Signed distance field: only the contact model 'field' would ask for it.");
   if (!n.edges_left_out.empty())
-    plan.left_out.push_back(fmt::format(
-        "Sharp edges and rims of the static meshes: {}. At a convex edge the force is short by a third to a half of a voxel of way, and a rim thinner than a "
-        "voxel may come in between the tool's points.", n.edges_left_out));
+    plan.left_out.push_back(
+        fmt::format("Sharp edges and rims of the static meshes: {}. At a convex edge the force is "
+                    "short by a third to a half of a voxel of way, and a rim thinner than a "
+                    "voxel may come in between the tool's points.",
+                    n.edges_left_out));
   const effects::EffectNeeds needs = effects::needs_of(scene.effects);
-  if (!(needs.proximity_m > 0.0)) plan.left_out.push_back("Distances outside the surface: no effect asks for them.");
-  if (!needs.twist) plan.left_out.push_back("The tool's velocity: no effect asks for it.");
+  if (!(needs.proximity_m > 0.0))
+    plan.left_out.push_back("Distances outside the surface: no effect asks for them.");
+  if (!needs.twist)
+    plan.left_out.push_back("The tool's velocity: no effect asks for it.");
   if (const std::string absent = absent_effects(scene); !absent.empty())
     plan.left_out.push_back(fmt::format("Effects that the scene does not name: {}.", absent));
   if (n.interior_voxels == 0)
     plan.left_out.push_back(n.closed ? "Interior: no voxel lies wholly inside at this voxel size."
                                      : "Interior: a static mesh is open and so has none.");
-  if (!scene.device.clutch_button) plan.left_out.push_back("Clutch: the scene names no button.");
+  if (!scene.device.clutch_button)
+    plan.left_out.push_back("Clutch: the scene names no button.");
 }
 
 /// It holds a tool out at walls of any thickness, but not everywhere alike.
 void say_virtual_tool_warnings(const scene::Scene& scene, const BuildCounts& n, Plan& plan) {
   for (const std::string& mesh : n.open_meshes)
     plan.warnings.push_back(
-        fmt::format("{}: the mesh is open. What of it is not closed holds a virtual tool from either side as a wall of {:.2g} mm would. There is nothing behind it: "
+        fmt::format("{}: the mesh is open. What of it is not closed holds a virtual tool from "
+                    "either side as a wall of {:.2g} mm would. There is nothing behind it: "
                     "a tool goes round its rims, and in through every hole that is wide enough.",
                     mesh, 1e3 * voxmap::kOpenWallVoxels * scene.voxel_size_m));
   const double voxels = n.thinnest_m / scene.voxel_size_m;
   if (voxels < 1.0)
-    plan.warnings.push_back(fmt::format(
-        "{}: the thinnest wall is about {:.3g} mm, less than a voxel. It holds a virtual tool that is thicker than a voxel itself, and pushes at most 0.7 "
-        "degrees off (95 % of places, a ball on plates of a quarter to a whole voxel).",
-        n.thinnest_mesh, 1e3 * n.thinnest_m));
+    plan.warnings.push_back(
+        fmt::format("{}: the thinnest wall is about {:.3g} mm, less than a voxel. It holds a "
+                    "virtual tool that is thicker than a voxel itself, and pushes at most 0.7 "
+                    "degrees off (95 % of places, a ball on plates of a quarter to a whole voxel).",
+                    n.thinnest_mesh, 1e3 * n.thinnest_m));
   else if (voxels < kAskewVoxels)
-    plan.warnings.push_back(fmt::format(
-        "{}: the thinnest wall is about {:.3g} mm, {:.3g} voxels. It holds a virtual tool, but where a wall of 1.1 to {:g} voxels lies askew in the grid it "
-        "pushes up to 8 degrees off; at half the voxel_size one of 2.5 voxels pushes at most 0.2 degrees off.",
-        n.thinnest_mesh, 1e3 * n.thinnest_m, voxels, kAskewVoxels));
+    plan.warnings.push_back(
+        fmt::format("{}: the thinnest wall is about {:.3g} mm, {:.3g} voxels. It holds a virtual "
+                    "tool, but where a wall of 1.1 to {:g} voxels lies askew in the grid it "
+                    "pushes up to 8 degrees off; at half the voxel_size one of 2.5 voxels pushes "
+                    "at most 0.2 degrees off.",
+                    n.thinnest_mesh, 1e3 * n.thinnest_m, voxels, kAskewVoxels));
 }
 
 void say_field_warnings(const scene::Scene& scene, const BuildCounts& n, Plan& plan) {
-  if (n.virtual_tool_lever_m > 0.0) return say_virtual_tool_warnings(scene, n, plan);
+  if (n.virtual_tool_lever_m > 0.0)
+    return say_virtual_tool_warnings(scene, n, plan);
   for (const std::string& mesh : n.open_meshes)
-    plan.warnings.push_back(fmt::format(
-        "{}: the mesh is open. What of it is not closed has no inside, and the contact model 'field' gives no force there.", mesh));
+    plan.warnings.push_back(
+        fmt::format("{}: the mesh is open. What of it is not closed has no inside, and the contact "
+                    "model 'field' gives no force there.",
+                    mesh));
   if (n.thinnest_m < kThickVoxels * scene.voxel_size_m)
-    plan.warnings.push_back(fmt::format(
-        "{}: the thinnest wall is about {:.3g} mm ({:.3g} voxels; {:g} are asked for). There the push of 'field' grows down to "
-        "{:.3g} mm only, and a tool pushed deeper comes out on the other side.",
-        n.thinnest_mesh, 1e3 * n.thinnest_m, n.thinnest_m / scene.voxel_size_m, kThickVoxels, 0.5e3 * n.thinnest_m));
+    plan.warnings.push_back(
+        fmt::format("{}: the thinnest wall is about {:.3g} mm ({:.3g} voxels; {:g} are asked for). "
+                    "There the push of 'field' grows down to "
+                    "{:.3g} mm only, and a tool pushed deeper comes out on the other side.",
+                    n.thinnest_mesh, 1e3 * n.thinnest_m, n.thinnest_m / scene.voxel_size_m,
+                    kThickVoxels, 0.5e3 * n.thinnest_m));
 }
 
 void say_proximity_warnings(const BuildCounts& n, Plan& plan) {
   for (const std::string& mesh : n.open_meshes)
-    plan.warnings.push_back(fmt::format(
-        "{}: the mesh is open. What of it is not closed has no outside, and no effect feels it from a distance.", mesh));
+    plan.warnings.push_back(
+        fmt::format("{}: the mesh is open. What of it is not closed has no outside, and no effect "
+                    "feels it from a distance.",
+                    mesh));
 }
 
 void say_warnings(const scene::Scene& scene, const BuildCounts& n, Plan& plan) {
   plan.warnings = scene.warnings;
   plan.warnings.insert(plan.warnings.end(), n.mesh_warnings.begin(), n.mesh_warnings.end());
-  if (n.surface_voxels == 0) plan.warnings.push_back("The voxmap is empty: nothing can be touched.");
-  if (n.shell_points == 0) plan.warnings.push_back("The pointshell is empty: nothing can touch.");
-  if (n.field_bytes > 0) say_field_warnings(scene, n, plan);
-  if (n.proximity_bytes > 0) say_proximity_warnings(n, plan);
-  if (scene.budget_us && n.virtual_tool_lever_m > 0.0 && least_tool_ns(counted_work(n)) > tool_ns_within(*scene.budget_us, scene, counted_work(n)))
+  if (n.surface_voxels == 0)
+    plan.warnings.push_back("The voxmap is empty: nothing can be touched.");
+  if (n.shell_points == 0)
+    plan.warnings.push_back("The pointshell is empty: nothing can touch.");
+  if (n.field_bytes > 0)
+    say_field_warnings(scene, n, plan);
+  if (n.proximity_bytes > 0)
+    say_proximity_warnings(n, plan);
+  if (scene.budget_us && n.virtual_tool_lever_m > 0.0 &&
+      least_tool_ns(counted_work(n)) > tool_ns_within(*scene.budget_us, scene, counted_work(n)))
     plan.warnings.push_back(fmt::format(
-        "The time budget of {:g} us is not kept at every pose: the {} queries that a virtual tool always makes take up to {:.0f} us with all {} near "
-        "something, and leaving out points could let a wall pass. Use a larger voxel_size for fewer points.",
-        *scene.budget_us, contact::limits::kMinQueries, 1e-3 * least_tool_ns(counted_work(n)), counted(n.shell_points, "point", "points")));
+        "The time budget of {:g} us is not kept at every pose: the {} queries that a virtual tool "
+        "always makes take up to {:.0f} us with all {} near "
+        "something, and leaving out points could let a wall pass. Use a larger voxel_size for "
+        "fewer points.",
+        *scene.budget_us, contact::limits::kMinQueries, 1e-3 * least_tool_ns(counted_work(n)),
+        counted(n.shell_points, "point", "points")));
   if (plan.expected_ns_per_frame > 1e6)
-    plan.warnings.push_back(fmt::format("A frame with every point looked up takes about {:.1f} ms, longer than a period of 1 ms.",
-                                        plan.expected_ns_per_frame / 1e6));
+    plan.warnings.push_back(fmt::format(
+        "A frame with every point looked up takes about {:.1f} ms, longer than a period of 1 ms.",
+        plan.expected_ns_per_frame / 1e6));
 }
 
 }  // namespace
 
 std::string bytes_text(std::uint64_t bytes) {
-  if (bytes < 10'000) return fmt::format("{} bytes", bytes);
-  if (bytes < 10'000'000) return fmt::format("{:.1f} kB", static_cast<double>(bytes) / 1e3);
+  if (bytes < 10'000)
+    return fmt::format("{} bytes", bytes);
+  if (bytes < 10'000'000)
+    return fmt::format("{:.1f} kB", static_cast<double>(bytes) / 1e3);
   return fmt::format("{:.1f} MB", static_cast<double>(bytes) / 1e6);
 }
 
-StiffnessBounds with_effects(const StiffnessBounds& contact, std::span<const effects::EffectSpec> effects) {
+StiffnessBounds with_effects(const StiffnessBounds& contact,
+                             std::span<const effects::EffectSpec> effects) {
   StiffnessBounds bounds = contact;
   for (const effects::EffectSpec& effect : effects) {
-    if (is_spring(contact) && effect.kind->friction != nullptr) continue;  // a virtual tool rubs by itself, and shows no more for it
+    if (is_spring(contact) && effect.kind->friction != nullptr)
+      continue;  // a virtual tool rubs by itself, and shows no more for it
     const effects::EffectBound bound = effects::bound_of(effect);
     if (effect.kind->needs(effect.values).body)
-      return {{bound.stiffness_n_per_m, bound.stiffness_n_per_m}, {bound.stiffness_nm_per_rad, bound.stiffness_nm_per_rad}};
+      return {{bound.stiffness_n_per_m, bound.stiffness_n_per_m},
+              {bound.stiffness_nm_per_rad, bound.stiffness_nm_per_rad}};
     bounds.translation.all_points += bound.stiffness_n_per_m;
     bounds.rotation.all_points += bound.stiffness_nm_per_rad;
   }
@@ -318,15 +417,18 @@ Plan make_plan(const scene::Scene& scene, const BuildCounts& counts) {
   plan.voxel_size_m = scene.voxel_size_m;
   plan.shell_points = counts.shell_points;
   plan.budget_us = scene.budget_us.value_or(0.0);
-  if (!counts.level_points.empty()) plan.budget_points = counts.objects * counts.budget_points;
+  if (!counts.level_points.empty())
+    plan.budget_points = counts.objects * counts.budget_points;
   plan.surface_voxels = counts.surface_voxels, plan.interior_voxels = counts.interior_voxels;
   plan.of_contact_alone = counts.contact;
   const StiffnessBounds bounds = with_effects(plan.of_contact_alone, scene.effects);
   plan.contact_n_per_m = bounds.translation, plan.contact_nm_per_rad = bounds.rotation;
-  plan.bytes = counts.voxmap_bytes + counts.shell_bytes + counts.field_bytes + counts.proximity_bytes + counts.edge_bytes + edge_lookup_bytes(counts.edge_points);
+  plan.bytes = counts.voxmap_bytes + counts.shell_bytes + counts.field_bytes +
+               counts.proximity_bytes + counts.edge_bytes + edge_lookup_bytes(counts.edge_points);
   plan.parts = plan_parts(scene, counts);
   for (const PlanPart& part : plan.parts)
-    if (part.node == "rendering") plan.expected_ns_per_frame += part.expected_ns;
+    if (part.node == "rendering")
+      plan.expected_ns_per_frame += part.expected_ns;
   say_built(scene, counts, plan);
   say_left_out(scene, counts, plan);
   say_warnings(scene, counts, plan);

@@ -13,15 +13,18 @@ namespace voxtouch::rendering {
 namespace {
 
 constexpr const char* kRendering = "rendering";
-/// What the stage behind the contact model may remember of a point: that it was in the surface layer, and thrice the depth it is retained
-/// with. `field` remembers nothing, nor does a model alone.
+/// What the stage behind the contact model may remember of a point: that it was in the surface
+/// layer, and thrice the depth it is retained with. `field` remembers nothing, nor does a model
+/// alone.
 std::uint64_t stage_bytes_per_point(const scene::ContactSpec& contact) {
-  if (contact.rendering == scene::RenderingKind::kModelAlone) return 0;
+  if (contact.rendering == scene::RenderingKind::kModelAlone)
+    return 0;
   return contact.model == "original" || contact.model == "adapted" ? 52 : 0;
 }
 
 PlanPart effect_part(const effects::EffectSpec& effect, const BuildCounts& n) {
-  const std::uint64_t numbers = 3 * effect.values.size() * sizeof(std::array<double, 3>);  // goal, now, rate
+  const std::uint64_t numbers =
+      3 * effect.values.size() * sizeof(std::array<double, 3>);  // goal, now, rate
   return {.name = "effect " + effect.name,
           .node = kRendering,
           .why = fmt::format("The scene's list of effects names '{}'{}.", effect.kind->name,
@@ -35,84 +38,104 @@ PlanPart coupling_part(const scene::Scene& scene) {
           .node = "coupling",
           .why = scene.design ? "The scene asks for a coupling that is designed for its device."
                  : scene.coupling.kind == "direct"
-                     ? "The contact goes straight to the device; limits and the energy observer are kept all the same."
+                     ? "The contact goes straight to the device; limits and the energy observer "
+                       "are kept all the same."
                      : fmt::format("The scene sets a {} by hand.",
-                                   scene.coupling.kind == "spring_damper" ? "spring-damper" : "shaping filter"),
+                                   scene.coupling.kind == "spring_damper" ? "spring-damper"
+                                                                          : "shaping filter"),
           .expected_ns = kNsPerCoupling};
 }
 
 /// The static objects: their voxels and distances.
 void add_static_objects(std::vector<PlanPart>& parts, const BuildCounts& n) {
-  parts.push_back(
-      {.name = "voxmap",
-       .node = kRendering,
-       .why = "Every contact model asks it where the static objects are; asking is counted with the pointshell.",
-       .bytes = n.voxmap_bytes});
+  parts.push_back({.name = "voxmap",
+                   .node = kRendering,
+                   .why = "Every contact model asks it where the static objects are; asking is "
+                          "counted with the pointshell.",
+                   .bytes = n.voxmap_bytes});
   if (n.field_bytes > 0)
     parts.push_back({.name = "distance field",
                      .node = kRendering,
-                     .why = "The contact model 'field' reads depth and direction from it; reading is counted with the model.",
+                     .why = "The contact model 'field' reads depth and direction from it; reading "
+                            "is counted with the model.",
                      .bytes = n.field_bytes});
   if (n.proximity_bytes > 0)
     parts.push_back({.name = "distances round",
                      .node = kRendering,
-                     .why = "The effect 'proximity' looks them up for points of the tool; that is counted with the effect.",
+                     .why = "The effect 'proximity' looks them up for points of the tool; that is "
+                            "counted with the effect.",
                      .bytes = n.proximity_bytes});
 }
 
 /// The tool: its points, of which a frame tests at most `points`, and what leaves some of them out.
 void add_pointshell(std::vector<PlanPart>& parts, const BuildCounts& n, double points) {
-  parts.push_back({.name = "pointshell",
-                   .node = kRendering,
-                   .why = "The tool touches with its points; at most all of them are turned and looked up.",
-                   .bytes = n.shell_bytes,
-                   .expected_ns = kNsPerPoint * points});
+  parts.push_back(
+      {.name = "pointshell",
+       .node = kRendering,
+       .why = "The tool touches with its points; at most all of them are turned and looked up.",
+       .bytes = n.shell_bytes,
+       .expected_ns = kNsPerPoint * points});
   parts.push_back({.name = "culling tree",
                    .node = kRendering,
-                   .why = "Leaves out the points that are far from everything; with it, the points in single precision, which decide most.",
+                   .why = "Leaves out the points that are far from everything; with it, the points "
+                          "in single precision, which decide most.",
                    .bytes = contact::ContactQuery::lookup_bytes(n.shell_points)});
   if (!n.level_points.empty())
     parts.push_back({.name = "levels",
                      .node = kRendering,
-                     .why = "The scene's budget_us asks for them: where a frame may not test every point, it tests those of a coarser level.",
+                     .why = "The scene's budget_us asks for them: where a frame may not test every "
+                            "point, it tests those of a coarser level.",
                      .bytes = n.level_bytes,
                      .expected_ns = kNsPerLevelPoint * points});
 }
 
 /// What becomes of the `points` that touch.
-void add_contact(std::vector<PlanPart>& parts, const scene::Scene& scene, const BuildCounts& n, double points) {
+void add_contact(std::vector<PlanPart>& parts, const scene::Scene& scene, const BuildCounts& n,
+                 double points) {
   parts.push_back(
       {.name = "contact model " + scene.contact.model,
        .node = kRendering,
-       .why = stage_bytes_per_point(scene.contact) > 0 ? "The scene's contact section names it; with it goes the memory of points that have gone through."
-                                                       : "The scene's contact section names it; it remembers no points that have gone through.",
+       .why = stage_bytes_per_point(scene.contact) > 0
+                  ? "The scene's contact section names it; with it goes the memory of points that "
+                    "have gone through."
+                  : "The scene's contact section names it; it remembers no points that have gone "
+                    "through.",
        .bytes = n.shell_points * (2 * sizeof(std::uint32_t) + stage_bytes_per_point(scene.contact)),
        .expected_ns = kNsPerFrame + ns_per_contact_point(scene.contact.model) * points});
   if (n.virtual_tool_lever_m > 0.0)
-    parts.push_back({.name = "virtual tool",
-                     .node = kRendering,
-                     .why = "The scene's contact section asks for it: the hand feels the spring to a tool that stays outside.",
-                     .bytes = 2 * (n.objects * n.shell_points + n.edge_points) * sizeof(contact::ConstraintRow),
-                     .expected_ns = contact::limits::kMaxQueries * (kNsPerFrame + (kNsPerPoint + kNsPerFieldPoint) * points +
-                                                                   contact::limits::kMaxIterations * kNsPerIteration)});
+    parts.push_back(
+        {.name = "virtual tool",
+         .node = kRendering,
+         .why = "The scene's contact section asks for it: the hand feels the spring to a tool that "
+                "stays outside.",
+         .bytes = 2 * (n.objects * n.shell_points + n.edge_points) * sizeof(contact::ConstraintRow),
+         .expected_ns = contact::limits::kMaxQueries *
+                        (kNsPerFrame + (kNsPerPoint + kNsPerFieldPoint) * points +
+                         contact::limits::kMaxIterations * kNsPerIteration)});
   if (n.edge_points > 0)
-    parts.push_back({.name = "sharp edges",
-                     .node = kRendering,
-                     .why = "A virtual tool is asked for them: between its points it would go deeper over an edge than the tool itself.",
-                     .bytes = n.edge_bytes + edge_lookup_bytes(n.edge_points),
-                     .expected_ns = contact::limits::kMaxQueries * edge_ns(n.objects, n.edge_points)});
+    parts.push_back(
+        {.name = "sharp edges",
+         .node = kRendering,
+         .why = "A virtual tool is asked for them: between its points it would go deeper over an "
+                "edge than the tool itself.",
+         .bytes = n.edge_bytes + edge_lookup_bytes(n.edge_points),
+         .expected_ns = contact::limits::kMaxQueries * edge_ns(n.objects, n.edge_points)});
 }
 
 }  // namespace
 
 std::uint64_t edge_lookup_bytes(std::uint64_t edge_points) noexcept {
-  return edge_points * (8 * sizeof(double) + sizeof(std::uint32_t)) + contact::ContactQuery::lookup_bytes(edge_points);
+  return edge_points * (8 * sizeof(double) + sizeof(std::uint32_t)) +
+         contact::ContactQuery::lookup_bytes(edge_points);
 }
 
 double edge_ns(std::uint64_t objects, std::uint64_t edge_points) noexcept {
-  if (edge_points == 0) return 0.0;
-  const auto touching = static_cast<double>(std::min<std::uint64_t>(edge_points, contact::limits::kMaxRows));
-  return static_cast<double>(objects) * kNsPerFrame + kNsPerPoint * static_cast<double>(edge_points) + kNsPerFieldPoint * touching;
+  if (edge_points == 0)
+    return 0.0;
+  const auto touching =
+      static_cast<double>(std::min<std::uint64_t>(edge_points, contact::limits::kMaxRows));
+  return static_cast<double>(objects) * kNsPerFrame +
+         kNsPerPoint * static_cast<double>(edge_points) + kNsPerFieldPoint * touching;
 }
 
 double ns_per_contact_point(std::string_view contact_model) noexcept {
@@ -120,7 +143,8 @@ double ns_per_contact_point(std::string_view contact_model) noexcept {
 }
 
 double expected_ns(const effects::EffectSpec& effect, std::uint64_t tool_points) noexcept {
-  if (!effect.on) return kNsPerEffectOff;
+  if (!effect.on)
+    return kNsPerEffectOff;
   const bool looks_round = effect.kind->needs(effect.values).proximity_m > 0.0;
   return kNsPerEffect + effect.kind->expected_ns +
          (looks_round ? kNsPerProximityPoint * static_cast<double>(tool_points) : 0.0);
@@ -134,7 +158,8 @@ std::vector<PlanPart> plan_parts(const scene::Scene& scene, const BuildCounts& n
   const double points = static_cast<double>(n.objects * (cut ? n.budget_points : n.shell_points));
   add_pointshell(parts, n, points);
   add_contact(parts, scene, n, points);
-  for (const effects::EffectSpec& effect : scene.effects) parts.push_back(effect_part(effect, n));
+  for (const effects::EffectSpec& effect : scene.effects)
+    parts.push_back(effect_part(effect, n));
   parts.push_back(coupling_part(scene));
   return parts;
 }

@@ -11,39 +11,44 @@ namespace voxtouch::rendering {
 namespace {
 
 std::int32_t stride_for(double smoothing_m, double edge) {
-  return std::max(1, static_cast<std::int32_t>(std::ceil(std::min(smoothing_m / edge - 1e-9, 1e4))));
+  return std::max(1,
+                  static_cast<std::int32_t>(std::ceil(std::min(smoothing_m / edge - 1e-9, 1e4))));
 }
 
-/// The nodes of one lookup lie within 2 m sqrt(3) of each other: where their mean is below the range, none is cut off.
+/// The nodes of one lookup lie within 2 m sqrt(3) of each other: where their mean is below the
+/// range, none is cut off.
 voxmap::DistanceFieldOptions options_for(double range_m, std::int32_t stride, double edge) {
   const double voxels = std::max(2.0, range_m / edge + 3.5 * stride);
   return {.depth_voxels = voxels, .band_voxels = voxels};
 }
 
-/// Weights of three nodes at -1, 0 and 1 for a place t in [-1/2, 1/2], and their first and second derivatives.
+/// Weights of three nodes at -1, 0 and 1 for a place t in [-1/2, 1/2], and their first and second
+/// derivatives.
 struct Spline {
   std::array<double, 3> value, slope;
   explicit Spline(double t) noexcept
-      : value{0.5 * (0.5 - t) * (0.5 - t), 0.75 - t * t, 0.5 * (0.5 + t) * (0.5 + t)}, slope{t - 0.5, -2.0 * t,
-                                                                                             t + 0.5} {}
+      : value{0.5 * (0.5 - t) * (0.5 - t), 0.75 - t * t, 0.5 * (0.5 + t) * (0.5 + t)},
+        slope{t - 0.5, -2.0 * t, t + 0.5} {}
   static constexpr std::array<double, 3> kBend = {1.0, -2.0, 1.0};
 };
 
 }  // namespace
 
-ProximityField::ProximityField(const mesh::TriangleMesh& mesh, const voxmap::Voxmap& voxmap, double range_m, double smoothing_m,
-                               const ParallelFor& parallel_for)
+ProximityField::ProximityField(const mesh::TriangleMesh& mesh, const voxmap::Voxmap& voxmap,
+                               double range_m, double smoothing_m, const ParallelFor& parallel_for)
     : stride_(stride_for(smoothing_m, voxmap.grid().edge)),
-      field_(voxmap::build_distance_field(mesh, voxmap, options_for(range_m, stride_, voxmap.grid().edge), parallel_for)),
-      band_voxels_(
-          static_cast<float>(options_for(range_m, stride_, voxmap.grid().edge).band_voxels)),  // as the nodes hold it
+      field_(voxmap::build_distance_field(
+          mesh, voxmap, options_for(range_m, stride_, voxmap.grid().edge), parallel_for)),
+      band_voxels_(static_cast<float>(
+          options_for(range_m, stride_, voxmap.grid().edge).band_voxels)),  // as the nodes hold it
       reach_m_(voxmap.grid().edge * band_voxels_) {}
 
 ProximityField::ProximityField(ByteReader& in) {
   in(stride_);
   field_ = voxmap::DistanceField::take(in);
   in(band_voxels_), in(reach_m_);
-  ByteReader::require(stride_ >= 1 && stride_ <= 10'000 && band_voxels_ >= 2.0 && band_voxels_ <= 1e4 && reach_m_ > 0.0 && reach_m_ < 1e9,
+  ByteReader::require(stride_ >= 1 && stride_ <= 10'000 && band_voxels_ >= 2.0 &&
+                          band_voxels_ <= 1e4 && reach_m_ > 0.0 && reach_m_ < 1e9,
                       "distances round an object with a stride or reach that they cannot have");
 }
 
@@ -57,15 +62,18 @@ effects::ProximitySample ProximityField::at(const Vec3& x) const noexcept {
   effects::ProximitySample sample;
   sample.distance_m = reach_m_;
   const Vec3 u = field_.grid().to_grid(x) / stride_;
-  if (!(u.cwiseAbs().sum() * stride_ < 1e9)) return sample;  // a sum, since a largest of NaN and a number may be either
+  if (!(u.cwiseAbs().sum() * stride_ < 1e9))
+    return sample;  // a sum, since a largest of NaN and a number may be either
   const Vec3 nearest = (u.array() + 0.5).floor();
   const Vec3 t = u - nearest;
   const Spline sx(t.x()), sy(t.y()), sz(t.z());
   const std::array first = {(static_cast<std::int32_t>(nearest.x()) - 1) * stride_,
                             (static_cast<std::int32_t>(nearest.y()) - 1) * stride_,
                             (static_cast<std::int32_t>(nearest.z()) - 1) * stride_};
-  // Cut off here, so above the range by more than 3 h; its neighbours are lower by sqrt(3) h at most, and so is their mean.
-  if (field_.node({first[0] + stride_, first[1] + stride_, first[2] + stride_}) >= band_voxels_) return sample;
+  // Cut off here, so above the range by more than 3 h; its neighbours are lower by sqrt(3) h at
+  // most, and so is their mean.
+  if (field_.node({first[0] + stride_, first[1] + stride_, first[2] + stride_}) >= band_voxels_)
+    return sample;
   double value = 0.0;
   Vec3 gradient = Vec3::Zero();
   Mat3 bend = Mat3::Zero();
@@ -75,11 +83,13 @@ effects::ProximitySample ProximityField::at(const Vec3& x) const noexcept {
       double d = 0.0, dx = 0.0, dxx = 0.0;  // along x
       for (std::int32_t i = 0; i < 3; ++i) {
         const auto a = static_cast<std::size_t>(i);
-        const double node = field_.node({first[0] + i * stride_, first[1] + j * stride_, first[2] + k * stride_});
+        const double node =
+            field_.node({first[0] + i * stride_, first[1] + j * stride_, first[2] + k * stride_});
         d += sx.value[a] * node, dx += sx.slope[a] * node, dxx += Spline::kBend[a] * node;
       }
       value += sy.value[b] * sz.value[c] * d;
-      gradient += Vec3(sy.value[b] * sz.value[c] * dx, sy.slope[b] * sz.value[c] * d, sy.value[b] * sz.slope[c] * d);
+      gradient += Vec3(sy.value[b] * sz.value[c] * dx, sy.slope[b] * sz.value[c] * d,
+                       sy.value[b] * sz.slope[c] * d);
       bend(0, 0) += sy.value[b] * sz.value[c] * dxx;
       bend(1, 1) += Spline::kBend[b] * sz.value[c] * d;
       bend(2, 2) += sy.value[b] * Spline::kBend[c] * d;
@@ -103,11 +113,13 @@ ToolPoints spread_tool_points(const pointshell::Pointshell& shell, std::size_t m
     const Vec3 chosen = shell.point(next);
     for (std::size_t p = 0; p < shell.size(); ++p) {
       const double square = (shell.point(p) - chosen).squaredNorm();
-      if (square < distance[p]) distance[p] = square, owner[p] = out.points.size();
+      if (square < distance[p])
+        distance[p] = square, owner[p] = out.points.size();
     }
     out.points.push_back({.position = chosen, .share = 0.0});
     out.reach_m = std::max(out.reach_m, chosen.norm());
-    next = static_cast<std::size_t>(std::max_element(distance.begin(), distance.end()) - distance.begin());
+    next = static_cast<std::size_t>(std::max_element(distance.begin(), distance.end()) -
+                                    distance.begin());
     out.gap_m = std::sqrt(distance[next]);
   }
   double area = 0.0;

@@ -8,8 +8,8 @@ namespace {
 
 /// As the file asks for it, wherever it stands there.
 bool same(const effects::EffectSpec& a, const effects::EffectSpec& b) {
-  return a.name == b.name && a.kind == b.kind && a.values == b.values && a.gain == b.gain && a.on == b.on && a.text == b.text &&
-         a.object == b.object && a.region == b.region;
+  return a.name == b.name && a.kind == b.kind && a.values == b.values && a.gain == b.gain &&
+         a.on == b.on && a.text == b.text && a.object == b.object && a.region == b.region;
 }
 
 /// That an outside wrench is read from; nothing where no effect asks for one.
@@ -22,25 +22,32 @@ std::optional<std::string> topic_of(const scene::Scene& scene) {
 
 std::string why_not_reloaded(const scene::Scene& running, const scene::Scene& next) {
   if (running.device != next.device)
-    return "the scene's 'device' section has changed, which the device and coupling nodes do not read again: restart the "
+    return "the scene's 'device' section has changed, which the device and coupling nodes do not "
+           "read again: restart the "
            "ring for it";
   if (running.design != next.design || running.coupling != next.coupling)
-    return "the scene's 'coupling' section has changed, which the coupling node does not read again: restart the ring "
+    return "the scene's 'coupling' section has changed, which the coupling node does not read "
+           "again: restart the ring "
            "for it";
   if (effects::needs_of(running.effects).body || effects::needs_of(next.effects).body)
-    return "the scene's dynamic object is a body that lies somewhere by itself, and a scene built anew would not know where: "
+    return "the scene's dynamic object is a body that lies somewhere by itself, and a scene built "
+           "anew would not know where: "
            "restart the ring for it";
   if (topic_of(running) != topic_of(next))
-    return "the effect 'external' has come, gone or follows another topic, which the rendering does not read anew while it runs: restart the ring for it";
+    return "the effect 'external' has come, gone or follows another topic, which the rendering "
+           "does not read anew while it runs: restart the ring for it";
   return {};
 }
 
-std::vector<effects::EffectSpec> carried_over(std::span<const effects::EffectSpec> before, std::span<const effects::EffectSpec> now,
-                                     std::span<const effects::EffectSpec> next) {
+std::vector<effects::EffectSpec> carried_over(std::span<const effects::EffectSpec> before,
+                                              std::span<const effects::EffectSpec> now,
+                                              std::span<const effects::EffectSpec> next) {
   std::vector<effects::EffectSpec> effects(next.begin(), next.end());
   for (effects::EffectSpec& effect : effects) {
-    const auto old = std::find_if(before.begin(), before.end(), [&](const effects::EffectSpec& e) { return same(e, effect); });
-    if (old != before.end()) effect = now[static_cast<std::size_t>(old - before.begin())];
+    const auto old = std::find_if(before.begin(), before.end(),
+                                  [&](const effects::EffectSpec& e) { return same(e, effect); });
+    if (old != before.end())
+      effect = now[static_cast<std::size_t>(old - before.begin())];
   }
   return effects;
 }

@@ -11,20 +11,22 @@
 
 namespace voxtouch::rendering {
 
-/// W axes. Without a body all of it is about the tool's origin, which is the object's; with one, `touch` and `effects` act on
-/// the body, about its origin, and `wrench` and the stiffness are the grip's, about the tool's. With a virtual tool `touch` is the
-/// spring's wrench, which acts on both of its ends alike; what effects of the surface give where the virtual tool is, the hand feels
-/// as it is.
+/// W axes. Without a body all of it is about the tool's origin, which is the object's; with one,
+/// `touch` and `effects` act on the body, about its origin, and `wrench` and the stiffness are the
+/// grip's, about the tool's. With a virtual tool `touch` is the spring's wrench, which acts on both
+/// of its ends alike; what effects of the surface give where the virtual tool is, the hand feels as
+/// it is.
 struct SceneFrame {
-  Pose object;         ///< where the dynamic object was when the contact was found: the tool, the virtual tool, or the body
-  ToolFrame tool;      ///< of a virtual tool; all zero without one
+  Pose object;  ///< where the dynamic object was when the contact was found: the tool, the virtual
+                ///< tool, or the body
+  ToolFrame tool;               ///< of a virtual tool; all zero without one
   contact::StageResult touch;   ///< contact alone
   effects::EffectPush effects;  ///< effects alone; all zero where the scene lists none
-  Wrench wrench;       ///< for the hand: the sum of both, or the grip
+  Wrench wrench;                ///< for the hand: the sum of both, or the grip
   Mat6 stiffness = Mat6::Zero();
   double stiffness_bound_n_per_m = 0.0;
-  /// What the hand may have been given since the session began, by potentials that fell, moving objects, effects that are
-  /// bounded by the way, or the body's weight and speed [J].
+  /// What the hand may have been given since the session began, by potentials that fell, moving
+  /// objects, effects that are bounded by the way, or the body's weight and speed [J].
   double supplied_energy_j = 0.0;
 };
 
@@ -32,43 +34,54 @@ struct SceneFrame {
 struct SceneSurroundings {
   const effects::Proximity* proximity = nullptr;
   std::span<const effects::ToolPoint> tool_points = {};
-  std::optional<effects::BodyShape> body = {};  ///< of the dynamic object, for scenes with the effect of that name
-  std::optional<double> virtual_tool_lever_m = {};  ///< there is a virtual tool, with this lever; 0: the tool's reach
-  contact::ToolWork virtual_tool_work = {};         ///< that a frame of it may cost
+  std::optional<effects::BodyShape> body =
+      {};  ///< of the dynamic object, for scenes with the effect of that name
+  std::optional<double> virtual_tool_lever_m =
+      {};  ///< there is a virtual tool, with this lever; 0: the tool's reach
+  contact::ToolWork virtual_tool_work = {};  ///< that a frame of it may cost
 };
 
 /// One thread at a time. `contact` and what `surroundings` points to must outlive it.
 class SceneRenderer {
  public:
-  /// Time steps that effects are given lie within these: a first sample, or one after a gap, counts as one of `kDefaultStepS`.
+  /// Time steps that effects are given lie within these: a first sample, or one after a gap, counts
+  /// as one of `kDefaultStepS`.
   static constexpr double kDefaultStepS = 0.001, kMinStepS = 1e-5, kLongestStepS = 0.05;
 
   /// std::invalid_argument where a body's shape is missing.
-  SceneRenderer(ObjectContacts& contact, std::vector<effects::EffectSpec> effects, const SceneSurroundings& surroundings = {});
+  SceneRenderer(ObjectContacts& contact, std::vector<effects::EffectSpec> effects,
+                const SceneSurroundings& surroundings = {});
 
-  /// `time_s` counts from the session's begin. A pose that cannot be looked up gives no force from anything. Real-time safe.
+  /// `time_s` counts from the session's begin. A pose that cannot be looked up gives no force from
+  /// anything. Real-time safe.
   SceneFrame render(const ToolState& tool, double time_s) noexcept {
     // Two functions, so that each builds its frame in place: one with two ways out would copy it.
     return constrained_ ? render_constrained(tool, time_s) : render_pushed(tool, time_s);
   }
   /// Forgets all samples so far.
   void reset() noexcept;
-  /// A virtual tool is placed anew: where samples were missing for longer than the last one is repeated. Real-time safe.
+  /// A virtual tool is placed anew: where samples were missing for longer than the last one is
+  /// repeated. Real-time safe.
   void lose_tool() noexcept {
-    if (constrained_) constrained_->reset();
+    if (constrained_)
+      constrained_->reset();
   }
-  /// Stiffness of the virtual tool's spring, in W [N/m]; see ConstrainedTool::aim_for. Real-time safe.
+  /// Stiffness of the virtual tool's spring, in W [N/m]; see ConstrainedTool::aim_for. Real-time
+  /// safe.
   void aim_for_spring(double n_per_m) noexcept {
-    if (constrained_) constrained_->aim_for(n_per_m);
+    if (constrained_)
+      constrained_->aim_for(n_per_m);
   }
   /// What the effect `external` follows from the next sample on. Real-time safe.
   void external_is(const effects::ExternalWrench& newest) noexcept { external_ = newest; }
-  /// The virtual tool of `before`, where both scenes have one and its place is free in this one, is this one's from now on. Real-time safe.
+  /// The virtual tool of `before`, where both scenes have one and its place is free in this one, is
+  /// this one's from now on. Real-time safe.
   void start_tool_from(const SceneRenderer& before, double time_s) noexcept;
 
-  /// What the effects are given for a sample `step_s` after the last one; points into `contacts`. Real-time safe.
+  /// What the effects are given for a sample `step_s` after the last one; points into `contacts`.
+  /// Real-time safe.
   effects::EffectFrame look(const ToolState& object, double step_s, double time_s,
-                   std::span<const effects::ObjectContact> contacts) const noexcept;
+                            std::span<const effects::ObjectContact> contacts) const noexcept;
 
   effects::EffectChain& effects() noexcept { return effects_; }
   const effects::EffectChain& effects() const noexcept { return effects_; }
@@ -80,7 +93,8 @@ class SceneRenderer {
   };
   SceneFrame render_pushed(const ToolState& tool, double time_s) noexcept;
   SceneFrame render_constrained(const ToolState& tool, double time_s) noexcept;
-  void add_effects_at_both(const ToolState& hand, double time_s, double dt_s, SceneFrame& frame) noexcept;
+  void add_effects_at_both(const ToolState& hand, double time_s, double dt_s,
+                           SceneFrame& frame) noexcept;
   void add(const effects::EffectPush& effects, SceneFrame& frame) noexcept;
   double step_to(double time_s) noexcept;
   const Pose& object_pose(const Pose& tool) const noexcept;

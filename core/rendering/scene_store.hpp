@@ -1,5 +1,6 @@
 #pragma once
-/// Who keeps what was built, so that it need not be built again. The one on disk is in nodes/scene_build.
+/// Who keeps what was built, so that it need not be built again. The one on disk is in
+/// nodes/scene_build.
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -18,7 +19,8 @@ class SceneStore {
   virtual ~SceneStore() = default;
   /// A name for bytes that nobody can make other bytes for.
   virtual std::string digest(std::string_view bytes) const = 0;
-  /// What was kept under exactly this recipe, whole; null where it is not there or cannot be trusted. Does not throw.
+  /// What was kept under exactly this recipe, whole; null where it is not there or cannot be
+  /// trusted. Does not throw.
   virtual Kept find(const std::string& recipe) = 0;
   /// `content` was found and is no scene. Does not throw.
   virtual void refuse(const std::string& recipe, const std::string& why) = 0;

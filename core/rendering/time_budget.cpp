@@ -33,14 +33,19 @@ double ns_per_budget_point(contact::ContactModelKind model) noexcept {
 }
 
 std::uint32_t points_within(double budget_us, const scene::Scene& scene, const FrameWork& work) {
-  const double each = ns_per_budget_point(work.model) * static_cast<double>(work.objects), fixed = fixed_ns(scene, work);
-  const std::uint64_t least = std::min<std::uint64_t>(contact::FrameBudget::kMinPoints, work.shell_points);
+  const double each = ns_per_budget_point(work.model) * static_cast<double>(work.objects),
+               fixed = fixed_ns(scene, work);
+  const std::uint64_t least =
+      std::min<std::uint64_t>(contact::FrameBudget::kMinPoints, work.shell_points);
   const double points = std::floor((1e3 * budget_us - fixed) / each);
   if (!(points >= static_cast<double>(least)))
-    throw std::invalid_argument(fmt::format(
-        "{}: 'budget_us' is {:g}, but a frame of this scene takes up to {:g} us beside its points, and keeps no contact that it had with fewer "
-        "than {} points, at {:g} ns each. Say at least {:.0f}, or choose a cheaper contact model or fewer effects.",
-        scene.file.string(), budget_us, 1e-3 * fixed, least, each, std::ceil(1e-3 * (fixed + each * static_cast<double>(least)))));
+    throw std::invalid_argument(
+        fmt::format("{}: 'budget_us' is {:g}, but a frame of this scene takes up to {:g} us beside "
+                    "its points, and keeps no contact that it had with fewer "
+                    "than {} points, at {:g} ns each. Say at least {:.0f}, or choose a cheaper "
+                    "contact model or fewer effects.",
+                    scene.file.string(), budget_us, 1e-3 * fixed, least, each,
+                    std::ceil(1e-3 * (fixed + each * static_cast<double>(least)))));
   return static_cast<std::uint32_t>(std::min(points, 4e9));
 }
 
@@ -49,7 +54,9 @@ double tool_ns_within(double budget_us, const scene::Scene& scene, const FrameWo
 }
 
 double least_tool_ns(const FrameWork& work) noexcept {
-  const double query = static_cast<double>(work.objects) * (kNsPerFrame + (kNsPerPoint + kNsPerFieldPoint) * static_cast<double>(work.shell_points)) +
+  const double query = static_cast<double>(work.objects) *
+                           (kNsPerFrame + (kNsPerPoint + kNsPerFieldPoint) *
+                                              static_cast<double>(work.shell_points)) +
                        edge_ns(work.objects, work.edge_points);
   return contact::limits::kMinQueries * (query + contact::limits::kMaxIterations * kNsPerIteration);
 }

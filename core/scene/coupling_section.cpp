@@ -10,13 +10,16 @@
 namespace voxtouch::scene {
 namespace {
 
-/// Refuses the keys with this rule, which do not go with what the scene asks for; `why` completes "'key' ...".
+/// Refuses the keys with this rule, which do not go with what the scene asks for; `why` completes
+/// "'key' ...".
 void refuse_all(const MapReader& map, KeyRule rule, std::string_view why) {
   for (const Key& key : keys::coupling.keys)
-    if (key.rule == rule) map.refuse(key.name, why);
+    if (key.rule == rule)
+      map.refuse(key.name, why);
 }
 
-coupling::design::HandRange axis_range(const MapReader& map, std::string_view mass, std::string_view damping, std::string_view stiffness) {
+coupling::design::HandRange axis_range(const MapReader& map, std::string_view mass,
+                                       std::string_view damping, std::string_view stiffness) {
   coupling::design::HandRange out;
   const auto read = [&](std::string_view key, double& low, double& high) {
     const auto range = map.get<std::array<double, 2>>(key);
@@ -28,42 +31,51 @@ coupling::design::HandRange axis_range(const MapReader& map, std::string_view ma
   return out;
 }
 
-void read_hand(const SceneSource& source, const YamlNode& node, const MapReader& coupling, DesignOptions& options) {
+void read_hand(const SceneSource& source, const YamlNode& node, const MapReader& coupling,
+               DesignOptions& options) {
   if (node.kind == YamlNode::Kind::kMap) {
     const MapReader map = coupling.inner("hand");
     options.hand = HandOption::kGiven;
     options.given_translation = axis_range(map, "mass_kg", "damping_ns_per_m", "stiffness_n_per_m");
     // A hand that is only half known about its rotation would be completed by guessing.
-    if (map.has("inertia_kg_m2") || map.has("damping_nms_per_rad") || map.has("stiffness_nm_per_rad"))
-      options.given_rotation = axis_range(map, "inertia_kg_m2", "damping_nms_per_rad", "stiffness_nm_per_rad");
+    if (map.has("inertia_kg_m2") || map.has("damping_nms_per_rad") ||
+        map.has("stiffness_nm_per_rad"))
+      options.given_rotation =
+          axis_range(map, "inertia_kg_m2", "damping_nms_per_rad", "stiffness_nm_per_rad");
     return;
   }
   constexpr std::array kinds = {HandOption::kPen, HandOption::kArm, HandOption::kAnyPassive};
   if (node.kind != YamlNode::Kind::kScalar)
-    source.fail(node.place,
-                fmt::format("'hand' must be one of: pen, arm, any_passive; or a map of ranges, but here is {}.",
-                            describe(node)));
+    source.fail(
+        node.place,
+        fmt::format(
+            "'hand' must be one of: pen, arm, any_passive; or a map of ranges, but here is {}.",
+            describe(node)));
   options.hand = kinds[coupling.choice("hand")];
 }
 
 /// Places the findings of `validate` at the keys that they are about.
-void judge(SceneSource& source, const YamlNode& node, const MapReader& map, const coupling::CouplingSpec& spec) {
+void judge(SceneSource& source, const YamlNode& node, const MapReader& map,
+           const coupling::CouplingSpec& spec) {
   for (const coupling::CouplingIssue& issue : coupling::validate(spec, {}, kSceneSampleTimeS)) {
     const YamlNode* value = map.find(issue.field);
     const SourcePlace place = value ? value->place : node.place;
-    if (issue.refuse) source.fail(place, issue.sentence);
+    if (issue.refuse)
+      source.fail(place, issue.sentence);
     source.warn(place, issue.sentence);
   }
 }
 
 DesignOptions read_ask(SceneSource& source, const YamlNode& node, const MapReader& map) {
   map.get<std::string>("design");
-  refuse_all(map, KeyRule::kWithoutFirst,
-             "is what the designer chooses; leave it out, or set the coupling by hand without 'design'.");
+  refuse_all(
+      map, KeyRule::kWithoutFirst,
+      "is what the designer chooses; leave it out, or set the coupling by hand without 'design'.");
   DesignOptions options;
   map.read("kind", options.kind);
   if (options.kind != "auto" && options.kind != "shaping_filter")
-    map.refuse("cutoff_hz", fmt::format("goes with kind: auto or shaping_filter, not with {}.", options.kind));
+    map.refuse("cutoff_hz",
+               fmt::format("goes with kind: auto or shaping_filter, not with {}.", options.kind));
   map.read("cutoff_hz", options.cutoff_hz);
   coupling::CouplingSpec requested;
   requested.cutoff_hz = options.cutoff_hz;
@@ -74,30 +86,37 @@ DesignOptions read_ask(SceneSource& source, const YamlNode& node, const MapReade
   map.read("damper_share", options.damper_share);
   map.read("stiffness_cap_n_per_m", options.stiffness_cap_n_per_m);
   map.read("stiffness_cap_nm_per_rad", options.stiffness_cap_nm_per_rad);
-  if (const YamlNode* hand = map.find("hand")) read_hand(source, *hand, map, options);
+  if (const YamlNode* hand = map.find("hand"))
+    read_hand(source, *hand, map, options);
   map.read("released", options.released);
   map.read("inject_damping", options.inject_damping);
   map.read("velocity_windows", options.velocity_windows);
   map.read("run_infeasible", options.run_infeasible);
   if (options.hand == HandOption::kAnyPassive && !options.released)
-    source.fail(map.place_of("released"),
-                "'released: false' does not go with 'hand: any_passive', among which is no hand at all.");
+    source.fail(
+        map.place_of("released"),
+        "'released: false' does not go with 'hand: any_passive', among which is no hand at all.");
   return options;
 }
 
-coupling::CouplingSpec read_by_hand(SceneSource& source, const YamlNode& node, const MapReader& map) {
+coupling::CouplingSpec read_by_hand(SceneSource& source, const YamlNode& node,
+                                    const MapReader& map) {
   refuse_all(map, KeyRule::kWithFirst, "goes with 'design: auto'.");
   coupling::CouplingSpec spec;
   if (const YamlNode* kind = map.find("kind")) {
-    if (kind->text == "auto") source.fail(kind->place, "'kind: auto' goes with 'design: auto', which is not here.");
+    if (kind->text == "auto")
+      source.fail(kind->place, "'kind: auto' goes with 'design: auto', which is not here.");
     read_choice(source, *kind, "kind", words_of(keys::kKindsByHand));
     map.read("kind", spec.kind);
   }
   const auto belongs = [&](std::string_view key, std::string_view kind) {
-    if (spec.kind != kind) map.refuse(key, fmt::format("goes with kind: {}, not with {}.", kind, spec.kind));
+    if (spec.kind != kind)
+      map.refuse(key, fmt::format("goes with kind: {}, not with {}.", kind, spec.kind));
   };
-  for (const auto key : {"cutoff_hz", "damping_ratio", "gain"}) belongs(key, "shaping_filter");
-  for (const auto key : {"stiffness_n_per_m", "damping_ns_per_m"}) belongs(key, "spring_damper");
+  for (const auto key : {"cutoff_hz", "damping_ratio", "gain"})
+    belongs(key, "shaping_filter");
+  for (const auto key : {"stiffness_n_per_m", "damping_ns_per_m"})
+    belongs(key, "spring_damper");
   map.read("cutoff_hz", spec.cutoff_hz);
   map.read("damping_ratio", spec.damping_ratio);
   map.read("gain", spec.gain);
@@ -108,9 +127,14 @@ coupling::CouplingSpec read_by_hand(SceneSource& source, const YamlNode& node, c
   map.read("injected_damping_ns_per_m", spec.injected_damping_ns_per_m);
   map.read("injected_damping_nms_per_rad", spec.injected_damping_nms_per_rad);
   if (!map.has("injected_damping_ns_per_m") && !map.has("injected_damping_nms_per_rad"))
-    for (const auto& [key, job] : {std::pair("velocity_filter_hz", "is of the velocity for"), {"velocity_window", "is of the velocity for"}, {"slow_velocity_hz", "is of the velocity for"},
-                                    {"velocity_band_m_per_s", "is of the velocity for"}, {"damper_share", "bounds"}})
-      map.refuse(key, fmt::format("{} injected damping; it goes with injected_damping_ns_per_m or injected_damping_nms_per_rad.", job));
+    for (const auto& [key, job] : {std::pair("velocity_filter_hz", "is of the velocity for"),
+                                   {"velocity_window", "is of the velocity for"},
+                                   {"slow_velocity_hz", "is of the velocity for"},
+                                   {"velocity_band_m_per_s", "is of the velocity for"},
+                                   {"damper_share", "bounds"}})
+      map.refuse(key, fmt::format("{} injected damping; it goes with injected_damping_ns_per_m or "
+                                  "injected_damping_nms_per_rad.",
+                                  job));
   map.read("velocity_filter_hz", spec.velocity_filter_hz);
   map.read("velocity_window", spec.velocity_window);
   map.read("slow_velocity_hz", spec.slow_velocity_hz);
@@ -122,9 +146,11 @@ coupling::CouplingSpec read_by_hand(SceneSource& source, const YamlNode& node, c
 
 }  // namespace
 
-coupling::CouplingSpec read_coupling(SceneSource& source, const YamlNode& node, std::optional<DesignOptions>& design) {
+coupling::CouplingSpec read_coupling(SceneSource& source, const YamlNode& node,
+                                     std::optional<DesignOptions>& design) {
   const MapReader map(source, node, "coupling", keys::coupling);
-  if (!map.has("design")) return read_by_hand(source, node, map);
+  if (!map.has("design"))
+    return read_by_hand(source, node, map);
   design = read_ask(source, node, map);
   return {};
 }

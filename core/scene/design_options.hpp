@@ -1,5 +1,6 @@
 #pragma once
-/// What a scene asks of a coupling that is to be designed, instead of setting its parameters; and what a hand may be.
+/// What a scene asks of a coupling that is to be designed, instead of setting its parameters; and
+/// what a hand may be.
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -23,38 +24,42 @@ std::string_view name_of(HandOption hand) noexcept;
 
 /// Values as in the scene file; what they mean for the designer is in design_problem.hpp.
 struct DesignOptions {
-  std::string kind = "auto";  ///< auto | shaping_filter | spring_damper | direct
-  double cutoff_hz = 5.0;     ///< goal, w0 / (2 pi)
-  double gain_margin = 2.0;   ///< >= 1
+  std::string kind = "auto";   ///< auto | shaping_filter | spring_damper | direct
+  double cutoff_hz = 5.0;      ///< goal, w0 / (2 pi)
+  double gain_margin = 2.0;    ///< >= 1
   double damping_floor = 0.3;  ///< of translation, with a hand, and a third of it released; 0: none
   double rotation_damping_floor = 0.0;  ///< likewise
   std::optional<double> damper_share;   ///< as CouplingSpec has it; none: the designer chooses one
-  /// Caps on the contact's stiffness in W that are wanted as they are; without both the designer is free to cap.
+  /// Caps on the contact's stiffness in W that are wanted as they are; without both the designer is
+  /// free to cap.
   std::optional<double> stiffness_cap_n_per_m, stiffness_cap_nm_per_rad;
   HandOption hand = HandOption::kAsDeviceIsHeld;
-  coupling::design::HandRange given_translation;              ///< for kGiven
-  std::optional<coupling::design::HandRange> given_rotation;  ///< for kGiven; none: the range of the device's grip
-  bool released = true;                     ///< nobody holding the device is one of the cases
-  bool inject_damping = true;               ///< damping while in contact is allowed
-  bool velocity_windows = true;             ///< also on the velocity of a window
-  bool run_infeasible = false;              ///< run what was found even where the design is called infeasible
+  coupling::design::HandRange given_translation;  ///< for kGiven
+  std::optional<coupling::design::HandRange>
+      given_rotation;            ///< for kGiven; none: the range of the device's grip
+  bool released = true;          ///< nobody holding the device is one of the cases
+  bool inject_damping = true;    ///< damping while in contact is allowed
+  bool velocity_windows = true;  ///< also on the velocity of a window
+  bool run_infeasible = false;   ///< run what was found even where the design is called infeasible
   bool operator==(const DesignOptions&) const = default;
 };
 
-/// The range of hands for a grip; letting go is one of its cases. Apparent at the device, so that they add to its own
-/// mass, damping and stiffness.
+/// The range of hands for a grip; letting go is one of its cases. Apparent at the device, so that
+/// they add to its own mass, damping and stiffness.
 ///
-/// Translation: engineering ranges. Arm: round published fits of its end point (0.55 kg, 6.5 Ns/m, 135 N/m; 1.3 kg).
-/// Pen: no published coefficients could be confirmed. Both are opened towards the light and soft end, the hard one.
+/// Translation: engineering ranges. Arm: round published fits of its end point (0.55 kg, 6.5 Ns/m,
+/// 135 N/m; 1.3 kg). Pen: no published coefficients could be confirmed. Both are opened towards the
+/// light and soft end, the hard one.
 ///
-/// Rotation: ASSUMPTIONS; no published ranges were found. Each is the translational one times the square of a lever at
-/// which the grip takes hold. Pen: the fingers' mass sits 3 cm from the tool's origin (2e-5 to 2e-4 kg m^2); they hold
-/// it at two places, tip and the fold of the thumb, 5 to 7 cm apart (0.1 to 2 Nm/rad, 2e-3 to 0.03 Nms/rad). Arm: fist
-/// and forearm at 8 to 10 cm (2e-3 to 2e-2 kg m^2), held by wrist and elbow through 13 to 16 cm (1 to 15 Nm/rad, 0.05
-/// to 0.6 Nms/rad).
+/// Rotation: ASSUMPTIONS; no published ranges were found. Each is the translational one times the
+/// square of a lever at which the grip takes hold. Pen: the fingers' mass sits 3 cm from the tool's
+/// origin (2e-5 to 2e-4 kg m^2); they hold it at two places, tip and the fold of the thumb, 5 to 7
+/// cm apart (0.1 to 2 Nm/rad, 2e-3 to 0.03 Nms/rad). Arm: fist and forearm at 8 to 10 cm (2e-3 to
+/// 2e-2 kg m^2), held by wrist and elbow through 13 to 16 cm (1 to 15 Nm/rad, 0.05 to 0.6 Nms/rad).
 coupling::design::OperatorRange hand_range(coupling::design::Grip grip) noexcept;
 
 /// The hands that `options` means on a device that is held by `grip`.
-coupling::design::OperatorRange operator_range(const DesignOptions& options, coupling::design::Grip grip) noexcept;
+coupling::design::OperatorRange operator_range(const DesignOptions& options,
+                                               coupling::design::Grip grip) noexcept;
 
 }  // namespace voxtouch::scene

@@ -13,28 +13,42 @@
 namespace voxtouch::scene {
 namespace {
 
-/// The guard fades the largest force within 20 ms; the slew limit leaves it a third more than that takes.
-constexpr double kFadeS = 0.015, kMinForceRate = 2000.0;  // the least is assumed: a wall of 800 N/m struck at 2.5 m/s
+/// The guard fades the largest force within 20 ms; the slew limit leaves it a third more than that
+/// takes.
+constexpr double kFadeS = 0.015,
+                 kMinForceRate =
+                     2000.0;  // the least is assumed: a wall of 800 N/m struck at 2.5 m/s
 
 /// Reads figures of one map, and notes each that is left out and has a standard.
 class FigureReader {
  public:
   FigureReader(const SceneSource& source, const MapReader& map, bool pen, DeviceFile& file)
-      : source_(source), map_(map), pen_(pen), file_(file) {}
+      : source_(source),
+        map_(map),
+        pen_(pen),
+        file_(file) {}
 
-  double number(std::string_view key) const { return map_.has(key) ? map_.get<double>(key) : standard(key); }
-  std::size_t count(std::string_view key) const { return map_.has(key) ? map_.get<std::size_t>(key) : static_cast<std::size_t>(standard(key)); }
+  double number(std::string_view key) const {
+    return map_.has(key) ? map_.get<double>(key) : standard(key);
+  }
+  std::size_t count(std::string_view key) const {
+    return map_.has(key) ? map_.get<std::size_t>(key) : static_cast<std::size_t>(standard(key));
+  }
   /// A number, or [low, high] with 0 < low <= high.
   void range(std::string_view key, double& low, double& high) const {
     const YamlNode* value = map_.find(key);
-    if (value == nullptr) return void(low = high = standard(key));
+    if (value == nullptr)
+      return void(low = high = standard(key));
     if (value->kind == YamlNode::Kind::kScalar) {
       low = high = read_number(source_, *value, key);
-      if (!(low > 0.0)) source_.fail(value->place, fmt::format("'{}' is {}; it must be above 0.", key, low));
+      if (!(low > 0.0))
+        source_.fail(value->place, fmt::format("'{}' is {}; it must be above 0.", key, low));
       return;
     }
     const auto given = map_.get<std::array<double, 2>>(key);
-    if (!(given[0] > 0.0)) source_.fail(value->place, fmt::format("'{}' begins at {}; it must be above 0.", key, given[0]));
+    if (!(given[0] > 0.0))
+      source_.fail(value->place,
+                   fmt::format("'{}' begins at {}; it must be above 0.", key, given[0]));
     low = given[0], high = given[1];
   }
 
@@ -56,10 +70,15 @@ class FigureReader {
 void require_all(const SceneSource& source, const YamlNode& root, const MapReader& map) {
   std::vector<std::string> missing;
   for (const Key& key : keys::device_file.keys)
-    if (key.rule == KeyRule::kRequired && !map.has(key.name)) missing.push_back(to_sentence(device_figure(key.name)));
-  if (missing.empty()) return;
-  source.fail(root.place, fmt::format("{} missing in the device file:\n  {}", missing.size() == 1 ? "1 key is" : fmt::format("{} keys are", missing.size()),
-                                      fmt::join(missing, "\n  ")));
+    if (key.rule == KeyRule::kRequired && !map.has(key.name))
+      missing.push_back(to_sentence(device_figure(key.name)));
+  if (missing.empty())
+    return;
+  source.fail(
+      root.place,
+      fmt::format("{} missing in the device file:\n  {}",
+                  missing.size() == 1 ? "1 key is" : fmt::format("{} keys are", missing.size()),
+                  fmt::join(missing, "\n  ")));
 }
 
 void read_translation(const MapReader& map, const FigureReader& read, DeviceDescription& d) {
@@ -113,12 +132,17 @@ DeviceFile parse_device_file(const std::string& text, const std::filesystem::pat
   if (d.max_torque_nm > 0.0) {
     YamlNode nothing;
     nothing.kind = YamlNode::Kind::kMap;
-    const MapReader rotation = map.has("rotation") ? map.inner("rotation") : MapReader(source, nothing, "rotation", keys::device_rotation);
+    const MapReader rotation = map.has("rotation")
+                                   ? map.inner("rotation")
+                                   : MapReader(source, nothing, "rotation", keys::device_rotation);
     read_rotation(FigureReader(source, rotation, pen, out), d);
   } else {
-    map.refuse("rotation", "does not go with 'max_torque_nm: 0': a device without torque cannot act against rotation.");
+    map.refuse("rotation",
+               "does not go with 'max_torque_nm: 0': a device without torque cannot act against "
+               "rotation.");
   }
-  if (map.has("workspace_m")) map.read("workspace_m", out.workspace_m.emplace());
+  if (map.has("workspace_m"))
+    map.read("workspace_m", out.workspace_m.emplace());
   return out;
 }
 
@@ -127,9 +151,11 @@ DeviceFile load_device_file(const std::filesystem::path& file) {
 }
 
 std::string assumed_sentence(const DeviceFile& file) {
-  if (file.assumed.empty()) return {};
-  return fmt::format("the device file of {} leaves out what stands here by the standards of {}: {}", file.description.model,
-                     file.description.grip == "pen" ? "a stylus" : "an arm", fmt::join(file.assumed, ", "));
+  if (file.assumed.empty())
+    return {};
+  return fmt::format("the device file of {} leaves out what stands here by the standards of {}: {}",
+                     file.description.model, file.description.grip == "pen" ? "a stylus" : "an arm",
+                     fmt::join(file.assumed, ", "));
 }
 
 }  // namespace voxtouch::scene

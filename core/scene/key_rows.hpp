@@ -12,7 +12,8 @@ using enum KeyRule;
 
 /// The rows of both, those of `first` before.
 template <std::size_t N, std::size_t M>
-constexpr std::array<Key, N + M> joined(const std::array<Key, N>& first, const std::array<Key, M>& second) {
+constexpr std::array<Key, N + M> joined(const std::array<Key, N>& first,
+                                        const std::array<Key, M>& second) {
   std::array<Key, N + M> out;
   std::copy(second.begin(), second.end(), std::copy(first.begin(), first.end(), out.begin()));
   return out;

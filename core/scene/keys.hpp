@@ -1,6 +1,7 @@
 #pragma once
-/// The keys of scene and device files: one table that the reader, its schema and the manual are made from. What a kind of effect takes
-/// stands in the effects' own table, core/effects/effect_kind.hpp.
+/// The keys of scene and device files: one table that the reader, its schema and the manual are
+/// made from. What a kind of effect takes stands in the effects' own table,
+/// core/effects/effect_kind.hpp.
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -48,11 +49,15 @@ struct Key {
   std::string_view name = {};  ///< with the unit, where it has one (`speed_m_per_s`)
   KeyKind kind = KeyKind::kText;
   KeyRule rule = KeyRule::kOptional;
-  std::string_view standard = {};  ///< as it would stand in the file, what a key that is left out means; empty: nothing
-  std::string_view meaning = {};   ///< a sentence for the manual and for editors; that of a single map stands in its group
-  std::string_view words = {};     ///< the choices, parted by single spaces
+  std::string_view standard =
+      {};  ///< as it would stand in the file, what a key that is left out means; empty: nothing
+  std::string_view meaning =
+      {};  ///< a sentence for the manual and for editors; that of a single map stands in its group
+  std::string_view words = {};  ///< the choices, parted by single spaces
   const KeyGroup* group = nullptr;
-  double low = 0.0, high = std::numeric_limits<double>::infinity();  ///< of a kNumber or kCount; `low`: least entries of a list
+  double low = 0.0,
+         high = std::numeric_limits<double>::infinity();  ///< of a kNumber or kCount; `low`: least
+                                                          ///< entries of a list
 };
 
 /// The keys of one map, in the order in which people are told of them.
@@ -67,13 +72,17 @@ std::vector<std::string_view> words_of(std::string_view list);
 
 namespace keys {
 
-/// What rules between keys name, beside the rows: the contact model that weighs points by their area, kinds of a coupling that is
-/// set by hand, and what an effect that works everywhere, all or nothing, does not have.
-inline constexpr std::string_view kModelByArea = "field", kKindsByHand = "shaping_filter spring_damper direct",
+/// What rules between keys name, beside the rows: the contact model that weighs points by their
+/// area, kinds of a coupling that is set by hand, and what an effect that works everywhere, all or
+/// nothing, does not have.
+inline constexpr std::string_view kModelByArea = "field",
+                                  kKindsByHand = "shaping_filter spring_damper direct",
                                   kNotEverywhere = "region gain on";
 
-extern const KeyGroup scene, static_mesh, dynamic_mesh, object, contact, tool, effect, coupling, device, motion;
-extern const KeyGroup pose, part, sphere, box, cylinder, region, region_sphere, hand, press, turn, circle;
+extern const KeyGroup scene, static_mesh, dynamic_mesh, object, contact, tool, effect, coupling,
+    device, motion;
+extern const KeyGroup pose, part, sphere, box, cylinder, region, region_sphere, hand, press, turn,
+    circle;
 /// A device file and its part for devices that give torque.
 extern const KeyGroup device_file, device_rotation;
 /// A motion without what only a hand has.

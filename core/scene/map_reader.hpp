@@ -1,6 +1,6 @@
 #pragma once
-/// Reads one map of a scene strictly: the table of keys says which it may have and how they are written, and everything else
-/// is an error with its place.
+/// Reads one map of a scene strictly: the table of keys says which it may have and how they are
+/// written, and everything else is an error with its place.
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -19,23 +19,32 @@ struct SceneSource {
   std::filesystem::path file;
   std::vector<std::string> warnings;  ///< `file:line:column: sentence`
 
-  [[noreturn]] void fail(SourcePlace place, const std::string& sentence) const { throw SceneError(file, place, sentence); }
+  [[noreturn]] void fail(SourcePlace place, const std::string& sentence) const {
+    throw SceneError(file, place, sentence);
+  }
   /// Keeps a warning about `place`. Allocates.
-  void warn(SourcePlace place, const std::string& sentence) { warnings.push_back(at_place(file, place, sentence)); }
+  void warn(SourcePlace place, const std::string& sentence) {
+    warnings.push_back(at_place(file, place, sentence));
+  }
 };
 
-/// The nearest of `allowed` to `word` where it is near enough to be a slip of the hand; empty otherwise.
+/// The nearest of `allowed` to `word` where it is near enough to be a slip of the hand; empty
+/// otherwise.
 std::string_view nearest_word(std::string_view word, const std::vector<std::string_view>& allowed);
 /// "; did you mean 'x'?" or an empty string, and "a, b and c".
 std::string suggestion(std::string_view word, const std::vector<std::string_view>& allowed);
 /// "a, b and c".
 std::string listed(const std::vector<std::string_view>& words);
 
-/// Values of one node. `what` names it in messages, for example "voxel_size". All throw SceneError at the node's place.
-double read_number(const SceneSource& source, const YamlNode& node, std::string_view what);  ///< finite
-std::string read_text(const SceneSource& source, const YamlNode& node, std::string_view what);     ///< not empty
-/// Empty where `name` has letters, digits, '_', '-' and '.' (not in front), kLongestName at most: a name becomes part of file
-/// and topic names. Else what is wrong with it, to follow the name: "holds ...".
+/// Values of one node. `what` names it in messages, for example "voxel_size". All throw SceneError
+/// at the node's place.
+double read_number(const SceneSource& source, const YamlNode& node,
+                   std::string_view what);  ///< finite
+std::string read_text(const SceneSource& source, const YamlNode& node,
+                      std::string_view what);  ///< not empty
+/// Empty where `name` has letters, digits, '_', '-' and '.' (not in front), kLongestName at most: a
+/// name becomes part of file and topic names. Else what is wrong with it, to follow the name:
+/// "holds ...".
 std::string fault_of_name(std::string_view name);
 inline constexpr std::size_t kLongestName = 64;
 /// Three finite numbers.
@@ -44,30 +53,37 @@ Vec3 read_vec3(const SceneSource& source, const YamlNode& node, std::string_view
 std::size_t read_choice(const SceneSource& source, const YamlNode& node, std::string_view what,
                         const std::vector<std::string_view>& allowed);
 /// The nodes of a list, which may be empty.
-const std::vector<YamlNode>& read_list(const SceneSource& source, const YamlNode& node, std::string_view what);
+const std::vector<YamlNode>& read_list(const SceneSource& source, const YamlNode& node,
+                                       std::string_view what);
 
 /// A value as the key's row wants it written.
 void read_value(const SceneSource& source, const YamlNode& node, const Key& key, double& out);
 void read_value(const SceneSource& source, const YamlNode& node, const Key& key, std::size_t& out);
-void read_value(const SceneSource& source, const YamlNode& node, const Key& key, std::uint32_t& out);
+void read_value(const SceneSource& source, const YamlNode& node, const Key& key,
+                std::uint32_t& out);
 void read_value(const SceneSource& source, const YamlNode& node, const Key& key, bool& out);
 void read_value(const SceneSource& source, const YamlNode& node, const Key& key, std::string& out);
-void read_value(const SceneSource& source, const YamlNode& node, const Key& key, std::array<double, 2>& out);
+void read_value(const SceneSource& source, const YamlNode& node, const Key& key,
+                std::array<double, 2>& out);
 void read_value(const SceneSource& source, const YamlNode& node, const Key& key, Vec3& out);
-void read_value(const SceneSource& source, const YamlNode& node, const Key& key, Quat& out);  ///< normalised
+void read_value(const SceneSource& source, const YamlNode& node, const Key& key,
+                Quat& out);  ///< normalised
 template <class T>
-void read_value(const SceneSource& source, const YamlNode& node, const Key& key, std::optional<T>& out) {
+void read_value(const SceneSource& source, const YamlNode& node, const Key& key,
+                std::optional<T>& out) {
   read_value(source, node, key, out.emplace());
 }
 
 class MapReader {
  public:
-  /// Throws SceneError if `node` is no map or has a key that is neither in `also` nor in `group`. `what` names the map in
-  /// messages.
-  MapReader(const SceneSource& source, const YamlNode& node, std::string_view what, const KeyGroup& group,
-            std::vector<std::string_view> also = {});
-  /// The same for keys that are in no table: only what takes a function to read a value may be asked for.
-  MapReader(const SceneSource& source, const YamlNode& node, std::string_view what, std::vector<std::string_view> allowed);
+  /// Throws SceneError if `node` is no map or has a key that is neither in `also` nor in `group`.
+  /// `what` names the map in messages.
+  MapReader(const SceneSource& source, const YamlNode& node, std::string_view what,
+            const KeyGroup& group, std::vector<std::string_view> also = {});
+  /// The same for keys that are in no table: only what takes a function to read a value may be
+  /// asked for.
+  MapReader(const SceneSource& source, const YamlNode& node, std::string_view what,
+            std::vector<std::string_view> allowed);
 
   /// The key's value, or null where it is absent.
   const YamlNode* find(std::string_view key) const;
@@ -76,24 +92,29 @@ class MapReader {
   bool has(std::string_view key) const { return find(key) != nullptr; }
   /// Throws where a key is there that does not go with another choice; `why` completes "'key' ...".
   void refuse(std::string_view key, std::string_view why) const;
-  /// Sets `out` to the key's value, or to its standard where it is absent; leaves it where there is no standard either.
-  /// Throws where the key is required.
+  /// Sets `out` to the key's value, or to its standard where it is absent; leaves it where there is
+  /// no standard either. Throws where the key is required.
   template <class T>
   void read(std::string_view key, T& out) const {
-    if (!read_if_present(key, out) && row_of(key).rule == KeyRule::kRequired) require(key);
+    if (!read_if_present(key, out) && row_of(key).rule == KeyRule::kRequired)
+      require(key);
   }
   /// The key's value or its standard; throws where there is neither.
   template <class T>
   T get(std::string_view key) const {
     T out{};
-    if (!read_if_present(key, out)) require(key);
+    if (!read_if_present(key, out))
+      require(key);
     return out;
   }
   /// Place among the row's words of the key's value or standard; throws where there is neither.
   std::size_t choice(std::string_view key) const;
   /// The map that the key holds; throws where it is absent.
-  MapReader inner(std::string_view key) const { return {source_, require(key), key, *row_of(key).group}; }
-  /// What the list that the key holds is made of: nothing where it is absent, unless it is required.
+  MapReader inner(std::string_view key) const {
+    return {source_, require(key), key, *row_of(key).group};
+  }
+  /// What the list that the key holds is made of: nothing where it is absent, unless it is
+  /// required.
   const std::vector<YamlNode>& list(std::string_view key) const;
   /// The key's place, or the map's where it is absent.
   SourcePlace place_of(std::string_view key) const;
@@ -105,8 +126,10 @@ class MapReader {
   template <class T>
   bool read_if_present(std::string_view key, T& out) const {
     const Key& row = row_of(key);
-    if (const YamlNode* value = find(key)) return read_value(source_, *value, row, out), true;
-    if (row.standard.empty()) return false;
+    if (const YamlNode* value = find(key))
+      return read_value(source_, *value, row, out), true;
+    if (row.standard.empty())
+      return false;
     return read_value(source_, parse_yaml(std::string(row.standard), source_.file), row, out), true;
   }
 

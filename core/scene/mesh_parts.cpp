@@ -13,7 +13,8 @@ namespace {
 
 bool is_gltf(const std::filesystem::path& mesh) {
   std::string extension = mesh.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) { return std::tolower(c); });
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
   return extension == ".gltf";
 }
 
@@ -22,14 +23,18 @@ bool is_gltf(const std::filesystem::path& mesh) {
 void for_each_mesh_part(const std::filesystem::path& mesh, const std::string& bytes,
                         const std::function<void(std::string_view)>& visit) {
   visit(bytes);
-  if (!is_gltf(mesh)) return;
+  if (!is_gltf(mesh))
+    return;
   const nlohmann::json doc = nlohmann::json::parse(bytes, nullptr, false);
-  if (!doc.is_object() || !doc.contains("buffers") || !doc["buffers"].is_array()) return;
+  if (!doc.is_object() || !doc.contains("buffers") || !doc["buffers"].is_array())
+    return;
   for (const nlohmann::json& buffer : doc["buffers"]) {
-    if (!buffer.is_object() || !buffer.contains("uri") || !buffer["uri"].is_string()) continue;
+    if (!buffer.is_object() || !buffer.contains("uri") || !buffer["uri"].is_string())
+      continue;
     const std::filesystem::path file = mesh.parent_path() / buffer["uri"].get<std::string>();
     std::error_code error;
-    if (std::filesystem::is_regular_file(file, error)) visit(mesh::read_mesh_bytes(file));  // "data:..." is none
+    if (std::filesystem::is_regular_file(file, error))
+      visit(mesh::read_mesh_bytes(file));  // "data:..." is none
   }
 }
 

@@ -1,5 +1,6 @@
 #pragma once
-/// What a scene file asks for, as values. scene_file.hpp reads it; plan.hpp says what is built for it.
+/// What a scene file asks for, as values. scene_file.hpp reads it; plan.hpp says what is built for
+/// it.
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -16,75 +17,99 @@
 
 namespace voxtouch::scene {
 
-/// Closed forms that stand for a mesh, or a convex part of it, in the validator. In the mesh's frame after scaling [m].
-struct SpherePrimitive { Vec3 centre = Vec3::Zero(); double radius_m = 0; };
-struct BoxPrimitive { Pose pose; Vec3 size_m = Vec3::Zero(); };
-struct CylinderPrimitive { Pose pose; double radius_m = 0, length_m = 0; };  ///< axis = local z
+/// Closed forms that stand for a mesh, or a convex part of it, in the validator. In the mesh's
+/// frame after scaling [m].
+struct SpherePrimitive {
+  Vec3 centre = Vec3::Zero();
+  double radius_m = 0;
+};
+struct BoxPrimitive {
+  Pose pose;
+  Vec3 size_m = Vec3::Zero();
+};
+struct CylinderPrimitive {
+  Pose pose;
+  double radius_m = 0, length_m = 0;
+};  ///< axis = local z
 using Primitive = std::variant<SpherePrimitive, BoxPrimitive, CylinderPrimitive>;
 
 struct MeshSpec {
-  std::filesystem::path path;        ///< absolute, resolved against the scene file's folder
-  double scale = 1.0;                ///< file units to metres
-  Pose pose;                         ///< static: mesh in W; dynamic: mesh in T
-  std::vector<Primitive> primitives; ///< declared equivalents, checked against the mesh by a test; may be empty
-  std::uint32_t object = 0;          ///< static: 0 the ground, n for Scene::objects[n - 1]
+  std::filesystem::path path;  ///< absolute, resolved against the scene file's folder
+  double scale = 1.0;          ///< file units to metres
+  Pose pose;                   ///< static: mesh in W; dynamic: mesh in T
+  std::vector<Primitive>
+      primitives;  ///< declared equivalents, checked against the mesh by a test; may be empty
+  std::uint32_t object = 0;  ///< static: 0 the ground, n for Scene::objects[n - 1]
 };
 
 enum class ShellKind { kExact, kNaive };
 
 /// How a contact becomes what the hand feels.
 enum class RenderingKind {
-  kPenalty,      ///< the contact model's forces at the hand's pose, which go on where points have gone through
+  kPenalty,  ///< the contact model's forces at the hand's pose, which go on where points have gone
+             ///< through
   kModelAlone,   ///< the same as the paper has them: no depth is held
   kVirtualTool,  ///< a spring from the hand to a tool that stays outside
 };
 
 struct ContactSpec {
-  std::string model = "adapted";    ///< original | adapted | field
-  double stiffness_n_per_m = 0.0;   ///< per shell point: original and adapted, as in the paper. 0 where the other is given
-  double stiffness_n_per_m3 = 0.0;  ///< per area of the tool's surface: any model; 0 where the other is given
-  RenderingKind rendering = RenderingKind::kPenalty;  ///< kVirtualTool: with `field` alone, and both stiffnesses are 0
+  std::string model = "adapted";  ///< original | adapted | field
+  double stiffness_n_per_m =
+      0.0;  ///< per shell point: original and adapted, as in the paper. 0 where the other is given
+  double stiffness_n_per_m3 =
+      0.0;  ///< per area of the tool's surface: any model; 0 where the other is given
+  RenderingKind rendering =
+      RenderingKind::kPenalty;  ///< kVirtualTool: with `field` alone, and both stiffnesses are 0
 };
 
 /// Static meshes with a material of their own, and a motion if they have one.
 struct ObjectSpec {
   std::string name;
-  ContactSpec contact;          ///< the scene's model; its stiffness, or the scene's
-  std::optional<Motion> moves;  ///< displacement of the whole object in W [m] over the time since the session's begin
-  std::optional<Vec3> grid_origin = {};  ///< of its voxel grid before it moves, in W [m]; left out: voxmap::object_grid
+  ContactSpec contact;  ///< the scene's model; its stiffness, or the scene's
+  std::optional<Motion>
+      moves;  ///< displacement of the whole object in W [m] over the time since the session's begin
+  std::optional<Vec3> grid_origin =
+      {};  ///< of its voxel grid before it moves, in W [m]; left out: voxmap::object_grid
 };
 
 /// How the device moves the tool in the world: pose_WT = pose_WD * scaled(pose_DP) * pose_PT.
 struct WorkspaceMapping {
   double position_scale = 1.0;  ///< metres in W for one metre of the device
-  double force_scale = 1.0;     ///< newtons at the device for one newton in W; loop gain is the product of both
-  Pose pose_WD;                 ///< D, the device's base, in W
-  Pose pose_PT;                 ///< T in P, the device's tip
-  std::optional<std::uint32_t> clutch_button;  ///< while pressed the tool stays and the device moves free
+  double force_scale =
+      1.0;       ///< newtons at the device for one newton in W; loop gain is the product of both
+  Pose pose_WD;  ///< D, the device's base, in W
+  Pose pose_PT;  ///< T in P, the device's tip
+  std::optional<std::uint32_t>
+      clutch_button;  ///< while pressed the tool stays and the device moves free
   bool operator==(const WorkspaceMapping&) const = default;
 };
 
 struct Scene {
   std::string name;
-  std::filesystem::path file;     ///< where it was read from
-  std::string hash;               ///< 16 hex digits over the scene's text and the bytes of its meshes
-  std::map<std::filesystem::path, std::string> mesh_hashes;  ///< of each mesh's bytes (mesh_parts.hpp), as the scene was read
+  std::filesystem::path file;  ///< where it was read from
+  std::string hash;            ///< 16 hex digits over the scene's text and the bytes of its meshes
+  std::map<std::filesystem::path, std::string>
+      mesh_hashes;  ///< of each mesh's bytes (mesh_parts.hpp), as the scene was read
   double voxel_size_m = 0.0;
   std::vector<MeshSpec> static_meshes;
-  std::vector<ObjectSpec> objects;  ///< beside the ground, which all meshes belong to that name no object
+  std::vector<ObjectSpec>
+      objects;  ///< beside the ground, which all meshes belong to that name no object
   std::optional<Vec3> grid_origin;  ///< of the ground; left out: voxmap::object_grid
   MeshSpec dynamic_mesh;
   ShellKind shell = ShellKind::kExact;
   ContactSpec contact;
-  std::optional<double> budget_us;  ///< of a frame of the rendering [us]; left out: it takes what it takes
+  std::optional<double>
+      budget_us;  ///< of a frame of the rendering [us]; left out: it takes what it takes
   std::optional<double> lever_m;  ///< of a virtual tool; left out: the tool's reach
   bool virtual_tool() const noexcept { return contact.rendering == RenderingKind::kVirtualTool; }
-  std::vector<effects::EffectSpec> effects;  ///< asked for, in the file's order; what is not here is not computed
-  coupling::CouplingSpec coupling;            ///< as set by hand; not to be used where `design` is asked for
-  std::optional<DesignOptions> design;  ///< the coupling is to be designed for the device, this scene and the hand
+  std::vector<effects::EffectSpec>
+      effects;  ///< asked for, in the file's order; what is not here is not computed
+  coupling::CouplingSpec coupling;  ///< as set by hand; not to be used where `design` is asked for
+  std::optional<DesignOptions>
+      design;  ///< the coupling is to be designed for the device, this scene and the hand
   WorkspaceMapping device;
   std::map<std::string, Motion> motions;  ///< in W
-  std::vector<std::string> warnings;      ///< doubtful, not wrong: `file:line:column: sentence` each
+  std::vector<std::string> warnings;  ///< doubtful, not wrong: `file:line:column: sentence` each
 };
 
 }  // namespace voxtouch::scene

@@ -6,12 +6,14 @@
 
 namespace voxtouch::scene {
 
-/// A place in a scene file; line and column count from 1, 0 where the fault has no place in the text.
+/// A place in a scene file; line and column count from 1, 0 where the fault has no place in the
+/// text.
 struct SourcePlace {
   int line = 0, column = 0;
 };
 
-/// what() is `file:line:column: sentence`, or `file: sentence` where the file could not be read at all.
+/// what() is `file:line:column: sentence`, or `file: sentence` where the file could not be read at
+/// all.
 class SceneError : public std::runtime_error {
  public:
   /// About `place` of `file`; `sentence` says what is wrong there.
@@ -25,6 +27,7 @@ class SceneError : public std::runtime_error {
 };
 
 /// `file:line:column: sentence`, as SceneError and warnings write it.
-std::string at_place(const std::filesystem::path& file, SourcePlace place, const std::string& sentence);
+std::string at_place(const std::filesystem::path& file, SourcePlace place,
+                     const std::string& sentence);
 
 }  // namespace voxtouch::scene

@@ -1,9 +1,10 @@
 #pragma once
-/// Reads a scene file strictly. Whatever is unknown, missing, doubled, of the wrong type, not finite or out of its range is
-/// a SceneError that says where and what would be right; nothing is guessed and nothing is skipped.
+/// Reads a scene file strictly. Whatever is unknown, missing, doubled, of the wrong type, not
+/// finite or out of its range is a SceneError that says where and what would be right; nothing is
+/// guessed and nothing is skipped.
 ///
-/// The keys stand in keys.hpp, and for people in deploy/scenes/README.md. `cutoff_hz` is w0 / (2 pi): the -3 dB frequency only
-/// for damping_ratio = 1/sqrt(2).
+/// The keys stand in keys.hpp, and for people in deploy/scenes/README.md. `cutoff_hz` is w0 / (2
+/// pi): the -3 dB frequency only for damping_ratio = 1/sqrt(2).
 #include <filesystem>
 #include <string>
 

@@ -6,7 +6,8 @@ namespace voxtouch::scene {
 
 void SceneHash::close_part(std::uint64_t length) noexcept {
   char bytes[8];
-  for (int i = 0; i < 8; ++i) bytes[i] = static_cast<char>((length >> (8 * i)) & 0xFFU);
+  for (int i = 0; i < 8; ++i)
+    bytes[i] = static_cast<char>((length >> (8 * i)) & 0xFFU);
   hash_.add({bytes, sizeof bytes});
 }
 

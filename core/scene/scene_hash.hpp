@@ -1,5 +1,6 @@
 #pragma once
-/// The name of a scene's content: equal where text and meshes are equal byte for byte, wherever the files stand.
+/// The name of a scene's content: equal where text and meshes are equal byte for byte, wherever the
+/// files stand.
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -8,7 +9,8 @@
 
 namespace voxtouch::scene {
 
-/// FNV-1a over parts; each part's length goes in after it, so that no byte can wander from one part to the next.
+/// FNV-1a over parts; each part's length goes in after it, so that no byte can wander from one part
+/// to the next.
 class SceneHash {
  public:
   /// One part more. Real-time safe.

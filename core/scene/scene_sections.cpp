@@ -10,7 +10,8 @@ namespace {
 
 Primitive read_part(const SceneSource& source, const YamlNode& node) {
   const MapReader part(source, node, "parts", keys::part);
-  if (node.entries.size() != 1) source.fail(node.place, "A part is exactly one of: sphere, box, cylinder.");
+  if (node.entries.size() != 1)
+    source.fail(node.place, "A part is exactly one of: sphere, box, cylinder.");
   if (part.has("sphere")) {
     const MapReader map = part.inner("sphere");
     return SpherePrimitive{map.get<Vec3>("centre"), map.get<double>("radius")};
@@ -26,14 +27,18 @@ Primitive read_part(const SceneSource& source, const YamlNode& node) {
 std::filesystem::path read_mesh_path(const SceneSource& source, const YamlNode& node) {
   const std::filesystem::path given = read_text(source, node, "mesh");
   std::error_code fault;
-  auto path = std::filesystem::absolute(source.file.parent_path() / given, fault).lexically_normal();
+  auto path =
+      std::filesystem::absolute(source.file.parent_path() / given, fault).lexically_normal();
   const bool there = !fault && std::filesystem::is_regular_file(path, fault);
   if (fault == std::errc::permission_denied)
-    source.fail(node.place,
-                fmt::format("The mesh file '{}' cannot be reached: check the rights on its folders.", given.string()));
+    source.fail(
+        node.place,
+        fmt::format("The mesh file '{}' cannot be reached: check the rights on its folders.",
+                    given.string()));
   if (!there)
     source.fail(node.place,
-                fmt::format("There is no mesh file '{}' (seen from the scene file's folder).", given.string()));
+                fmt::format("There is no mesh file '{}' (seen from the scene file's folder).",
+                            given.string()));
   return path;
 }
 
@@ -48,7 +53,8 @@ ButtonPress read_press(const SceneSource& source, const YamlNode& node) {
   map.read("button", press.button);
   map.read("from_s", press.from_s);
   map.read("to_s", press.to_s);
-  if (!(press.to_s > press.from_s)) source.fail(map.place_of("to_s"), "'to_s' must lie after 'from_s'.");
+  if (!(press.to_s > press.from_s))
+    source.fail(map.place_of("to_s"), "'to_s' must lie after 'from_s'.");
   return press;
 }
 
@@ -58,21 +64,26 @@ void read_turn(const SceneSource& source, const MapReader& map, MotionTurn& turn
   map.read("from_s", turn.from_s);
   map.read("to_s", turn.to_s);
   const double norm = turn.axis.stableNorm();
-  if (!(norm > 1e-9)) source.fail(map.place_of("axis"), "'axis' is the zero vector; a hand turns about a direction.");
+  if (!(norm > 1e-9))
+    source.fail(map.place_of("axis"), "'axis' is the zero vector; a hand turns about a direction.");
   turn.axis /= norm;
-  if (!(turn.to_s > turn.from_s)) source.fail(map.place_of("to_s"), "'to_s' must lie after 'from_s'.");
+  if (!(turn.to_s > turn.from_s))
+    source.fail(map.place_of("to_s"), "'to_s' must lie after 'from_s'.");
 }
 
 void read_circle(const SceneSource& source, const MapReader& map, Motion& motion) {
   map.read("centre", motion.circle_centre);
   map.read("axis", motion.circle_axis);
   const double norm = motion.circle_axis.stableNorm();
-  if (!(norm > 1e-9)) source.fail(map.place_of("axis"), "'axis' is the zero vector; a circle turns about a direction.");
+  if (!(norm > 1e-9))
+    source.fail(map.place_of("axis"),
+                "'axis' is the zero vector; a circle turns about a direction.");
   motion.circle_axis /= norm;
   const Vec3 offset = motion.path.back() - *motion.circle_centre;
   if (!(motion.circle_axis.cross(offset).norm() > 1e-9))
-    source.fail(map.place_of("centre"),
-                "The path's last point lies on the circle's axis; the circle would have no radius.");
+    source.fail(
+        map.place_of("centre"),
+        "The path's last point lies on the circle's axis; the circle would have no radius.");
 }
 
 }  // namespace
@@ -89,30 +100,40 @@ MeshSpec read_mesh(const SceneSource& source, const MapReader& map) {
   mesh.path = read_mesh_path(source, map.require("mesh"));
   map.read("scale", mesh.scale);
   mesh.pose = read_pose(map);
-  for (const YamlNode& part : map.list("parts")) mesh.primitives.push_back(read_part(source, part));
+  for (const YamlNode& part : map.list("parts"))
+    mesh.primitives.push_back(read_part(source, part));
   return mesh;
 }
 
-Motion read_motion(const SceneSource& source, const YamlNode& node, std::string_view what, bool by_hand) {
+Motion read_motion(const SceneSource& source, const YamlNode& node, std::string_view what,
+                   bool by_hand) {
   const MapReader map(source, node, what, by_hand ? keys::motion : keys::way);
   Motion motion;
-  for (const YamlNode& point : map.list("path")) motion.path.push_back(read_vec3(source, point, "path"));
-  if (motion.path.empty()) source.fail(map.require("path").place, "'path' needs at least one point.");
+  for (const YamlNode& point : map.list("path"))
+    motion.path.push_back(read_vec3(source, point, "path"));
+  if (motion.path.empty())
+    source.fail(map.require("path").place, "'path' needs at least one point.");
   map.read("speed_m_per_s", motion.speed_m_per_s);
   map.read("hold_s", motion.hold_s);
   if (map.has("repeat_from"))
-    map.refuse("circle", "does not go with 'repeat_from': the hand either goes back and forth or round.");
+    map.refuse("circle",
+               "does not go with 'repeat_from': the hand either goes back and forth or round.");
   map.read("repeat_from", motion.repeat_from);
   if (motion.repeat_from && *motion.repeat_from >= motion.path.size() - 1)
-    source.fail(map.require("repeat_from").place,
-                fmt::format("'repeat_from' is {}; it must be below {}, the last point of the path (points "
-                            "count from 0).",
-                            *motion.repeat_from, motion.path.size() - 1));
-  if (map.has("circle")) read_circle(source, map.inner("circle"), motion);
-  if (!by_hand) return motion;
+    source.fail(
+        map.require("repeat_from").place,
+        fmt::format("'repeat_from' is {}; it must be below {}, the last point of the path (points "
+                    "count from 0).",
+                    *motion.repeat_from, motion.path.size() - 1));
+  if (map.has("circle"))
+    read_circle(source, map.inner("circle"), motion);
+  if (!by_hand)
+    return motion;
   map.read("orientation", motion.orientation);
-  if (map.has("turn")) read_turn(source, map.inner("turn"), motion.turn);
-  for (const YamlNode& press : map.list("press")) motion.press.push_back(read_press(source, press));
+  if (map.has("turn"))
+    read_turn(source, map.inner("turn"), motion.turn);
+  for (const YamlNode& press : map.list("press"))
+    motion.press.push_back(read_press(source, press));
   return motion;
 }
 
@@ -123,23 +144,30 @@ MeshSpec read_dynamic_mesh(const SceneSource& source, const MapReader& map, Shel
 
 namespace {
 
-/// Where a scene does not say how contact is rendered, a stiffness asks for forces that grow with the depth.
+/// Where a scene does not say how contact is rendered, a stiffness asks for forces that grow with
+/// the depth.
 bool has_virtual_tool(const MapReader& map) {
-  if (map.has("rendering")) return map.choice("rendering") == 0;
+  if (map.has("rendering"))
+    return map.choice("rendering") == 0;
   const YamlNode* const model = map.find("model");
-  return model && model->text == keys::kModelByArea && !map.has("stiffness_n_per_m") && !map.has("stiffness_n_per_m3");
+  return model && model->text == keys::kModelByArea && !map.has("stiffness_n_per_m") &&
+         !map.has("stiffness_n_per_m3");
 }
 
 /// No stiffness of its own: what is felt is what the coupling is certified for.
 ContactSpec read_virtual_tool(const SceneSource& source, const MapReader& map) {
   ContactSpec contact;
   contact.model = "field", contact.rendering = RenderingKind::kVirtualTool;
-  if (map.has("model")) map.read("model", contact.model);
+  if (map.has("model"))
+    map.read("model", contact.model);
   if (contact.model != "field")
     source.fail(map.place_of("model"),
-                fmt::format("'rendering: virtual_tool' goes with model: field, not with {}.", contact.model));
+                fmt::format("'rendering: virtual_tool' goes with model: field, not with {}.",
+                            contact.model));
   for (const auto key : {"stiffness_n_per_m", "stiffness_n_per_m3"})
-    map.refuse(key, "does not go with 'rendering: virtual_tool': the coupling's certified stiffness is felt.");
+    map.refuse(
+        key,
+        "does not go with 'rendering: virtual_tool': the coupling's certified stiffness is felt.");
   return contact;
 }
 
@@ -147,22 +175,28 @@ ContactSpec read_virtual_tool(const SceneSource& source, const MapReader& map) {
 
 ContactSpec read_contact(const SceneSource& source, const MapReader& map) {
   if (const YamlNode* model = map.find("model"); model && model->text == "clustered")
-    source.fail(model->place, "The contact model 'clustered' is gone. Write 'model: field' with the same stiffness_n_per_m3; where a static mesh "
-                              "is not closed, 'model: adapted' with it.");
-  if (has_virtual_tool(map)) return read_virtual_tool(source, map);
+    source.fail(model->place,
+                "The contact model 'clustered' is gone. Write 'model: field' with the same "
+                "stiffness_n_per_m3; where a static mesh "
+                "is not closed, 'model: adapted' with it.");
+  if (has_virtual_tool(map))
+    return read_virtual_tool(source, map);
   ContactSpec contact;
   map.read("model", contact.model);
-  if (map.has("rendering") && map.choice("rendering") == 2) contact.rendering = RenderingKind::kModelAlone;
+  if (map.has("rendering") && map.choice("rendering") == 2)
+    contact.rendering = RenderingKind::kModelAlone;
   const bool by_area_only = contact.model == keys::kModelByArea;
   const bool by_area = map.has("stiffness_n_per_m3");
   if (by_area_only)
-    map.refuse("stiffness_n_per_m", fmt::format("is per shell point; '{}' weighs points by their area and takes "
-                                                "stiffness_n_per_m3.",
-                                                contact.model));
+    map.refuse("stiffness_n_per_m",
+               fmt::format("is per shell point; '{}' weighs points by their area and takes "
+                           "stiffness_n_per_m3.",
+                           contact.model));
   if (by_area && map.has("stiffness_n_per_m"))
-    source.fail(map.place_of("stiffness_n_per_m3"),
-                "'stiffness_n_per_m' (per shell point) and 'stiffness_n_per_m3' (per area) exclude each "
-                "other; give one of them.");
+    source.fail(
+        map.place_of("stiffness_n_per_m3"),
+        "'stiffness_n_per_m' (per shell point) and 'stiffness_n_per_m3' (per area) exclude each "
+        "other; give one of them.");
   if (by_area_only || by_area)
     contact.stiffness_n_per_m3 = map.get<double>("stiffness_n_per_m3");
   else
@@ -172,23 +206,30 @@ ContactSpec read_contact(const SceneSource& source, const MapReader& map) {
 
 void check_virtual_tool(SceneSource& source, const MapReader& map, const Scene& scene) {
   if (!scene.virtual_tool()) {
-    if (scene.lever_m) source.warn(map.place_of("tool"), "'lever_m' is read for 'rendering: virtual_tool' only.");
+    if (scene.lever_m)
+      source.warn(map.place_of("tool"), "'lever_m' is read for 'rendering: virtual_tool' only.");
     return;
   }
-  if (const MapReader contact = map.inner("contact"); !scene.design && !std::isfinite(scene.coupling.stiffness_cap_n_per_m))
+  if (const MapReader contact = map.inner("contact");
+      !scene.design && !std::isfinite(scene.coupling.stiffness_cap_n_per_m))
     source.fail(contact.place_of(contact.has("rendering") ? "rendering" : "model"),
-                "'rendering: virtual_tool' shows as much stiffness as the coupling lets through, and the coupling names none: give "
+                "'rendering: virtual_tool' shows as much stiffness as the coupling lets through, "
+                "and the coupling names none: give "
                 "coupling: {design: auto}, or its stiffness_cap_n_per_m.");
   if (effects::needs_of(scene.effects).body)
-    source.fail(map.place_of("effects"), "The effect 'body' has a contact of its own and does not go with 'rendering: virtual_tool'.");
+    source.fail(map.place_of("effects"),
+                "The effect 'body' has a contact of its own and does not go with 'rendering: "
+                "virtual_tool'.");
 }
 
 WorkspaceMapping read_device(const MapReader& map) {
   WorkspaceMapping device;
   map.read("position_scale", device.position_scale);
   map.read("force_scale", device.force_scale);
-  if (map.has("pose")) device.pose_WD = read_pose(map.inner("pose"));
-  if (map.has("tool")) device.pose_PT = read_pose(map.inner("tool"));
+  if (map.has("pose"))
+    device.pose_WD = read_pose(map.inner("pose"));
+  if (map.has("tool"))
+    device.pose_PT = read_pose(map.inner("tool"));
   map.read("clutch_button", device.clutch_button);
   return device;
 }
@@ -196,7 +237,8 @@ WorkspaceMapping read_device(const MapReader& map) {
 std::map<std::string, Motion> read_motions(SceneSource& source, const YamlNode& node) {
   if (node.kind != YamlNode::Kind::kMap)
     source.fail(node.place,
-                fmt::format("'motions' must be a map of names to motions, but here is {}.", describe(node)));
+                fmt::format("'motions' must be a map of names to motions, but here is {}.",
+                            describe(node)));
   std::map<std::string, Motion> motions;
   for (const YamlEntry& entry : node.entries) {
     check_name(source, entry);

@@ -14,7 +14,9 @@ ContactSpec read_material(const MapReader& map, const ContactSpec& scenes) {
   ContactSpec contact = scenes;
   if (scenes.rendering == RenderingKind::kVirtualTool) {
     for (const auto key : {"stiffness_n_per_m", "stiffness_n_per_m3"})
-      map.refuse(key, "does not go with 'rendering: virtual_tool': the coupling's certified stiffness is felt.");
+      map.refuse(key,
+                 "does not go with 'rendering: virtual_tool': the coupling's certified stiffness "
+                 "is felt.");
     return contact;
   }
   const bool by_area = scenes.stiffness_n_per_m3 > 0.0;
@@ -27,7 +29,8 @@ ContactSpec read_material(const MapReader& map, const ContactSpec& scenes) {
 
 std::uint32_t place_of(const Scene& scene, std::string_view name) {
   for (std::size_t n = 0; n < scene.objects.size(); ++n)
-    if (scene.objects[n].name == name) return static_cast<std::uint32_t>(n + 1);
+    if (scene.objects[n].name == name)
+      return static_cast<std::uint32_t>(n + 1);
   return 0;
 }
 
@@ -37,20 +40,25 @@ std::uint32_t read_object(const SceneSource& source, const YamlNode& node, Scene
     const std::string name = read_text(source, node, "object");
     const std::uint32_t place = place_of(scene, name);
     if (place == 0)
-      source.fail(node.place, fmt::format("There is no object '{}' above; make it here with object: {{name: {}}}.", name,
-                                          name));
+      source.fail(
+          node.place,
+          fmt::format("There is no object '{}' above; make it here with object: {{name: {}}}.",
+                      name, name));
     return place;
   }
   const MapReader map(source, node, "object", keys::object);
   ObjectSpec object;
   map.read("name", object.name);
   if (object.name == "ground" || place_of(scene, object.name) != 0)
-    source.fail(map.place_of("name"), fmt::format("There is an object named '{}' already.", object.name));
+    source.fail(map.place_of("name"),
+                fmt::format("There is an object named '{}' already.", object.name));
   object.contact = read_material(map, scene.contact);
-  if (const YamlNode* moves = map.find("moves")) object.moves = read_motion(source, *moves, "moves", false);
+  if (const YamlNode* moves = map.find("moves"))
+    object.moves = read_motion(source, *moves, "moves", false);
   scene.objects.push_back(std::move(object));
   if (scene.objects.size() >= kMaxObjects)
-    source.fail(node.place, fmt::format("A scene has at most {} objects, the ground among them.", kMaxObjects));
+    source.fail(node.place,
+                fmt::format("A scene has at most {} objects, the ground among them.", kMaxObjects));
   return static_cast<std::uint32_t>(scene.objects.size());
 }
 
@@ -60,14 +68,19 @@ void read_static(SceneSource& source, const YamlNode& node, Scene& scene) {
   for (const YamlNode& item : read_list(source, node, "static")) {
     const MapReader map(source, item, "static", keys::static_mesh);
     MeshSpec mesh = read_mesh(source, map);
-    if (const YamlNode* object = map.find("object")) mesh.object = read_object(source, *object, scene);
-    std::optional<Vec3>& origin = mesh.object == 0 ? scene.grid_origin : scene.objects[mesh.object - 1].grid_origin;
+    if (const YamlNode* object = map.find("object"))
+      mesh.object = read_object(source, *object, scene);
+    std::optional<Vec3>& origin =
+        mesh.object == 0 ? scene.grid_origin : scene.objects[mesh.object - 1].grid_origin;
     scene.static_meshes.push_back(std::move(mesh));
     if (origin && map.has("origin"))
-      source.fail(map.place_of("origin"), "'origin' is given twice; all meshes of an object share one grid, those of the ground too.");
+      source.fail(map.place_of("origin"),
+                  "'origin' is given twice; all meshes of an object share one grid, those of the "
+                  "ground too.");
     map.read("origin", origin);
   }
-  if (scene.static_meshes.empty()) source.fail(node.place, "'static' needs at least one mesh.");
+  if (scene.static_meshes.empty())
+    source.fail(node.place, "'static' needs at least one mesh.");
 }
 
 }  // namespace voxtouch::scene

@@ -9,10 +9,12 @@ namespace voxtouch::scene {
 std::string read_text_file(const std::filesystem::path& file, std::string_view what) {
   std::error_code fault;
   const auto status = std::filesystem::status(file, fault);
-  if (!std::filesystem::exists(status)) throw SceneError(file, {}, fmt::format("There is no such {} file.", what));
+  if (!std::filesystem::exists(status))
+    throw SceneError(file, {}, fmt::format("There is no such {} file.", what));
   if (std::filesystem::is_directory(status))
     throw SceneError(file, {}, fmt::format("This is a folder; name the {} file in it.", what));
-  if (!std::filesystem::is_regular_file(status)) throw SceneError(file, {}, "This is no regular file.");
+  if (!std::filesystem::is_regular_file(status))
+    throw SceneError(file, {}, "This is no regular file.");
   std::ifstream in(file, std::ios::binary);
   std::string text(kLargestTextFile + 1, '\0');
   in.read(text.data(), static_cast<std::streamsize>(text.size()));
@@ -21,7 +23,8 @@ std::string read_text_file(const std::filesystem::path& file, std::string_view w
   text.resize(static_cast<std::size_t>(in.gcount()));
   if (text.size() > kLargestTextFile)
     throw SceneError(file, {},
-                     fmt::format("The file is larger than {} bytes; that is no {} file.", kLargestTextFile, what));
+                     fmt::format("The file is larger than {} bytes; that is no {} file.",
+                                 kLargestTextFile, what));
   return text;
 }
 

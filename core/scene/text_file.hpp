@@ -12,8 +12,8 @@ namespace voxtouch::scene {
 /// Largest file of this kind [bytes]; what is big (meshes) is in files of its own.
 inline constexpr std::uintmax_t kLargestTextFile = std::uintmax_t{1} << 20;
 
-/// The bytes of `file`. `what` ("scene", "device") names it in messages. Throws SceneError where there is none, or none
-/// that can be read.
+/// The bytes of `file`. `what` ("scene", "device") names it in messages. Throws SceneError where
+/// there is none, or none that can be read.
 std::string read_text_file(const std::filesystem::path& file, std::string_view what);
 
 }  // namespace voxtouch::scene

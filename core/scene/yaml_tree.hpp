@@ -1,6 +1,7 @@
 #pragma once
-/// YAML text as a tree that keeps everything a strict reader has to judge: the place of every key and value, keys that come
-/// twice, and whether a scalar was quoted. The parser's own node tree hides doubled keys, which is why it is not used.
+/// YAML text as a tree that keeps everything a strict reader has to judge: the place of every key
+/// and value, keys that come twice, and whether a scalar was quoted. The parser's own node tree
+/// hides doubled keys, which is why it is not used.
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -16,10 +17,10 @@ struct YamlNode {
   enum class Kind { kNull, kScalar, kSequence, kMap };
   Kind kind = Kind::kNull;
   SourcePlace place;
-  std::string text;               ///< scalar
-  bool quoted = false;            ///< scalar: written in quotes, so never a number
-  std::vector<YamlNode> items;    ///< sequence
-  std::vector<YamlEntry> entries; ///< map, in the file's order
+  std::string text;                ///< scalar
+  bool quoted = false;             ///< scalar: written in quotes, so never a number
+  std::vector<YamlNode> items;     ///< sequence
+  std::vector<YamlEntry> entries;  ///< map, in the file's order
 };
 
 struct YamlEntry {
@@ -31,11 +32,13 @@ struct YamlEntry {
 /// Deepest nesting and largest number of nodes that a scene may have: far above any real one.
 inline constexpr std::size_t kDeepestNesting = 32, kMaxNodes = 200'000;
 
-/// Parses one YAML document. Throws SceneError for text that is no YAML, bytes that are no text (UTF-8), a doubled key, a
-/// key that is no plain word, several documents, tags, anchors and aliases (which a scene has no need of, and which let a
-/// small file stand for a huge one), and nesting or size over the limits above. `file` and `what` (a word for what
-/// the text is) are for the messages only.
-YamlNode parse_yaml(const std::string& text, const std::filesystem::path& file, std::string_view what = "scene");
+/// Parses one YAML document. Throws SceneError for text that is no YAML, bytes that are no text
+/// (UTF-8), a doubled key, a key that is no plain word, several documents, tags, anchors and
+/// aliases (which a scene has no need of, and which let a small file stand for a huge one), and
+/// nesting or size over the limits above. `file` and `what` (a word for what the text is) are for
+/// the messages only.
+YamlNode parse_yaml(const std::string& text, const std::filesystem::path& file,
+                    std::string_view what = "scene");
 
 /// "a map", "a list", "nothing", "the text 'x'": for messages.
 std::string describe(const YamlNode& node);

@@ -1,5 +1,6 @@
 #pragma once
-/// Lengths of vectors and their limits: the one definition for coupling, guard and drivers. All real-time safe.
+/// Lengths of vectors and their limits: the one definition for coupling, guard and drivers. All
+/// real-time safe.
 #include <cmath>
 #include <limits>
 
@@ -7,29 +8,32 @@
 
 namespace voxtouch {
 
-/// Length of `v`, also where the squares of its components would overflow or vanish; Inf if it is over the
-/// largest double, NaN or Inf where a component is.
+/// Length of `v`, also where the squares of its components would overflow or vanish; Inf if it is
+/// over the largest double, NaN or Inf where a component is.
 inline double length_of(const Vec3& v) noexcept {
   const double largest = v.cwiseAbs().maxCoeff();
   return largest > 0.0 && std::isfinite(largest) ? largest * (v / largest).norm() : largest;
 }
 
-/// Cuts `v` to a length of at most `limit` (may be infinite) and keeps its direction; true if it had to.
-/// Afterwards `v` is finite whatever it was: a vector that is not finite becomes zero, and so does every vector
-/// under a limit that is negative or no number. The result's `length_of` is never over the limit, not even by
-/// rounding.
+/// Cuts `v` to a length of at most `limit` (may be infinite) and keeps its direction; true if it
+/// had to. Afterwards `v` is finite whatever it was: a vector that is not finite becomes zero, and
+/// so does every vector under a limit that is negative or no number. The result's `length_of` is
+/// never over the limit, not even by rounding.
 inline bool clamp_length(Vec3& v, double limit) noexcept {
   if (!v.allFinite() || !(limit >= 0.0)) {
     v.setZero();
     return true;
   }
-  if (!(length_of(v) > limit)) return false;
-  if (limit < std::numeric_limits<double>::min()) {  // among numbers that coarse a cut would round over it
+  if (!(length_of(v) > limit))
+    return false;
+  if (limit <
+      std::numeric_limits<double>::min()) {  // among numbers that coarse a cut would round over it
     v.setZero();
     return true;
   }
   constexpr double kRounding = 1.0 - 16.0 * std::numeric_limits<double>::epsilon();
-  const Vec3 direction = v / v.cwiseAbs().maxCoeff();  // components at most one: the norm below cannot overflow
+  const Vec3 direction =
+      v / v.cwiseAbs().maxCoeff();  // components at most one: the norm below cannot overflow
   v = direction * (limit * kRounding / direction.norm());
   return true;
 }
@@ -41,8 +45,9 @@ struct WrenchCut {
   bool any() const noexcept { return force || torque; }
 };
 
-/// Cuts force [N] and torque [Nm] as `clamp_length` does. A torque limit of zero says that the device gives no
-/// torque: the torque is left out and not called cut, for that is no fault of who asked for it.
+/// Cuts force [N] and torque [Nm] as `clamp_length` does. A torque limit of zero says that the
+/// device gives no torque: the torque is left out and not called cut, for that is no fault of who
+/// asked for it.
 inline WrenchCut clamp_wrench(Wrench& wrench, double max_force_n, double max_torque_nm) noexcept {
   const bool force = clamp_length(wrench.force, max_force_n);
   const bool torque = clamp_length(wrench.torque, max_torque_nm);

@@ -1,5 +1,6 @@
 #pragma once
-/// What a haptic device is: one value from which its messages, the designer's model, the guard and all limits are made.
+/// What a haptic device is: one value from which its messages, the designer's model, the guard and
+/// all limits are made.
 #include <cstdint>
 #include <string>
 
@@ -7,34 +8,39 @@ namespace voxtouch {
 
 /// What the device is: the numbers that guard, coupling and people need. "No limit" is infinity.
 struct DeviceDescription {
-  std::string model;                        ///< for example "sim-phantom"
+  std::string model;  ///< for example "sim-phantom"
   double rate_hz = 1000.0;
   double max_force_n = 0.0;
-  double max_torque_nm = 0.0;               ///< 0: gives no torque
-  double max_force_rate_n_per_s = 0.0;      ///< slew limit that the guard keeps
+  double max_torque_nm = 0.0;           ///< 0: gives no torque
+  double max_force_rate_n_per_s = 0.0;  ///< slew limit that the guard keeps
   double max_torque_rate_nm_per_s = 0.0;
   double max_stiffness_n_per_m = 0.0;
   double mass_min_kg = 0.0, mass_max_kg = 0.0;  ///< apparent mass at the tool over the workspace
   double damping_ns_per_m = 0.0;
   double coulomb_friction_n = 0.0;
   double position_resolution_m = 0.0;
-  double delay_s = 0.0;                     ///< from command to force, beside the sample period
-  double network_delay_s = 0.0;             ///< of the network between device and coupling, there and back, beside delay_s
-  double force_bandwidth_hz = 0.0;          ///< first-order lag of the force and the torque; infinity if none
-  double inertia_min_kg_m2 = 0.0, inertia_max_kg_m2 = 0.0;  ///< about any axis at the tool; 0 without torque
+  double delay_s = 0.0;  ///< from command to force, beside the sample period
+  double network_delay_s =
+      0.0;  ///< of the network between device and coupling, there and back, beside delay_s
+  double force_bandwidth_hz =
+      0.0;  ///< first-order lag of the force and the torque; infinity if none
+  double inertia_min_kg_m2 = 0.0,
+         inertia_max_kg_m2 = 0.0;  ///< about any axis at the tool; 0 without torque
   double damping_nms_per_rad = 0.0;
   double coulomb_friction_nm = 0.0;
   double orientation_resolution_rad = 0.0;
-  double max_stiffness_nm_per_rad = 0.0;    ///< 0 without torque
-  double jitter = 0.2;                      ///< the longest sample period is (1 + jitter) / rate_hz
-  std::uint32_t lost_in_a_row = 1;          ///< samples or commands that may be lost one after the other
-  std::string grip = "pen";                 ///< how it is usually held: "pen" or "arm"
+  double max_stiffness_nm_per_rad = 0.0;  ///< 0 without torque
+  double jitter = 0.2;                    ///< the longest sample period is (1 + jitter) / rate_hz
+  std::uint32_t lost_in_a_row = 1;  ///< samples or commands that may be lost one after the other
+  std::string grip = "pen";         ///< how it is usually held: "pen" or "arm"
   std::uint32_t input_dof = 6, output_dof = 3;
-  bool simulated = false;                   ///< its command acts within the sample's own period; a real device's may leave a period later
+  bool simulated = false;  ///< its command acts within the sample's own period; a real device's may
+                           ///< leave a period later
 };
 
-/// The first number that cannot be a device's, as a sentence; empty where all can. It cannot know whether the numbers are true. One
-/// check for whoever opens a device and for whoever is told of one. Allocates: not for the loop.
+/// The first number that cannot be a device's, as a sentence; empty where all can. It cannot know
+/// whether the numbers are true. One check for whoever opens a device and for whoever is told of
+/// one. Allocates: not for the loop.
 std::string what_is_wrong(const DeviceDescription& device);
 
 }  // namespace voxtouch

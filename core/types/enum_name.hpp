@@ -16,9 +16,11 @@ constexpr std::string_view name_in(const std::array<std::string_view, N>& names,
 
 /// The enumerator called `word`; false, and `value` untouched, where there is none. Real-time safe.
 template <class Enum, std::size_t N>
-constexpr bool find_name(const std::array<std::string_view, N>& names, std::string_view word, Enum& value) noexcept {
+constexpr bool find_name(const std::array<std::string_view, N>& names, std::string_view word,
+                         Enum& value) noexcept {
   for (std::size_t place = 0; place < N; ++place)
-    if (names[place] == word) return value = static_cast<Enum>(place), true;
+    if (names[place] == word)
+      return value = static_cast<Enum>(place), true;
   return false;
 }
 

@@ -4,14 +4,16 @@
 /// Frames
 ///   W  world: where scenes, voxmaps and contact wrenches live.
 ///   D  device base: where a device reports its pose and takes its force.
-///   T  tool: the frame of the dynamic object's mesh; its origin is the point that torques refer to.
-///   P  tip: the point of the device that the hand moves; T is fixed to it.
+///   T  tool: the frame of the dynamic object's mesh; its origin is the point that torques refer
+///   to. P  tip: the point of the device that the hand moves; T is fixed to it.
 /// A pose `T in W` maps points of T to W: x_W = orientation * x_T + position.
-/// Where two frames meet in a function or a struct, names end in them: `pose_WT` is T in W, `rotation_DW` turns axes of W into
-/// axes of D, `wrench_D` and `arm_PT_W` (from P to T) have the axes of their last letter.
+/// Where two frames meet in a function or a struct, names end in them: `pose_WT` is T in W,
+/// `rotation_DW` turns axes of W into axes of D, `wrench_D` and `arm_PT_W` (from P to T) have the
+/// axes of their last letter.
 ///
-/// Units are SI throughout: metres, seconds, newtons, newton metres, radians. A bare number that crosses a border carries
-/// its unit in its name (`stiffness_n_per_m`). Quaternions are unit, written w x y z.
+/// Units are SI throughout: metres, seconds, newtons, newton metres, radians. A bare number that
+/// crosses a border carries its unit in its name (`stiffness_n_per_m`). Quaternions are unit,
+/// written w x y z.
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
@@ -62,10 +64,12 @@ inline Mat3 cross_matrix(const Vec3& v) noexcept {
   return (Mat3() << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0).finished();
 }
 
-/// Normalises `q` if its norm lies in [`low`, `high`]; false and `q` untouched otherwise (also for NaN and Inf).
+/// Normalises `q` if its norm lies in [`low`, `high`]; false and `q` untouched otherwise (also for
+/// NaN and Inf).
 inline bool normalise_within(Quat& q, double low, double high) noexcept {
   const double norm = q.norm();
-  if (!(norm >= low && norm <= high)) return false;
+  if (!(norm >= low && norm <= high))
+    return false;
   q.coeffs() /= norm;
   return true;
 }

@@ -9,8 +9,9 @@
 
 namespace voxtouch {
 
-/// Asks the system for pages of 2 MB under arrays of `kMinBytes` and more: look-ups all over pages of 4 kB wait for the processor's own tables of
-/// pages as long as for the memory. Where the system gives none, nothing but that time changes. Throws std::bad_alloc.
+/// Asks the system for pages of 2 MB under arrays of `kMinBytes` and more: look-ups all over pages
+/// of 4 kB wait for the processor's own tables of pages as long as for the memory. Where the system
+/// gives none, nothing but that time changes. Throws std::bad_alloc.
 template <class T>
 struct HugePages {
   using value_type = T;
@@ -21,20 +22,26 @@ struct HugePages {
   HugePages(const HugePages<U>&) noexcept {}
 
   T* allocate(std::size_t count) {
-    if (count > std::numeric_limits<std::size_t>::max() / sizeof(T)) throw std::bad_array_new_length();
+    if (count > std::numeric_limits<std::size_t>::max() / sizeof(T))
+      throw std::bad_array_new_length();
     const std::size_t bytes = count * sizeof(T);
     void* const memory = ::operator new(bytes, alignment(bytes));
 #if defined(__linux__) && defined(MADV_HUGEPAGE)
-    if (bytes >= kMinBytes) static_cast<void>(::madvise(memory, bytes / kPageBytes * kPageBytes, MADV_HUGEPAGE));
+    if (bytes >= kMinBytes)
+      static_cast<void>(::madvise(memory, bytes / kPageBytes * kPageBytes, MADV_HUGEPAGE));
 #endif
     return static_cast<T*>(memory);
   }
-  void deallocate(T* memory, std::size_t count) noexcept { ::operator delete(memory, alignment(count * sizeof(T))); }
+  void deallocate(T* memory, std::size_t count) noexcept {
+    ::operator delete(memory, alignment(count * sizeof(T)));
+  }
 
   friend bool operator==(const HugePages&, const HugePages&) noexcept { return true; }
 
  private:
-  static std::align_val_t alignment(std::size_t bytes) noexcept { return std::align_val_t{bytes >= kMinBytes ? kPageBytes : std::size_t{64}}; }
+  static std::align_val_t alignment(std::size_t bytes) noexcept {
+    return std::align_val_t{bytes >= kMinBytes ? kPageBytes : std::size_t{64}};
+  }
 };
 
 }  // namespace voxtouch

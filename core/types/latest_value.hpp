@@ -5,7 +5,8 @@
 
 namespace voxtouch {
 
-/// Triple buffer for one writer and one reader; wait-free on both sides, real-time safe. Each value is taken once at most.
+/// Triple buffer for one writer and one reader; wait-free on both sides, real-time safe. Each value
+/// is taken once at most.
 template <class T>
 class LatestValue {
  public:
@@ -18,7 +19,8 @@ class LatestValue {
   }
   /// False: nothing new; `out` is left as it was.
   bool take(T& out) noexcept {
-    if ((middle_.load(std::memory_order_acquire) & kFresh) == 0) return false;
+    if ((middle_.load(std::memory_order_acquire) & kFresh) == 0)
+      return false;
     front_ = middle_.exchange(front_, std::memory_order_acq_rel) & kIndex;
     out = slots_[front_];
     return true;

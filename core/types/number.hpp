@@ -9,16 +9,19 @@
 
 namespace voxtouch {
 
-/// `text` as a `Number`, where the whole of it is one: no blanks, no '+', no locale, so that 0.5 is a half everywhere. A
-/// floating-point number may be "inf" or "nan". Else the reason: `result_out_of_range` where it is a number but does not fit,
-/// `invalid_argument` for all else. Real-time safe.
+/// `text` as a `Number`, where the whole of it is one: no blanks, no '+', no locale, so that 0.5 is
+/// a half everywhere. A floating-point number may be "inf" or "nan". Else the reason:
+/// `result_out_of_range` where it is a number but does not fit, `invalid_argument` for all else.
+/// Real-time safe.
 template <class Number>
 std::expected<Number, std::errc> parse_number(std::string_view text) noexcept {
   Number value{};
   const char* const last = text.data() + text.size();
   const auto [end, fault] = std::from_chars(text.data(), last, value);
-  if (end != last || fault == std::errc::invalid_argument) return std::unexpected(std::errc::invalid_argument);
-  if (fault != std::errc()) return std::unexpected(fault);
+  if (end != last || fault == std::errc::invalid_argument)
+    return std::unexpected(std::errc::invalid_argument);
+  if (fault != std::errc())
+    return std::unexpected(fault);
   return value;
 }
 

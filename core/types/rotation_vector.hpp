@@ -1,18 +1,22 @@
 #pragma once
-/// The turn between two orientations as a vector: the one definition for contact, coupling and drivers.
+/// The turn between two orientations as a vector: the one definition for contact, coupling and
+/// drivers.
 #include <cmath>
 
 #include "core/types/geometry.hpp"
 
 namespace voxtouch {
 
-/// The turn that leads from `from` to `to`, both of unit norm, the shorter way round: axis times angle [rad], in the axes of the frame
-/// that they are in. Zero where they are the same. Real-time safe.
+/// The turn that leads from `from` to `to`, both of unit norm, the shorter way round: axis times
+/// angle [rad], in the axes of the frame that they are in. Zero where they are the same. Real-time
+/// safe.
 inline Vec3 rotation_vector(const Quat& from, const Quat& to) noexcept {
   Quat turn = to * from.conjugate();
-  if (turn.w() < 0.0) turn.coeffs() = -turn.coeffs();
+  if (turn.w() < 0.0)
+    turn.coeffs() = -turn.coeffs();
   const double sine = turn.vec().norm();
-  if (!(sine > 0.0)) return Vec3::Zero();
+  if (!(sine > 0.0))
+    return Vec3::Zero();
   return (2.0 * std::atan2(sine, turn.w()) / sine) * turn.vec();
 }
 

@@ -9,12 +9,14 @@
 
 namespace voxtouch {
 
-/// Names without ending, sorted, of those in this folder ("scenes"); none where there is no such folder.
+/// Names without ending, sorted, of those in this folder ("scenes"); none where there is no such
+/// folder.
 inline std::vector<std::string> shipped_files(const std::string& folder) {
   std::vector<std::string> names;
   std::error_code error;
   for (const auto& entry : std::filesystem::directory_iterator(shared_folder() / folder, error))
-    if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem().string());
+    if (entry.path().extension() == ".yaml")
+      names.push_back(entry.path().stem().string());
   std::ranges::sort(names);
   return names;
 }

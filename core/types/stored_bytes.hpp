@@ -1,6 +1,7 @@
 #pragma once
-/// Values as bytes of this machine, to be kept and read again by the same program: an archive that writes, and one that reads the same
-/// calls back. What is read is not trusted: every length is compared with the bytes that are left before anything is allocated.
+/// Values as bytes of this machine, to be kept and read again by the same program: an archive that
+/// writes, and one that reads the same calls back. What is read is not trusted: every length is
+/// compared with the bytes that are left before anything is allocated.
 #include <array>
 #include <cstdint>
 #include <cstring>
@@ -20,8 +21,8 @@ struct StoredBytesError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Numbers, enumerators and arrays of them, which go as they lie in memory. Not bool, of which a byte may be neither value, and no
-/// structure, whose padding is anything.
+/// Numbers, enumerators and arrays of them, which go as they lie in memory. Not bool, of which a
+/// byte may be neither value, and no structure, whose padding is anything.
 template <class T>
 concept PlainNumber = (std::is_arithmetic_v<T> && !std::is_same_v<T, bool>) || std::is_enum_v<T>;
 
@@ -36,15 +37,20 @@ struct IsPlainRow<std::array<T, N>> : std::bool_constant<PlainNumber<T>> {};
 class ByteWriter {
  public:
   template <PlainNumber T>
-  void operator()(const T& value) { add(&value, sizeof value); }
+  void operator()(const T& value) {
+    add(&value, sizeof value);
+  }
   void operator()(const bool& value) { (*this)(std::uint8_t{value}); }
   template <int R, int C>
-  void operator()(const Eigen::Matrix<double, R, C>& value) { add(value.data(), sizeof(double) * R * C); }
+  void operator()(const Eigen::Matrix<double, R, C>& value) {
+    add(value.data(), sizeof(double) * R * C);
+  }
   void operator()(const std::string& value) { add_row(value.data(), value.size(), 1); }
   template <class T>
   void operator()(const std::optional<T>& value) {
     (*this)(value.has_value());
-    if (value) (*this)(*value);
+    if (value)
+      (*this)(*value);
   }
   template <class T, class Allocator>
   void operator()(const std::vector<T, Allocator>& values) {
@@ -52,7 +58,8 @@ class ByteWriter {
       add_row(values.data(), values.size(), sizeof(T));
     } else {
       (*this)(std::uint64_t{values.size()});
-      for (const T& value : values) (*this)(value);
+      for (const T& value : values)
+        (*this)(value);
     }
   }
 
@@ -66,18 +73,22 @@ class ByteWriter {
     add(from, count * size);
   }
   void add(const void* from, std::size_t size) {
-    if (size > 0) bytes_.append(static_cast<const char*>(from), size);
+    if (size > 0)
+      bytes_.append(static_cast<const char*>(from), size);
   }
   std::string bytes_;
 };
 
-/// Takes the values back in the order in which they were written. Throws StoredBytesError where the bytes end before.
+/// Takes the values back in the order in which they were written. Throws StoredBytesError where the
+/// bytes end before.
 class ByteReader {
  public:
   explicit ByteReader(std::string_view bytes) noexcept : rest_(bytes) {}
 
   template <PlainNumber T>
-  void operator()(T& value) { take(&value, sizeof value); }
+  void operator()(T& value) {
+    take(&value, sizeof value);
+  }
   void operator()(bool& value) {
     std::uint8_t byte = 0;
     (*this)(byte);
@@ -85,7 +96,9 @@ class ByteReader {
     value = byte == 1;
   }
   template <int R, int C>
-  void operator()(Eigen::Matrix<double, R, C>& value) { take(value.data(), sizeof(double) * R * C); }
+  void operator()(Eigen::Matrix<double, R, C>& value) {
+    take(value.data(), sizeof(double) * R * C);
+  }
   void operator()(std::string& value) {
     value.resize(count(1));
     take(value.data(), value.size());
@@ -95,7 +108,8 @@ class ByteReader {
     bool is_there = false;
     (*this)(is_there);
     value.reset();
-    if (is_there) (*this)(value.emplace());
+    if (is_there)
+      (*this)(value.emplace());
   }
   template <class T, class Allocator>
   void operator()(std::vector<T, Allocator>& values) {
@@ -106,13 +120,15 @@ class ByteReader {
     } else {
       const std::size_t size = count(1);  // each takes a byte at least
       values.clear();
-      for (std::size_t n = 0; n < size; ++n) (*this)(values.emplace_back());
+      for (std::size_t n = 0; n < size; ++n)
+        (*this)(values.emplace_back());
     }
   }
 
   /// Throws StoredBytesError with `what` unless it holds.
   static void require(bool holds, const char* what) {
-    if (!holds) throw StoredBytesError(what);
+    if (!holds)
+      throw StoredBytesError(what);
   }
   /// Nothing may follow.
   void finish() const { require(rest_.empty(), "bytes behind the last value"); }
@@ -126,7 +142,8 @@ class ByteReader {
   }
   void take(void* to, std::size_t size) {
     require(size <= rest_.size(), "bytes that end too early");
-    if (size > 0) std::memcpy(to, rest_.data(), size);
+    if (size > 0)
+      std::memcpy(to, rest_.data(), size);
     rest_.remove_prefix(size);
   }
   std::string_view rest_;

@@ -4,7 +4,8 @@
 
 namespace voxtouch {
 
-/// "MAJOR.MINOR.PATCH" (semver.org): the version of the CMake project, which is the one place where it stands.
+/// "MAJOR.MINOR.PATCH" (semver.org): the version of the CMake project, which is the one place where
+/// it stands.
 std::string_view version() noexcept;
 
 }  // namespace voxtouch

@@ -1,6 +1,6 @@
 #pragma once
-/// One bit a voxel in bricks of 8x8x8: the shape in which voxels are collected and filled, eight words at a
-/// time.
+/// One bit a voxel in bricks of 8x8x8: the shape in which voxels are collected and filled, eight
+/// words at a time.
 #include <array>
 #include <cstdint>
 
@@ -23,22 +23,28 @@ inline BrickMask grow(BrickMask seed, const BrickMask& room) noexcept {
     const auto step = [&](std::size_t z) {
       std::uint64_t m = seed[z];
       m |= ((m & ~kHighX) << 1) | ((m & ~kLowX) >> 1) | (m << 8) | (m >> 8);
-      if (z > 0) m |= seed[z - 1];
-      if (z < 7) m |= seed[z + 1];
+      if (z > 0)
+        m |= seed[z - 1];
+      if (z < 7)
+        m |= seed[z + 1];
       m &= room[z];
       changed |= m ^ seed[z];
       seed[z] = m;
     };
-    for (std::size_t z = 0; z < 8; ++z) step(z);  // there and back: most shapes settle in two or three rounds
-    for (std::size_t z = 8; z-- > 0;) step(z);
-    if (changed == 0) return seed;
+    for (std::size_t z = 0; z < 8; ++z)
+      step(z);  // there and back: most shapes settle in two or three rounds
+    for (std::size_t z = 8; z-- > 0;)
+      step(z);
+    if (changed == 0)
+      return seed;
   }
 }
 
-/// The voxels on the low (side 0) or high (side 1) face across `axis`, as one word whose bits face each
-/// other.
+/// The voxels on the low (side 0) or high (side 1) face across `axis`, as one word whose bits face
+/// each other.
 inline std::uint64_t face(const BrickMask& m, int axis, int side) noexcept {
-  if (axis == 2) return m[side ? 7 : 0];
+  if (axis == 2)
+    return m[side ? 7 : 0];
   std::uint64_t bits = 0;
   for (std::size_t z = 0; z < 8; ++z) {
     if (axis == 1)

@@ -8,20 +8,25 @@
 
 #include "core/types/clones.hpp"
 
-// A triangle is left out where a lower bound of its distance is above an upper bound of what a node will get. Where q is the triangle's point
-// nearest to a middle c, all of the triangle is behind the plane through q across the way from q to c, for it is convex: so its distance
-// from p is at least |c - q| + (p - c) . (c - q) / |c - q|, and at most |p - q|. The first is a few operations, for many p at once; only what is
-// left is compared with the nodes in full. So bounds decide what is worked out, and no bit of it.
+// A triangle is left out where a lower bound of its distance is above an upper bound of what a node
+// will get. Where q is the triangle's point nearest to a middle c, all of the triangle is behind
+// the plane through q across the way from q to c, for it is convex: so its distance from p is at
+// least |c - q| + (p - c) . (c - q) / |c - q|, and at most |p - q|. The first is a few operations,
+// for many p at once; only what is left is compared with the nodes in full. So bounds decide what
+// is worked out, and no bit of it.
 namespace voxtouch::voxmap {
 namespace {
 
 constexpr std::size_t kBlocks = kOwnNodes / kOfBlock, kLanes = kOfBlock;
 static_assert(kBlocks == 16);
-/// From the middle of a brick's own nodes, or of a block's, to the farthest of them, and a little for rounding.
+/// From the middle of a brick's own nodes, or of a block's, to the farthest of them, and a little
+/// for rounding.
 constexpr double kBrickReach = 3.5 * 1.7320509, kBlockReach = 2.1794496;
-/// With more triangles near a brick than this its blocks ask the tree on their own, with more near a block its nodes.
+/// With more triangles near a brick than this its blocks ask the tree on their own, with more near
+/// a block its nodes.
 constexpr std::size_t kMaxNear = 1024;
-/// Added to every bound [voxels]: far more than what rounds. Below `kTooShort` a way's direction says nothing.
+/// Added to every bound [voxels]: far more than what rounds. Below `kTooShort` a way's direction
+/// says nothing.
 constexpr double kSlack = 1e-3, kTooShort = 0.05;
 
 using Points = DistanceTree::Points;
@@ -32,13 +37,16 @@ template <class F>
 constexpr void for_each_own(F&& f) {
   for (int z = 0; z < DistanceField::kBrickEdge; ++z)
     for (int y = 0; y < DistanceField::kBrickEdge; ++y)
-      for (int x = 0; x < DistanceField::kBrickEdge; ++x) f(own_node(x, y, z), x, y, z);
+      for (int x = 0; x < DistanceField::kBrickEdge; ++x)
+        f(own_node(x, y, z), x, y, z);
 }
 
 /// Where a brick has its own nodes.
 constexpr std::array<std::uint16_t, kOwnNodes> kNodeOf = [] {
   std::array<std::uint16_t, kOwnNodes> out{};
-  for_each_own([&](std::size_t own, int x, int y, int z) { out[own] = static_cast<std::uint16_t>(node_of_brick(x, y, z)); });
+  for_each_own([&](std::size_t own, int x, int y, int z) {
+    out[own] = static_cast<std::uint16_t>(node_of_brick(x, y, z));
+  });
   return out;
 }();
 
@@ -46,19 +54,23 @@ constexpr std::array<std::uint16_t, kOwnNodes> kNodeOf = [] {
 constexpr Points kToBlocks = [] {
   Points out;
   for (std::size_t n = 0; n < kBlocks; ++n)
-    out.x[n] = 4.0 * static_cast<double>(n & 1) - 2.0, out.y[n] = 4.0 * static_cast<double>(n >> 1 & 1) - 2.0, out.z[n] = 2.0 * static_cast<double>(n >> 2) - 3.0;
+    out.x[n] = 4.0 * static_cast<double>(n & 1) - 2.0,
+    out.y[n] = 4.0 * static_cast<double>(n >> 1 & 1) - 2.0,
+    out.z[n] = 2.0 * static_cast<double>(n >> 2) - 3.0;
   return out;
 }();
 constexpr Points kToNodes = [] {
   Points out;
   for (std::size_t n = 0; n < kLanes; ++n)
-    out.x[n] = static_cast<double>(n & 3) - 1.5, out.y[n] = static_cast<double>(n >> 2 & 3) - 1.5, out.z[n] = static_cast<double>(n >> 4) - 0.5;
+    out.x[n] = static_cast<double>(n & 3) - 1.5, out.y[n] = static_cast<double>(n >> 2 & 3) - 1.5,
+    out.z[n] = static_cast<double>(n >> 4) - 0.5;
   return out;
 }();
 
 constexpr std::array<std::int64_t, kLanes> kBitOf = [] {
   std::array<std::int64_t, kLanes> out{};
-  for (std::size_t n = 0; n < kLanes; ++n) out[n] = std::int64_t{1} << n;
+  for (std::size_t n = 0; n < kLanes; ++n)
+    out[n] = std::int64_t{1} << n;
   return out;
 }();
 
@@ -71,12 +83,14 @@ struct Seen {
 
 Seen seen_so(const Vec3& way, std::uint32_t place) noexcept {
   const double length = way.norm();
-  if (length < kTooShort) return {Vec3::Zero(), length, -1.0, place};
+  if (length < kTooShort)
+    return {Vec3::Zero(), length, -1.0, place};
   return {1.0 / length * way, length, length - kSlack, place};
 }
 
 /// square[n] = |way + step n|^2 where that is less, and then `place` is whose it is.
-VOXTOUCH_CLONES void keep_nearer(const double* x, const double* y, const double* z, double wx, double wy, double wz, std::int64_t place, double* square,
+VOXTOUCH_CLONES void keep_nearer(const double* x, const double* y, const double* z, double wx,
+                                 double wy, double wz, std::int64_t place, double* square,
                                  std::int64_t* whose) noexcept {
   for (std::size_t n = 0; n < kBlocks; ++n) {
     const double dx = wx + x[n], dy = wy + y[n], dz = wz + z[n], here = dx * dx + dy * dy + dz * dz;
@@ -86,37 +100,47 @@ VOXTOUCH_CLONES void keep_nearer(const double* x, const double* y, const double*
 }
 
 /// A bit for each of `count` where the lower bound's square does not exceed `square`.
-VOXTOUCH_CLONES std::int64_t may_be_near(const double* x, const double* y, const double* z, double nx, double ny, double nz, double bound, const double* square,
-                                         std::size_t count) noexcept {
+VOXTOUCH_CLONES std::int64_t may_be_near(const double* x, const double* y, const double* z,
+                                         double nx, double ny, double nz, double bound,
+                                         const double* square, std::size_t count) noexcept {
   std::int64_t bits = 0;
   for (std::size_t n = 0; n < count; ++n) {
-    const double least = bound + (nx * x[n] + ny * y[n] + nz * z[n]), above = least > 0.0 ? least : 0.0;
+    const double least = bound + (nx * x[n] + ny * y[n] + nz * z[n]),
+                 above = least > 0.0 ? least : 0.0;
     bits |= above * above <= square[n] ? kBitOf[n] : 0;
   }
   return bits;
 }
 
-std::uint32_t may_be_near(const Points& steps, const Seen& seen, const Lanes& square, std::size_t count) noexcept {
+std::uint32_t may_be_near(const Points& steps, const Seen& seen, const Lanes& square,
+                          std::size_t count) noexcept {
   const Vec3& d = seen.direction;
-  return static_cast<std::uint32_t>(may_be_near(steps.x.data(), steps.y.data(), steps.z.data(), d.x(), d.y(), d.z(), seen.bound, square.data(), count));
+  return static_cast<std::uint32_t>(may_be_near(steps.x.data(), steps.y.data(), steps.z.data(),
+                                                d.x(), d.y(), d.z(), seen.bound, square.data(),
+                                                count));
 }
 
-VOXTOUCH_CLONES void put_nodes(double x, double y, double z, double* px, double* py, double* pz) noexcept {
-  for (std::size_t n = 0; n < kLanes; ++n) px[n] = x + kToNodes.x[n], py[n] = y + kToNodes.y[n], pz[n] = z + kToNodes.z[n];
+VOXTOUCH_CLONES void put_nodes(double x, double y, double z, double* px, double* py,
+                               double* pz) noexcept {
+  for (std::size_t n = 0; n < kLanes; ++n)
+    px[n] = x + kToNodes.x[n], py[n] = y + kToNodes.y[n], pz[n] = z + kToNodes.z[n];
 }
 
 VOXTOUCH_CLONES void keep_least(const double* square, double* best) noexcept {
-  for (std::size_t n = 0; n < kLanes; ++n) best[n] = square[n] < best[n] ? square[n] : best[n];
+  for (std::size_t n = 0; n < kLanes; ++n)
+    best[n] = square[n] < best[n] ? square[n] : best[n];
 }
 
 VOXTOUCH_CLONES void square_all(const double* limit, double* out) noexcept {
-  for (std::size_t n = 0; n < kLanes; ++n) out[n] = limit[n] * limit[n];
+  for (std::size_t n = 0; n < kLanes; ++n)
+    out[n] = limit[n] * limit[n];
 }
 
 /// The limit's length at most, and its sign.
 VOXTOUCH_CLONES void signed_roots(const double* best, const double* limit, float* out) noexcept {
   for (std::size_t n = 0; n < kLanes; ++n) {
-    const double most = limit[n] < 0.0 ? -limit[n] : limit[n], root = std::sqrt(best[n]), distance = root < most ? root : most;
+    const double most = limit[n] < 0.0 ? -limit[n] : limit[n], root = std::sqrt(best[n]),
+                 distance = root < most ? root : most;
     out[n] = static_cast<float>(limit[n] < 0.0 ? -distance : distance);
   }
 }
@@ -124,8 +148,12 @@ VOXTOUCH_CLONES void signed_roots(const double* best, const double* limit, float
 /// One brick on its way.
 class BrickFill {
  public:
-  BrickFill(const DistanceTree& tree, const Vec3& first, const BrickLimits& limit, DistanceField::Brick& brick)
-      : tree_(tree), middle_(first + Vec3::Constant(3.5)), limit_(limit), brick_(brick) {
+  BrickFill(const DistanceTree& tree, const Vec3& first, const BrickLimits& limit,
+            DistanceField::Brick& brick)
+      : tree_(tree),
+        middle_(first + Vec3::Constant(3.5)),
+        limit_(limit),
+        brick_(brick) {
     for (std::size_t own = 0; own < kOwnNodes; ++own) {
       double& farthest = farthest_[own / kOfBlock];
       farthest = std::max(farthest, std::abs(limit[own]));
@@ -134,20 +162,30 @@ class BrickFill {
 
   void fill(std::uint32_t place) {
     const double most = *std::max_element(farthest_.begin(), farthest_.end()) + kBrickReach;
-    // What is nearest to any node is within the middle's own distance and twice the way to that node.
-    const double reach = std::min(tree_.nearest(middle_, most, place) + 2.0 * kBrickReach, most) + kSlack;
-    if (!tree_.within(middle_, reach, kMaxNear, near_)) return each_block_asks(place);
+    // What is nearest to any node is within the middle's own distance and twice the way to that
+    // node.
+    const double reach =
+        std::min(tree_.nearest(middle_, most, place) + 2.0 * kBrickReach, most) + kSlack;
+    if (!tree_.within(middle_, reach, kMaxNear, near_))
+      return each_block_asks(place);
     look_from_middle(reach);
     share_out();
-    for (std::size_t block = 0; block < kBlocks; ++block) fill_block(block, std::span(shared_).subspan(first_[block], first_[block + 1] - first_[block]));
+    for (std::size_t block = 0; block < kBlocks; ++block)
+      fill_block(block,
+                 std::span(shared_).subspan(first_[block], first_[block + 1] - first_[block]));
   }
 
  private:
-  Vec3 middle_of(std::size_t block) const noexcept { return middle_ + Vec3(kToBlocks.x[block], kToBlocks.y[block], kToBlocks.z[block]); }
+  Vec3 middle_of(std::size_t block) const noexcept {
+    return middle_ + Vec3(kToBlocks.x[block], kToBlocks.y[block], kToBlocks.z[block]);
+  }
   /// How far from the middle of a block a triangle may be where one is at `least`.
-  double reach_of(std::size_t block, double least) const noexcept { return std::min(least + 2.0 * kBlockReach, farthest_[block] + kBlockReach) + kSlack; }
+  double reach_of(std::size_t block, double least) const noexcept {
+    return std::min(least + 2.0 * kBlockReach, farthest_[block] + kBlockReach) + kSlack;
+  }
 
-  /// All of `near_` that are as near as that as seen from the brick's middle, and for each block the square of how far a triangle may be.
+  /// All of `near_` that are as near as that as seen from the brick's middle, and for each block
+  /// the square of how far a triangle may be.
   void look_from_middle(double reach_of_brick) {
     Lanes least;
     least.fill(HUGE_VAL);
@@ -156,12 +194,15 @@ class BrickFill {
     for (const std::uint32_t place : near_) {
       const Vec3 way = tree_.way(place, middle_);
       const Seen seen = seen_so(way, place);
-      if (seen.length > reach_of_brick) continue;
+      if (seen.length > reach_of_brick)
+        continue;
       seen_.push_back(seen);
-      keep_nearer(kToBlocks.x.data(), kToBlocks.y.data(), kToBlocks.z.data(), way.x(), way.y(), way.z(), place, least.data(), whose.data());
+      keep_nearer(kToBlocks.x.data(), kToBlocks.y.data(), kToBlocks.z.data(), way.x(), way.y(),
+                  way.z(), place, least.data(), whose.data());
     }
     for (std::size_t block = 0; block < kBlocks && !seen_.empty(); ++block) {
-      const double reach = reach_of(block, tree_.way(static_cast<std::uint32_t>(whose[block]), middle_of(block)).norm());
+      const double reach = reach_of(
+          block, tree_.way(static_cast<std::uint32_t>(whose[block]), middle_of(block)).norm());
       square_of_block_[block] = reach * reach;
     }
   }
@@ -172,13 +213,16 @@ class BrickFill {
     first_ = {};
     for (std::size_t n = 0; n < seen_.size(); ++n) {
       near_[n] = may_be_near(kToBlocks, seen_[n], square_of_block_, kBlocks);
-      for (std::uint32_t bits = near_[n]; bits != 0; bits &= bits - 1) ++first_[static_cast<std::size_t>(std::countr_zero(bits)) + 1];
+      for (std::uint32_t bits = near_[n]; bits != 0; bits &= bits - 1)
+        ++first_[static_cast<std::size_t>(std::countr_zero(bits)) + 1];
     }
-    for (std::size_t block = 0; block < kBlocks; ++block) first_[block + 1] += first_[block];
+    for (std::size_t block = 0; block < kBlocks; ++block)
+      first_[block + 1] += first_[block];
     shared_.resize(first_[kBlocks]);
     std::array<std::uint32_t, kBlocks + 1> next = first_;
     for (std::size_t n = 0; n < seen_.size(); ++n)
-      for (std::uint32_t bits = near_[n]; bits != 0; bits &= bits - 1) shared_[next[static_cast<std::size_t>(std::countr_zero(bits))]++] = seen_[n].place;
+      for (std::uint32_t bits = near_[n]; bits != 0; bits &= bits - 1)
+        shared_[next[static_cast<std::size_t>(std::countr_zero(bits))]++] = seen_[n].place;
   }
 
   /// From triangles among which are all that count.
@@ -186,7 +230,8 @@ class BrickFill {
     const double* const limit = limit_.data() + kOfBlock * block;
     const std::uint16_t* const node = kNodeOf.data() + kOfBlock * block;
     if (places.empty()) {
-      for (std::size_t n = 0; n < kOfBlock; ++n) brick_[node[n]] = static_cast<float>(limit[n]);
+      for (std::size_t n = 0; n < kOfBlock; ++n)
+        brick_[node[n]] = static_cast<float>(limit[n]);
       return;
     }
     Lanes best;
@@ -194,7 +239,8 @@ class BrickFill {
     lower(block, places, best);
     std::array<float, kOfBlock> out;
     signed_roots(best.data(), limit, out.data());
-    for (std::size_t n = 0; n < kOfBlock; ++n) brick_[node[n]] = out[n];
+    for (std::size_t n = 0; n < kOfBlock; ++n)
+      brick_[node[n]] = out[n];
   }
 
   /// The nearest first: few others can be nearer to any node then.
@@ -204,7 +250,8 @@ class BrickFill {
     std::size_t nearest = 0;
     for (const std::uint32_t place : places) {
       seen_of_block_.push_back(seen_so(tree_.way(place, middle), place));
-      if (seen_of_block_.back().length < seen_of_block_[nearest].length) nearest = seen_of_block_.size() - 1;
+      if (seen_of_block_.back().length < seen_of_block_[nearest].length)
+        nearest = seen_of_block_.size() - 1;
     }
     std::swap(seen_of_block_.front(), seen_of_block_[nearest]);
     const double most = reach_of(block, seen_of_block_.front().length);
@@ -212,7 +259,8 @@ class BrickFill {
     put_nodes(middle.x(), middle.y(), middle.z(), nodes.x.data(), nodes.y.data(), nodes.z.data());
     Lanes square;
     for (const Seen& seen : seen_of_block_) {
-      if (seen.length > most || may_be_near(kToNodes, seen, best, kLanes) == 0) continue;
+      if (seen.length > most || may_be_near(kToNodes, seen, best, kLanes) == 0)
+        continue;
       tree_.squares(seen.place, nodes, square);
       keep_least(square.data(), best.data());
     }
@@ -231,8 +279,11 @@ class BrickFill {
   void each_node_asks(std::size_t block, std::uint32_t& place) {
     for (std::size_t n = 0; n < kOfBlock; ++n) {
       const double limit = limit_[kOfBlock * block + n];
-      const double distance = tree_.nearest(middle_of(block) + Vec3(kToNodes.x[n], kToNodes.y[n], kToNodes.z[n]), std::abs(limit), place);
-      brick_[kNodeOf[kOfBlock * block + n]] = static_cast<float>(limit < 0.0 ? -distance : distance);
+      const double distance =
+          tree_.nearest(middle_of(block) + Vec3(kToNodes.x[n], kToNodes.y[n], kToNodes.z[n]),
+                        std::abs(limit), place);
+      brick_[kNodeOf[kOfBlock * block + n]] =
+          static_cast<float>(limit < 0.0 ? -distance : distance);
     }
   }
 
@@ -249,7 +300,8 @@ class BrickFill {
 
 }  // namespace
 
-void signed_distances(const DistanceTree& tree, const Vec3& first, const BrickLimits& limit, std::uint32_t place, DistanceField::Brick& brick) {
+void signed_distances(const DistanceTree& tree, const Vec3& first, const BrickLimits& limit,
+                      std::uint32_t place, DistanceField::Brick& brick) {
   BrickFill(tree, first, limit, brick).fill(place);
 }
 

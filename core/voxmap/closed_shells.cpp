@@ -25,14 +25,16 @@ std::uint64_t mix(const Vec3& u) noexcept {
   return h;
 }
 
-Corners welded_corners(const GridMesh& mesh, const std::vector<std::uint32_t>& welded, std::uint32_t t) {
+Corners welded_corners(const GridMesh& mesh, const std::vector<std::uint32_t>& welded,
+                       std::uint32_t t) {
   const Corners& c = (*mesh.triangles)[t];
   return {welded[c[0]], welded[c[1]], welded[c[2]]};
 }
 
-/// Triangles grouped by their three corners, first of a group first: sorted by (lowest, middle, highest
-/// corner, triangle).
-std::vector<KeyedTriangle> sorted_by_corners(const GridMesh& mesh, const std::vector<std::uint32_t>& welded,
+/// Triangles grouped by their three corners, first of a group first: sorted by (lowest, middle,
+/// highest corner, triangle).
+std::vector<KeyedTriangle> sorted_by_corners(const GridMesh& mesh,
+                                             const std::vector<std::uint32_t>& welded,
                                              const std::vector<std::uint32_t>& triangles) {
   std::vector<KeyedTriangle> keyed(triangles.size());
   std::vector<std::uint32_t> start(welded.size() + 1, 0);
@@ -41,7 +43,8 @@ std::vector<KeyedTriangle> sorted_by_corners(const GridMesh& mesh, const std::ve
     std::sort(c.begin(), c.end());
     return c;
   };
-  for (const std::uint32_t t : triangles) ++start[key(t)[0] + 1];
+  for (const std::uint32_t t : triangles)
+    ++start[key(t)[0] + 1];
   std::partial_sum(start.begin(), start.end(), start.begin());
   std::vector<std::uint32_t> fill(start.begin(), start.end() - 1);
   for (const std::uint32_t t : triangles) {
@@ -49,7 +52,8 @@ std::vector<KeyedTriangle> sorted_by_corners(const GridMesh& mesh, const std::ve
     keyed[fill[c[0]]++] = {c, t};
   }
   for (std::size_t v = 0; v + 1 < start.size(); ++v)
-    if (start[v + 1] - start[v] > 1) std::sort(keyed.begin() + start[v], keyed.begin() + start[v + 1]);
+    if (start[v + 1] - start[v] > 1)
+      std::sort(keyed.begin() + start[v], keyed.begin() + start[v + 1]);
   return keyed;
 }
 
@@ -62,7 +66,8 @@ class Orientation {
   std::uint32_t root(std::uint32_t t) {
     std::uint8_t flip = 0;
     std::uint32_t r = t;
-    for (; parent_[r] != r; r = parent_[r]) flip ^= flipped_[r];
+    for (; parent_[r] != r; r = parent_[r])
+      flip ^= flipped_[r];
     while (parent_[t] != r && t != r) {  // path compression keeps the bit relative to the root
       const std::uint32_t next = parent_[t];
       const std::uint8_t own = flipped_[t];
@@ -76,7 +81,8 @@ class Orientation {
   void join(std::uint32_t a, std::uint32_t b, bool opposite) {
     const std::uint32_t ra = root(a), rb = root(b);
     const bool flip = flipped(a) ^ flipped(b) ^ opposite;
-    if (ra == rb) return;  // a contradiction (a Moebius band) shows later as an edge that does not balance
+    if (ra == rb)
+      return;  // a contradiction (a Moebius band) shows later as an edge that does not balance
     const auto [low, high] = std::minmax(ra, rb);
     parent_[high] = low, flipped_[high] = flip;
   }
@@ -91,18 +97,18 @@ struct Edge {
   bool forward;             ///< walked from the lower vertex to the higher
 };
 
-/// Every edge of the listed triangles, grouped by (lower, higher vertex); `visit(group)` gets a span of
-/// `Edge`.
+/// Every edge of the listed triangles, grouped by (lower, higher vertex); `visit(group)` gets a
+/// span of `Edge`.
 template <class Visit>
 void for_each_edge(const GridMesh& mesh, const std::vector<std::uint32_t>& welded,
-                   const std::vector<std::uint32_t>& triangles,
-                   Visit&& visit) {
+                   const std::vector<std::uint32_t>& triangles, Visit&& visit) {
   std::vector<std::uint32_t> start(welded.size() + 1, 0);
   const auto edges_of = [&](std::size_t slot, auto&& f) {
     const Corners c = welded_corners(mesh, welded, triangles[slot]);
     for (std::size_t n = 0; n < 3; ++n) {
       const std::uint32_t a = c[n], b = c[(n + 1) % 3];
-      if (a != b) f(std::min(a, b), Edge{std::max(a, b), static_cast<std::uint32_t>(slot), a < b});
+      if (a != b)
+        f(std::min(a, b), Edge{std::max(a, b), static_cast<std::uint32_t>(slot), a < b});
     }
   };
   for (std::size_t s = 0; s < triangles.size(); ++s)
@@ -114,11 +120,13 @@ void for_each_edge(const GridMesh& mesh, const std::vector<std::uint32_t>& welde
     edges_of(s, [&](std::uint32_t near, const Edge& edge) { edges[fill[near]++] = edge; });
   for (std::size_t v = 0; v + 1 < start.size(); ++v) {
     const auto first = edges.begin() + start[v], last = edges.begin() + start[v + 1];
-    std::sort(first, last,
-              [](const Edge& a, const Edge& b) { return std::tie(a.far, a.slot) < std::tie(b.far, b.slot); });
+    std::sort(first, last, [](const Edge& a, const Edge& b) {
+      return std::tie(a.far, a.slot) < std::tie(b.far, b.slot);
+    });
     for (auto at = first; at != last;) {
       auto end = at;
-      while (end != last && end->far == at->far) ++end;
+      while (end != last && end->far == at->far)
+        ++end;
       visit(std::span<const Edge>(at, end));
       at = end;
     }
@@ -129,11 +137,12 @@ double twice_area(const GridMesh& mesh, std::uint32_t t) {
   return area_vector(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2)).stableNorm();
 }
 
-/// One attempt: the parts that the listed triangles form; closed parts get their roles, the triangles of open
-/// ones are returned.
-std::vector<std::uint32_t> settle_parts(const GridMesh& mesh, const std::vector<std::uint32_t>& welded,
-                                        const std::vector<std::uint32_t>& triangles, ClosedShells& shells,
-                                        std::size_t& open_parts) {
+/// One attempt: the parts that the listed triangles form; closed parts get their roles, the
+/// triangles of open ones are returned.
+std::vector<std::uint32_t> settle_parts(const GridMesh& mesh,
+                                        const std::vector<std::uint32_t>& welded,
+                                        const std::vector<std::uint32_t>& triangles,
+                                        ClosedShells& shells, std::size_t& open_parts) {
   const std::size_t count = triangles.size();
   Orientation part(count), patch(count);
   std::vector<std::uint8_t> open(count, 0), unbalanced(count, 0);
@@ -141,16 +150,23 @@ std::vector<std::uint32_t> settle_parts(const GridMesh& mesh, const std::vector<
   bool tidy = true;
   for_each_edge(mesh, welded, triangles, [&](std::span<const Edge> group) {
     int balance = 0;
-    for (const Edge& edge : group) balance += edge.forward ? 1 : -1;
+    for (const Edge& edge : group)
+      balance += edge.forward ? 1 : -1;
     tidy = tidy && (balance == 0 || group.size() % 2 != 0);
-    for (const Edge& edge : group.subspan(1)) part.join(group[0].slot, edge.slot, false);
-    if (group.size() == 2) patch.join(group[0].slot, group[1].slot, group[0].forward == group[1].forward);
-    if (group.size() % 2 != 0) open[group[0].slot] = 1;
+    for (const Edge& edge : group.subspan(1))
+      part.join(group[0].slot, edge.slot, false);
+    if (group.size() == 2)
+      patch.join(group[0].slot, group[1].slot, group[0].forward == group[1].forward);
+    if (group.size() % 2 != 0)
+      open[group[0].slot] = 1;
   });
   std::vector<double> kept_area(count, 0.0), flipped_area(count, 0.0);
   for (std::uint32_t s = 0; s < count; ++s) {
-    if (open[s]) open[part.root(s)] = 1;
-    if (!tidy) (patch.flipped(s) ? flipped_area : kept_area)[patch.root(s)] += twice_area(mesh, triangles[s]);
+    if (open[s])
+      open[part.root(s)] = 1;
+    if (!tidy)
+      (patch.flipped(s) ? flipped_area : kept_area)[patch.root(s)] +=
+          twice_area(mesh, triangles[s]);
   }
   const auto flip = [&](std::uint32_t s) {
     const std::uint32_t root = patch.root(s);
@@ -159,8 +175,10 @@ std::vector<std::uint32_t> settle_parts(const GridMesh& mesh, const std::vector<
   if (!tidy)
     for_each_edge(mesh, welded, triangles, [&](std::span<const Edge> group) {
       int balance = 0;
-      for (const Edge& edge : group) balance += edge.forward != flip(edge.slot) ? 1 : -1;
-      if (balance != 0) unbalanced[part.root(group[0].slot)] = 1;
+      for (const Edge& edge : group)
+        balance += edge.forward != flip(edge.slot) ? 1 : -1;
+      if (balance != 0)
+        unbalanced[part.root(group[0].slot)] = 1;
     });
   std::vector<std::uint32_t> left;
   open_parts = 0;
@@ -172,7 +190,9 @@ std::vector<std::uint32_t> settle_parts(const GridMesh& mesh, const std::vector<
       continue;
     }
     shells.closed_parts += root == s;
-    shells.role[t] = unbalanced[root] ? ShellRole::kParity : flip(s) ? ShellRole::kFlipped : ShellRole::kKept;
+    shells.role[t] = unbalanced[root] ? ShellRole::kParity
+                     : flip(s)        ? ShellRole::kFlipped
+                                      : ShellRole::kKept;
     shells.patch[t] = triangles[patch.root(s)];
   }
   return left;
@@ -186,14 +206,17 @@ std::vector<std::uint32_t> weld_vertices(const GridMesh& mesh) {
   std::vector<std::uint32_t> table(slots, kEmpty), welded(mesh.u.size());
   for (std::uint32_t v = 0; v < mesh.u.size(); ++v) {
     std::size_t slot = mix(mesh.u[v]) & (slots - 1);
-    while (table[slot] != kEmpty && mesh.u[table[slot]] != mesh.u[v]) slot = (slot + 1) & (slots - 1);
-    if (table[slot] == kEmpty) table[slot] = v;
+    while (table[slot] != kEmpty && mesh.u[table[slot]] != mesh.u[v])
+      slot = (slot + 1) & (slots - 1);
+    if (table[slot] == kEmpty)
+      table[slot] = v;
     welded[v] = table[slot];
   }
   return welded;
 }
 
-std::vector<TriangleState> judge_triangles(const GridMesh& mesh, const std::vector<std::uint32_t>& welded) {
+std::vector<TriangleState> judge_triangles(const GridMesh& mesh,
+                                           const std::vector<std::uint32_t>& welded) {
   std::vector<TriangleState> state(mesh.size(), TriangleState::kSound);
   std::vector<std::uint32_t> all(mesh.size());
   std::iota(all.begin(), all.end(), 0U);
@@ -214,15 +237,18 @@ ClosedShells find_closed_shells(const GridMesh& mesh, const std::vector<std::uin
   shells.patch.assign(mesh.size(), 0);
   std::vector<std::uint32_t> sound;
   for (std::uint32_t t = 0; t < mesh.size(); ++t)
-    if (state[t] == TriangleState::kSound) sound.push_back(t);
+    if (state[t] == TriangleState::kSound)
+      sound.push_back(t);
   std::vector<std::uint32_t> left = settle_parts(mesh, welded, sound, shells, shells.open_parts);
-  if (left.empty()) return shells;
+  if (left.empty())
+    return shells;
 
   // What did not close so far gets two more chances, each with the triangles it lacked.
   const auto with = [&](TriangleState extra) {
     std::vector<std::uint8_t> touched(welded.size(), 0);
     for (const std::uint32_t t : left)
-      for (const std::uint32_t v : welded_corners(mesh, welded, t)) touched[v] = 1;
+      for (const std::uint32_t v : welded_corners(mesh, welded, t))
+        touched[v] = 1;
     std::vector<std::uint32_t> candidates = left;
     for (std::uint32_t t = 0; t < mesh.size(); ++t) {
       const Corners c = welded_corners(mesh, welded, t);
@@ -236,13 +262,16 @@ ClosedShells find_closed_shells(const GridMesh& mesh, const std::vector<std::uin
   std::size_t still_open = 0;
   for (const TriangleState extra : {TriangleState::kDuplicate, TriangleState::kZeroArea}) {
     const std::vector<std::uint32_t> candidates = with(extra);
-    if (candidates.size() == left.size()) continue;
+    if (candidates.size() == left.size())
+      continue;
     std::vector<std::uint32_t> rest = settle_parts(mesh, welded, candidates, shells, still_open);
-    if (rest.size() == candidates.size()) continue;
+    if (rest.size() == candidates.size())
+      continue;
     shells.open_parts = still_open;
     std::erase_if(rest, [&](std::uint32_t t) { return state[t] != TriangleState::kSound; });
     left = std::move(rest);
-    if (left.empty()) break;
+    if (left.empty())
+      break;
   }
   shells.open = std::move(left);
   return shells;
@@ -256,7 +285,8 @@ ClosedShells find_closed_shells(const GridMesh& mesh) {
 std::vector<std::uint32_t> triangles_of_closed_parts(const ClosedShells& shells) {
   std::vector<std::uint32_t> chosen;
   for (std::uint32_t t = 0; t < shells.role.size(); ++t)
-    if (shells.role[t] != ShellRole::kNone) chosen.push_back(t);
+    if (shells.role[t] != ShellRole::kNone)
+      chosen.push_back(t);
   return chosen;
 }
 

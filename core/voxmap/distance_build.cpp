@@ -4,9 +4,9 @@
 #include <string>
 
 #include "core/voxmap/brick_distances.hpp"
+#include "core/voxmap/brick_range.hpp"
 #include "core/voxmap/closed_mesh.hpp"
 #include "core/voxmap/distance_field.hpp"
-#include "core/voxmap/brick_range.hpp"
 #include "core/voxmap/winding.hpp"
 
 namespace voxtouch::voxmap {
@@ -23,14 +23,17 @@ class Kinds {
     std::size_t n = 0;
     for (int z = -1; z < kEdge; ++z)
       for (int y = -1; y < kEdge; ++y)
-        for (int x = -1; x < kEdge; ++x) kinds_[n++] = voxmap.at({first.i + x, first.j + y, first.k + z});
+        for (int x = -1; x < kEdge; ++x)
+          kinds_[n++] = voxmap.at({first.i + x, first.j + y, first.k + z});
   }
-  /// What the eight voxels round a node say: free = outside, interior = inside, surface = undecided.
+  /// What the eight voxels round a node say: free = outside, interior = inside, surface =
+  /// undecided.
   VoxelKind side(int x, int y, int z) const noexcept {
     for (int n = 0; n < 8; ++n) {
-      const VoxelKind kind =
-          kinds_[static_cast<std::size_t>(x + (n & 1) + kSide * (y + (n >> 1 & 1) + kSide * (z + (n >> 2))))];
-      if (kind != VoxelKind::kSurface) return kind;
+      const VoxelKind kind = kinds_[static_cast<std::size_t>(
+          x + (n & 1) + kSide * (y + (n >> 1 & 1) + kSide * (z + (n >> 2))))];
+      if (kind != VoxelKind::kSurface)
+        return kind;
     }
     return VoxelKind::kSurface;
   }
@@ -45,26 +48,36 @@ class Kinds {
 /// Fills a field brick by brick.
 class DistanceFieldBuilder {
  public:
-  DistanceFieldBuilder(const ClosedMesh& mesh, const Voxmap& voxmap, const DistanceFieldOptions& options)
-      : voxmap_(voxmap), mesh_(mesh.in_grid), shells_(mesh.shells), tree_(mesh.tree), half_wall_(0.5 * options.open_wall_voxels),
-        has_walls_(half_wall_ > 0.0 && !shells_.open.empty()), walls_(mesh_, has_walls_ ? shells_.open : std::vector<std::uint32_t>{}) {
+  DistanceFieldBuilder(const ClosedMesh& mesh, const Voxmap& voxmap,
+                       const DistanceFieldOptions& options)
+      : voxmap_(voxmap),
+        mesh_(mesh.in_grid),
+        shells_(mesh.shells),
+        tree_(mesh.tree),
+        half_wall_(0.5 * options.open_wall_voxels),
+        has_walls_(half_wall_ > 0.0 && !shells_.open.empty()),
+        walls_(mesh_, has_walls_ ? shells_.open : std::vector<std::uint32_t>{}) {
     field_.grid_ = voxmap.grid(), field_.base_ = voxmap.base(), field_.cells_ = voxmap.cells();
     field_.depth_voxels_ = static_cast<float>(options.depth_voxels);  // as the nodes hold it
     field_.band_voxels_ = static_cast<float>(options.band_voxels);
-    if (options.band_voxels > DistanceFieldOptions{}.band_voxels) widen(static_cast<int>(std::ceil(options.band_voxels / kEdge)));
+    if (options.band_voxels > DistanceFieldOptions{}.band_voxels)
+      widen(static_cast<int>(std::ceil(options.band_voxels / kEdge)));
   }
 
   DistanceField build(const ParallelFor& parallel_for, std::uint64_t memory_limit_bytes) {
-    const std::size_t cells = static_cast<std::size_t>(field_.cells_[0] * field_.cells_[1] * field_.cells_[2]);
+    const std::size_t cells =
+        static_cast<std::size_t>(field_.cells_[0] * field_.cells_[1] * field_.cells_[2]);
     field_.table_.assign(cells, DistanceField::kFree);
-    if (shells_.closed_parts == 0 && !has_walls_) return std::move(field_);
+    if (shells_.closed_parts == 0 && !has_walls_)
+      return std::move(field_);
     const auto layer = static_cast<std::size_t>(field_.cells_[0] * field_.cells_[1]);
     std::vector<std::vector<Wanted>> of_layer(cells / layer);
     parallel_for(of_layer.size(), [&](std::size_t z) {
       std::uint32_t place = DistanceTree::kNoPlace;
       for (std::size_t cell = z * layer; cell < (z + 1) * layer; ++cell) {
         field_.table_[cell] = coarse(cell, place);
-        if (field_.table_[cell] == kWanted) of_layer[z].push_back({cell, place});
+        if (field_.table_[cell] == kWanted)
+          of_layer[z].push_back({cell, place});
       }
     });
     const std::vector<Wanted> wanted = list_wanted(of_layer, memory_limit_bytes);
@@ -82,8 +95,10 @@ class DistanceFieldBuilder {
 
   /// The voxmap's table ends within a brick of the surface.
   void widen(int bricks) noexcept {
-    for (std::int32_t* const first : {&field_.base_.i, &field_.base_.j, &field_.base_.k}) *first -= kEdge * bricks;
-    for (std::int64_t& cells : field_.cells_) cells += 2 * bricks;
+    for (std::int32_t* const first : {&field_.base_.i, &field_.base_.j, &field_.base_.k})
+      *first -= kEdge * bricks;
+    for (std::int64_t& cells : field_.cells_)
+      cells += 2 * bricks;
   }
 
   VoxelIndex first_voxel(std::size_t cell) const noexcept {
@@ -94,39 +109,51 @@ class DistanceFieldBuilder {
             static_cast<std::int32_t>(field_.base_.k + kEdge * (c / (nx * ny)))};
   }
 
-  /// Whether all of a cell is beyond what the field holds, and on which side. `place`: as DistanceTree::nearest has it.
+  /// Whether all of a cell is beyond what the field holds, and on which side. `place`: as
+  /// DistanceTree::nearest has it.
   std::int32_t coarse(std::size_t cell, std::uint32_t& place) const {
     const VoxelIndex v = first_voxel(cell);
     const Vec3 centre(v.i + 4.0, v.j + 4.0, v.k + 4.0);
-    const double outer = field_.band_voxels_ + kBrickRadius, inner = field_.depth_voxels_ + kBrickRadius;
-    if (voxmap_.free_distance_voxels(centre) > outer) return DistanceField::kFree;
+    const double outer = field_.band_voxels_ + kBrickRadius,
+                 inner = field_.depth_voxels_ + kBrickRadius;
+    if (voxmap_.free_distance_voxels(centre) > outer)
+      return DistanceField::kFree;
     // No surface that near, so the centre's own voxel tells the side of the whole cell.
     const VoxelKind kind = voxmap_.at({v.i + 4, v.j + 4, v.k + 4});
     std::uint32_t wall = DistanceTree::kNoPlace;
     const double walls = has_walls_ ? outer + half_wall_ : 0.0;
-    if (kind == VoxelKind::kFree && tree_.nearest(centre, outer, place) >= outer && walls_.nearest(centre, walls, wall) >= walls)
+    if (kind == VoxelKind::kFree && tree_.nearest(centre, outer, place) >= outer &&
+        walls_.nearest(centre, walls, wall) >= walls)
       return DistanceField::kFree;
-    if (kind == VoxelKind::kInterior && tree_.nearest(centre, inner, place) >= inner) return DistanceField::kDeep;
+    if (kind == VoxelKind::kInterior && tree_.nearest(centre, inner, place) >= inner)
+      return DistanceField::kDeep;
     return kWanted;
   }
 
-  std::vector<Wanted> list_wanted(const std::vector<std::vector<Wanted>>& of_layer, std::uint64_t memory_limit_bytes) {
+  std::vector<Wanted> list_wanted(const std::vector<std::vector<Wanted>>& of_layer,
+                                  std::uint64_t memory_limit_bytes) {
     std::vector<Wanted> wanted;
-    for (const std::vector<Wanted>& layer : of_layer) wanted.insert(wanted.end(), layer.begin(), layer.end());
-    field_.has_inside_ = std::ranges::find(field_.table_, DistanceField::kDeep) != field_.table_.end();
-    for (std::size_t n = 0; n < wanted.size(); ++n) field_.table_[wanted[n].cell] = static_cast<std::int32_t>(n);
+    for (const std::vector<Wanted>& layer : of_layer)
+      wanted.insert(wanted.end(), layer.begin(), layer.end());
+    field_.has_inside_ =
+        std::ranges::find(field_.table_, DistanceField::kDeep) != field_.table_.end();
+    for (std::size_t n = 0; n < wanted.size(); ++n)
+      field_.table_[wanted[n].cell] = static_cast<std::int32_t>(n);
     const std::uint64_t bytes = wanted.size() * sizeof(DistanceField::Brick);
     if (bytes > memory_limit_bytes)
-      throw VoxelBudgetError("distance field: it would take up to " + std::to_string(bytes >> 20) +
-                             " MiB, more than the limit of " + std::to_string(memory_limit_bytes >> 20) +
-                             " MiB; use a larger voxel size, or a contact model that needs no field");
+      throw VoxelBudgetError(
+          "distance field: it would take up to " + std::to_string(bytes >> 20) +
+          " MiB, more than the limit of " + std::to_string(memory_limit_bytes >> 20) +
+          " MiB; use a larger voxel size, or a contact model that needs no field");
     return wanted;
   }
 
   void fill(const std::vector<Wanted>& wanted, const ParallelFor& parallel_for) {
     field_.bricks_.resize(wanted.size());
     std::vector<BrickRange> range(wanted.size());
-    parallel_for(wanted.size(), [&](std::size_t n) { fill_own(first_voxel(wanted[n].cell), wanted[n].place, field_.bricks_[n]); });
+    parallel_for(wanted.size(), [&](std::size_t n) {
+      fill_own(first_voxel(wanted[n].cell), wanted[n].place, field_.bricks_[n]);
+    });
     parallel_for(wanted.size(), [&](std::size_t n) {
       fill_shared(wanted[n].cell, field_.bricks_[n]);
       range[n] = range_of(field_.bricks_[n]);
@@ -142,7 +169,8 @@ class DistanceFieldBuilder {
         continue;
       }
       entry = static_cast<std::int32_t>(kept);
-      if (kept != n) field_.bricks_[kept] = field_.bricks_[n];
+      if (kept != n)
+        field_.bricks_[kept] = field_.bricks_[n];
       ++kept;
     }
     field_.bricks_.resize(kept);
@@ -158,12 +186,15 @@ class DistanceFieldBuilder {
       for (int y = 0; y < kEdge; ++y)
         for (int x = 0; x < kEdge; ++x) {
           const VoxelKind side = kinds.side(x, y, z);
-          const bool inside = side == VoxelKind::kSurface ? inside_exactly(Vec3(first.i + x, first.j + y, first.k + z), above)
-                                                          : side == VoxelKind::kInterior;
+          const bool inside =
+              side == VoxelKind::kSurface
+                  ? inside_exactly(Vec3(first.i + x, first.j + y, first.k + z), above)
+                  : side == VoxelKind::kInterior;
           limit[own_node(x, y, z)] = inside ? -field_.depth_voxels_ : field_.band_voxels_;
         }
     signed_distances(tree_, Vec3(first.i, first.j, first.k), limit, place, brick);
-    if (has_walls_) add_walls(first, brick);
+    if (has_walls_)
+      add_walls(first, brick);
   }
 
   /// The union of what the own nodes hold with the walls of open parts.
@@ -176,22 +207,29 @@ class DistanceFieldBuilder {
       for (int y = 0; y < kEdge; ++y)
         for (int x = 0; x < kEdge; ++x) {
           float& distance = brick[node_of_brick(x, y, z)];
-          distance = std::min(distance, open[node_of_brick(x, y, z)] - static_cast<float>(half_wall_));
+          distance =
+              std::min(distance, open[node_of_brick(x, y, z)] - static_cast<float>(half_wall_));
         }
   }
 
-  /// The nodes that are the next bricks' own. Where there is no brick all of its cell is cut off, up to its faces.
+  /// The nodes that are the next bricks' own. Where there is no brick all of its cell is cut off,
+  /// up to its faces.
   void fill_shared(std::size_t cell, DistanceField::Brick& brick) {
     for (std::size_t next = 1; next < 8; ++next) {
-      const std::array<int, 3> on = {static_cast<int>(next & 1), static_cast<int>(next >> 1 & 1), static_cast<int>(next >> 2)};
+      const std::array<int, 3> on = {static_cast<int>(next & 1), static_cast<int>(next >> 1 & 1),
+                                     static_cast<int>(next >> 2)};
       const std::int32_t entry = entry_beside(cell, on);
-      const DistanceField::Brick* const from = entry >= 0 ? &field_.bricks_[static_cast<std::size_t>(entry)] : nullptr;
-      const auto cut_off = static_cast<float>(entry == DistanceField::kDeep ? -field_.depth_voxels_ : field_.band_voxels_);
-      // Along an axis on which the other is next: its first node for the last here. Along the others: all its own.
+      const DistanceField::Brick* const from =
+          entry >= 0 ? &field_.bricks_[static_cast<std::size_t>(entry)] : nullptr;
+      const auto cut_off = static_cast<float>(entry == DistanceField::kDeep ? -field_.depth_voxels_
+                                                                            : field_.band_voxels_);
+      // Along an axis on which the other is next: its first node for the last here. Along the
+      // others: all its own.
       for (int z = 0; z < (on[2] ? 1 : kEdge); ++z)
         for (int y = 0; y < (on[1] ? 1 : kEdge); ++y)
           for (int x = 0; x < (on[0] ? 1 : kEdge); ++x)
-            brick[node_of_brick(x + kEdge * on[0], y + kEdge * on[1], z + kEdge * on[2])] = from ? (*from)[node_of_brick(x, y, z)] : cut_off;
+            brick[node_of_brick(x + kEdge * on[0], y + kEdge * on[1], z + kEdge * on[2])] =
+                from ? (*from)[node_of_brick(x, y, z)] : cut_off;
     }
   }
 
@@ -200,13 +238,17 @@ class DistanceFieldBuilder {
     const auto c = static_cast<std::int64_t>(cell);
     const auto [nx, ny, nz] = field_.cells_;
     const std::int64_t x = c % nx + on[0], y = c / nx % ny + on[1], z = c / (nx * ny) + on[2];
-    return x < nx && y < ny && z < nz ? field_.table_[static_cast<std::size_t>(x + nx * (y + ny * z))] : DistanceField::kFree;
+    return x < nx && y < ny && z < nz
+               ? field_.table_[static_cast<std::size_t>(x + nx * (y + ny * z))]
+               : DistanceField::kFree;
   }
 
-  /// A node among surface voxels only. One on a triangle may come out either way; its distance is 0.
+  /// A node among surface voxels only. One on a triangle may come out either way; its distance is
+  /// 0.
   bool inside_exactly(const Vec3& node, std::vector<std::uint32_t>& above) const {
     above.clear();
-    tree_.each_on_ray(node, Vec3::UnitZ(), [&](std::uint32_t triangle) { above.push_back(triangle); });
+    tree_.each_on_ray(node, Vec3::UnitZ(),
+                      [&](std::uint32_t triangle) { above.push_back(triangle); });
     return inside_shells(mesh_, shells_, above, node);
   }
 
@@ -220,21 +262,28 @@ class DistanceFieldBuilder {
   DistanceField field_;
 };
 
-DistanceField build_distance_field(const ClosedMesh& mesh, const Voxmap& voxmap, const DistanceFieldOptions& options,
-                                   const ParallelFor& parallel_for, std::uint64_t memory_limit_bytes) {
+DistanceField build_distance_field(const ClosedMesh& mesh, const Voxmap& voxmap,
+                                   const DistanceFieldOptions& options,
+                                   const ParallelFor& parallel_for,
+                                   std::uint64_t memory_limit_bytes) {
   for (const double voxels : {options.depth_voxels, options.band_voxels})
     if (!(voxels >= 2.0 && voxels <= 1e4))
-      throw std::invalid_argument("distance field: depth and band are " + std::to_string(options.depth_voxels) +
-                                  " and " + std::to_string(options.band_voxels) +
-                                  " voxels; each must lie between 2 and 10000");
+      throw std::invalid_argument(
+          "distance field: depth and band are " + std::to_string(options.depth_voxels) + " and " +
+          std::to_string(options.band_voxels) + " voxels; each must lie between 2 and 10000");
   if (!(options.open_wall_voxels >= 0.0 && options.open_wall_voxels <= 1.0))
-    throw std::invalid_argument("distance field: walls of open parts are " + std::to_string(options.open_wall_voxels) + " voxels thick; from 0 to 1 are possible");
+    throw std::invalid_argument("distance field: walls of open parts are " +
+                                std::to_string(options.open_wall_voxels) +
+                                " voxels thick; from 0 to 1 are possible");
   return DistanceFieldBuilder(mesh, voxmap, options).build(parallel_for, memory_limit_bytes);
 }
 
-DistanceField build_distance_field(const mesh::TriangleMesh& mesh, const Voxmap& voxmap, const DistanceFieldOptions& options,
-                                   const ParallelFor& parallel_for, std::uint64_t memory_limit_bytes) {
-  return build_distance_field(ClosedMesh(mesh, voxmap.grid()), voxmap, options, parallel_for, memory_limit_bytes);
+DistanceField build_distance_field(const mesh::TriangleMesh& mesh, const Voxmap& voxmap,
+                                   const DistanceFieldOptions& options,
+                                   const ParallelFor& parallel_for,
+                                   std::uint64_t memory_limit_bytes) {
+  return build_distance_field(ClosedMesh(mesh, voxmap.grid()), voxmap, options, parallel_for,
+                              memory_limit_bytes);
 }
 
 }  // namespace voxtouch::voxmap

@@ -1,23 +1,28 @@
 #pragma once
-/// Signed distance to the static surface, interpolated below one voxel: what the contact model `field` looks up.
+/// Signed distance to the static surface, interpolated below one voxel: what the contact model
+/// `field` looks up.
 ///
-/// Nodes stand at the corners of the voxels, so that the eight nodes of one interpolation are those of one voxel. Hence the
-/// interpolated distance is above 0 in every free voxel and below 0 in every interior one (all eight nodes are), and its zero
-/// lies in surface voxels only: a shell point in a free voxel, which no query reports, never has a depth.
+/// Nodes stand at the corners of the voxels, so that the eight nodes of one interpolation are those
+/// of one voxel. Hence the interpolated distance is above 0 in every free voxel and below 0 in
+/// every interior one (all eight nodes are), and its zero lies in surface voxels only: a shell
+/// point in a free voxel, which no query reports, never has a depth.
 ///
-/// Magnitude: exact distance to the triangles of the mesh's closed parts, in double, stored as float32 in voxels (2^-24 of at
-/// most 12 voxels is below 1e-6 e). Sign: from the voxmap. A node with a free voxel round it is outside, one with an interior
-/// voxel inside; where all eight are surface voxels, what the flood fill does not reach, it is the exact winding number that
-/// also judges the groups of the fill (winding.hpp). Triangles' planes are never asked, so a facet that is turned round, or
-/// an edge seen from either side, gives no wrong sign.
+/// Magnitude: exact distance to the triangles of the mesh's closed parts, in double, stored as
+/// float32 in voxels (2^-24 of at most 12 voxels is below 1e-6 e). Sign: from the voxmap. A node
+/// with a free voxel round it is outside, one with an interior voxel inside; where all eight are
+/// surface voxels, what the flood fill does not reach, it is the exact winding number that also
+/// judges the groups of the fill (winding.hpp). Triangles' planes are never asked, so a facet that
+/// is turned round, or an edge seen from either side, gives no wrong sign.
 ///
-/// Parts that are open have no inside: they give no distance and no force, unless the options make thin walls of them. Then the distance to such a part is
-/// the unsigned one less half the wall's thickness. Closed parts and walls that overlap are one body (signs are those of the union), but surfaces buried in it
-/// count: depth there is at most the distance to them.
+/// Parts that are open have no inside: they give no distance and no force, unless the options make
+/// thin walls of them. Then the distance to such a part is the unsigned one less half the wall's
+/// thickness. Closed parts and walls that overlap are one body (signs are those of the union), but
+/// surfaces buried in it count: depth there is at most the distance to them.
 ///
-/// Layout: bricks of 8^3 voxels with their 9^3 nodes (2916 bytes), so that a lookup meets one brick. Nodes on common faces
-/// are equal to the bit, so the interpolation is continuous everywhere. Distances are cut off at `band_voxels` outside and
-/// `depth_voxels` inside; bricks that hold nothing but cut-off values are not stored.
+/// Layout: bricks of 8^3 voxels with their 9^3 nodes (2916 bytes), so that a lookup meets one
+/// brick. Nodes on common faces are equal to the bit, so the interpolation is continuous
+/// everywhere. Distances are cut off at `band_voxels` outside and `depth_voxels` inside; bricks
+/// that hold nothing but cut-off values are not stored.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -37,38 +42,47 @@ struct SmoothBlock;
 /// What the field says about one point.
 struct FieldSample {
   double distance_m = 0.0;       ///< interpolated signed distance [m], negative inside
-  Vec3 gradient = Vec3::Zero();  ///< of the interpolation, W axes; about unit length, pointing out of the static object
-  bool known = false;            ///< false: farther outside than the field holds; `distance_m` is that border's
-  bool saturated = false;        ///< inside, deeper than the field holds: `distance_m` does not grow further
+  Vec3 gradient = Vec3::Zero();  ///< of the interpolation, W axes; about unit length, pointing out
+                                 ///< of the static object
+  bool known =
+      false;  ///< false: farther outside than the field holds; `distance_m` is that border's
+  bool saturated =
+      false;  ///< inside, deeper than the field holds: `distance_m` does not grow further
 };
 
 /// How much of the field is stored.
 struct DistanceFieldOptions {
   double depth_voxels = 12.0;  ///< inside, distances are held down to this depth; at least 2
-  /// Outside, up to here; at least 2, more than a voxel's diagonal. A band above 2 widens the table beyond the voxmap's, so
-  /// that it is held on every side.
+  /// Outside, up to here; at least 2, more than a voxel's diagonal. A band above 2 widens the table
+  /// beyond the voxmap's, so that it is held on every side.
   double band_voxels = 2.0;
-  /// Thickness of the walls that open parts become, half of it on either side of their triangles; 0: none, they give no distance.
+  /// Thickness of the walls that open parts become, half of it on either side of their triangles;
+  /// 0: none, they give no distance.
   double open_wall_voxels = 0.0;
 };
-/// How thick they are for a virtual tool, which they hold from either side; force begins half of that early.
+/// How thick they are for a virtual tool, which they hold from either side; force begins half of
+/// that early.
 inline constexpr double kOpenWallVoxels = 0.125;
 
 class DistanceField {
  public:
-  static constexpr int kBrickEdge = Voxmap::kBrickEdge;                ///< voxels
-  static constexpr int kNodeEdge = kBrickEdge + 1;                     ///< nodes
-  using Brick = std::array<float, kNodeEdge * kNodeEdge * kNodeEdge>;  ///< [voxels]; node (x,y,z) at x + 9 (y + 9 z)
+  static constexpr int kBrickEdge = Voxmap::kBrickEdge;  ///< voxels
+  static constexpr int kNodeEdge = kBrickEdge + 1;       ///< nodes
+  using Brick = std::array<float, kNodeEdge * kNodeEdge *
+                                      kNodeEdge>;  ///< [voxels]; node (x,y,z) at x + 9 (y + 9 z)
 
-  /// Sample at the grid coordinates u = (x - origin) / e of the voxmap's grid. Continuous in u. Anything not finite is
-  /// unknown. Real-time safe.
+  /// Sample at the grid coordinates u = (x - origin) / e of the voxmap's grid. Continuous in u.
+  /// Anything not finite is unknown. Real-time safe.
   FieldSample at(const Vec3& u) const noexcept;
 
-  static constexpr std::size_t kSmoothTogether = 8;  ///< the most places that `smooth_gradients` takes
-  /// Gradients at `count` places `u`, in grid coordinates, W axes, that do not jump from voxel to voxel: differences of the stored distances over two
-  /// voxels at the corners of the point's voxel, interpolated between these. Exact where the distance is a polynomial of second degree. Of a distance
-  /// that is cut off outside, the one that the nodes before it lead to is taken, so beside planes it is theirs. `u` must be finite and within int32. Of
-  /// each place the same bits whatever is asked beside it, on every processor. Real-time safe.
+  static constexpr std::size_t kSmoothTogether =
+      8;  ///< the most places that `smooth_gradients` takes
+  /// Gradients at `count` places `u`, in grid coordinates, W axes, that do not jump from voxel to
+  /// voxel: differences of the stored distances over two voxels at the corners of the point's
+  /// voxel, interpolated between these. Exact where the distance is a polynomial of second degree.
+  /// Of a distance that is cut off outside, the one that the nodes before it lead to is taken, so
+  /// beside planes it is theirs. `u` must be finite and within int32. Of each place the same bits
+  /// whatever is asked beside it, on every processor. Real-time safe.
   void smooth_gradients(std::size_t count, const Vec3* u, Vec3* gradients) const noexcept;
   /// Of one place.
   Vec3 smooth_gradient(const Vec3& u) const noexcept {
@@ -77,11 +91,12 @@ class DistanceField {
     return gradient;
   }
 
-  /// The stored distance [voxels] of the node at the lower corner of `voxel`, cut off at the band outside and the depth
-  /// inside; the band where nothing is stored. Real-time safe.
+  /// The stored distance [voxels] of the node at the lower corner of `voxel`, cut off at the band
+  /// outside and the depth inside; the band where nothing is stored. Real-time safe.
   double node(const VoxelIndex& voxel) const noexcept;
 
-  /// What `at` looks up, for loops over many points: the brick of a cell of the table, or kFree or kDeep where it has none.
+  /// What `at` looks up, for loops over many points: the brick of a cell of the table, or kFree or
+  /// kDeep where it has none.
   struct Arrays {
     const std::int32_t* table;
     const Brick* bricks;
@@ -89,7 +104,10 @@ class DistanceField {
     std::array<std::int64_t, 3> cells;
     double depth_voxels, band_voxels;
   };
-  Arrays arrays() const noexcept { return {table_.data(), bricks_.data(), {base_.i, base_.j, base_.k}, cells_, depth_voxels_, band_voxels_}; }
+  Arrays arrays() const noexcept {
+    return {table_.data(), bricks_.data(), {base_.i, base_.j, base_.k},
+            cells_,        depth_voxels_,  band_voxels_};
+  }
   static constexpr std::int32_t kFree = -1, kDeep = -2;
 
   const Grid& grid() const noexcept { return grid_; }
@@ -97,13 +115,15 @@ class DistanceField {
   std::size_t bytes() const noexcept;
   /// Nodes in memory, those on common faces once for each brick.
   std::size_t stored_nodes() const noexcept { return bricks_.size() * Brick().size(); }
-  /// Whether any node is inside. An open mesh of which no wall is made has none; neither has one so thin that no voxel's corner lies in it.
+  /// Whether any node is inside. An open mesh of which no wall is made has none; neither has one so
+  /// thin that no voxel's corner lies in it.
   bool has_inside() const noexcept { return has_inside_; }
   /// Depth at which the field stops to grow [m].
   double depth_m() const noexcept { return grid_.edge * depth_voxels_; }
-  /// Bound of the gradient's length wherever the interpolated distance is below 0: how much steeper than the true distance,
-  /// whose gradient has length 1, the interpolation gets. 1 over flat walls; more where surfaces meet in an edge, up to sqrt(2)
-  /// in a concave edge and sqrt(3) in a concave corner (three differences of at most one each).
+  /// Bound of the gradient's length wherever the interpolated distance is below 0: how much steeper
+  /// than the true distance, whose gradient has length 1, the interpolation gets. 1 over flat
+  /// walls; more where surfaces meet in an edge, up to sqrt(2) in a concave edge and sqrt(3) in a
+  /// concave corner (three differences of at most one each).
   double steepest_gradient() const noexcept { return steepest_gradient_; }
 
   /// As Voxmap::put and Voxmap::take; in stored.cpp.
@@ -131,13 +151,16 @@ class DistanceField {
   double steepest_gradient_ = 1.0;
 };
 
-/// The field of the mesh that `voxmap` was made from. Several static meshes: concatenate them. Same bits whatever
-/// `parallel_for` does. Throws std::invalid_argument for options out of range and VoxelBudgetError where the bricks would
-/// take more than `memory_limit_bytes`, before they are allocated. Of a mesh alone it makes the ClosedMesh itself.
-DistanceField build_distance_field(const ClosedMesh& mesh, const Voxmap& voxmap, const DistanceFieldOptions& options,
+/// The field of the mesh that `voxmap` was made from. Several static meshes: concatenate them. Same
+/// bits whatever `parallel_for` does. Throws std::invalid_argument for options out of range and
+/// VoxelBudgetError where the bricks would take more than `memory_limit_bytes`, before they are
+/// allocated. Of a mesh alone it makes the ClosedMesh itself.
+DistanceField build_distance_field(const ClosedMesh& mesh, const Voxmap& voxmap,
+                                   const DistanceFieldOptions& options,
                                    const ParallelFor& parallel_for,
                                    std::uint64_t memory_limit_bytes = kVoxelMemoryLimit);
-DistanceField build_distance_field(const mesh::TriangleMesh& mesh, const Voxmap& voxmap, const DistanceFieldOptions& options,
+DistanceField build_distance_field(const mesh::TriangleMesh& mesh, const Voxmap& voxmap,
+                                   const DistanceFieldOptions& options,
                                    const ParallelFor& parallel_for,
                                    std::uint64_t memory_limit_bytes = kVoxelMemoryLimit);
 

@@ -9,27 +9,36 @@
 namespace voxtouch::voxmap {
 namespace {
 
-/// A box is passed over only if it is farther than the best so far by more than what rounding can do: so the least of all
-/// computed distances comes out, whatever the order of the boxes.
+/// A box is passed over only if it is farther than the best so far by more than what rounding can
+/// do: so the least of all computed distances comes out, whatever the order of the boxes.
 constexpr double kRoundingRelative = 1e-6, kRoundingAbsolute = 1e-9;
 
 /// As Eigen adds three products up.
-VOXTOUCH_INLINE double dot(double ax, double ay, double az, double bx, double by, double bz) noexcept { return (ax * bx + ay * by) + az * bz; }
+VOXTOUCH_INLINE double dot(double ax, double ay, double az, double bx, double by,
+                           double bz) noexcept {
+  return (ax * bx + ay * by) + az * bz;
+}
 
-/// The rows of a facet, each of three vectors of three numbers, against many points. `least`: a point is beyond an edge where it is farther out.
-/// Most triangles have all points within most of their edges, which then need no look.
-VOXTOUCH_CLONES void squares_to(const double* corner, const double* edge, const double* outward, const double* inverse_square, const double* normal,
-                                double least, const double* px, const double* py, const double* pz, double* out) noexcept {
+/// The rows of a facet, each of three vectors of three numbers, against many points. `least`: a
+/// point is beyond an edge where it is farther out. Most triangles have all points within most of
+/// their edges, which then need no look.
+VOXTOUCH_CLONES void squares_to(const double* corner, const double* edge, const double* outward,
+                                const double* inverse_square, const double* normal, double least,
+                                const double* px, const double* py, const double* pz,
+                                double* out) noexcept {
   constexpr std::size_t kCount = DistanceTree::Points::kCount;
   double out_by[kCount], best[kCount];
-  for (std::size_t n = 0; n < kCount; ++n) best[n] = HUGE_VAL;
+  for (std::size_t n = 0; n < kCount; ++n)
+    best[n] = HUGE_VAL;
   for (int k = 0; k < 9; k += 3) {
     std::int64_t beyond = 0;
     for (std::size_t n = 0; n < kCount; ++n) {
-      out_by[n] = dot(px[n] - corner[k], py[n] - corner[k + 1], pz[n] - corner[k + 2], outward[k], outward[k + 1], outward[k + 2]);
+      out_by[n] = dot(px[n] - corner[k], py[n] - corner[k + 1], pz[n] - corner[k + 2], outward[k],
+                      outward[k + 1], outward[k + 2]);
       beyond |= out_by[n] > least ? 1 : 0;
     }
-    if (beyond == 0) continue;
+    if (beyond == 0)
+      continue;
     for (std::size_t n = 0; n < kCount; ++n) {
       const double x = px[n] - corner[k], y = py[n] - corner[k + 1], z = pz[n] - corner[k + 2];
       double t = dot(x, y, z, edge[k], edge[k + 1], edge[k + 2]) * inverse_square[k / 3];
@@ -42,7 +51,8 @@ VOXTOUCH_CLONES void squares_to(const double* corner, const double* edge, const 
     }
   }
   for (std::size_t n = 0; n < kCount; ++n) {
-    const double height = dot(normal[0], normal[1], normal[2], px[n] - corner[0], py[n] - corner[1], pz[n] - corner[2]);
+    const double height = dot(normal[0], normal[1], normal[2], px[n] - corner[0], py[n] - corner[1],
+                              pz[n] - corner[2]);
     out[n] = best[n] < HUGE_VAL ? best[n] : height * height;
   }
 }
@@ -50,21 +60,26 @@ VOXTOUCH_CLONES void squares_to(const double* corner, const double* edge, const 
 }  // namespace
 
 DistanceTree::DistanceTree(const GridMesh& mesh, const std::vector<std::uint32_t>& chosen) {
-  if (chosen.empty()) return;
+  if (chosen.empty())
+    return;
   std::vector<Place> places;
   places.reserve(chosen.size());
-  for (const std::uint32_t t : chosen) places.push_back({mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2), t});
+  for (const std::uint32_t t : chosen)
+    places.push_back({mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2), t});
   nodes_.reserve(chosen.size());
   split(places, 0, static_cast<std::uint32_t>(places.size()));
   facets_.reserve(chosen.size());
-  for (const Place& place : places) facets_.push_back(make_facet(mesh, place.triangle));
-  for (std::size_t n = nodes_.size(); n-- > 0;) enclose(n);  // children follow their parents
+  for (const Place& place : places)
+    facets_.push_back(make_facet(mesh, place.triangle));
+  for (std::size_t n = nodes_.size(); n-- > 0;)
+    enclose(n);  // children follow their parents
 }
 
 DistanceTree::Facet DistanceTree::make_facet(const GridMesh& mesh, std::uint32_t triangle) {
   Facet f;
   f.triangle = triangle;
-  for (int k = 0; k < 3; ++k) f.corner[static_cast<std::size_t>(k)] = mesh.corner(triangle, k);
+  for (int k = 0; k < 3; ++k)
+    f.corner[static_cast<std::size_t>(k)] = mesh.corner(triangle, k);
   const Vec3 area = area_vector(f.corner[0], f.corner[1], f.corner[2]);
   f.normal = area.stableNormalized();
   for (std::size_t k = 0; k < 3; ++k) {
@@ -79,16 +94,19 @@ DistanceTree::Facet DistanceTree::make_facet(const GridMesh& mesh, std::uint32_t
 void DistanceTree::split(std::vector<Place>& places, std::uint32_t begin, std::uint32_t end) {
   const std::size_t index = nodes_.size();
   nodes_.push_back({Vec3::Zero(), Vec3::Zero(), begin, end - begin});
-  if (end - begin <= kLeafFacets) return;
+  if (end - begin <= kLeafFacets)
+    return;
   Eigen::AlignedBox3d box;
-  for (std::uint32_t n = begin; n < end; ++n) box.extend(places[n].three_middles);
+  for (std::uint32_t n = begin; n < end; ++n)
+    box.extend(places[n].three_middles);
   Eigen::Index axis = 0;
   box.sizes().maxCoeff(&axis);
   const std::uint32_t middle = begin + (end - begin) / 2;
-  std::nth_element(places.begin() + begin, places.begin() + middle, places.begin() + end, [axis](const Place& a, const Place& b) {
-    const double at_a = a.three_middles[axis], at_b = b.three_middles[axis];
-    return at_a != at_b ? at_a < at_b : a.triangle < b.triangle;
-  });
+  std::nth_element(places.begin() + begin, places.begin() + middle, places.begin() + end,
+                   [axis](const Place& a, const Place& b) {
+                     const double at_a = a.three_middles[axis], at_b = b.three_middles[axis];
+                     return at_a != at_b ? at_a < at_b : a.triangle < b.triangle;
+                   });
   nodes_[index].count = 0;
   split(places, begin, middle);
   nodes_[index].first = static_cast<std::uint32_t>(nodes_.size());
@@ -116,7 +134,8 @@ bool DistanceTree::each_edge_before(const Facet& f, const Vec3& p, F&& call) noe
   bool beyond = no_area;
   for (std::size_t k = 0; k < 3; ++k) {
     const Vec3 from = p - f.corner[k];
-    if (!no_area && !(from.dot(f.outward[k]) > 0.0)) continue;
+    if (!no_area && !(from.dot(f.outward[k]) > 0.0))
+      continue;
     beyond = true;
     const double t = std::clamp(from.dot(f.edge[k]) * f.inverse_square[k], 0.0, 1.0);
     call(Vec3(from - t * f.edge[k]));
@@ -126,7 +145,8 @@ bool DistanceTree::each_edge_before(const Facet& f, const Vec3& p, F&& call) noe
 
 double DistanceTree::square_distance(const Facet& f, const Vec3& p) noexcept {
   double best = HUGE_VAL;
-  if (each_edge_before(f, p, [&](const Vec3& way) { best = std::min(best, way.squaredNorm()); })) return best;
+  if (each_edge_before(f, p, [&](const Vec3& way) { best = std::min(best, way.squaredNorm()); }))
+    return best;
   const double height = f.normal.dot(p - f.corner[0]);
   return height * height;
 }
@@ -136,7 +156,8 @@ Vec3 DistanceTree::way(std::uint32_t place, const Vec3& p) const noexcept {
   Vec3 least = Vec3::Zero();
   double best = HUGE_VAL;
   const auto keep = [&](const Vec3& way) {
-    if (const double square = way.squaredNorm(); square < best) best = square, least = way;
+    if (const double square = way.squaredNorm(); square < best)
+      best = square, least = way;
   };
   return each_edge_before(f, p, keep) ? least : Vec3(f.normal.dot(p - f.corner[0]) * f.normal);
 }
@@ -146,7 +167,8 @@ double DistanceTree::square_distance(const Node& node, const Vec3& p) noexcept {
 }
 
 double DistanceTree::nearest(const Vec3& p, double bound, std::uint32_t& place) const noexcept {
-  if (nodes_.empty()) return bound;
+  if (nodes_.empty())
+    return bound;
   struct Entry {
     std::uint32_t node;
     double square;
@@ -156,19 +178,25 @@ double DistanceTree::nearest(const Vec3& p, double bound, std::uint32_t& place) 
   double best = bound * bound;
   const auto compare = [&](std::uint32_t facet) {
     const double square = square_distance(facets_[facet], p);
-    if (square < best) best = square, place = facet;
+    if (square < best)
+      best = square, place = facet;
   };
-  if (place != kNoPlace) compare(place);
+  if (place != kNoPlace)
+    compare(place);
   stack[depth++] = {0, square_distance(nodes_[0], p)};
   while (depth > 0) {
     const Entry entry = stack[--depth];
-    if (entry.square > best * (1.0 + kRoundingRelative) + kRoundingAbsolute) continue;
+    if (entry.square > best * (1.0 + kRoundingRelative) + kRoundingAbsolute)
+      continue;
     const Node& node = nodes_[entry.node];
-    for (std::uint32_t n = 0; n < node.count; ++n) compare(node.first + n);
-    if (node.count != 0) continue;
+    for (std::uint32_t n = 0; n < node.count; ++n)
+      compare(node.first + n);
+    if (node.count != 0)
+      continue;
     Entry near{entry.node + 1, square_distance(nodes_[entry.node + 1], p)};
     Entry far{node.first, square_distance(nodes_[node.first], p)};
-    if (far.square < near.square) std::swap(near, far);
+    if (far.square < near.square)
+      std::swap(near, far);
     stack[depth++] = far;
     stack[depth++] = near;
   }
@@ -178,17 +206,21 @@ double DistanceTree::nearest(const Vec3& p, double bound, std::uint32_t& place) 
 void DistanceTree::squares(std::uint32_t place, const Points& points, Squares& out) const noexcept {
   static_assert(sizeof(std::array<Vec3, 3>) == 9 * sizeof(double));
   const Facet& f = facets_[place];
-  squares_to(f.corner[0].data(), f.edge[0].data(), f.outward[0].data(), f.inverse_square.data(), f.normal.data(),
-             f.normal.isZero(0.0) ? -HUGE_VAL : 0.0, points.x.data(), points.y.data(), points.z.data(), out.data());
+  squares_to(f.corner[0].data(), f.edge[0].data(), f.outward[0].data(), f.inverse_square.data(),
+             f.normal.data(), f.normal.isZero(0.0) ? -HUGE_VAL : 0.0, points.x.data(),
+             points.y.data(), points.z.data(), out.data());
 }
 
-bool DistanceTree::within(const Vec3& centre, double reach, std::size_t most, std::vector<std::uint32_t>& places) const {
+bool DistanceTree::within(const Vec3& centre, double reach, std::size_t most,
+                          std::vector<std::uint32_t>& places) const {
   places.clear();
   const double square = reach * reach * (1.0 + kRoundingRelative) + kRoundingAbsolute;
   return each_leaf([&](const Node& node) { return square_distance(node, centre) <= square; },
                    [&](const Node& leaf) {
-                     if (places.size() + leaf.count > most) return false;
-                     for (std::uint32_t n = 0; n < leaf.count; ++n) places.push_back(leaf.first + n);
+                     if (places.size() + leaf.count > most)
+                       return false;
+                     for (std::uint32_t n = 0; n < leaf.count; ++n)
+                       places.push_back(leaf.first + n);
                      return true;
                    });
 }
@@ -197,7 +229,8 @@ bool DistanceTree::on_ray(const Node& node, const Vec3& origin, const Vec3& dire
   double enter = 0.0, leave = HUGE_VAL;
   for (int axis = 0; axis < 3; ++axis) {
     if (direction[axis] == 0.0) {
-      if (origin[axis] < node.low[axis] || origin[axis] > node.high[axis]) return false;
+      if (origin[axis] < node.low[axis] || origin[axis] > node.high[axis])
+        return false;
       continue;
     }
     const double a = (node.low[axis] - origin[axis]) / direction[axis],

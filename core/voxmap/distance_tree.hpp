@@ -1,5 +1,6 @@
 #pragma once
-/// Triangles in a tree of boxes: nearest distance, and what a ray may meet. All in grid coordinates. For building only.
+/// Triangles in a tree of boxes: nearest distance, and what a ray may meet. All in grid
+/// coordinates. For building only.
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -11,13 +12,15 @@ namespace voxtouch::voxmap {
 /// Queries are const, may run at once and give the same bits whatever was asked before.
 class DistanceTree {
  public:
-  /// Over the triangles listed in `chosen`, whose numbers `each_on_ray` gives back. None: every distance is the bound.
+  /// Over the triangles listed in `chosen`, whose numbers `each_on_ray` gives back. None: every
+  /// distance is the bound.
   DistanceTree(const GridMesh& mesh, const std::vector<std::uint32_t>& chosen);
 
-  /// Distance [voxels] from `p` to the nearest triangle, or `bound` if none is nearer than that. The triangle's nearest point
-  /// is its plane's where that lies within all three edges, else the nearest of the edges that `p` lies beyond; a triangle
-  /// without area is its edges. `place`: where in this tree the triangle is that was nearest to a place close by, which makes it
-  /// faster and changes nothing, kNoPlace at first; then of the one found.
+  /// Distance [voxels] from `p` to the nearest triangle, or `bound` if none is nearer than that.
+  /// The triangle's nearest point is its plane's where that lies within all three edges, else the
+  /// nearest of the edges that `p` lies beyond; a triangle without area is its edges. `place`:
+  /// where in this tree the triangle is that was nearest to a place close by, which makes it faster
+  /// and changes nothing, kNoPlace at first; then of the one found.
   double nearest(const Vec3& p, double bound, std::uint32_t& place) const noexcept;
   static constexpr std::uint32_t kNoPlace = 0xffffffff;
 
@@ -30,20 +33,25 @@ class DistanceTree {
   using Squares = std::array<double, Points::kCount>;
   /// The way to `p` from the nearest point of the triangle at this place, good to rounding.
   Vec3 way(std::uint32_t place, const Vec3& p) const noexcept;
-  /// Squared distance of each point to the triangle at this place: what `nearest` compares, to the bit.
+  /// Squared distance of each point to the triangle at this place: what `nearest` compares, to the
+  /// bit.
   void squares(std::uint32_t place, const Points& points, Squares& out) const noexcept;
-  /// Places of all triangles within `reach` of `centre`, and of some beyond, in the tree's order; at most `most`. False where there are more.
-  bool within(const Vec3& centre, double reach, std::size_t most, std::vector<std::uint32_t>& places) const;
+  /// Places of all triangles within `reach` of `centre`, and of some beyond, in the tree's order;
+  /// at most `most`. False where there are more.
+  bool within(const Vec3& centre, double reach, std::size_t most,
+              std::vector<std::uint32_t>& places) const;
 
-  /// Calls f(triangle) for each triangle whose box meets the ray from `origin` along `direction`, any length of it.
+  /// Calls f(triangle) for each triangle whose box meets the ray from `origin` along `direction`,
+  /// any length of it.
   template <class F>
   void each_on_ray(const Vec3& origin, const Vec3& direction, F&& f) const;
 
  private:
   struct Facet {
-    std::array<Vec3, 3> corner, edge, outward;  ///< outward: in the plane, away from the triangle, of each edge
-    std::array<double, 3> inverse_square;       ///< of the edges' lengths; 0 for an edge without length
-    Vec3 normal;                                ///< unit; zero for a triangle without area
+    std::array<Vec3, 3> corner, edge,
+        outward;  ///< outward: in the plane, away from the triangle, of each edge
+    std::array<double, 3> inverse_square;  ///< of the edges' lengths; 0 for an edge without length
+    Vec3 normal;                           ///< unit; zero for a triangle without area
     std::uint32_t triangle;
   };
   struct Node {
@@ -55,7 +63,8 @@ class DistanceTree {
   static constexpr std::size_t kDeepest = 64;  ///< halving 2^32 facets takes fewer levels
 
   static Facet make_facet(const GridMesh& mesh, std::uint32_t triangle);
-  /// Calls f(way from the edge) for each edge that `p` lies beyond. False where there is none: the plane's foot is nearest.
+  /// Calls f(way from the edge) for each edge that `p` lies beyond. False where there is none: the
+  /// plane's foot is nearest.
   template <class F>
   static bool each_edge_before(const Facet& facet, const Vec3& p, F&& f) noexcept;
   static double square_distance(const Facet& facet, const Vec3& p) noexcept;
@@ -66,7 +75,8 @@ class DistanceTree {
     Vec3 three_middles;  ///< sum of its corners
     std::uint32_t triangle;
   };
-  /// Calls leaf(node) for each leaf of the tree in its order, below nodes of which meets(node) says true alone; ends where leaf gives false.
+  /// Calls leaf(node) for each leaf of the tree in its order, below nodes of which meets(node) says
+  /// true alone; ends where leaf gives false.
   template <class Meets, class Leaf>
   bool each_leaf(const Meets& meets, const Leaf& leaf) const;
   void split(std::vector<Place>& places, std::uint32_t begin, std::uint32_t end);
@@ -79,14 +89,16 @@ class DistanceTree {
 
 template <class Meets, class Leaf>
 bool DistanceTree::each_leaf(const Meets& meets, const Leaf& leaf) const {
-  if (nodes_.empty()) return true;
+  if (nodes_.empty())
+    return true;
   std::array<std::uint32_t, kDeepest> stack;
   std::size_t depth = 0;
   stack[depth++] = 0;
   while (depth > 0) {
     const std::uint32_t index = stack[--depth];
     const Node& node = nodes_[index];
-    if (!meets(node)) continue;
+    if (!meets(node))
+      continue;
     if (node.count == 0)
       stack[depth++] = node.first, stack[depth++] = index + 1;
     else if (!leaf(node))
@@ -99,7 +111,8 @@ template <class F>
 void DistanceTree::each_on_ray(const Vec3& origin, const Vec3& direction, F&& f) const {
   each_leaf([&](const Node& node) { return on_ray(node, origin, direction); },
             [&](const Node& leaf) {
-              for (std::uint32_t n = 0; n < leaf.count; ++n) f(facets_[leaf.first + n].triangle);
+              for (std::uint32_t n = 0; n < leaf.count; ++n)
+                f(facets_[leaf.first + n].triangle);
               return true;
             });
 }

@@ -25,18 +25,22 @@ struct Expansion {
       const double virtual_b = sum - carry;
       const double error = (carry - (sum - virtual_b)) + (part[i] - virtual_b);
       carry = sum;
-      if (error != 0.0) part[out++] = error;
+      if (error != 0.0)
+        part[out++] = error;
     }
-    if (carry != 0.0) part[out++] = carry;
+    if (carry != 0.0)
+      part[out++] = carry;
     size = out;
   }
   template <int M>
   void add(const Expansion<M>& other, double sign) noexcept {
-    for (int i = 0; i < other.size; ++i) add(sign * other.part[i]);
+    for (int i = 0; i < other.size; ++i)
+      add(sign * other.part[i]);
   }
   double value() const noexcept {
     double sum = 0.0;
-    for (int i = 0; i < size; ++i) sum += part[i];
+    for (int i = 0; i < size; ++i)
+      sum += part[i];
     return sum;  // the sign is that of the largest part, which is added last
   }
 };
@@ -88,9 +92,12 @@ double orient3d_exact(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p
 double orient2d(double ax, double ay, double bx, double by, double px, double py) noexcept {
   const double left = (ax - px) * (by - py), right = (ay - py) * (bx - px);
   const double det = left - right;
-  if (std::abs(det) > kBound2d * (std::abs(left) + std::abs(right))) return det;
-  if (left == 0.0 && right == 0.0 && (ax == px || by == py) && (ay == py || bx == px)) return 0.0;
-  return minor(difference(ax, px), difference(ay, py), difference(bx, px), difference(by, py)).value();
+  if (std::abs(det) > kBound2d * (std::abs(left) + std::abs(right)))
+    return det;
+  if (left == 0.0 && right == 0.0 && (ax == px || by == py) && (ay == py || bx == px))
+    return 0.0;
+  return minor(difference(ax, px), difference(ay, py), difference(bx, px), difference(by, py))
+      .value();
 }
 
 double orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p) noexcept {
@@ -102,7 +109,8 @@ double orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p) noex
     det += d[axis] * (left - right);
     permanent += std::abs(d[axis]) * (std::abs(left) + std::abs(right));
   }
-  if (std::abs(det) > kBound3d * permanent) return -det;
+  if (std::abs(det) > kBound3d * permanent)
+    return -det;
   return orient3d_exact(a, b, c, p);
 }
 
@@ -112,9 +120,12 @@ namespace {
 double accurate2d(double ax, double ay, double bx, double by, double px, double py) noexcept {
   const double left = (ax - px) * (by - py), right = (ay - py) * (bx - px);
   const double det = left - right;
-  if (std::abs(det) > 0x1p-13 * (std::abs(left) + std::abs(right))) return det;
-  if (left == 0.0 && right == 0.0) return orient2d(ax, ay, bx, by, px, py);
-  return minor(difference(ax, px), difference(ay, py), difference(bx, px), difference(by, py)).value();
+  if (std::abs(det) > 0x1p-13 * (std::abs(left) + std::abs(right)))
+    return det;
+  if (left == 0.0 && right == 0.0)
+    return orient2d(ax, ay, bx, by, px, py);
+  return minor(difference(ax, px), difference(ay, py), difference(bx, px), difference(by, py))
+      .value();
 }
 
 }  // namespace

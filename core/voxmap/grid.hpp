@@ -24,10 +24,13 @@ struct Grid {
   /// The point with these grid coordinates [m], in the grid's frame.
   Vec3 from_grid(const Vec3& u) const noexcept { return origin + edge * u; }
   /// Centre of the voxel [m], likewise.
-  Vec3 centre(const VoxelIndex& v) const noexcept { return from_grid(Vec3(v.i + 0.5, v.j + 0.5, v.k + 0.5)); }
+  Vec3 centre(const VoxelIndex& v) const noexcept {
+    return from_grid(Vec3(v.i + 0.5, v.j + 0.5, v.k + 0.5));
+  }
   /// Half-open: floor(u). `u` must lie within the int32 range.
   static VoxelIndex voxel_of(const Vec3& u) noexcept {
-    return {static_cast<std::int32_t>(std::floor(u.x())), static_cast<std::int32_t>(std::floor(u.y())),
+    return {static_cast<std::int32_t>(std::floor(u.x())),
+            static_cast<std::int32_t>(std::floor(u.y())),
             static_cast<std::int32_t>(std::floor(u.z()))};
   }
 };

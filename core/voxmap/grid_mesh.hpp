@@ -1,6 +1,6 @@
 #pragma once
-/// A mesh in grid coordinates, and what its voxels would cost: everything that is asked before memory is
-/// spent.
+/// A mesh in grid coordinates, and what its voxels would cost: everything that is asked before
+/// memory is spent.
 #include <array>
 #include <cstdint>
 #include <stdexcept>
@@ -11,43 +11,47 @@
 
 namespace voxtouch::voxmap {
 
-/// The voxels of a mesh would not fit: more memory than the limit, or indices beyond what int32 holds. The
-/// sentence names extent, voxel size and memory.
+/// The voxels of a mesh would not fit: more memory than the limit, or indices beyond what int32
+/// holds. The sentence names extent, voxel size and memory.
 class VoxelBudgetError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// What a grid of voxels around a mesh takes; computed from the vertices alone, nothing is allocated.
+/// What a grid of voxels around a mesh takes; computed from the vertices alone, nothing is
+/// allocated.
 struct VoxelEstimate {
-  std::array<double, 3> first{}, last{};  ///< voxel box, inclusive; whole numbers, perhaps beyond int32
-  double extent_m = 0.0;                  ///< longest side of the mesh's box [m]
-  double voxels = 0.0;                    ///< voxels in the box
-  double surface_voxels = 0.0;            ///< expected
-  double table_cells = 0.0;               ///< entries of the voxmap's table, one a brick of 8x8x8
+  std::array<double, 3> first{},
+      last{};                   ///< voxel box, inclusive; whole numbers, perhaps beyond int32
+  double extent_m = 0.0;        ///< longest side of the mesh's box [m]
+  double voxels = 0.0;          ///< voxels in the box
+  double surface_voxels = 0.0;  ///< expected
+  double table_cells = 0.0;     ///< entries of the voxmap's table, one a brick of 8x8x8
   /// of the finished voxmap: exact for the table, expected for distances and bricks
   double bytes = 0.0;
-  double build_bytes = 0.0;               ///< peak while it is built
+  double build_bytes = 0.0;  ///< peak while it is built
 };
 
 inline constexpr std::uint64_t kVoxelMemoryLimit = std::uint64_t{4} << 30;  ///< 4 GiB
 /// Voxel indices stay within +-2^30, so that borders and differences fit int32.
 inline constexpr double kMaxVoxelIndex = 1073741824.0;
 
-/// Borders at multiples of e: e * (floor(min / e) - 1) an axis over the used vertices, one layer of free voxels before them. That of
-/// pointshells; static objects have `object_grid`. Throws std::runtime_error for no triangles, a vertex that is not finite, a bad
-/// index, or an edge that is not a positive number.
+/// Borders at multiples of e: e * (floor(min / e) - 1) an axis over the used vertices, one layer of
+/// free voxels before them. That of pointshells; static objects have `object_grid`. Throws
+/// std::runtime_error for no triangles, a vertex that is not finite, a bad index, or an edge that
+/// is not a positive number.
 Grid default_grid(const mesh::TriangleMesh& mesh, double edge);
 
 /// Throws std::runtime_error like `default_grid`; else never refuses.
 VoxelEstimate estimate_voxels(const mesh::TriangleMesh& mesh, const Grid& grid);
-/// Throws VoxelBudgetError where the estimate exceeds `limit_bytes`, the int32 range, or the table of a
-/// voxmap.
+/// Throws VoxelBudgetError where the estimate exceeds `limit_bytes`, the int32 range, or the table
+/// of a voxmap.
 void require_affordable(const VoxelEstimate& estimate, const Grid& grid,
                         std::uint64_t limit_bytes = kVoxelMemoryLimit);
 
-/// Vertices in grid coordinates u = (x - origin) / e, computed once: every later decision is exact in these
-/// doubles. A |u| below 2^-300 counts as 0, so that no product of three coordinates underflows.
+/// Vertices in grid coordinates u = (x - origin) / e, computed once: every later decision is exact
+/// in these doubles. A |u| below 2^-300 counts as 0, so that no product of three coordinates
+/// underflows.
 struct GridMesh {
   std::vector<Vec3> u;
   /// the mesh's own; it must outlive this

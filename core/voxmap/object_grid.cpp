@@ -8,17 +8,21 @@
 namespace voxtouch::voxmap {
 namespace {
 
-constexpr int kSteps = 1024;      ///< of a voxel, that shares are whole multiples of
-constexpr double kFlat = 1e-3;    ///< slope, and extent in voxels, up to which a triangle lies along the grid
-constexpr double kTie = 1e-9;     ///< of the area: sums this near to each other differ by rounding
+constexpr int kSteps = 1024;  ///< of a voxel, that shares are whole multiples of
+constexpr double kFlat =
+    1e-3;  ///< slope, and extent in voxels, up to which a triangle lies along the grid
+constexpr double kTie = 1e-9;  ///< of the area: sums this near to each other differ by rounding
 
-/// The faces across one axis over where they lie in their voxel, from 0 to 1. What falls into one bin is kept as its mean.
+/// The faces across one axis over where they lie in their voxel, from 0 to 1. What falls into one
+/// bin is kept as its mean.
 struct FacesAcross {
-  std::array<double, kSteps> area{}, moment{};      ///< of all
-  std::array<double, kSteps> facing{}, turning{};   ///< the same, those that face down the axis counted below 0
+  std::array<double, kSteps> area{}, moment{};  ///< of all
+  std::array<double, kSteps> facing{},
+      turning{};  ///< the same, those that face down the axis counted below 0
 
   void add(double place, double size, bool up) noexcept {
-    const auto bin = static_cast<std::size_t>(std::min(static_cast<int>(place * kSteps), kSteps - 1));
+    const auto bin =
+        static_cast<std::size_t>(std::min(static_cast<int>(place * kSteps), kSteps - 1));
     const double sign = up ? 1.0 : -1.0;
     area[bin] += size, moment[bin] += size * place;
     facing[bin] += sign * size, turning[bin] += sign * size * place;
@@ -29,13 +33,17 @@ struct FacesAcross {
     double all = 0.0, moments = 0.0, squares = 0.0, facings = 0.0, turnings = 0.0;
     for (std::size_t n = 0; n < kSteps; ++n) {
       all += area[n], moments += moment[n], facings += facing[n], turnings += turning[n];
-      if (area[n] > 0.0) squares += moment[n] * (moment[n] / area[n]);
+      if (area[n] > 0.0)
+        squares += moment[n] * (moment[n] / area[n]);
     }
-    if (!(all > 0.0) || !std::isfinite(squares)) return 0.0;
-    // Places lie on a circle, a voxel long. Cut open before each bin in turn they are numbers: their mean is the best middle then,
-    // their scatter the sum, and `out` how far they lie outward of it.
+    if (!(all > 0.0) || !std::isfinite(squares))
+      return 0.0;
+    // Places lie on a circle, a voxel long. Cut open before each bin in turn they are numbers:
+    // their mean is the best middle then, their scatter the sum, and `out` how far they lie outward
+    // of it.
     const auto for_each_cut = [&](auto&& f) {
-      double before = 0.0, facing_before = 0.0, turned = squares;  // what is before the cut, a voxel on; all squared places
+      double before = 0.0, facing_before = 0.0,
+             turned = squares;  // what is before the cut, a voxel on; all squared places
       for (std::size_t n = 0; n < kSteps; ++n) {
         const double mean = (moments + before) / all;
         f(mean, turned - mean * (moments + before), turnings + facing_before - mean * facings);
@@ -46,10 +54,12 @@ struct FacesAcross {
     for_each_cut([&](double, double scatter, double) { least = std::min(least, scatter); });
     const double tied = least + kTie * all;
     for_each_cut([&](double, double scatter, double out) {
-      if (scatter <= tied) least_out = std::min(least_out, out);
+      if (scatter <= tied)
+        least_out = std::min(least_out, out);
     });
     for_each_cut([&](double mean, double scatter, double out) {
-      if (scatter <= tied && out <= least_out + kTie * all) best = std::min(best, share_for(mean));
+      if (scatter <= tied && out <= least_out + kTie * all)
+        best = std::min(best, share_for(mean));
     });
     return best;
   }
@@ -71,11 +81,14 @@ Vec3 share_clear_of_faces(const mesh::TriangleMesh& mesh, double edge) noexcept 
     Eigen::Index axis = 0;
     const double size = normal.cwiseAbs().maxCoeff(&axis);
     const double rest = normal.squaredNorm() - size * size;
-    if (!(size > 0.0) || !(rest <= kFlat * kFlat * size * size)) continue;
+    if (!(size > 0.0) || !(rest <= kFlat * kFlat * size * size))
+      continue;
     const auto [low, high] = std::minmax({a[axis], b[axis], c[axis]});
-    if (!(high - low <= kFlat * edge)) continue;
+    if (!(high - low <= kFlat * edge))
+      continue;
     const double place = (low + 0.5 * (high - low)) / edge;
-    if (!std::isfinite(place)) continue;
+    if (!std::isfinite(place))
+      continue;
     across[static_cast<std::size_t>(axis)].add(place - std::floor(place), size, normal[axis] > 0.0);
   }
   return {across[0].best_share(), across[1].best_share(), across[2].best_share()};
@@ -85,7 +98,8 @@ Grid object_grid(const mesh::TriangleMesh& mesh, double edge) {
   Grid grid = default_grid(mesh, edge);
   const Vec3 share = share_clear_of_faces(mesh, edge);
   for (int axis = 0; axis < 3; ++axis)
-    if (share[axis] > 0.0) grid.origin[axis] = edge * (std::round(grid.origin[axis] / edge) - 1.0 + share[axis]);
+    if (share[axis] > 0.0)
+      grid.origin[axis] = edge * (std::round(grid.origin[axis] / edge) - 1.0 + share[axis]);
   return grid;
 }
 

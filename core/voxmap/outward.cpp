@@ -23,7 +23,8 @@ using Members = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 Members members_of(const ClosedShells& shells) {
   Members members;
   for (std::uint32_t t = 0; t < shells.role.size(); ++t)
-    if (oriented(shells.role[t])) members.emplace_back(shells.patch[t], t);
+    if (oriented(shells.role[t]))
+      members.emplace_back(shells.patch[t], t);
   std::sort(members.begin(), members.end());
   return members;
 }
@@ -35,7 +36,8 @@ double six_volumes(const GridMesh& mesh, const ClosedShells& shells, Members::co
   double sum = 0.0;
   for (; first != last; ++first) {
     const std::uint32_t t = first->second;
-    const double volume = (mesh.corner(t, 0) - at).dot((mesh.corner(t, 1) - at).cross(mesh.corner(t, 2) - at));
+    const double volume =
+        (mesh.corner(t, 0) - at).dot((mesh.corner(t, 1) - at).cross(mesh.corner(t, 2) - at));
     sum += shells.role[t] == ShellRole::kFlipped ? -volume : volume;
   }
   return sum;
@@ -45,7 +47,9 @@ double six_volumes(const GridMesh& mesh, const ClosedShells& shells, Members::co
 class Sides {
  public:
   Sides(const GridMesh& mesh, const ClosedShells& shells)
-      : mesh_(mesh), shells_(shells), tree_(mesh, triangles_of_closed_parts(shells)) {}
+      : mesh_(mesh),
+        shells_(shells),
+        tree_(mesh, triangles_of_closed_parts(shells)) {}
 
   /// +1 or -1 for the triangle as the file has it; nothing where both sides are alike.
   std::optional<int> outward(std::uint32_t t) const {
@@ -55,14 +59,16 @@ class Sides {
     const Vec3 middle = (a + b + c) / 3.0;
     const Vec3 step = (0x1p-24 * size + 0x1p-44 * middle.cwiseAbs().maxCoeff()) * normal;
     const bool before = inside(middle + step), behind = inside(middle - step);
-    if (before == behind) return {};
+    if (before == behind)
+      return {};
     return before ? -1 : 1;
   }
 
  private:
   bool inside(const Vec3& at) const {
     std::vector<std::uint32_t> above;
-    tree_.each_on_ray(at, Vec3::UnitZ(), [&](std::uint32_t triangle) { above.push_back(triangle); });
+    tree_.each_on_ray(at, Vec3::UnitZ(),
+                      [&](std::uint32_t triangle) { above.push_back(triangle); });
     return inside_shells(mesh_, shells_, above, at);
   }
 
@@ -72,16 +78,19 @@ class Sides {
 };
 
 /// Whether the patch, as its roles turn it, has the solid in front: asked at its largest triangles.
-bool faces_inward(const GridMesh& mesh, const ClosedShells& shells, const Sides& sides, Members::const_iterator first,
-                  Members::const_iterator last) {
+bool faces_inward(const GridMesh& mesh, const ClosedShells& shells, const Sides& sides,
+                  Members::const_iterator first, Members::const_iterator last) {
   constexpr std::size_t kAsked = 8;
   std::vector<std::pair<double, std::uint32_t>> largest;
-  for (auto at = first; at != last; ++at) largest.emplace_back(-area_of(mesh, at->second).squaredNorm(), at->second);
+  for (auto at = first; at != last; ++at)
+    largest.emplace_back(-area_of(mesh, at->second).squaredNorm(), at->second);
   const std::size_t asked = std::min(kAsked, largest.size());
-  std::partial_sort(largest.begin(), largest.begin() + static_cast<std::ptrdiff_t>(asked), largest.end());
+  std::partial_sort(largest.begin(), largest.begin() + static_cast<std::ptrdiff_t>(asked),
+                    largest.end());
   for (std::size_t n = 0; n < asked; ++n) {
     const std::uint32_t t = largest[n].second;
-    if (const std::optional<int> side = sides.outward(t)) return *side * static_cast<int>(shells.role[t]) < 0;
+    if (const std::optional<int> side = sides.outward(t))
+      return *side * static_cast<int>(shells.role[t]) < 0;
   }
   return false;  // buried in a body
 }
@@ -91,15 +100,19 @@ bool faces_inward(const GridMesh& mesh, const ClosedShells& shells, const Sides&
 std::vector<std::int8_t> outward_sides(const GridMesh& mesh, const ClosedShells& shells) {
   std::vector<std::int8_t> side(mesh.size(), 1);
   const Members members = members_of(shells);
-  if (members.empty()) return side;
+  if (members.empty())
+    return side;
   const bool one_patch = members.front().first == members.back().first;
-  const std::optional<Sides> sides = one_patch ? std::nullopt : std::make_optional<Sides>(mesh, shells);
+  const std::optional<Sides> sides =
+      one_patch ? std::nullopt : std::make_optional<Sides>(mesh, shells);
   for (auto first = members.begin(); first != members.end();) {
-    const auto last = std::find_if(first, members.end(), [&](const auto& m) { return m.first != first->first; });
-    const bool inward =
-        one_patch ? six_volumes(mesh, shells, first, last) < 0.0 : faces_inward(mesh, shells, *sides, first, last);
+    const auto last =
+        std::find_if(first, members.end(), [&](const auto& m) { return m.first != first->first; });
+    const bool inward = one_patch ? six_volumes(mesh, shells, first, last) < 0.0
+                                  : faces_inward(mesh, shells, *sides, first, last);
     for (; first != last; ++first)
-      side[first->second] = static_cast<std::int8_t>((inward ? -1 : 1) * static_cast<int>(shells.role[first->second]));
+      side[first->second] = static_cast<std::int8_t>((inward ? -1 : 1) *
+                                                     static_cast<int>(shells.role[first->second]));
   }
   return side;
 }

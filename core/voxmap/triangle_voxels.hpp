@@ -1,11 +1,11 @@
 #pragma once
-/// Which voxels a triangle meets: the separating-axis test of triangle and closed cube (13 axes), exact in
-/// grid coordinates.
+/// Which voxels a triangle meets: the separating-axis test of triangle and closed cube (13 axes),
+/// exact in grid coordinates.
 ///
-/// Each axis is a linear form in the voxel's index, so the voxels of one row that pass all of them are an
-/// interval: rows are solved, not walked. Rounding only ever makes a row's ends uncertain, and an uncertain
-/// end is decided with `exact_sign`. Zero-area triangles are segments or points and go through the same
-/// tests.
+/// Each axis is a linear form in the voxel's index, so the voxels of one row that pass all of them
+/// are an interval: rows are solved, not walked. Rounding only ever makes a row's ends uncertain,
+/// and an uncertain end is decided with `exact_sign`. Zero-area triangles are segments or points
+/// and go through the same tests.
 #include <array>
 #include <cstdint>
 
@@ -31,8 +31,8 @@ class TriangleVoxels {
 
   /// Axis along which the runs of `for_each_run` lie: 1 (j) or 2 (k).
   int run_axis() const noexcept { return run_; }
-  /// Calls f(i, row, run_first, run_last) for every row of voxels met with i in [i_first, i_last]; `row` is
-  /// the index along the axis 3 - run_axis().
+  /// Calls f(i, row, run_first, run_last) for every row of voxels met with i in [i_first, i_last];
+  /// `row` is the index along the axis 3 - run_axis().
   template <class F>
   void for_each_run(std::int32_t i_first, std::int32_t i_last, F&& f) const;
 
@@ -43,7 +43,9 @@ class TriangleVoxels {
     double constant = 0.0, error = 0.0;
     int kind = 0;  ///< edge forms: 4 * dropped axis + edge, plane: 16; negative: the other side
   };
-  struct Range { std::int32_t first, last; };
+  struct Range {
+    std::int32_t first, last;
+  };
 
   void add_edge_forms(int dropped) noexcept;
   void add_plane_forms() noexcept;
@@ -70,7 +72,8 @@ class TriangleVoxels {
 
 template <class F>
 void TriangleVoxels::for_each_run(std::int32_t i_first, std::int32_t i_last, F&& f) const {
-  const auto row_axis = static_cast<std::size_t>(3 - run_), run_axis = static_cast<std::size_t>(run_);
+  const auto row_axis = static_cast<std::size_t>(3 - run_),
+             run_axis = static_cast<std::size_t>(run_);
   const std::int32_t from = i_first > first_[0] ? i_first : first_[0];
   const std::int32_t to = i_last < last_[0] ? i_last : last_[0];
   for (std::int32_t i = from; i <= to; ++i) {
@@ -81,7 +84,8 @@ void TriangleVoxels::for_each_run(std::int32_t i_first, std::int32_t i_last, F&&
     }
     const Range rows = rows_in_slab(i);
     for (std::int32_t row = rows.first; row <= rows.last; ++row)
-      if (Range run{}; solve_row(i, row, run)) f(i, row, run.first, run.last);
+      if (Range run{}; solve_row(i, row, run))
+        f(i, row, run.first, run.last);
   }
 }
 

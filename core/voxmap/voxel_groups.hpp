@@ -1,5 +1,6 @@
 #pragma once
-/// The voxels that are not surface, grouped by common faces: whole bricks at once where they are empty.
+/// The voxels that are not surface, grouped by common faces: whole bricks at once where they are
+/// empty.
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -12,7 +13,7 @@ namespace voxtouch::voxmap {
 
 /// Surface voxels as bits, in the cells of a voxmap. The cells of the border hold none.
 struct SurfaceBits {
-  VoxelIndex base;                     ///< first voxel, a multiple of 8
+  VoxelIndex base;  ///< first voxel, a multiple of 8
   std::array<std::int64_t, 3> cells{};
   /// of each cell, (x * cells[1] + y) * cells[2] + z; -1: no surface voxel
   std::vector<std::int32_t> brick_of;
@@ -37,10 +38,11 @@ struct VoxelGroups {
   std::vector<std::uint32_t> first_piece;  ///< of each brick, one more at the end
   /// of each cell (cells with surface: unused), then of each piece; 0 is outside
   std::vector<std::uint32_t> group;
-  std::vector<VoxelIndex> representative;          ///< one voxel of each group
+  std::vector<VoxelIndex> representative;  ///< one voxel of each group
 };
 
-/// Groups of the voxels that are not `surface`, by common faces; the same whatever `parallel_for` does. Allocates.
+/// Groups of the voxels that are not `surface`, by common faces; the same whatever `parallel_for`
+/// does. Allocates.
 VoxelGroups group_voxels(const SurfaceBits& surface, const ParallelFor& parallel_for);
 
 }  // namespace voxtouch::voxmap

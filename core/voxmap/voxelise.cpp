@@ -20,8 +20,8 @@ struct SlabBits {
   std::vector<BrickMask> bricks;
 };
 
-SlabBits mark_slab(const GridMesh& mesh, const Slabs& slabs, std::size_t slab, const VoxelIndex& base,
-                   const std::array<std::int64_t, 3>& cells) {
+SlabBits mark_slab(const GridMesh& mesh, const Slabs& slabs, std::size_t slab,
+                   const VoxelIndex& base, const std::array<std::int64_t, 3>& cells) {
   SlabBits bits;
   bits.brick_of.assign(static_cast<std::size_t>(cells[1] * cells[2]), -1);
   std::int64_t cached = -1;
@@ -38,41 +38,46 @@ SlabBits mark_slab(const GridMesh& mesh, const Slabs& slabs, std::size_t slab, c
       brick = &bits.bricks[static_cast<std::size_t>(entry)];
       cached = cell;
     }
-    (*brick)[static_cast<std::size_t>(z & 7)] |= std::uint64_t{1} << ((i - slabs.first(slab)) + 8 * (y & 7));
+    (*brick)[static_cast<std::size_t>(z & 7)] |= std::uint64_t{1}
+                                                 << ((i - slabs.first(slab)) + 8 * (y & 7));
   };
   for (const std::uint32_t t : slabs.triangles(slab)) {
     const TriangleVoxels triangle(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2));
     const bool along_k = triangle.run_axis() == 2;
-    triangle.for_each_run(slabs.first(slab), slabs.last(slab),
-                          [&](std::int32_t i, std::int32_t row, std::int32_t first, std::int32_t last) {
-                            for (std::int32_t n = first; n <= last; ++n)
-                              along_k ? mark(i, row, n) : mark(i, n, row);
-                          });
+    triangle.for_each_run(
+        slabs.first(slab), slabs.last(slab),
+        [&](std::int32_t i, std::int32_t row, std::int32_t first, std::int32_t last) {
+          for (std::int32_t n = first; n <= last; ++n)
+            along_k ? mark(i, row, n) : mark(i, n, row);
+        });
   }
   return bits;
 }
 
 /// Throws VoxelBudgetError where scattered triangles touch more bricks than the estimate foresaw.
 SurfaceBits mark_surface(const GridMesh& mesh, const Slabs& slabs, const Voxmap& map,
-                         const ParallelFor& parallel_for,
-                         VoxelEstimate estimate, std::uint64_t memory_limit_bytes) {
+                         const ParallelFor& parallel_for, VoxelEstimate estimate,
+                         std::uint64_t memory_limit_bytes) {
   SurfaceBits surface{map.base(), map.cells(), {}, {}};
   std::vector<SlabBits> parts(slabs.size());
   parallel_for(slabs.size(), [&](std::size_t s) {
-    if (!slabs.triangles(s).empty()) parts[s] = mark_slab(mesh, slabs, s, surface.base, surface.cells);
+    if (!slabs.triangles(s).empty())
+      parts[s] = mark_slab(mesh, slabs, s, surface.base, surface.cells);
   });
   std::size_t count = 0;
-  for (const SlabBits& part : parts) count += part.bricks.size();
+  for (const SlabBits& part : parts)
+    count += part.bricks.size();
   const auto layer = static_cast<std::size_t>(surface.cells[1] * surface.cells[2]);
   surface.brick_of.assign(layer * slabs.size(), -1);
-  estimate.build_bytes =
-      std::max(estimate.build_bytes, static_cast<double>(map.bytes()) + kBuildBytesPerBrick * double(count));
+  estimate.build_bytes = std::max(
+      estimate.build_bytes, static_cast<double>(map.bytes()) + kBuildBytesPerBrick * double(count));
   require_affordable(estimate, map.grid(), memory_limit_bytes);
   surface.bricks.reserve(count);
   for (std::size_t s = 0; s < parts.size(); ++s) {
     const auto offset = static_cast<std::int32_t>(surface.bricks.size());
     for (std::size_t c = 0; c < parts[s].brick_of.size(); ++c)
-      if (parts[s].brick_of[c] >= 0) surface.brick_of[s * layer + c] = parts[s].brick_of[c] + offset;
+      if (parts[s].brick_of[c] >= 0)
+        surface.brick_of[s * layer + c] = parts[s].brick_of[c] + offset;
     surface.bricks.insert(surface.bricks.end(), parts[s].bricks.begin(), parts[s].bricks.end());
     parts[s] = {};
   }
@@ -80,14 +85,17 @@ SurfaceBits mark_surface(const GridMesh& mesh, const Slabs& slabs, const Voxmap&
 }
 
 /// For each group of voxels, whether it lies inside.
-std::vector<std::uint8_t> judge_groups(const GridMesh& mesh, const Slabs& slabs, const ClosedShells& shells,
-                                       const VoxelGroups& groups, const ParallelFor& parallel_for) {
+std::vector<std::uint8_t> judge_groups(const GridMesh& mesh, const Slabs& slabs,
+                                       const ClosedShells& shells, const VoxelGroups& groups,
+                                       const ParallelFor& parallel_for) {
   std::vector<std::uint8_t> inside(groups.representative.size(), 0);
-  if (shells.closed_parts == 0) return inside;
+  if (shells.closed_parts == 0)
+    return inside;
   parallel_for(inside.size() - 1, [&](std::size_t n) {
     const VoxelIndex& v = groups.representative[n + 1];  // group 0 is outside
     const auto slab = static_cast<std::size_t>((v.i - slabs.first(0)) >> 3);
-    inside[n + 1] = inside_shells(mesh, shells, slabs.triangles(slab), Vec3(v.i + 0.5, v.j + 0.5, v.k + 0.5));
+    inside[n + 1] =
+        inside_shells(mesh, shells, slabs.triangles(slab), Vec3(v.i + 0.5, v.j + 0.5, v.k + 0.5));
   });
   return inside;
 }
@@ -99,15 +107,18 @@ void write_map(const SurfaceBits& surface, const VoxelGroups& groups,
     const auto cell = static_cast<std::size_t>((x * surface.cells[1] + y) * surface.cells[2] + z);
     const std::int32_t brick = surface.brick_of[cell];
     if (brick < 0) {
-      if (inside[groups.group[cell]]) map.fill_cell(surface.first_voxel(cell), VoxelKind::kInterior);
+      if (inside[groups.group[cell]])
+        map.fill_cell(surface.first_voxel(cell), VoxelKind::kInterior);
       return;
     }
     BrickMask interior{};
     for (std::uint32_t p = groups.first_piece[static_cast<std::size_t>(brick)];
          p < groups.first_piece[static_cast<std::size_t>(brick) + 1]; ++p)
       if (inside[groups.group[surface.brick_of.size() + p]])
-        for (std::size_t z8 = 0; z8 < 8; ++z8) interior[z8] |= groups.pieces[p].voxels[z8];
-    map.set_cell(surface.first_voxel(cell), surface.bricks[static_cast<std::size_t>(brick)], interior);
+        for (std::size_t z8 = 0; z8 < 8; ++z8)
+          interior[z8] |= groups.pieces[p].voxels[z8];
+    map.set_cell(surface.first_voxel(cell), surface.bricks[static_cast<std::size_t>(brick)],
+                 interior);
   });
   map.finish();
 }
@@ -125,7 +136,8 @@ Voxmap voxelise(const mesh::TriangleMesh& mesh, const Grid& grid, const Parallel
   Voxmap map(grid, corner(estimate.first), corner(estimate.last));
   const GridMesh in_grid(mesh, grid);
   const Slabs slabs(in_grid, map.base().i, static_cast<std::size_t>(map.cells()[0]));
-  const SurfaceBits surface = mark_surface(in_grid, slabs, map, parallel_for, estimate, memory_limit_bytes);
+  const SurfaceBits surface =
+      mark_surface(in_grid, slabs, map, parallel_for, estimate, memory_limit_bytes);
 
   const ClosedShells shells = find_closed_shells(in_grid);
   const VoxelGroups groups = group_voxels(surface, parallel_for);

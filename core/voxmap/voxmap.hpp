@@ -1,14 +1,18 @@
 #pragma once
-/// The static scene as a voxmap: surface, interior, free (paper, section 1), in bricks behind a table of two levels.
+/// The static scene as a voxmap: surface, interior, free (paper, section 1), in bricks behind a
+/// table of two levels.
 ///
-/// Layout: bricks of 8x8x8 voxels, 2 bits a voxel, 128 bytes a brick, one for each 8-voxel cell that holds surface; shared bricks for
-/// "all free" and "all interior". A block is 4x4x4 cells. Its page, a line of the cache, has a byte for each cell: which of the block's
-/// own bricks it is, or which shared one. Blocks without surface share two pages, so that only 8 bytes a block grow with the volume.
-/// Bricks lie in Morton order of their cells: what is near in space is near in memory. Where it takes no more than kFewTableBytes, a table
-/// that names the brick of each cell stands beside the pages: one look less for kernels.
-/// One border cell of free bricks surrounds the object. The table's strides are exact: rounded up to powers of two they would save a
-/// multiplication and cost up to four times the table. Beside it, one byte for each cell of 4x4x4 voxels or more says how
-/// far the nearest surface or interior is at least (free_distance.hpp): what the culling tree asks.
+/// Layout: bricks of 8x8x8 voxels, 2 bits a voxel, 128 bytes a brick, one for each 8-voxel cell
+/// that holds surface; shared bricks for "all free" and "all interior". A block is 4x4x4 cells. Its
+/// page, a line of the cache, has a byte for each cell: which of the block's own bricks it is, or
+/// which shared one. Blocks without surface share two pages, so that only 8 bytes a block grow with
+/// the volume. Bricks lie in Morton order of their cells: what is near in space is near in memory.
+/// Where it takes no more than kFewTableBytes, a table that names the brick of each cell stands
+/// beside the pages: one look less for kernels. One border cell of free bricks surrounds the
+/// object. The table's strides are exact: rounded up to powers of two they would save a
+/// multiplication and cost up to four times the table. Beside it, one byte for each cell of 4x4x4
+/// voxels or more says how far the nearest surface or interior is at least (free_distance.hpp):
+/// what the culling tree asks.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -32,14 +36,14 @@ enum class VoxelKind : std::uint8_t { kFree = 0, kSurface = 1, kInterior = 2 };
 
 class Voxmap {
  public:
-  static constexpr int kBrickEdge = 8;      ///< voxels
+  static constexpr int kBrickEdge = 8;  ///< voxels
   /// 512 voxels x 2 bits; voxel (x,y,z) at bit 2*(x + 8*(y + 8*z))
   using Brick = std::array<std::uint64_t, 16>;
 
   Voxmap() = default;
-  /// A map with room for voxels `first`..`last` (inclusive), all free. Throws std::length_error if the table
-  /// would need more than `kMaxTableCells` cells or indices beyond +-2^30: callers estimate first
-  /// (grid_mesh.hpp) and say it better.
+  /// A map with room for voxels `first`..`last` (inclusive), all free. Throws std::length_error if
+  /// the table would need more than `kMaxTableCells` cells or indices beyond +-2^30: callers
+  /// estimate first (grid_mesh.hpp) and say it better.
   Voxmap(const Grid& grid, const VoxelIndex& first, const VoxelIndex& last);
 
   const Grid& grid() const noexcept { return grid_; }
@@ -54,28 +58,31 @@ class Voxmap {
     return static_cast<VoxelKind>((bricks_[brick][bit >> 6] >> (bit & 63)) & 3U);
   }
 
-  /// Sets one voxel; the voxel must lie within the room given at construction. Not real-time safe. A cell that gets its own brick
-  /// may move those of other cells, here and below: none in the order of `for_each_cell`.
+  /// Sets one voxel; the voxel must lie within the room given at construction. Not real-time safe.
+  /// A cell that gets its own brick may move those of other cells, here and below: none in the
+  /// order of `for_each_cell`.
   void set(const VoxelIndex& v, VoxelKind kind);
-  /// Sets the whole 8-voxel cell that holds `v` to one kind; free and interior by pointing at the shared
-  /// brick.
+  /// Sets the whole 8-voxel cell that holds `v` to one kind; free and interior by pointing at the
+  /// shared brick.
   void fill_cell(const VoxelIndex& v, VoxelKind kind);
-  /// Sets the whole 8-voxel cell that holds `v` from bits; surface wins over interior, what is in neither is
-  /// free.
+  /// Sets the whole 8-voxel cell that holds `v` from bits; surface wins over interior, what is in
+  /// neither is free.
   void set_cell(const VoxelIndex& v, const BrickMask& surface, const BrickMask& interior);
-  /// Room for that many bricks of their own, so that filling them neither copies nor leaves spare memory.
+  /// Room for that many bricks of their own, so that filling them neither copies nor leaves spare
+  /// memory.
   void reserve_bricks(std::size_t count) { bricks_.reserve(count + 2); }
 
   /// Calls f(x, y, z) for each 8-voxel cell of the table, counted from its first, in Morton order.
   template <class F>
   void for_each_cell(F&& f) const;
 
-  /// Counts voxels, lets uniform blocks share a page, computes the free-distance bytes and what stands beside the pages; call after the last
-  /// change: until then kernels see the map as it was.
+  /// Counts voxels, lets uniform blocks share a page, computes the free-distance bytes and what
+  /// stands beside the pages; call after the last change: until then kernels see the map as it was.
   void finish();
 
-  /// Lower bound of the distance [voxels] from `u` (grid coordinates) to the nearest voxel that is not free; 0 where
-  /// unknown (before `finish`, NaN) or near. Outside the table: the distance to the table at least. Real-time safe.
+  /// Lower bound of the distance [voxels] from `u` (grid coordinates) to the nearest voxel that is
+  /// not free; 0 where unknown (before `finish`, NaN) or near. Outside the table: the distance to
+  /// the table at least. Real-time safe.
   double free_distance_voxels(const Vec3& u) const noexcept;
 
   /// Surface and interior voxels, counted.
@@ -92,7 +99,8 @@ class Voxmap {
 
   /// Edge of a block [cells].
   static constexpr int kBlockEdge = 4;
-  /// One code for each cell (x, y, z) of a block, at x + 4 (y + 4 z): below 64 so many bricks after the block's first; else less 64 the shared brick.
+  /// One code for each cell (x, y, z) of a block, at x + 4 (y + 4 z): below 64 so many bricks after
+  /// the block's first; else less 64 the shared brick.
   using Page = std::array<std::uint8_t, 64>;
   static constexpr std::uint8_t kSharedCode = 64;
   /// A block of the table.
@@ -111,24 +119,36 @@ class Voxmap {
 
   /// The arrays themselves, for kernels that look up many points at once. Valid while the map is.
   struct Arrays {
-    const Block* blocks;             ///< of 4x4x4 cells: x + blocks_along[0] (y + blocks_along[1] z)
+    const Block* blocks;  ///< of 4x4x4 cells: x + blocks_along[0] (y + blocks_along[1] z)
     const Page* pages;
-    const std::int32_t* table;       ///< brick of the cell x + cells_along[0] (y + cells_along[1] z); null in a large map and before `finish`
+    const std::int32_t* table;  ///< brick of the cell x + cells_along[0] (y + cells_along[1] z);
+                                ///< null in a large map and before `finish`
     std::array<std::int32_t, 2> blocks_along, cells_along;
     const Brick* bricks;
     std::size_t brick_count;
-    const std::uint8_t* free;        ///< free_distance of the cell (x free_cells[1] + y) free_cells[2] + z; null before `finish`
-    int free_shift;                  ///< log2 of such a cell's edge [voxels]
+    const std::uint8_t* free;  ///< free_distance of the cell (x free_cells[1] + y) free_cells[2] +
+                               ///< z; null before `finish`
+    int free_shift;            ///< log2 of such a cell's edge [voxels]
     std::array<std::int32_t, 3> free_cells;
   };
   Arrays arrays() const noexcept {
-    const auto along = [](std::int64_t x, std::int64_t y) { return std::array{static_cast<std::int32_t>(x), static_cast<std::int32_t>(y)}; };
-    return {blocks_.data(), pages_.data(), table_.empty() ? nullptr : table_.data(), along(blocks_along(0), blocks_along(1)), along(cells_[0], cells_[1]),
-            bricks_.data(), bricks_.size(), near_.empty() ? nullptr : near_.data(), near_shift_, {near_along(0), near_along(1), near_along(2)}};
+    const auto along = [](std::int64_t x, std::int64_t y) {
+      return std::array{static_cast<std::int32_t>(x), static_cast<std::int32_t>(y)};
+    };
+    return {blocks_.data(),
+            pages_.data(),
+            table_.empty() ? nullptr : table_.data(),
+            along(blocks_along(0), blocks_along(1)),
+            along(cells_[0], cells_[1]),
+            bricks_.data(),
+            bricks_.size(),
+            near_.empty() ? nullptr : near_.data(),
+            near_shift_,
+            {near_along(0), near_along(1), near_along(2)}};
   }
 
-  /// All of a finished map, and such a map again, bit for bit; in stored.cpp. `take` throws StoredBytesError for bytes that are no map
-  /// which every lookup stands.
+  /// All of a finished map, and such a map again, bit for bit; in stored.cpp. `take` throws
+  /// StoredBytesError for bytes that are no map which every lookup stands.
   void put(ByteWriter& out) const;
   static Voxmap take(ByteReader& in);
 
@@ -140,9 +160,12 @@ class Voxmap {
   std::array<std::int64_t, 3> local(const VoxelIndex& v) const noexcept {
     return {std::int64_t{v.i} - base_.i, std::int64_t{v.j} - base_.j, std::int64_t{v.k} - base_.k};
   }
-  std::int64_t blocks_along(std::size_t axis) const noexcept { return (cells_[axis] + kBlockEdge - 1) / kBlockEdge; }
+  std::int64_t blocks_along(std::size_t axis) const noexcept {
+    return (cells_[axis] + kBlockEdge - 1) / kBlockEdge;
+  }
   std::size_t block_index(std::int64_t x, std::int64_t y, std::int64_t z) const noexcept {
-    return static_cast<std::size_t>((x >> 2) + blocks_along(0) * ((y >> 2) + blocks_along(1) * (z >> 2)));
+    return static_cast<std::size_t>((x >> 2) +
+                                    blocks_along(0) * ((y >> 2) + blocks_along(1) * (z >> 2)));
   }
   static std::size_t place_in_page(std::int64_t x, std::int64_t y, std::int64_t z) noexcept {
     return static_cast<std::size_t>((x & 3) | (y & 3) << 2 | (z & 3) << 4);
@@ -154,7 +177,9 @@ class Voxmap {
   static std::int32_t brick_of(const Block& block, std::uint8_t code) noexcept {
     return code < kSharedCode ? block.first_brick + code : code - kSharedCode;
   }
-  std::int32_t near_along(std::size_t axis) const noexcept { return static_cast<std::int32_t>(free_distance::cells_along(cells_[axis], near_shift_)); }
+  std::int32_t near_along(std::size_t axis) const noexcept {
+    return static_cast<std::int32_t>(free_distance::cells_along(cells_[axis], near_shift_));
+  }
   std::size_t near_index(std::int64_t x, std::int64_t y, std::int64_t z) const noexcept {
     return static_cast<std::size_t>((x * near_along(1) + y) * near_along(2) + z);
   }
@@ -163,33 +188,42 @@ class Voxmap {
   void share_pages();
   void name_bricks();
   template <class F>
-  void each_cell_from(std::int64_t x, std::int64_t y, std::int64_t z, std::int64_t edge, F& f) const;
+  void each_cell_from(std::int64_t x, std::int64_t y, std::int64_t z, std::int64_t edge,
+                      F& f) const;
   void count_voxels() noexcept;
-  void mark_brick(std::int64_t x, std::int64_t y, std::int64_t z, free_distance::Occupancy& occupancy) const;
+  void mark_brick(std::int64_t x, std::int64_t y, std::int64_t z,
+                  free_distance::Occupancy& occupancy) const;
 
   Grid grid_;
-  VoxelIndex base_;                       ///< first voxel of the table, a multiple of 8
-  std::array<std::int64_t, 3> cells_{};   ///< table size in bricks
+  VoxelIndex base_;                      ///< first voxel of the table, a multiple of 8
+  std::array<std::int64_t, 3> cells_{};  ///< table size in bricks
   std::vector<Block> blocks_;
-  std::vector<Page> pages_;               ///< the two shared ones, then in the order of their bricks
+  std::vector<Page> pages_;  ///< the two shared ones, then in the order of their bricks
   std::vector<std::int32_t> table_;
   std::vector<Brick, HugePages<Brick>> bricks_;
-  std::vector<std::uint8_t> near_;        ///< free_distance bytes
+  std::vector<std::uint8_t> near_;  ///< free_distance bytes
   int near_shift_ = free_distance::kMinShift;
   std::size_t surface_count_ = 0, interior_count_ = 0;
 };
 
 template <class F>
 void Voxmap::for_each_cell(F&& f) const {
-  each_cell_from(0, 0, 0, static_cast<std::int64_t>(std::bit_ceil(static_cast<std::uint64_t>(std::ranges::max(cells_)))), f);
+  each_cell_from(0, 0, 0,
+                 static_cast<std::int64_t>(
+                     std::bit_ceil(static_cast<std::uint64_t>(std::ranges::max(cells_)))),
+                 f);
 }
 
 template <class F>
-void Voxmap::each_cell_from(std::int64_t x, std::int64_t y, std::int64_t z, std::int64_t edge, F& f) const {
-  if (x >= cells_[0] || y >= cells_[1] || z >= cells_[2]) return;
-  if (edge == 1) return f(x, y, z);
+void Voxmap::each_cell_from(std::int64_t x, std::int64_t y, std::int64_t z, std::int64_t edge,
+                            F& f) const {
+  if (x >= cells_[0] || y >= cells_[1] || z >= cells_[2])
+    return;
+  if (edge == 1)
+    return f(x, y, z);
   const std::int64_t half = edge / 2;
-  for (int n = 0; n < 8; ++n) each_cell_from(x + half * (n & 1), y + half * (n >> 1 & 1), z + half * (n >> 2), half, f);
+  for (int n = 0; n < 8; ++n)
+    each_cell_from(x + half * (n & 1), y + half * (n >> 1 & 1), z + half * (n >> 2), half, f);
 }
 
 template <class F>
@@ -197,11 +231,14 @@ void Voxmap::for_each_occupied(F&& f) const {
   for (std::int64_t x = 0; x < cells_[0] * kBrickEdge; ++x)
     for (std::int64_t y = 0; y < cells_[1] * kBrickEdge; ++y)
       for (std::int64_t cz = 0; cz < cells_[2]; ++cz) {
-        if (brick_of(x >> 3, y >> 3, cz) == kFreeBrick) continue;
+        if (brick_of(x >> 3, y >> 3, cz) == kFreeBrick)
+          continue;
         for (std::int64_t z = cz * kBrickEdge; z < (cz + 1) * kBrickEdge; ++z) {
-          const VoxelIndex v{static_cast<std::int32_t>(base_.i + x), static_cast<std::int32_t>(base_.j + y),
+          const VoxelIndex v{static_cast<std::int32_t>(base_.i + x),
+                             static_cast<std::int32_t>(base_.j + y),
                              static_cast<std::int32_t>(base_.k + z)};
-          if (const VoxelKind kind = at(v); kind != VoxelKind::kFree) f(v, kind);
+          if (const VoxelKind kind = at(v); kind != VoxelKind::kFree)
+            f(v, kind);
         }
       }
 }

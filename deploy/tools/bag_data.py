@@ -18,10 +18,18 @@ sys.path.insert(0, str(ROOT / "idl"))
 from generate_idl import PRIMITIVES, parse  # noqa: E402
 from type_hash import type_hash  # noqa: E402
 
-numpy.seterr(all="ignore")  # a bag may hold any number; what is not finite is left out where it is drawn or counted
+numpy.seterr(
+    all="ignore"
+)  # a bag may hold any number; what is not finite is left out where it is drawn or counted
 OWN = "voxtouch_msgs"
-FORMATS = {"bool": "?", "byte": "u1", "char": "u1", "float32": "<f4", "float64": "<f8",
-           **{f"{u}int{8 * n}": f"<{s}{n}" for u, s in (("", "i"), ("u", "u")) for n in (1, 2, 4, 8)}}
+FORMATS = {
+    "bool": "?",
+    "byte": "u1",
+    "char": "u1",
+    "float32": "<f4",
+    "float64": "<f8",
+    **{f"{u}int{8 * n}": f"<{s}{n}" for u, s in (("", "i"), ("u", "u")) for n in (1, 2, 4, 8)},
+}
 AT_ONCE = 20000  # messages that are held as they come before their numbers are taken out
 
 
@@ -63,7 +71,11 @@ def layout(name, package=OWN):
     """(dtype, whole): the fields of fixed size at the front of a message, and whether these are all. Ends where padding would stand."""
     out, at = [], 0
     for kind, owner, array, count, field in message(name, package)[0]:
-        one, whole = layout(kind, owner) if owner else (numpy.dtype(FORMATS[kind]) if kind in FORMATS else None, True)
+        one, whole = (
+            layout(kind, owner)
+            if owner
+            else (numpy.dtype(FORMATS[kind]) if kind in FORMATS else None, True)
+        )
         if one is None or not whole or array not in (None, "fixed") or at % min(8, one.itemsize):
             return numpy.dtype(out), False
         out.append((field, one, (count,)) if array else (field, one))
@@ -83,8 +95,17 @@ class Decoder:
     def number(self, kind):
         size = PRIMITIVES[kind][1]
         self.at += -(self.at - 4) % size
-        value, = struct.unpack_from("<" + {"bool": "?", "byte": "B", "char": "B", "float32": "f", "float64": "d"}.get(
-            kind, {1: "b", 2: "h", 4: "i", 8: "q"}[size].upper() if kind[0] == "u" else {1: "b", 2: "h", 4: "i", 8: "q"}[size]), self.data, self.at)
+        (value,) = struct.unpack_from(
+            "<"
+            + {"bool": "?", "byte": "B", "char": "B", "float32": "f", "float64": "d"}.get(
+                kind,
+                {1: "b", 2: "h", 4: "i", 8: "q"}[size].upper()
+                if kind[0] == "u"
+                else {1: "b", 2: "h", 4: "i", 8: "q"}[size],
+            ),
+            self.data,
+            self.at,
+        )
         self.at += size
         return value
 
@@ -93,10 +114,16 @@ class Decoder:
         if self.at + length > len(self.data):
             raise struct.error("a text is longer than its message")
         self.at += length
-        return self.data[self.at - length:self.at - 1].decode(errors="replace") if length else ""
+        return self.data[self.at - length : self.at - 1].decode(errors="replace") if length else ""
 
     def value(self, kind, owner):
-        return self.fields(kind, owner) if owner else self.text() if kind == "string" else self.number(kind)
+        return (
+            self.fields(kind, owner)
+            if owner
+            else self.text()
+            if kind == "string"
+            else self.number(kind)
+        )
 
     def fields(self, name, package, last=None):
         out = {}
@@ -137,9 +164,11 @@ class Rows:
             return
         size = self.dtype.itemsize
         if any(len(data) != size + 4 if self.whole else len(data) < size + 4 for data in self.raw):
-            raise BagError("the messages are not laid out as in this version of voxtouch: read the bag with the version that recorded it.")
+            raise BagError(
+                "the messages are not laid out as in this version of voxtouch: read the bag with the version that recorded it."
+            )
         if self.raw:
-            table = numpy.frombuffer(b"".join(data[4:size + 4] for data in self.raw), self.dtype)
+            table = numpy.frombuffer(b"".join(data[4 : size + 4] for data in self.raw), self.dtype)
             self.parts.append(recfunctions.repack_fields(table[list(self.fields)]))
             self.raw = []
 
@@ -153,14 +182,51 @@ class Bag:
 
     # What is kept of each message, or None for all of it; a page of ten minutes has no room for more.
     STREAMS = {
-        "device/state": ("DeviceState", ("session_id", "sequence_number", "sample_time_ns", "flags")),
-        "rendering/contact": ("ContactState", ("session_id", "sequence_number", "sample_time_ns", "tool_pose", "object_pose", "wrench",
-                                               "contact_wrench", "deepest_depth_m", "time_spent_ns", "flags")),
-        "coupling/command": ("ForceCommand", ("session_id", "sequence_number", "sample_time_ns", "wrench", "energy_j", "energy_rotation_j",
-                                              "damping_ns_per_m", "status")),
-        "validation": ("ValidationReport", ("session_id", "sequence_number", "sample_time_ns", "gap_m", "verdict"))}
-    MESSAGES = {"device/description": "DeviceDescription", "rendering/plan": "ScenePlan", "coupling/design": "CouplingDesign",
-                "node_status": "NodeStatus", "rendering/changed": "EffectChanged", "rendering/change": "EffectChange"}
+        "device/state": (
+            "DeviceState",
+            ("session_id", "sequence_number", "sample_time_ns", "flags"),
+        ),
+        "rendering/contact": (
+            "ContactState",
+            (
+                "session_id",
+                "sequence_number",
+                "sample_time_ns",
+                "tool_pose",
+                "object_pose",
+                "wrench",
+                "contact_wrench",
+                "deepest_depth_m",
+                "time_spent_ns",
+                "flags",
+            ),
+        ),
+        "coupling/command": (
+            "ForceCommand",
+            (
+                "session_id",
+                "sequence_number",
+                "sample_time_ns",
+                "wrench",
+                "energy_j",
+                "energy_rotation_j",
+                "damping_ns_per_m",
+                "status",
+            ),
+        ),
+        "validation": (
+            "ValidationReport",
+            ("session_id", "sequence_number", "sample_time_ns", "gap_m", "verdict"),
+        ),
+    }
+    MESSAGES = {
+        "device/description": "DeviceDescription",
+        "rendering/plan": "ScenePlan",
+        "coupling/design": "CouplingDesign",
+        "node_status": "NodeStatus",
+        "rendering/changed": "EffectChanged",
+        "rendering/change": "EffectChange",
+    }
 
     def __init__(self, path, rig="", wanted=None, progress=lambda share: None):
         self.path = pathlib.Path(path)
@@ -171,12 +237,20 @@ class Bag:
         try:
             files = [open_file(file) for file in files_of(path)]
         except (FileError, OSError) as error:
-            raise BagError(str(error) if str(error).startswith(str(self.path)) else f"{self.path}: {error}") from None
-        self.rig = self.find_rig({name: kind for file in files for name, kind, _ in file.topics.values()}, rig)
+            raise BagError(
+                str(error) if str(error).startswith(str(self.path)) else f"{self.path}: {error}"
+            ) from None
+        self.rig = self.find_rig(
+            {name: kind for file in files for name, kind, _ in file.topics.values()}, rig
+        )
         self.rows = {name: Rows(kinds[name], self.STREAMS.get(name, (0, ()))[1]) for name in wanted}
         for number, file in enumerate(files):
-            rows = {row: self.rows[name] for row, (full, kind, _) in file.topics.items() for name in wanted
-                    if full == f"/{self.rig}/{name}" and kind == f"{OWN}/msg/{kinds[name]}"}
+            rows = {
+                row: self.rows[name]
+                for row, (full, kind, _) in file.topics.items()
+                for name in wanted
+                if full == f"/{self.rig}/{name}" and kind == f"{OWN}/msg/{kinds[name]}"
+            }
             self.read(file, rows, lambda share, done=number: progress((done + share) / len(files)))
         try:
             self.tables = {name: self.rows[name].table() for name in wanted if name in self.STREAMS}
@@ -187,22 +261,44 @@ class Bag:
     def require_same_layout(self):
         """A bag tells the hashes of its types since there are any; an older one may be tried."""
         told = self.recording()
-        topics = [one for one in told.get("topics", []) if isinstance(one, dict)] if isinstance(told.get("topics"), list) else []
-        pairs = {(one["type"], one["type_hash"]) for one in topics if isinstance(one.get("type"), str) and isinstance(one.get("type_hash"), str)}
+        topics = (
+            [one for one in told.get("topics", []) if isinstance(one, dict)]
+            if isinstance(told.get("topics"), list)
+            else []
+        )
+        pairs = {
+            (one["type"], one["type_hash"])
+            for one in topics
+            if isinstance(one.get("type"), str) and isinstance(one.get("type_hash"), str)
+        }
         changed = sorted(kind for kind, then in pairs if layout_hash(kind) not in ("", then))
         if changed:
-            raise BagError(f"{self.path}: it was recorded by voxtouch {told.get('voxtouch', 'of an unknown version')}, whose {', '.join(changed)} "
-                           f"{'is' if len(changed) == 1 else 'are'} laid out otherwise than in this version: read it with the version that recorded it. "
-                           "deploy/CHANGELOG.md says what has changed.")
+            raise BagError(
+                f"{self.path}: it was recorded by voxtouch {told.get('voxtouch', 'of an unknown version')}, whose {', '.join(changed)} "
+                f"{'is' if len(changed) == 1 else 'are'} laid out otherwise than in this version: read it with the version that recorded it. "
+                "deploy/CHANGELOG.md says what has changed."
+            )
 
     def find_rig(self, topics, rig):
-        rigs = sorted({name.split("/")[1] for name, kind in topics.items() if kind.startswith(OWN + "/") and name.count("/") > 1})
+        rigs = sorted(
+            {
+                name.split("/")[1]
+                for name, kind in topics.items()
+                if kind.startswith(OWN + "/") and name.count("/") > 1
+            }
+        )
         if not rigs:
-            raise BagError(f"{self.path}: this is no recording of voxtouch: none of its {len(topics)} topics has a type of {OWN}.")
+            raise BagError(
+                f"{self.path}: this is no recording of voxtouch: none of its {len(topics)} topics has a type of {OWN}."
+            )
         if rig and rig not in rigs:
-            raise BagError(f"{self.path}: no messages on /{rig}/rendering/contact; the bag is of rig {' and '.join(rigs)}, so give that by --rig.")
+            raise BagError(
+                f"{self.path}: no messages on /{rig}/rendering/contact; the bag is of rig {' and '.join(rigs)}, so give that by --rig."
+            )
         if not rig and len(rigs) > 1:
-            self.notes.append(f"The bag holds the rigs {', '.join(rigs)}; this is {'haptic' if 'haptic' in rigs else rigs[0]} (--rig chooses another).")
+            self.notes.append(
+                f"The bag holds the rigs {', '.join(rigs)}; this is {'haptic' if 'haptic' in rigs else rigs[0]} (--rig chooses another)."
+            )
         return rig or ("haptic" if "haptic" in rigs else rigs[0])
 
     def read(self, file, rows, progress):
@@ -214,7 +310,9 @@ class Bag:
                     for one in rows.values():
                         one.take()
         except FileError as error:
-            self.notes.append(f"The bag is damaged: {file.file.name} could be read in part only ({error}).")
+            self.notes.append(
+                f"The bag is damaged: {file.file.name} could be read in part only ({error})."
+            )
         except BagError as error:
             raise BagError(f"{self.path}: {error}") from None
 
@@ -227,7 +325,9 @@ class Bag:
             except struct.error:
                 bad += 1
         if bad:
-            self.notes.append(f"{bad} messages on /{self.rig}/{name} are not laid out as in this version of voxtouch.")
+            self.notes.append(
+                f"{bad} messages on /{self.rig}/{name} are not laid out as in this version of voxtouch."
+            )
         return out
 
     def recording(self):
@@ -238,8 +338,14 @@ class Bag:
         """What `voxtouch up` told of the run, as its --json does; {} where it did not come to its end, was not there, or where this is none of its."""
         told = self.beside("voxtouch_run.json")
         limits, sentences = told.get("limits"), [told.get("problems"), told.get("notes")]
-        whole = isinstance(limits, dict) and all(isinstance(one, dict) and all(
-            isinstance(one.get(key), (int, float, type(None))) for key in ("value", "at_most", "at_least")) for one in limits.values())
+        whole = isinstance(limits, dict) and all(
+            isinstance(one, dict)
+            and all(
+                isinstance(one.get(key), (int, float, type(None)))
+                for key in ("value", "at_most", "at_least")
+            )
+            for one in limits.values()
+        )
         return told if whole and all(isinstance(every, list) for every in sentences) else {}
 
     def beside(self, name):

@@ -7,7 +7,16 @@ import struct
 import zlib
 
 MAGIC = b"\x89MCAP0\r\n"
-FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, CHUNK_INDEX, STATISTICS, DATA_END = 2, 3, 4, 5, 6, 8, 11, 15
+FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, CHUNK_INDEX, STATISTICS, DATA_END = (
+    2,
+    3,
+    4,
+    5,
+    6,
+    8,
+    11,
+    15,
+)
 LOG_TIME_OF_ZERO = 1  # nodes/bag/mcap_format.hpp says why
 MAX_CHUNK = 1 << 30
 
@@ -21,11 +30,18 @@ def files_of(path):
     path = pathlib.Path(path)
     if path.is_file():
         return [path]
-    files = sorted((file for ending in ("*.db3", "*.mcap") for file in path.glob(ending)), key=lambda f: (len(f.name), f.name))
+    files = sorted(
+        (file for ending in ("*.db3", "*.mcap") for file in path.glob(ending)),
+        key=lambda f: (len(f.name), f.name),
+    )
     if not files and any(path.glob("*.zstd")):
-        raise FileError(f"{path}: a bag that is compressed as a whole is not read; `ros2 bag convert` makes one that is not.")
+        raise FileError(
+            f"{path}: a bag that is compressed as a whole is not read; `ros2 bag convert` makes one that is not."
+        )
     if not files:
-        raise FileError(f"{path}: there is no bag here; name the folder that holds metadata.yaml and a .db3 or .mcap file.")
+        raise FileError(
+            f"{path}: there is no bag here; name the folder that holds metadata.yaml and a .db3 or .mcap file."
+        )
     return files
 
 
@@ -43,20 +59,30 @@ class SqliteFile:
         self.file = file
         try:
             with self.connect() as connection:
-                self.topics = {row: (name, kind, "") for row, name, kind in connection.execute("SELECT id, name, type FROM topics")}
+                self.topics = {
+                    row: (name, kind, "")
+                    for row, name, kind in connection.execute("SELECT id, name, type FROM topics")
+                }
             connection.close()
         except sqlite3.Error as error:
-            raise FileError(f"the bag cannot be read ({error}); is it whole, and of this version?") from None
+            raise FileError(
+                f"the bag cannot be read ({error}); is it whole, and of this version?"
+            ) from None
 
     def connect(self):
-        return sqlite3.connect(f"file:{str(self.file).replace('%', '%25').replace('?', '%3f').replace('#', '%23')}?mode=ro", uri=True)
+        return sqlite3.connect(
+            f"file:{str(self.file).replace('%', '%25').replace('?', '%3f').replace('#', '%23')}?mode=ro",
+            uri=True,
+        )
 
     def messages(self, wanted, progress=lambda share: None):
         """(topic's number, time [ns], bytes) of these topics, in order of arrival. FileError where the file is damaged, behind what is whole."""
         connection = self.connect()
         try:
             last = connection.execute("SELECT max(id) FROM messages").fetchone()[0] or 1
-            cursor = connection.execute(f"SELECT id, topic_id, timestamp, data FROM messages WHERE topic_id IN ({','.join(map(str, wanted))}) ORDER BY id")
+            cursor = connection.execute(
+                f"SELECT id, topic_id, timestamp, data FROM messages WHERE topic_id IN ({','.join(map(str, wanted))}) ORDER BY id"
+            )
             for row, topic, time, data in cursor:
                 yield topic, time, data
                 if row % 4096 == 0:
@@ -71,14 +97,20 @@ def decompressor():
     """A function of the bytes and their size uncompressed."""
     try:
         import zstandard
-        return lambda data, size: zstandard.ZstdDecompressor().decompress(data, max_output_size=max(size, 1))
+
+        return lambda data, size: zstandard.ZstdDecompressor().decompress(
+            data, max_output_size=max(size, 1)
+        )
     except ImportError:
         pass
     try:
         from compression import zstd
+
         return lambda data, _: zstd.decompress(data)
     except ImportError:
-        raise FileError("it is an MCAP, whose chunks are compressed, and this Python has no zstd: install python3-zstandard (deploy/setup does), or `pip install zstandard`.") from None
+        raise FileError(
+            "it is an MCAP, whose chunks are compressed, and this Python has no zstd: install python3-zstandard (deploy/setup does), or `pip install zstandard`."
+        ) from None
 
 
 def records(data):
@@ -88,7 +120,7 @@ def records(data):
         code, size = struct.unpack_from("<BQ", data, at)
         if size > len(data) - at - 9:
             return
-        yield code, data[at + 9:at + 9 + size]
+        yield code, data[at + 9 : at + 9 + size]
         at += 9 + size
 
 
@@ -99,11 +131,11 @@ class Texts:
         self.data, self.at = data, at
 
     def bytes(self):
-        size, = struct.unpack_from("<I", self.data, self.at)
+        (size,) = struct.unpack_from("<I", self.data, self.at)
         self.at += 4 + size
         if self.at > len(self.data):
             raise struct.error("a text is longer than its record")
-        return bytes(self.data[self.at - size:self.at])
+        return bytes(self.data[self.at - size : self.at])
 
     def text(self):
         return self.bytes().decode(errors="replace")
@@ -118,7 +150,9 @@ class McapFile:
         try:
             with open(file, "rb") as opened:
                 if opened.read(8) != MAGIC:
-                    raise FileError("the bag cannot be read (it does not begin as an MCAP does); is it whole?")
+                    raise FileError(
+                        "the bag cannot be read (it does not begin as an MCAP does); is it whole?"
+                    )
                 if not self.read_summary(opened):
                     self.topics, self.schemas = {}, {}
                     for code, content, _ in self.walk(opened):
@@ -128,13 +162,15 @@ class McapFile:
 
     def describe(self, code, content):
         if code == SCHEMA:
-            number, = struct.unpack_from("<H", content)
+            (number,) = struct.unpack_from("<H", content)
             texts = Texts(content, 2)
             kind, encoding, text = texts.text(), texts.text(), texts.text()
             self.schemas[number] = (kind, text if encoding == "ros2msg" else "")
         elif code == CHANNEL:
             number, schema = struct.unpack_from("<HH", content)
-            self.topics.setdefault(number, (Texts(content, 4).text(), *self.schemas.get(schema, ("", ""))))
+            self.topics.setdefault(
+                number, (Texts(content, 4).text(), *self.schemas.get(schema, ("", "")))
+            )
 
     def read_summary(self, opened):
         """Whether there is one."""
@@ -159,7 +195,9 @@ class McapFile:
         while len(head := opened.read(9)) == 9:
             code, size = struct.unpack("<BQ", head)
             at = opened.tell()
-            if code in (0, DATA_END, FOOTER) or size > self.size - at:  # the last one may not be whole
+            if (
+                code in (0, DATA_END, FOOTER) or size > self.size - at
+            ):  # the last one may not be whole
                 return
             if code == CHUNK:
                 for inner, content in records(self.uncompressed(opened.read(size))):
@@ -173,11 +211,13 @@ class McapFile:
         size, crc = struct.unpack_from("<QI", chunk, 16)
         texts = Texts(chunk, 28)
         compression = texts.text()
-        packed = memoryview(chunk)[texts.at + 8:]
+        packed = memoryview(chunk)[texts.at + 8 :]
         if size > MAX_CHUNK or struct.unpack_from("<Q", chunk, texts.at)[0] != len(packed):
             raise FileError("a chunk is not whole")
         if compression not in ("", "zstd"):
-            raise FileError(f"the MCAP is compressed by {compression}, and zstd alone is read; `mcap compress --compression zstd` makes one that is")
+            raise FileError(
+                f"the MCAP is compressed by {compression}, and zstd alone is read; `mcap compress --compression zstd` makes one that is"
+            )
         if compression:
             try:
                 data = self.unpack(bytes(packed), size)
@@ -202,4 +242,6 @@ class McapFile:
                     continue
                 channel, _, time, published = struct.unpack_from("<HIQQ", content)
                 if channel in wanted:
-                    yield channel, 0 if (time, published) == (LOG_TIME_OF_ZERO, 0) else time, bytes(content[22:])
+                    yield channel, 0 if (time, published) == (LOG_TIME_OF_ZERO, 0) else time, bytes(
+                        content[22:]
+                    )

@@ -25,7 +25,13 @@ def figure(text, key):
 
 def design(program, file):
     """What `voxtouch design --json` says; exit status 1 means that nothing holds, which is an answer too."""
-    run = subprocess.run([program, "design", "--device", file, "--json"], capture_output=True, text=True, timeout=60, check=False)
+    run = subprocess.run(
+        [program, "design", "--device", file, "--json"],
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
     if not run.stdout:
         raise SystemExit(f"{file.name}: {run.stderr.strip()}")
     return json.loads(run.stdout)
@@ -36,9 +42,15 @@ def row(program, file):
     axis, force = answer["translation"], figure(text, "max_force_n")
     shown = 0.0 if answer["status"] == "infeasible" else axis["shown_stiffness"]
     grip = "arm" if re.search(r"^grip:\s*arm", text, re.MULTILINE) else "stylus"
-    limit = "what the device can show" if shown >= 0.999 * axis["wanted_stiffness"] else axis["worst_case"]
-    return (f"| [{file.stem}]({file.name}) | {grip} | {figure(text, 'mass_kg'):g} kg | {force:g} N | {axis['wanted_stiffness']:.0f} N/m "
-            f"| {shown:.0f} N/m | {min(force, 0.01 * shown):.2g} N | {limit} |\n")
+    limit = (
+        "what the device can show"
+        if shown >= 0.999 * axis["wanted_stiffness"]
+        else axis["worst_case"]
+    )
+    return (
+        f"| [{file.stem}]({file.name}) | {grip} | {figure(text, 'mass_kg'):g} kg | {force:g} N | {axis['wanted_stiffness']:.0f} N/m "
+        f"| {shown:.0f} N/m | {min(force, 0.01 * shown):.2g} N | {limit} |\n"
+    )
 
 
 def main(program, *options):
@@ -50,7 +62,9 @@ def main(program, *options):
     new = before + BEGIN + table + END + after
     if "--check" in options:
         if new != text:
-            raise SystemExit(f"{README.name} has another table than the designer's; `deploy/tools/device_table.py {program}` writes it:\n{table}")
+            raise SystemExit(
+                f"{README.name} has another table than the designer's; `deploy/tools/device_table.py {program}` writes it:\n{table}"
+            )
         print(f"{len(files)} devices: the table is what the designer certifies")
         return
     README.write_text(new, encoding="utf-8")

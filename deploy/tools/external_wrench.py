@@ -15,13 +15,27 @@ import time
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("types", type=pathlib.Path, help="folder that holds voxtouch_types")
-    parser.add_argument("--centre", type=float, nargs=3, default=[-0.09, -0.03, 0.05], metavar=("X", "Y", "Z"), help="where the spring pulls to, in the world [m]")
-    parser.add_argument("--spring", type=float, default=30.0, help="its stiffness [N/m]; poses come 100 times a second: above some 100 N/m it is unstable")
+    parser.add_argument(
+        "--centre",
+        type=float,
+        nargs=3,
+        default=[-0.09, -0.03, 0.05],
+        metavar=("X", "Y", "Z"),
+        help="where the spring pulls to, in the world [m]",
+    )
+    parser.add_argument(
+        "--spring",
+        type=float,
+        default=30.0,
+        help="its stiffness [N/m]; poses come 100 times a second: above some 100 N/m it is unstable",
+    )
     parser.add_argument("--topic", default="/sim/wrench", help="of the scene's effect `external`")
     parser.add_argument("--rig", default="haptic")
     parser.add_argument("--domain", type=int, default=0)
     parser.add_argument("--interface", default="lo")
-    parser.add_argument("--seconds", type=float, default=float("inf"), help="how long; left out: until Ctrl-C")
+    parser.add_argument(
+        "--seconds", type=float, default=float("inf"), help="how long; left out: until Ctrl-C"
+    )
     return parser.parse_args()
 
 
@@ -42,7 +56,9 @@ def main():
             time.sleep(0.001)
             continue
         at, force = taken[-1].pose.position, message.wrench.force
-        force.x, force.y, force.z = (asked.spring * (c - x) for c, x in zip(asked.centre, (at.x, at.y, at.z)))
+        force.x, force.y, force.z = (
+            asked.spring * (c - x) for c, x in zip(asked.centre, (at.x, at.y, at.z))
+        )
         message.header.stamp = taken[-1].header.stamp
         writer.write(message)
 

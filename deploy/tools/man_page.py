@@ -12,7 +12,14 @@ import sys
 
 def said(*words):
     """As for anybody: a default in the home folder is not that of who builds."""
-    return subprocess.run(words, capture_output=True, text=True, timeout=60, check=True, env={"HOME": "/home/you", "LANG": "C.UTF-8"}).stdout
+    return subprocess.run(
+        words,
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=True,
+        env={"HOME": "/home/you", "LANG": "C.UTF-8"},
+    ).stdout
 
 
 def escaped(text):
@@ -25,7 +32,11 @@ def parts(text):
     """What stands in front of `Usage:`, the usage, and the titled lists behind it."""
     about, _, rest = text.partition("\nUsage: ")
     usage, _, lists = rest.partition("\n")
-    return about.strip(), usage.split("/")[-1].strip() if "/" in usage.split(" ")[0] else usage.strip(), lists.strip("\n")
+    return (
+        about.strip(),
+        usage.split("/")[-1].strip() if "/" in usage.split(" ")[0] else usage.strip(),
+        lists.strip("\n"),
+    )
 
 
 def prose(text):
@@ -51,7 +62,9 @@ def rows(lists):
 
 def page(folder, name):
     program = str(folder / name)
-    version, (about, usage, lists) = said(program, "--version").strip(), parts(said(program, "--help"))
+    version, (about, usage, lists) = said(program, "--version").strip(), parts(
+        said(program, "--help")
+    )
     options, _, verbs = lists.partition("Subcommands:")
     first = re.split(r"(?<=[^A-Z])[.:]\s|\n|\.$", about)[0]
     first = re.sub(rf"^{name}\s+", "", first)
@@ -60,14 +73,18 @@ def page(folder, name):
     for verb in re.findall(r"^  ([a-z]+) ", verbs, re.MULTILINE):
         about, usage, lists = parts(said(program, verb, "--help"))
         text += f".SH {escaped(name.upper() + ' ' + verb.upper())}\n.B {escaped(usage)}\n{prose(about)}{rows(lists)}"
-    return text + ".SH SEE ALSO\nThe README files beside the sources say more: each folder has one.\n"
+    return (
+        text + ".SH SEE ALSO\nThe README files beside the sources say more: each folder has one.\n"
+    )
 
 
 def main(binaries, out, *programs):
     out = pathlib.Path(out)
     out.mkdir(parents=True, exist_ok=True)
     for name in programs:
-        (out / f"{name}.1.gz").write_bytes(gzip.compress(page(pathlib.Path(binaries).resolve(), name).encode(), mtime=0))
+        (out / f"{name}.1.gz").write_bytes(
+            gzip.compress(page(pathlib.Path(binaries).resolve(), name).encode(), mtime=0)
+        )
 
 
 if __name__ == "__main__":

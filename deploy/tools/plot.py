@@ -33,18 +33,27 @@ from plot_design import design_figure  # noqa: E402
 from plot_forces import beside_figure, forces_figure, replay_figure  # noqa: E402
 from plot_style import *  # noqa: E402, F403
 from plot_style import NO_MATPLOTLIB  # noqa: E402
-ENDINGS = {".png": {"Software": None}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}  # metadata that would differ from run to run
+
+ENDINGS = {
+    ".png": {"Software": None},
+    ".svg": {"Date": None},
+    ".pdf": {"CreationDate": None},
+}  # metadata that would differ from run to run
 
 
 # ------------------------------------------------------------------------------------------------------------------------- files
 def check_picture(picture, endings=tuple(ENDINGS)):
     """Ends with a sentence where a picture cannot be drawn, or not be written there."""
     if picture.suffix.lower() not in endings:
-        sys.exit(f"{picture}: the name of a {'picture must end in .png, .svg or .pdf' if '.png' in endings else 'page must end in .html'}.")
+        sys.exit(
+            f"{picture}: the name of a {'picture must end in .png, .svg or .pdf' if '.png' in endings else 'page must end in .html'}."
+        )
     if NO_MATPLOTLIB:
         sys.exit(NO_MATPLOTLIB)
     if picture.is_dir() or not os.access(picture.parent, os.W_OK | os.X_OK):
-        sys.exit(f"{picture} could not be written: is its folder there, is there room, and may you write there?")
+        sys.exit(
+            f"{picture} could not be written: is its folder there, is there room, and may you write there?"
+        )
 
 
 def keep(file, write):
@@ -67,6 +76,7 @@ def save(figure, picture):
         if ending == ".png":  # matplotlib writes an opaque fourth channel, an eighth of the file
             with Image.open(part) as image:
                 image.convert("RGB").save(part, "PNG", optimize=True)
+
     keep(picture, write)
 
 
@@ -76,10 +86,21 @@ def read_json(file, verb):
     except OSError as error:
         sys.exit(f"{file} could not be read: {error.strerror}.")
     except ValueError as error:
-        sys.exit(f"{file} is not JSON ({error}); write it with: voxtouch {verb} ... --json > {file}")
-    if not isinstance(data, dict) or {"accuracy": "rows", "design": "region", "replay": "curves"}[verb] not in data:
-        sys.exit(f"{file} holds no result of `voxtouch {verb} --json`" +
-                 ("; it says: " + " ".join(data["problems"]) if isinstance(data, dict) and data.get("problems") else "."))
+        sys.exit(
+            f"{file} is not JSON ({error}); write it with: voxtouch {verb} ... --json > {file}"
+        )
+    if (
+        not isinstance(data, dict)
+        or {"accuracy": "rows", "design": "region", "replay": "curves"}[verb] not in data
+    ):
+        sys.exit(
+            f"{file} holds no result of `voxtouch {verb} --json`"
+            + (
+                "; it says: " + " ".join(data["problems"])
+                if isinstance(data, dict) and data.get("problems")
+                else "."
+            )
+        )
     return data
 
 
@@ -95,14 +116,20 @@ def write_report(bag, page, beside=None, rig="", progress=lambda share: None):
     import run_page
     from bag_data import BagError
     from run_data import Run
+
     bags = [bag] + ([beside] if beside else [])
     try:
-        runs = [Run(one, rig, lambda share, done=i: progress(0.4 * (done + share) / len(bags))) for i, one in enumerate(bags)]
+        runs = [
+            Run(one, rig, lambda share, done=i: progress(0.4 * (done + share) / len(bags)))
+            for i, one in enumerate(bags)
+        ]
         text = run_page.page(runs, lambda share: progress(0.4 + 0.6 * share))
     except BagError as error:
         sys.exit(str(error))
     except Exception as error:  # a bag may hold anything
-        sys.exit(f"{' or '.join(map(str, bags))} holds what this report was not made for ({type(error).__name__}: {error}).")
+        sys.exit(
+            f"{' or '.join(map(str, bags))} holds what this report was not made for ({type(error).__name__}: {error})."
+        )
     keep(page, lambda part: part.write_text(text, encoding="utf-8", errors="replace"))
     return f"shows {' beside '.join(run.name for run in runs)}: {max(run.length_s for run in runs):.3f} s"
 
@@ -121,7 +148,9 @@ class Version(argparse.Action):
 
 
 def main(arguments=None):
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--version", action=Version, nargs=0, help="says the version and ends")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
 
@@ -131,30 +160,71 @@ def main(arguments=None):
             one.add_argument("data", metavar=data[0], help=data[1])
         if name == "beside":
             one.add_argument("data", metavar="BAG", nargs=2, help="folders of the bags")
-        one.add_argument("picture", metavar="PICTURE", type=pathlib.Path, help="file to write; ends in .png, .svg or .pdf")
+        one.add_argument(
+            "picture",
+            metavar="PICTURE",
+            type=pathlib.Path,
+            help="file to write; ends in .png, .svg or .pdf",
+        )
         return one
+
     for verb in ("accuracy", "costs", "design", "replay"):
-        printed = f"what `voxtouch {'accuracy' if verb == 'costs' else verb} ... --json` printed" if verb != "replay" else "what `voxtouch replay ... --plot` gives to this tool"
-        command(verb, ("RUN.json", printed + "; - reads standard input"), "draws on one page what voxtouch accuracy found" if verb == "costs" else f"draws a result of voxtouch {verb}")
-    forces = command("forces", ("BAG", "folder of the bag, which `voxtouch up ... --record BAG` writes"), "draws the forces of a recorded run")
+        printed = (
+            f"what `voxtouch {'accuracy' if verb == 'costs' else verb} ... --json` printed"
+            if verb != "replay"
+            else "what `voxtouch replay ... --plot` gives to this tool"
+        )
+        command(
+            verb,
+            ("RUN.json", printed + "; - reads standard input"),
+            "draws on one page what voxtouch accuracy found"
+            if verb == "costs"
+            else f"draws a result of voxtouch {verb}",
+        )
+    forces = command(
+        "forces",
+        ("BAG", "folder of the bag, which `voxtouch up ... --record BAG` writes"),
+        "draws the forces of a recorded run",
+    )
     forces.add_argument("--rig", default="haptic", help="rig name (default: haptic)")
-    forces.add_argument("--from", dest="begin", type=float, default=0.0, metavar="S", help="first second shown; 0 is the first contact message")
-    forces.add_argument("--to", dest="end", type=float, default=math.inf, metavar="S", help="last second shown")
-    forces.add_argument("--note", default="", help="the conditions, under the title; default: the bag's name")
+    forces.add_argument(
+        "--from",
+        dest="begin",
+        type=float,
+        default=0.0,
+        metavar="S",
+        help="first second shown; 0 is the first contact message",
+    )
+    forces.add_argument(
+        "--to", dest="end", type=float, default=math.inf, metavar="S", help="last second shown"
+    )
+    forces.add_argument(
+        "--note", default="", help="the conditions, under the title; default: the bag's name"
+    )
     beside = command("beside", None, "draws the forces of runs of the same motion side by side")
     beside.add_argument("--rig", default="haptic", help="rig name (default: haptic)")
-    report = commands.add_parser("report", help="writes the page of a recorded run", description="writes the page of a recorded run")
+    report = commands.add_parser(
+        "report",
+        help="writes the page of a recorded run",
+        description="writes the page of a recorded run",
+    )
     report.add_argument("data", metavar="BAG", help="folder of the bag")
     report.add_argument("picture", metavar="PAGE.html", type=pathlib.Path, help="file to write")
-    report.add_argument("--beside", metavar="BAG", help="a second run, which stands beside the first")
+    report.add_argument(
+        "--beside", metavar="BAG", help="a second run, which stands beside the first"
+    )
     report.add_argument("--rig", default="", help="rig name (default: the one that the bag holds)")
     report.add_argument("--progress", action="store_true", help="says on stderr how far it is")
     command("check", None, "draws nothing; says what is missing, if anything")
     a = parser.parse_args(None if arguments is None else [str(word) for word in arguments])
-    warnings.simplefilter("ignore")  # what is said goes to a user, who can do nothing about matplotlib's
+    warnings.simplefilter(
+        "ignore"
+    )  # what is said goes to a user, who can do nothing about matplotlib's
     check_picture(a.picture, (".html",) if a.command == "report" else tuple(ENDINGS))
     if a.command == "report":
-        return print(f"{a.picture} {write_report(a.data, a.picture, a.beside, a.rig, tell_progress if a.progress else lambda share: None)}")
+        return print(
+            f"{a.picture} {write_report(a.data, a.picture, a.beside, a.rig, tell_progress if a.progress else lambda share: None)}"
+        )
     if a.command == "check":
         return
     with matplotlib.rc_context(STYLE):
@@ -165,9 +235,16 @@ def main(arguments=None):
         else:
             data = read_json(a.data, "accuracy" if a.command == "costs" else a.command)
             try:
-                figure, shows = {"accuracy": accuracy_figure, "costs": page_figure, "design": design_figure, "replay": replay_figure}[a.command](data)
+                figure, shows = {
+                    "accuracy": accuracy_figure,
+                    "costs": page_figure,
+                    "design": design_figure,
+                    "replay": replay_figure,
+                }[a.command](data)
             except (KeyError, TypeError) as error:
-                sys.exit(f"{a.data} is not as this version of `voxtouch {a.command} --json` prints it: {type(error).__name__} {error}.")
+                sys.exit(
+                    f"{a.data} is not as this version of `voxtouch {a.command} --json` prints it: {type(error).__name__} {error}."
+                )
         save(figure, a.picture)
     print(f"{a.picture} {shows}")
 
@@ -178,4 +255,6 @@ if __name__ == "__main__":
     except KeyboardInterrupt:
         sys.exit("stopped before the picture was drawn")
     except ModuleNotFoundError as error:
-        sys.exit(f"{pathlib.Path(__file__).resolve()} has to stand in voxtouch's own tree, with what it is made of: {error}.")
+        sys.exit(
+            f"{pathlib.Path(__file__).resolve()} has to stand in voxtouch's own tree, with what it is made of: {error}."
+        )

@@ -3,7 +3,10 @@ import math
 
 from plot_layout import *  # noqa: F403
 
-LEAST_DIRECTION_DEG, LEAST_NOISE_PERCENT = 1e-3, 1e-2  # lowest that is shown; no hand feels a tenth of it
+LEAST_DIRECTION_DEG, LEAST_NOISE_PERCENT = (
+    1e-3,
+    1e-2,
+)  # lowest that is shown; no hand feels a tenth of it
 
 
 def size_word(row):
@@ -15,7 +18,9 @@ def lines_of(rows):
     """Rows that one thin line joins: of the same model, weights and density of the shell."""
     out = {}
     for row in rows:
-        out.setdefault((row["model"], row["weights"], round(row["voxel_m"] / row["shell_voxel_m"], 6)), []).append(row)
+        out.setdefault(
+            (row["model"], row["weights"], round(row["voxel_m"] / row["shell_voxel_m"], 6)), []
+        ).append(row)
     return out
 
 
@@ -26,32 +31,56 @@ def draw_points(axis, rows, value, labelled):
         colour, mark = MODELS.get(model, (PURPLE, "v"))
         new = labelled and (model, weights) not in named
         named.add((model, weights))
-        axis.plot([r["median_us"] for r in line], [value(r) for r in line], "-", marker=mark, color=colour, lw=1.2, ms=11, mew=2.2, zorder=3,
-                  mfc=colour if weights == "area" else "white",
-                  label=f"{model}, weight {weights}" if new else None)
+        axis.plot(
+            [r["median_us"] for r in line],
+            [value(r) for r in line],
+            "-",
+            marker=mark,
+            color=colour,
+            lw=1.2,
+            ms=11,
+            mew=2.2,
+            zorder=3,
+            mfc=colour if weights == "area" else "white",
+            label=f"{model}, weight {weights}" if new else None,
+        )
         marks += [(r["median_us"], value(r), size_word(r), colour) for r in line]
     return marks
 
 
 def choice_word(advice):
-    return "knee" if advice["met"] is None and advice["knee"] is not None else {None: "best", True: "advised", False: "nearest"}[advice["met"]]
+    return (
+        "knee"
+        if advice["met"] is None and advice["knee"] is not None
+        else {None: "best", True: "advised", False: "nearest"}[advice["met"]]
+    )
 
 
 def timed_note(rows):
     queries = [r["queries_per_frame"] for r in rows if r["model"] == "virtual_tool"]
-    return f"; of the virtual tool: a hand that slides 1/40 e a frame, {queries[0]:.2g} queries each" if queries else ""
+    return (
+        f"; of the virtual tool: a hand that slides 1/40 e a frame, {queries[0]:.2g} queries each"
+        if queries
+        else ""
+    )
 
 
 def accuracy_title(data, direction):
     if data["advice"]["row"] is None:
         return "What accuracy costs: no setting is to be advised"
     row = data["rows"][data["advice"]["row"]]
-    return (f"What accuracy costs; {choice_word(data['advice'])}: {row['model']} at {size_word(row)} mm, "
-            f"{direction(row):.2g} deg off in {row['median_us']:.2g} µs a frame")
+    return (
+        f"What accuracy costs; {choice_word(data['advice'])}: {row['model']} at {size_word(row)} mm, "
+        f"{direction(row):.2g} deg off in {row['median_us']:.2g} µs a frame"
+    )
 
 
 def accuracy_figure(data):
-    rows = [r for r in data["rows"] if r.get("median_us") is not None and r.get("direction_mean_deg") is not None]
+    rows = [
+        r
+        for r in data["rows"]
+        if r.get("median_us") is not None and r.get("direction_mean_deg") is not None
+    ]
     wish, advice, missing = data["wish"], data["advice"], len(data["rows"]) - len(rows)
 
     def direction(row):
@@ -59,45 +88,104 @@ def accuracy_figure(data):
 
     def noise(row):
         return max(100.0 * (row["magnitude_noise"] or 0.0), LEAST_NOISE_PERCENT)
+
     shells = any(r["voxel_m"] != r["shell_voxel_m"] for r in rows)
     load = data["conditions"]["load_after"]
-    note = (f"Scene {data['scene']}: {data['options']['contacts']} random contacts, {data['options']['depth_edges']:g} e deep, seed "
-            f"{data['options']['seed']}{f'; {missing} settings not measured' if missing else ''}. Lower left is better. "
-            "Shell points weigh one each, or their area. A missed contact is 180 deg off.\n"
-            f"At the marks: voxel edge e{' / the shell' if shells else ''} [mm]. Time: one thread of {processor_name(data)}"
-            f"{'' if load is None else f', load average {load:.1f}'}{timed_note(rows)}")
-    figure, axes = new_figure(accuracy_title(data, direction), note, 2, sharex=True, height_ratios=(2.3, 1))
+    note = (
+        f"Scene {data['scene']}: {data['options']['contacts']} random contacts, {data['options']['depth_edges']:g} e deep, seed "
+        f"{data['options']['seed']}{f'; {missing} settings not measured' if missing else ''}. Lower left is better. "
+        "Shell points weigh one each, or their area. A missed contact is 180 deg off.\n"
+        f"At the marks: voxel edge e{' / the shell' if shells else ''} [mm]. Time: one thread of {processor_name(data)}"
+        f"{'' if load is None else f', load average {load:.1f}'}{timed_note(rows)}"
+    )
+    figure, axes = new_figure(
+        accuracy_title(data, direction), note, 2, sharex=True, height_ratios=(2.3, 1)
+    )
     top, bottom = axes[0][0], axes[1][0]
     marks = draw_points(top, rows, direction, True)
     draw_points(bottom, rows, noise, False)
-    log_axis(bottom.xaxis, *decade_round([r["median_us"] for r in rows] + ([wish["within_us"]] if wish["within_us"] else [])))
-    log_axis(top.yaxis, *decade_round([direction(r) for r in rows] + ([wish["direction_deg"]] if wish["direction_deg"] else [])))
-    log_axis(bottom.yaxis, *decade_round([noise(r) for r in rows] + ([100 * wish["noise"]] if wish["noise"] else [])))
+    log_axis(
+        bottom.xaxis,
+        *decade_round(
+            [r["median_us"] for r in rows] + ([wish["within_us"]] if wish["within_us"] else [])
+        ),
+    )
+    log_axis(
+        top.yaxis,
+        *decade_round(
+            [direction(r) for r in rows]
+            + ([wish["direction_deg"]] if wish["direction_deg"] else [])
+        ),
+    )
+    log_axis(
+        bottom.yaxis,
+        *decade_round([noise(r) for r in rows] + ([100 * wish["noise"]] if wish["noise"] else [])),
+    )
     front = [data["rows"][i] for i in advice["front"]]
-    if front:  # from the top edge down to the fastest, along what can be had for each time, to the right edge
+    if (
+        front
+    ):  # from the top edge down to the fastest, along what can be had for each time, to the right edge
         x, y = [r["median_us"] for r in front], [direction(r) for r in front]
-        top.step([x[0]] + x + [top.get_xlim()[1]], [top.get_ylim()[1]] + y + [y[-1]], where="post", color="#222222", lw=1.8, zorder=2,
-                 label="Pareto front: least\nerror within each time")
+        top.step(
+            [x[0]] + x + [top.get_xlim()[1]],
+            [top.get_ylim()[1]] + y + [y[-1]],
+            where="post",
+            color="#222222",
+            lw=1.8,
+            zorder=2,
+            label="Pareto front: least\nerror within each time",
+        )
     if advice["row"] is not None:
         row = data["rows"][advice["row"]]
-        top.plot([row["median_us"]], [direction(row)], "o", ms=23, mfc="none", mec=RED, mew=2.2, ls="none", zorder=4,
-                 label=f"{choice_word(advice)}: {row['model']},\n{row['weights']}, {size_word(row)} mm")
+        top.plot(
+            [row["median_us"]],
+            [direction(row)],
+            "o",
+            ms=23,
+            mfc="none",
+            mec=RED,
+            mew=2.2,
+            ls="none",
+            zorder=4,
+            label=f"{choice_word(advice)}: {row['model']},\n{row['weights']}, {size_word(row)} mm",
+        )
     if wish["direction_deg"]:
-        top.axhline(wish["direction_deg"], color=RED, ls="--", label=f"wanted: {wish['direction_deg']:.4g} deg")
+        top.axhline(
+            wish["direction_deg"],
+            color=RED,
+            ls="--",
+            label=f"wanted: {wish['direction_deg']:.4g} deg",
+        )
     if wish["noise"]:
         bottom.axhline(100 * wish["noise"], color=RED, ls="--")
     if wish["within_us"]:
-        top.axvline(wish["within_us"], color=RED, ls="--", label=f"wanted: within {wish['within_us']:.4g} µs")
+        top.axvline(
+            wish["within_us"],
+            color=RED,
+            ls="--",
+            label=f"wanted: within {wish['within_us']:.4g} µs",
+        )
     if not rows:
         top.text(0.5, 0.5, "nothing could be measured", transform=top.transAxes, ha="center")
     least = any(direction(r) <= LEAST_DIRECTION_DEG for r in rows)
-    top.set_ylabel("direction error, mean [deg]" + (f"\nlowest: {LEAST_DIRECTION_DEG:g} or less" if least else ""))
+    top.set_ylabel(
+        "direction error, mean [deg]"
+        + (f"\nlowest: {LEAST_DIRECTION_DEG:g} or less" if least else "")
+    )
     least = any(noise(r) <= LEAST_NOISE_PERCENT for r in rows)
-    bottom.set_ylabel("noise, std / mean [%]" + (f"\nlowest: {LEAST_NOISE_PERCENT:g} or less" if least else ""))
+    bottom.set_ylabel(
+        "noise, std / mean [%]" + (f"\nlowest: {LEAST_NOISE_PERCENT:g} or less" if least else "")
+    )
     bottom.set_xlabel("CPU time of one frame, median [µs]")
     if top.get_legend_handles_labels()[0]:
         legend_beside(top, labelspacing=0.8)
-    label_marks(top, marks, [] if advice["row"] is None else [(data["rows"][advice["row"]]["median_us"], direction(data["rows"][advice["row"]]))])
+    label_marks(
+        top,
+        marks,
+        []
+        if advice["row"] is None
+        else [(data["rows"][advice["row"]]["median_us"], direction(data["rows"][advice["row"]]))],
+    )
     return figure, f"shows the errors of {len(rows)} settings over their times"
 
 
@@ -106,7 +194,11 @@ def page_rows(data):
     """At the scene's own voxels, one row a model: points that weigh their area, the shell as dense as the voxels."""
     out = {}
     for row in data["rows"]:
-        own = math.isclose(row["voxel_m"], data["scene_voxel_m"]) and row["voxel_m"] == row["shell_voxel_m"] and row["weights"] == "area"
+        own = (
+            math.isclose(row["voxel_m"], data["scene_voxel_m"])
+            and row["voxel_m"] == row["shell_voxel_m"]
+            and row["weights"] == "area"
+        )
         if own and row.get("median_us") is not None and row["depths"]:
             out.setdefault(row["model"], row)
     return list(out.values())
@@ -124,9 +216,15 @@ def page_title(rows):
     worst = {r["model"]: worst_depth(r) for r in rows}
 
     def said(model):
-        percent = float(f"{100 * worst[model]['force_ratio']:.2g}")  # two digits, and no exponent from 100 % on
+        percent = float(
+            f"{100 * worst[model]['force_ratio']:.2g}"
+        )  # two digits, and no exponent from 100 % on
         return f"{model.replace('_', ' ')} {percent:g} % ({worst[model]['edges']:g} e)"
-    best, last = (choose(worst, key=lambda m: abs(math.log(max(worst[m]["force_ratio"], 1e-6)))) for choose in (min, max))
+
+    best, last = (
+        choose(worst, key=lambda m: abs(math.log(max(worst[m]["force_ratio"], 1e-6))))
+        for choose in (min, max)
+    )
     title = f"Share of the true force at the worst depth: {said(best)}"
     return title if best == last else f"{title}, {said(last)}"
 
@@ -134,8 +232,10 @@ def page_title(rows):
 def page_figure(data):
     rows, edge = page_rows(data), 1e3 * data["scene_voxel_m"]
     judged = max((d["contacts"] + d["missed"] for r in rows for d in r["depths"]), default=0)
-    note = (f"Scene {data['scene']}, {judged} random contacts, pressed in slowly; points weigh their area; missed contacts are 180 deg off. Time: one thread of "
-            f"{processor_name(data)}, compare ratios{timed_note(rows)}.\nTruth: the law integrated over the exact tool; for the virtual tool the exact ball that is drawn to the hand.")
+    note = (
+        f"Scene {data['scene']}, {judged} random contacts, pressed in slowly; points weigh their area; missed contacts are 180 deg off. Time: one thread of "
+        f"{processor_name(data)}, compare ratios{timed_note(rows)}.\nTruth: the law integrated over the exact tool; for the virtual tool the exact ball that is drawn to the hand."
+    )
     figure, axes = new_figure(page_title(rows), note, 2, 2)
     force, direction, noise, cost = axes[0][0], axes[0][1], axes[1][0], axes[1][1]
     for n, row in enumerate(rows):
@@ -143,12 +243,34 @@ def page_figure(data):
         look = {"color": colour, "marker": mark, "ms": 9, "lw": 2.0, "zorder": 3}
         x = [d["edges"] for d in row["depths"]]
         force.plot(x, [d["force_ratio"] for d in row["depths"]], **look)
-        direction.plot(x, [max(d["direction_mean_deg"], LEAST_DIRECTION_DEG) for d in row["depths"]], label=row["model"].replace("_", " "), **look)
-        noise.plot(x, [max(100 * d["magnitude_noise"], LEAST_NOISE_PERCENT) for d in row["depths"]], **look)
-        cost.plot([row["median_us"], row["worst_us"]], [n, n], "-", color=colour, lw=3, solid_capstyle="butt")
+        direction.plot(
+            x,
+            [max(d["direction_mean_deg"], LEAST_DIRECTION_DEG) for d in row["depths"]],
+            label=row["model"].replace("_", " "),
+            **look,
+        )
+        noise.plot(
+            x, [max(100 * d["magnitude_noise"], LEAST_NOISE_PERCENT) for d in row["depths"]], **look
+        )
+        cost.plot(
+            [row["median_us"], row["worst_us"]],
+            [n, n],
+            "-",
+            color=colour,
+            lw=3,
+            solid_capstyle="butt",
+        )
         cost.plot([row["p95_us"]], [n], "|", color=colour, ms=22, mew=3)
         cost.plot([row["median_us"]], [n], mark, color=colour, ms=12)
-        cost.annotate(f"{row['median_us']:.2g}", (row["median_us"], n), textcoords="offset points", xytext=(0, 10), ha="center", fontsize=13, color=colour)
+        cost.annotate(
+            f"{row['median_us']:.2g}",
+            (row["median_us"], n),
+            textcoords="offset points",
+            xytext=(0, 10),
+            ha="center",
+            fontsize=13,
+            color=colour,
+        )
     force.axhline(1.0, color=INK, ls="--", lw=1.6, zorder=2)
     depths = sorted({d["edges"] for r in rows for d in r["depths"]}) or [0.5, 1.0]
     for axis in (force, direction, noise):
@@ -156,9 +278,23 @@ def page_figure(data):
         axis.set_xticks(depths)
     force.set_ylim(0.0, 1.1 * max([1.2] + [d["force_ratio"] for r in rows for d in r["depths"]]))
     force.set_ylabel("force over the true one [1]")
-    log_axis(direction.yaxis, *decade_round([max(d["direction_mean_deg"], LEAST_DIRECTION_DEG) for r in rows for d in r["depths"]]))
+    log_axis(
+        direction.yaxis,
+        *decade_round(
+            [max(d["direction_mean_deg"], LEAST_DIRECTION_DEG) for r in rows for d in r["depths"]]
+        ),
+    )
     direction.set_ylabel("direction error, mean [deg]")
-    log_axis(noise.yaxis, *decade_round([max(100 * d["magnitude_noise"], LEAST_NOISE_PERCENT) for r in rows for d in r["depths"]]))
+    log_axis(
+        noise.yaxis,
+        *decade_round(
+            [
+                max(100 * d["magnitude_noise"], LEAST_NOISE_PERCENT)
+                for r in rows
+                for d in r["depths"]
+            ]
+        ),
+    )
     noise.set_ylabel("noise, std / mean [%]")
     for axis in (force, direction, noise):
         axis.set_xlabel(f"depth [e]; 1 e = {edge:g} mm")

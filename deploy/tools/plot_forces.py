@@ -5,63 +5,132 @@ import sys
 
 from plot_layout import *  # noqa: F403
 
-FELT_NOTE = ("Contact: what the voxels give at the scene's own stiffness, felt by nobody as it is. Returned: what the coupling made of it for the hand; capped to "
-             "the stiffness that is certified, filtered, damped, so later and usually smaller")
+FELT_NOTE = (
+    "Contact: what the voxels give at the scene's own stiffness, felt by nobody as it is. Returned: what the coupling made of it for the hand; capped to "
+    "the stiffness that is certified, filtered, damped, so later and usually smaller"
+)
 BODY_NOTE = "; the contact is the body's here, and the hand feels its grip on it"
 
 
 def read_run(bag, rig):
     """(contact, returned, gap): of every ContactState, ForceCommand and ValidationReport the device's time [s], sizes of force [N], depth, heights
-    and gap [mm]; `contact` is the contact's force alone, `all` with what effects add. Throws BagError."""
+    and gap [mm]; `contact` is the contact's force alone, `all` with what effects add. Throws BagError.
+    """
     from bag_data import Bag, norm, vector
+
     tables = Bag(bag, rig, ["rendering/contact", "coupling/command", "validation"]).tables
     contact, command, judged = tables.values()
-    return ({"t": contact["sample_time_ns"] * 1e-9, "all": norm(vector(contact["wrench"]["force"])), "contact": norm(vector(contact["contact_wrench"]["force"])),
-             "depth": 1e3 * contact["deepest_depth_m"], "tool": 1e3 * contact["tool_pose"]["position"]["z"], "body": 1e3 * contact["object_pose"]["position"]["z"]},
-            {"t": command["sample_time_ns"] * 1e-9, "force": norm(vector(command["wrench"]["force"]))},
-            {"t": judged["sample_time_ns"] * 1e-9, "gap": 1e3 * judged["gap_m"]})
+    return (
+        {
+            "t": contact["sample_time_ns"] * 1e-9,
+            "all": norm(vector(contact["wrench"]["force"])),
+            "contact": norm(vector(contact["contact_wrench"]["force"])),
+            "depth": 1e3 * contact["deepest_depth_m"],
+            "tool": 1e3 * contact["tool_pose"]["position"]["z"],
+            "body": 1e3 * contact["object_pose"]["position"]["z"],
+        },
+        {"t": command["sample_time_ns"] * 1e-9, "force": norm(vector(command["wrench"]["force"]))},
+        {"t": judged["sample_time_ns"] * 1e-9, "gap": 1e3 * judged["gap_m"]},
+    )
 
 
 def draw_over_time(axis, table, name, end, **more):
     """A curve that leaves a gap where nothing was recorded for longer than three and a half times as usual."""
     t = table["t"]
     usual = sorted(b - a for a, b in zip(t, t[1:]))
-    axis.plot(*curve(t, table[name], 3.5 * usual[len(usual) // 2] if usual else math.inf, 0.0, end), **more)
+    axis.plot(
+        *curve(t, table[name], 3.5 * usual[len(usual) // 2] if usual else math.inf, 0.0, end),
+        **more,
+    )
 
 
 def forces_figure(bag, rig="haptic", begin=0.0, end=math.inf, note=""):
     from bag_data import BagError
+
     try:
         contact, returned, gap = read_run(bag, rig)
     except BagError as error:
         sys.exit(str(error))
     if not len(contact["t"]):
-        sys.exit(f"{bag}: no messages on /{rig}/rendering/contact; is this a voxtouch bag, and --rig right?")
+        sys.exit(
+            f"{bag}: no messages on /{rig}/rendering/contact; is this a voxtouch bag, and --rig right?"
+        )
     start, length = contact["t"][0], contact["t"][-1] - contact["t"][0]
 
     def shown(table):
         rows = (table["t"] - start >= begin) & (table["t"] - start <= end)
-        return {name: values[rows] - (start if name == "t" else 0.0) for name, values in table.items()}
+        return {
+            name: values[rows] - (start if name == "t" else 0.0) for name, values in table.items()
+        }
+
     contact, returned, gap = shown(contact), shown(returned), shown(gap)
     if not len(contact["t"]):
-        sys.exit(f"{bag}: nothing between --from {begin:g} and --to {end:g}; the recording lasts {length:.3g} s.")
+        sys.exit(
+            f"{bag}: nothing between --from {begin:g} and --to {end:g}; the recording lasts {length:.3g} s."
+        )
     body = (abs(contact["tool"] - contact["body"]) > 1e-3).any()
     effects = (abs(contact["all"] - contact["contact"]) > 1e-9).any()
-    felt, deepest, last = max(returned["force"], default=0.0), max(contact["depth"]), contact["t"][-1] + 1e-3
-    figure, axes = new_figure(f"{f'At most {felt:.2g} N' if felt > 1e-9 else 'No force'} came back to the hand; " +
-                              (f"{'the body' if body else 'the tool'} was at most {deepest:.2g} mm deep" if deepest > 0 else "nothing was touched"),
-                              (note or f"Bag {pathlib.Path(bag).resolve().name}, rig {rig}") + "\n" + FELT_NOTE + (BODY_NOTE if body else "") + ".",
-                              3 if body else 2, sharex=True, height_ratios=(2, 1, 1) if body else (2, 1))
+    felt, deepest, last = (
+        max(returned["force"], default=0.0),
+        max(contact["depth"]),
+        contact["t"][-1] + 1e-3,
+    )
+    figure, axes = new_figure(
+        f"{f'At most {felt:.2g} N' if felt > 1e-9 else 'No force'} came back to the hand; "
+        + (
+            f"{'the body' if body else 'the tool'} was at most {deepest:.2g} mm deep"
+            if deepest > 0
+            else "nothing was touched"
+        ),
+        (note or f"Bag {pathlib.Path(bag).resolve().name}, rig {rig}")
+        + "\n"
+        + FELT_NOTE
+        + (BODY_NOTE if body else "")
+        + ".",
+        3 if body else 2,
+        sharex=True,
+        height_ratios=(2, 1, 1) if body else (2, 1),
+    )
     top, middle, bottom = axes[0][0], axes[1][0], axes[-1][0]
     bottom.set_xlim(contact["t"][0], last)
-    draw_over_time(top, contact, "contact", last, color=CONTACT, lw=1.1, zorder=4, label="of the contact\n(rendering)")
+    draw_over_time(
+        top,
+        contact,
+        "contact",
+        last,
+        color=CONTACT,
+        lw=1.1,
+        zorder=4,
+        label="of the contact\n(rendering)",
+    )
     if effects:
-        draw_over_time(top, contact, "all", last, color=PALE_GREEN, lw=4.5, zorder=2,
-                       label="grip on the body\n(rendering)" if body else "contact and effects\n(rendering)")
-    draw_over_time(top, returned, "force", last, color=RETURNED, lw=2.0, zorder=3, label="returned to the hand\n(coupling)")
+        draw_over_time(
+            top,
+            contact,
+            "all",
+            last,
+            color=PALE_GREEN,
+            lw=4.5,
+            zorder=2,
+            label="grip on the body\n(rendering)" if body else "contact and effects\n(rendering)",
+        )
+    draw_over_time(
+        top,
+        returned,
+        "force",
+        last,
+        color=RETURNED,
+        lw=2.0,
+        zorder=3,
+        label="returned to the hand\n(coupling)",
+    )
     top.set_ylabel("size of the force [N]")
     top.set_ylim(0.0, robust_limit(contact["contact"], contact["all"], returned["force"]))
-    for table, name, colour in ((contact, "contact", CONTACT), (contact, "all", GREEN), (returned, "force", RETURNED)):
+    for table, name, colour in (
+        (contact, "contact", CONTACT),
+        (contact, "all", GREEN),
+        (returned, "force", RETURNED),
+    ):
         if not mark_beyond(top, table["t"], table[name], top.get_ylim()[1], "N", colour):
             continue
         break  # one text tells of the place; the others leave the plane with it
@@ -70,8 +139,25 @@ def forces_figure(bag, rig="haptic", begin=0.0, end=math.inf, note=""):
         draw_over_time(middle, contact, "body", last, color=ORANGE, lw=1.6, ls="--", label="body")
         middle.set_ylabel("height [mm]")
         legend_beside(middle)
-    draw_over_time(bottom, contact, "depth", last, color=PURPLE, lw=1.4, label="depth of the deepest\npoint (rendering)")
-    draw_over_time(bottom, gap, "gap", last, color="black", lw=1.6, ls="--", label="gap, < 0: overlap\n(validator); in free\nair above the plane")
+    draw_over_time(
+        bottom,
+        contact,
+        "depth",
+        last,
+        color=PURPLE,
+        lw=1.4,
+        label="depth of the deepest\npoint (rendering)",
+    )
+    draw_over_time(
+        bottom,
+        gap,
+        "gap",
+        last,
+        color="black",
+        lw=1.6,
+        ls="--",
+        label="gap, < 0: overlap\n(validator); in free\nair above the plane",
+    )
     bottom.axhline(0.0, color="0.5", lw=0.8)
     deep = max(1.0, robust_limit(contact["depth"], gap["gap"][gap["gap"] < 0.0]))
     bottom.set_ylim(-1.25 * deep, 2.0 * deep)
@@ -81,13 +167,17 @@ def forces_figure(bag, rig="haptic", begin=0.0, end=math.inf, note=""):
     legend_beside(top, labelspacing=0.8)
     legend_beside(bottom, labelspacing=0.8)
     pushing = int((contact["contact"] > 1e-9).sum())
-    return figure, (f"shows {contact['t'][-1] - contact['t'][0]:.3f} s: {len(contact['t'])} samples, {pushing} with contact, "
-                    f"largest contact force {max(contact['contact']):.3f} N, largest returned force {felt:.3f} N")
+    return figure, (
+        f"shows {contact['t'][-1] - contact['t'][0]:.3f} s: {len(contact['t'])} samples, {pushing} with contact, "
+        f"largest contact force {max(contact['contact']):.3f} N, largest returned force {felt:.3f} N"
+    )
 
 
 # ------------------------------------------------------------------------------------------------------------------------ replay
-REPLAY_NOTE = ("The recorded hand, which does not feel what is replayed: it moves as it did. Rendered: contact and effects at the scene's own stiffness. "
-               "Returned: what the coupling makes of it for the hand.")
+REPLAY_NOTE = (
+    "The recorded hand, which does not feel what is replayed: it moves as it did. Rendered: contact and effects at the scene's own stiffness. "
+    "Returned: what the coupling makes of it for the hand."
+)
 
 
 def replay_title(data):
@@ -97,55 +187,102 @@ def replay_title(data):
     if data.get("other_build"):
         return f"This build returns at most {felt['replayed']['largest_n']:.2g} N to the hand, the other one {felt['recorded']['largest_n']:.2g} N"
     now, then = felt["replayed"]["largest_n"], felt["recorded"]["largest_n"]
-    return (f"{'Another scene returns' if not data['scene']['same'] else 'Replayed,'} at most {now:.2g} N to the hand{'' if not data['scene']['same'] else ' come back'} "
-            f"instead of {then:.2g} N")
+    return (
+        f"{'Another scene returns' if not data['scene']['same'] else 'Replayed,'} at most {now:.2g} N to the hand{'' if not data['scene']['same'] else ' come back'} "
+        f"instead of {then:.2g} N"
+    )
 
 
 def replay_figure(data):
     curves, scene = data["curves"], data["scene"]
     end = max((c["t_s"][-1] for c in curves.values() if c["t_s"]), default=0.0) + 1e-3
-    other = "" if scene["same"] else f" through the scene {scene['replayed']['name']} ({scene['replayed']['hash']})"
+    other = (
+        ""
+        if scene["same"]
+        else f" through the scene {scene['replayed']['name']} ({scene['replayed']['hash']})"
+    )
     note = f"Bag {pathlib.Path(data['bag']).resolve().name}, scene {scene['recorded']['name']} ({scene['recorded']['hash']}), {data['device']}, replayed{other}.\n"
-    names = {"recorded": "other build", "replayed": "this build"} if data.get("other_build") else {"recorded": "recorded", "replayed": "replayed"}
-    figure, axes = new_figure(replay_title(data), note + REPLAY_NOTE, 3, sharex=True, height_ratios=(2, 2, 1))
-    for axis, name, what in ((axes[0][0], "rendered", "rendered [N]"), (axes[1][0], "returned", "returned [N]")):
+    names = (
+        {"recorded": "other build", "replayed": "this build"}
+        if data.get("other_build")
+        else {"recorded": "recorded", "replayed": "replayed"}
+    )
+    figure, axes = new_figure(
+        replay_title(data), note + REPLAY_NOTE, 3, sharex=True, height_ratios=(2, 2, 1)
+    )
+    for axis, name, what in (
+        (axes[0][0], "rendered", "rendered [N]"),
+        (axes[1][0], "returned", "returned [N]"),
+    ):
         rows, felt = curves[name], data["felt"][name]
-        table = {"t": rows["t_s"], "then": [math.nan if f is None else f for f in rows["recorded_n"]], "now": [math.nan if f is None else f for f in rows["replayed_n"]]}
-        for key, label, more in (("then", "recorded", {"color": PALE_GREEN, "lw": 3.2}), ("now", "replayed", {"color": CONTACT if name == "rendered" else RETURNED, "lw": 1.4})):
+        table = {
+            "t": rows["t_s"],
+            "then": [math.nan if f is None else f for f in rows["recorded_n"]],
+            "now": [math.nan if f is None else f for f in rows["replayed_n"]],
+        }
+        for key, label, more in (
+            ("then", "recorded", {"color": PALE_GREEN, "lw": 3.2}),
+            ("now", "replayed", {"color": CONTACT if name == "rendered" else RETURNED, "lw": 1.4}),
+        ):
             of = felt[label]
-            draw_over_time(axis, table, key, end, label=f"{names[label]}: at most {of['largest_n']:.3g} N,\nrms {of['rms_n']:.3g} N, in contact {100 * of['in_contact_share']:.0f} %", **more)
+            draw_over_time(
+                axis,
+                table,
+                key,
+                end,
+                label=f"{names[label]}: at most {of['largest_n']:.3g} N,\nrms {of['rms_n']:.3g} N, in contact {100 * of['in_contact_share']:.0f} %",
+                **more,
+            )
         axis.set_ylabel(what)
         axis.set_ylim(0.0, robust_limit(table["then"], table["now"]))
         legend_beside(axis, labelspacing=0.8)
         table["difference"] = [b - a for a, b in zip(table["then"], table["now"])]
-        draw_over_time(axes[2][0], table, "difference", end, color=CONTACT if name == "rendered" else RETURNED, lw=1.2, label=name)
+        draw_over_time(
+            axes[2][0],
+            table,
+            "difference",
+            end,
+            color=CONTACT if name == "rendered" else RETURNED,
+            lw=1.2,
+            label=name,
+        )
     axes[2][0].set_ylabel("difference\n[N]")
     axes[2][0].set_xlabel("time on the device's clock [s]")
     axes[2][0].set_xlim(0.0, end)
     legend_beside(axes[2][0])
-    return figure, f"shows {end:.3f} s: {data['contact']['differ']} of {data['contact']['compared']} contacts and {data['command']['differ']} of {data['command']['compared']} commands differ"
+    return (
+        figure,
+        f"shows {end:.3f} s: {data['contact']['differ']} of {data['contact']['compared']} contacts and {data['command']['differ']} of {data['command']['compared']} commands differ",
+    )
 
 
 # ------------------------------------------------------------------------------------------------------------------ runs side by side
-BESIDE_NOTE = ("Returned: what the coupling gives to the hand, within what is certified on this device. Depth of the hand: how far it is beyond the place where the "
-               "first run begins to push it, along its way from there to the deepest place; it goes in and out again.")
+BESIDE_NOTE = (
+    "Returned: what the coupling gives to the hand, within what is certified on this device. Depth of the hand: how far it is beyond the place where the "
+    "first run begins to push it, along its way from there to the deepest place; it goes in and out again."
+)
 
 
 def read_hand(bag, rig):
     """Of every ForceCommand the device's time [s], the size of the returned force [N] and the hand's place [m]. Throws BagError."""
     from bag_data import Bag, norm, vector
+
     contact, command = Bag(bag, rig, ["rendering/contact", "coupling/command"]).tables.values()
     at = {int(t): n for n, t in enumerate(contact["sample_time_ns"])}
     rows = [n for n, t in enumerate(command["sample_time_ns"]) if int(t) in at]
     times = command["sample_time_ns"][rows]
     if not len(times):
         return {"t": [], "force": [], "place": []}
-    return {"t": (times - contact["sample_time_ns"][0]) * 1e-9, "force": norm(vector(command["wrench"]["force"]))[rows],
-            "place": vector(contact["tool_pose"]["position"])[[at[int(t)] for t in times]]}
+    return {
+        "t": (times - contact["sample_time_ns"][0]) * 1e-9,
+        "force": norm(vector(command["wrench"]["force"]))[rows],
+        "place": vector(contact["tool_pose"]["position"])[[at[int(t)] for t in times]],
+    }
 
 
 def beside_figure(bags, rig="haptic"):
     from bag_data import BagError, norm
+
     try:
         runs = {pathlib.Path(bag).resolve().name: read_hand(bag, rig) for bag in bags}
     except BagError as error:
@@ -153,13 +290,26 @@ def beside_figure(bags, rig="haptic"):
     most = {name: max(run["force"], default=0.0) for name, run in runs.items()}
     for name, force in most.items():
         if not force > 1e-9:
-            sys.exit(f"{name}: no force came back to the hand, or the bag holds no run of the rig {rig}.")
+            sys.exit(
+                f"{name}: no force came back to the hand, or the bag holds no run of the rig {rig}."
+            )
     first = next(iter(runs.values()))
     touch = first["place"][(first["force"] > 1e-9).argmax()]
-    pushed = [run["place"][run["force"] > 0.5 * most[name]] for name, run in runs.items()]  # what the filter still gives on the way back is no way in
-    deepest = max((places[norm(places - touch).argmax()] for places in pushed), key=lambda place: norm(place - touch))
+    pushed = [
+        run["place"][run["force"] > 0.5 * most[name]] for name, run in runs.items()
+    ]  # what the filter still gives on the way back is no way in
+    deepest = max(
+        (places[norm(places - touch).argmax()] for places in pushed),
+        key=lambda place: norm(place - touch),
+    )
     into = (deepest - touch) / max(norm(deepest - touch), 1e-12)
-    figure, axes = new_figure("Returned at most: " + "; ".join(f"{name} {force:.2g} N" for name, force in most.items()), BESIDE_NOTE, 1, 2, sharey=True)
+    figure, axes = new_figure(
+        "Returned at most: " + "; ".join(f"{name} {force:.2g} N" for name, force in most.items()),
+        BESIDE_NOTE,
+        1,
+        2,
+        sharey=True,
+    )
     over_time, over_depth = axes[0]
     for (name, run), colour in zip(runs.items(), (CONTACT, PURPLE, ORANGE, GREEN)):
         depth = 1e3 * (run["place"] - touch) @ into
@@ -171,4 +321,6 @@ def beside_figure(bags, rig="haptic"):
     over_depth.set_xlim(-0.5, 1e3 * norm(deepest - touch) * 1.05 + 0.1)
     over_time.set_ylim(0.0, 1.08 * max(most.values()))
     legend_beside(over_depth, labelspacing=0.8)
-    return figure, "shows " + "; ".join(f"{name}: at most {force:.3f} N" for name, force in most.items())
+    return figure, "shows " + "; ".join(
+        f"{name}: at most {force:.3f} N" for name, force in most.items()
+    )

@@ -14,7 +14,9 @@ def new_figure(title, note, rows=1, columns=1, **more):
     figure.get_layout_engine().set(w_pad=0.12, h_pad=0.08)
     axes = figure.subplots(rows, columns, squeeze=False, **more)
     figure.suptitle(title, x=0.01, ha="left", fontweight="bold")
-    axes[0][0].annotate(note, (0.01, 0.945), xycoords="figure fraction", va="top", color="0.25", fontsize=14).set_in_layout(False)
+    axes[0][0].annotate(
+        note, (0.01, 0.945), xycoords="figure fraction", va="top", color="0.25", fontsize=14
+    ).set_in_layout(False)
     figure.get_layout_engine().set(rect=(0, 0, 1, 0.955 - 0.03 * note.count("\n")))
     return figure, axes
 
@@ -46,24 +48,57 @@ def label_marks(axis, marks, ringed=(), radius=11.0):
     axis.figure.draw_without_rendering()
     plane, taken, notes = axis.get_window_extent(), [], []
     for places, r in (([mark[:2] for mark in marks], radius), (ringed, 2.0 * radius)):
-        taken += [Bbox.from_bounds(x - r, y - r, 2 * r, 2 * r) for x, y in map(axis.transData.transform, places)]
+        taken += [
+            Bbox.from_bounds(x - r, y - r, 2 * r, 2 * r)
+            for x, y in map(axis.transData.transform, places)
+        ]
     for x, y, text, colour in marks:
-        note = axis.annotate(text, (x, y), textcoords="offset points", xytext=(0, 0), ha="center", va="center", color=colour, fontsize=13,
-                             path_effects=[patheffects.withStroke(linewidth=3, foreground="white")])
+        note = axis.annotate(
+            text,
+            (x, y),
+            textcoords="offset points",
+            xytext=(0, 0),
+            ha="center",
+            va="center",
+            color=colour,
+            fontsize=13,
+            path_effects=[patheffects.withStroke(linewidth=3, foreground="white")],
+        )
         note.set_in_layout(False)
         size = note.get_window_extent()
 
         def cost(offset):
             note.set_position(offset)
             box = note.get_window_extent()
-            return box.width * box.height - overlap(box, plane) + sum(overlap(box, other) for other in taken)
+            return (
+                box.width * box.height
+                - overlap(box, plane)
+                + sum(overlap(box, other) for other in taken)
+            )
+
         points = 72.0 / axis.figure.dpi
-        note.set_position(min(((dx * points * (gap * radius + size.width / 2), dy * points * (gap * radius + size.height / 2))
-                               for gap in (1.1, 2.1) for dx, dy in SIDES), key=cost))
+        note.set_position(
+            min(
+                (
+                    (
+                        dx * points * (gap * radius + size.width / 2),
+                        dy * points * (gap * radius + size.height / 2),
+                    )
+                    for gap in (1.1, 2.1)
+                    for dx, dy in SIDES
+                ),
+                key=cost,
+            )
+        )
         taken.append(note.get_window_extent())
         notes.append(note)
     return notes
 
 
 def processor_name(data):
-    return data["conditions"]["processor"].replace("(R)", "").replace("(TM)", "").split(" CPU @")[0][:48]
+    return (
+        data["conditions"]["processor"]
+        .replace("(R)", "")
+        .replace("(TM)", "")
+        .split(" CPU @")[0][:48]
+    )

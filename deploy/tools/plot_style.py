@@ -8,21 +8,50 @@ try:
     from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
     from matplotlib.transforms import Bbox
     from PIL import Image  # matplotlib depends on it
+
     NO_MATPLOTLIB = ""
 except ImportError as error:
-    NO_MATPLOTLIB = (f"Pictures are drawn with matplotlib, which {sys.executable} does not have ({error}): "
-                     "install python3-matplotlib (deploy/setup does).")
+    NO_MATPLOTLIB = (
+        f"Pictures are drawn with matplotlib, which {sys.executable} does not have ({error}): "
+        "install python3-matplotlib (deploy/setup does)."
+    )
 
 # Colours that stay apart for colour-blind eyes (after Okabe and Ito), on an opaque white ground. A model has one colour and one mark in every picture.
-GREY, BLUE, ORANGE, GREEN, PALE_GREEN, PURPLE, RED = "#6b6b6b", "#0072b2", "#c44e00", "#00805f", "#8fd0b5", "#8e24aa", "#b3261e"
-RETURNED, CONTACT = ORANGE, BLUE  # force returned to the hand, and force of the contact: as on the page of voxtouch view
+GREY, BLUE, ORANGE, GREEN, PALE_GREEN, PURPLE, RED = (
+    "#6b6b6b",
+    "#0072b2",
+    "#c44e00",
+    "#00805f",
+    "#8fd0b5",
+    "#8e24aa",
+    "#b3261e",
+)
+RETURNED, CONTACT = (
+    ORANGE,
+    BLUE,
+)  # force returned to the hand, and force of the contact: as on the page of voxtouch view
 X, Y, Z = BLUE, "#a85400", GREEN
 INK, QUIET, LINE = "#17202a", "#51606e", "#e3e3e3"
 MODELS = {"original": (GREY, "s"), "adapted": (BLUE, "o"), "field": (GREEN, "D")}
-STYLE = {"font.size": 16, "axes.titlesize": 14, "axes.labelsize": 15, "legend.fontsize": 14, "xtick.labelsize": 14, "ytick.labelsize": 14,
-         "figure.titlesize": 20, "axes.spines.top": False, "axes.spines.right": False, "axes.grid": True, "axes.axisbelow": True,
-         "grid.color": "#e3e3e3", "legend.frameon": False, "figure.facecolor": "white", "savefig.facecolor": "white",
-         "svg.hashsalt": "voxtouch", "agg.path.chunksize": 20000}
+STYLE = {
+    "font.size": 16,
+    "axes.titlesize": 14,
+    "axes.labelsize": 15,
+    "legend.fontsize": 14,
+    "xtick.labelsize": 14,
+    "ytick.labelsize": 14,
+    "figure.titlesize": 20,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.color": "#e3e3e3",
+    "legend.frameon": False,
+    "figure.facecolor": "white",
+    "savefig.facecolor": "white",
+    "svg.hashsalt": "voxtouch",
+    "agg.path.chunksize": 20000,
+}
 
 
 def log_axis(axis, low, high):
@@ -42,6 +71,7 @@ def curve(t, y, gap_s, begin=None, end=None):
     """What is drawn of many samples: of each of STRETCHES between `begin` and `end` the smallest and the largest, as they came, so that
     no peak is lost; and nothing between two samples that lie further apart than `gap_s`."""
     import numpy
+
     t, y = numpy.asarray(t, float), numpy.asarray(y, float)
     keep = numpy.isfinite(y)
     order = numpy.argsort(t[keep], kind="stable")
@@ -52,7 +82,9 @@ def curve(t, y, gap_s, begin=None, end=None):
     piece = numpy.r_[0, numpy.cumsum(numpy.diff(t) > gap_s)]
     if len(t) > 2 * STRETCHES:
         stretch = numpy.floor((t - begin) / max(end - begin, 1e-9) * STRETCHES).astype(int)
-        starts = numpy.flatnonzero(numpy.r_[True, (numpy.diff(stretch) != 0) | (numpy.diff(piece) != 0)])
+        starts = numpy.flatnonzero(
+            numpy.r_[True, (numpy.diff(stretch) != 0) | (numpy.diff(piece) != 0)]
+        )
         group = numpy.repeat(numpy.arange(len(starts)), numpy.diff(numpy.r_[starts, len(t)]))
         kept = []
         for least in (numpy.minimum, numpy.maximum):
@@ -67,7 +99,10 @@ def curve(t, y, gap_s, begin=None, end=None):
 def robust_limit(*values):
     """As far as an axis from 0 has to go for the sizes of `values`: to the largest, unless that is one spike far beyond the rest."""
     import numpy
-    sizes = numpy.abs(numpy.concatenate([numpy.asarray(v, float).ravel() for v in values] or [numpy.empty(0)]))
+
+    sizes = numpy.abs(
+        numpy.concatenate([numpy.asarray(v, float).ravel() for v in values] or [numpy.empty(0)])
+    )
     sizes = sizes[numpy.isfinite(sizes) & (sizes > 1e-12)]
     if not len(sizes):
         return 1.0
@@ -78,6 +113,7 @@ def robust_limit(*values):
 def mark_beyond(axis, t, y, limit, unit, colour, below=False):
     """A triangle at the edge of the plane for each stretch in which a curve leaves it, and its size at the largest. How many there are."""
     import numpy
+
     t, y = numpy.asarray(t, float), numpy.asarray(y, float)
     beyond = numpy.flatnonzero(numpy.isfinite(y) & ((y > limit) | (below & (y < -limit))))
     if not len(beyond):
@@ -87,16 +123,41 @@ def mark_beyond(axis, t, y, limit, unit, colour, below=False):
     peaks = [group[numpy.abs(y[group]).argmax()] for group in groups]
     for sign, mark in ((1, "^"), (-1, "v")):
         places = [p for p in peaks if y[p] * sign > 0]
-        axis.plot(t[places], [0.98 * sign * limit] * len(places), mark, ms=9, color=colour, ls="none", zorder=6)
+        axis.plot(
+            t[places],
+            [0.98 * sign * limit] * len(places),
+            mark,
+            ms=9,
+            color=colour,
+            ls="none",
+            zorder=6,
+        )
     most = max(peaks, key=lambda p: abs(y[p]))
     left = t[most] > sum(axis.get_xlim()) / 2
-    axis.annotate(f"up to {abs(y[most]):.3g} {unit} at {t[most]:.2f} s, beyond this plane" + (f" ({len(peaks)} places)" if len(peaks) > 1 else ""),
-                  (t[most], 0.96 * limit * (1 if y[most] > 0 else -1)), xytext=(-10 if left else 10, 0), textcoords="offset points",
-                  ha="right" if left else "left", va="top" if y[most] > 0 else "bottom", fontsize=13, color=colour, zorder=7)
+    axis.annotate(
+        f"up to {abs(y[most]):.3g} {unit} at {t[most]:.2f} s, beyond this plane"
+        + (f" ({len(peaks)} places)" if len(peaks) > 1 else ""),
+        (t[most], 0.96 * limit * (1 if y[most] > 0 else -1)),
+        xytext=(-10 if left else 10, 0),
+        textcoords="offset points",
+        ha="right" if left else "left",
+        va="top" if y[most] > 0 else "bottom",
+        fontsize=13,
+        color=colour,
+        zorder=7,
+    )
     return len(peaks)
 
 
 def legend_above(axis, side_by_side=5, **more):
     """Over the plane, where it covers no data; nothing without a name."""
     if axis.get_legend_handles_labels()[0]:
-        axis.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.2, ncol=side_by_side, columnspacing=1.6, handlelength=1.8, **more)
+        axis.legend(
+            loc="lower left",
+            bbox_to_anchor=(0.0, 1.0),
+            borderaxespad=0.2,
+            ncol=side_by_side,
+            columnspacing=1.6,
+            handlelength=1.8,
+            **more,
+        )

@@ -19,11 +19,15 @@ CONTACT_FAULTS = {
     "FLAG_CROSSED": "a wall was crossed in one sample; the tool was pushed back to where it came from (recorded by a release of before)",
     "FLAG_MISSED": "the tool was so fast beside the scene that a contact may have been missed",
     "FLAG_LAG": "the virtual tool did not reach its place within the frame",
-    "FLAG_UNPLACED": "there was no place for the virtual tool: nothing was felt"}
+    "FLAG_UNPLACED": "there was no place for the virtual tool: nothing was felt",
+}
 COMMAND_FAULTS = {
     "STATUS_HELD_INPUT": "the contact was missing or not finite; the last good one was held",
-    "STATUS_CLAMPED": "the contact's force was over the device's range and cut"}
-STATE_FAULTS = {"FLAG_POSE_HELD": "the device's pose was not to be trusted; the last good one was kept"}
+    "STATUS_CLAMPED": "the contact's force was over the device's range and cut",
+}
+STATE_FAULTS = {
+    "FLAG_POSE_HELD": "the device's pose was not to be trusted; the last good one was kept"
+}
 # Of the device's own counts, ten times a second.
 DEVICE_FAULTS = {
     "overruns": "periods were skipped: the device's loop came too late",
@@ -31,7 +35,8 @@ DEVICE_FAULTS = {
     "refused": "commands were refused by the guard",
     "clamped": "commands were cut by the guard to what the device may give",
     "interruptions": "times the device gave no force, or lost it",
-    "foreign_commands": "commands of a second writer were refused"}
+    "foreign_commands": "commands of a second writer were refused",
+}
 STATES = {0: "starting", 1: "ready", 2: "running", 3: "stopped", 4: "failed"}
 
 
@@ -48,38 +53,66 @@ class Run:
         self.bag = Bag(path, rig, progress=progress)
         self.name = self.bag.path.resolve().name
         self.state, self.contact, self.command, self.validation = (
-            self.bag.tables[name] for name in ("device/state", "rendering/contact", "coupling/command", "validation"))
+            self.bag.tables[name]
+            for name in ("device/state", "rendering/contact", "coupling/command", "validation")
+        )
         self.place_sessions()
         self.t_state, self.t_contact, self.t_command, self.t_validation = (
-            self.seconds(table) for table in (self.state, self.contact, self.command, self.validation))
+            self.seconds(table)
+            for table in (self.state, self.contact, self.command, self.validation)
+        )
         self.description = self.last("device/description")
         self.plan, self.design = self.last("rendering/plan"), self.last("coupling/design")
-        self.returned, self.pushed = vector(self.command["wrench"]["force"]), vector(self.contact["contact_wrench"]["force"])
-        self.rendered, self.torque = vector(self.contact["wrench"]["force"]), vector(self.command["wrench"]["torque"])
-        self.depth_mm, self.gap_mm = 1e3 * self.contact["deepest_depth_m"], 1e3 * self.validation["gap_m"]
+        self.returned, self.pushed = vector(self.command["wrench"]["force"]), vector(
+            self.contact["contact_wrench"]["force"]
+        )
+        self.rendered, self.torque = vector(self.contact["wrench"]["force"]), vector(
+            self.command["wrench"]["torque"]
+        )
+        self.depth_mm, self.gap_mm = (
+            1e3 * self.contact["deepest_depth_m"],
+            1e3 * self.validation["gap_m"],
+        )
         self.read_statuses()
 
     # ------------------------------------------------------------------------------------------------------------------- time
     def place_sessions(self):
         """Of each session its first stamp and where on the axis that lies. Of a stranger's samples nothing is known: they are left out."""
-        source, name = (self.state, "device/state") if len(self.state) else (self.contact, "rendering/contact")
+        source, name = (
+            (self.state, "device/state") if len(self.state) else (self.contact, "rendering/contact")
+        )
         times = self.bag.times[name]
         if not len(source):
-            raise BagError(f"{self.bag.path}: there is nothing to report: the bag holds no sample of /{self.bag.rig}/device/state and no contact. "
-                           "The ring was stopped before its first sample, or was not recorded. " + " ".join(self.bag.notes))
+            raise BagError(
+                f"{self.bag.path}: there is nothing to report: the bag holds no sample of /{self.bag.rig}/device/state and no contact. "
+                "The ring was stopped before its first sample, or was not recorded. "
+                + " ".join(self.bag.notes)
+            )
         ids, first = numpy.unique(source["session_id"], return_index=True)
         order = numpy.argsort(first)
-        self.sessions = {int(ids[i]): (int(source["sample_time_ns"][first[i]]), int(times[first[i]] - times[0])) for i in order}
+        self.sessions = {
+            int(ids[i]): (int(source["sample_time_ns"][first[i]]), int(times[first[i]] - times[0]))
+            for i in order
+        }
         for table in ("state", "contact", "command", "validation"):
             rows = getattr(self, table)
             known = numpy.isin(rows["session_id"], list(self.sessions))
             if not known.all():
-                self.bag.notes.append(f"{int((~known).sum())} messages ({table}) belong to no session of this bag's device; they are left out.")
+                self.bag.notes.append(
+                    f"{int((~known).sum())} messages ({table}) belong to no session of this bag's device; they are left out."
+                )
                 setattr(self, table, rows[known])
-                key = {"state": "device/state", "contact": "rendering/contact", "command": "coupling/command", "validation": "validation"}[table]
+                key = {
+                    "state": "device/state",
+                    "contact": "rendering/contact",
+                    "command": "coupling/command",
+                    "validation": "validation",
+                }[table]
                 self.bag.times[key] = self.bag.times[key][known]
         if len(self.sessions) > 1:
-            self.bag.notes.append(f"The device began {len(self.sessions)} sessions; each stands where it was recorded.")
+            self.bag.notes.append(
+                f"The device began {len(self.sessions)} sessions; each stands where it was recorded."
+            )
 
     def seconds(self, table):
         out = numpy.zeros(len(table))
@@ -91,7 +124,11 @@ class Run:
     @functools.cached_property
     def clock(self):
         """When a sample was recorded [s since the first one], and where it stands on the axis."""
-        times, t = (self.bag.times["device/state"], self.t_state) if len(self.state) else (self.bag.times["rendering/contact"], self.t_contact)
+        times, t = (
+            (self.bag.times["device/state"], self.t_state)
+            if len(self.state)
+            else (self.bag.times["rendering/contact"], self.t_contact)
+        )
         return int(times[0]), (times - times[0]) * 1e-9, t
 
     def at(self, recorded_ns):
@@ -101,7 +138,10 @@ class Run:
 
     @property
     def length_s(self):
-        return max([float(t[-1]) for t in (self.t_state, self.t_contact, self.t_command) if len(t)], default=0.0)
+        return max(
+            [float(t[-1]) for t in (self.t_state, self.t_contact, self.t_command) if len(t)],
+            default=0.0,
+        )
 
     @functools.cached_property
     def lockstep(self):
@@ -125,8 +165,12 @@ class Run:
                 of_device.append(row)
             if words.get(key) != (head["state"], head["message"]):
                 words[key] = head["state"], head["message"]
-                self.said.append((self.at(time), head["node"], STATES.get(head["state"], "?"), head["message"]))
-        for _, time, status in self.bag.messages("node_status", rows=sorted({*of_device, *latest.values()})):
+                self.said.append(
+                    (self.at(time), head["node"], STATES.get(head["state"], "?"), head["message"])
+                )
+        for _, time, status in self.bag.messages(
+            "node_status", rows=sorted({*of_device, *latest.values()})
+        ):
             status["values"] = {pair["key"]: pair["value"] for pair in status["values"]}
             status["figures"] = {figure["name"]: figure["value"] for figure in status["figures"]}
             self.nodes[status["node"], status["host"], status["pid"]] = status
@@ -147,7 +191,15 @@ class Run:
     @functools.cached_property
     def apart(self):
         """The object that touches is elsewhere than the tool that the hand moves: a body, or a virtual tool."""
-        return bool((norm(vector(self.contact["tool_pose"]["position"]) - vector(self.contact["object_pose"]["position"])) > 1e-6).any())
+        return bool(
+            (
+                norm(
+                    vector(self.contact["tool_pose"]["position"])
+                    - vector(self.contact["object_pose"]["position"])
+                )
+                > 1e-6
+            ).any()
+        )
 
     @property
     def scene(self):
@@ -175,15 +227,19 @@ class Run:
     @functools.cached_property
     def answers(self):
         """Of each recorded command the row of the sample that it answers, or -1."""
+
         def keys(table):
             out = numpy.empty(len(table), [("session", "<u8"), ("number", "<u8")])
             out["session"], out["number"] = table["session_id"], table["sequence_number"]
             return out
+
         states = keys(self.state)
         order = numpy.argsort(states)
         if not len(states):
             return numpy.full(len(self.command), -1)
-        found = numpy.minimum(numpy.searchsorted(states[order], keys(self.command)), len(states) - 1)
+        found = numpy.minimum(
+            numpy.searchsorted(states[order], keys(self.command)), len(states) - 1
+        )
         return numpy.where(states[order[found]] == keys(self.command), order[found], -1)
 
     @functools.cached_property
@@ -192,30 +248,52 @@ class Run:
         if self.lockstep:
             return numpy.empty(0), numpy.empty(0)
         known = self.answers >= 0
-        spent = self.bag.times["coupling/command"][known] - self.bag.times["device/state"][self.answers[known]]
+        spent = (
+            self.bag.times["coupling/command"][known]
+            - self.bag.times["device/state"][self.answers[known]]
+        )
         return self.t_command[known], spent / 1e3
 
     @functools.cached_property
     def figures(self):
         """What this page counts in the recorded messages; None where they do not tell."""
         force, pushed = norm(self.returned), norm(self.rendered)
-        peak = int(numpy.argmax(numpy.where(numpy.isfinite(force), force, -1.0))) if len(force) else None
+        peak = (
+            int(numpy.argmax(numpy.where(numpy.isfinite(force), force, -1.0)))
+            if len(force)
+            else None
+        )
         most = largest(force)
         touching = pushed > TOUCH_N
         return {
-            "length_s": self.length_s, "samples": len(self.state), "rate_hz": self.rate_hz,
+            "length_s": self.length_s,
+            "samples": len(self.state),
+            "rate_hz": self.rate_hz,
             "answered": len(numpy.unique(self.answers[self.answers >= 0])),
-            "max_force_n": most, "max_force_at_s": None if most is None else float(self.t_command[peak]),
-            "share_of_limit": most / self.limit_n if most is not None and math.isfinite(self.limit_n) else None,
-            "max_torque_nm": largest(norm(self.torque)), "max_contact_force_n": largest(norm(self.pushed)),
-            "contact_samples": int(touching.sum()), "contact_share": float(touching.mean()) if len(pushed) else None,
-            "max_depth_mm": largest(self.depth_mm), "max_energy_j": largest(self.command["energy_j"]),
-            "least_energy_j": None if largest(-self.command["energy_j"]) is None else -largest(-self.command["energy_j"]),
+            "max_force_n": most,
+            "max_force_at_s": None if most is None else float(self.t_command[peak]),
+            "share_of_limit": most / self.limit_n
+            if most is not None and math.isfinite(self.limit_n)
+            else None,
+            "max_torque_nm": largest(norm(self.torque)),
+            "max_contact_force_n": largest(norm(self.pushed)),
+            "contact_samples": int(touching.sum()),
+            "contact_share": float(touching.mean()) if len(pushed) else None,
+            "max_depth_mm": largest(self.depth_mm),
+            "max_energy_j": largest(self.command["energy_j"]),
+            "least_energy_j": None
+            if largest(-self.command["energy_j"]) is None
+            else -largest(-self.command["energy_j"]),
             "capped_samples": self.count(self.command["status"], "ForceCommand", "STATUS_CAPPED"),
             "bounded_samples": self.count(self.command["status"], "ForceCommand", "STATUS_BOUNDED"),
-            "passivity_samples": self.count(self.command["status"], "ForceCommand", "STATUS_PASSIVITY"),
+            "passivity_samples": self.count(
+                self.command["status"], "ForceCommand", "STATUS_PASSIVITY"
+            ),
             "held_samples": self.count(self.contact["flags"], "ContactState", "FLAG_HELD"),
-            "saturated_samples": self.count(self.contact["flags"], "ContactState", "FLAG_SATURATED")}
+            "saturated_samples": self.count(
+                self.contact["flags"], "ContactState", "FLAG_SATURATED"
+            ),
+        }
 
     @property
     def rate_hz(self):
@@ -249,20 +327,45 @@ class Run:
     def faults(self):
         """(from [s], to [s], how many, who, what) in order of time."""
         out = []
-        for who, table, t, kind, sentences in (("device", self.state["flags"], self.t_state, "DeviceState", STATE_FAULTS),
-                                               ("rendering", self.contact["flags"], self.t_contact, "ContactState", CONTACT_FAULTS),
-                                               ("coupling", self.command["status"], self.t_command, "ForceCommand", COMMAND_FAULTS)):
+        for who, table, t, kind, sentences in (
+            ("device", self.state["flags"], self.t_state, "DeviceState", STATE_FAULTS),
+            ("rendering", self.contact["flags"], self.t_contact, "ContactState", CONTACT_FAULTS),
+            ("coupling", self.command["status"], self.t_command, "ForceCommand", COMMAND_FAULTS),
+        ):
             for flag, sentence in sentences.items():
-                out += stretches(t[(table & constants(kind)[flag]) != 0], who, "samples: " + sentence)
+                out += stretches(
+                    t[(table & constants(kind)[flag]) != 0], who, "samples: " + sentence
+                )
         for figure, sentence in DEVICE_FAULTS.items():
             grown = self.increments(figure)
-            out += stretches(numpy.array([t for t, _ in grown]), "device", sentence, [n for _, n in grown], apart_s=0.15)
+            out += stretches(
+                numpy.array([t for t, _ in grown]),
+                "device",
+                sentence,
+                [n for _, n in grown],
+                apart_s=0.15,
+            )
         out += self.lost_samples()
-        bad = self.t_validation[self.validation["verdict"] == constants("ValidationReport")["VERDICT_DISAGREE"]]
-        out += stretches(bad, "validator", "checked samples in which contact and reference disagree", apart_s=0.5)
-        over = min([t for t, node, state, _ in self.said if node == "device" and state in ("stopped", "failed")], default=math.inf)
+        bad = self.t_validation[
+            self.validation["verdict"] == constants("ValidationReport")["VERDICT_DISAGREE"]
+        ]
+        out += stretches(
+            bad, "validator", "checked samples in which contact and reference disagree", apart_s=0.5
+        )
+        over = min(
+            [
+                t
+                for t, node, state, _ in self.said
+                if node == "device" and state in ("stopped", "failed")
+            ],
+            default=math.inf,
+        )
         for t, node, state, sentence in self.said:
-            if state == "failed" or t < over and re.search(r"hang|no sign of life|lost|refus", sentence):
+            if (
+                state == "failed"
+                or t < over
+                and re.search(r"hang|no sign of life|lost|refus", sentence)
+            ):
                 out.append((t, t, None, node, f"{state}: {sentence}"))
         out += self.recording_faults()
         return sorted(out, key=lambda row: row[0])
@@ -270,27 +373,57 @@ class Run:
     def lost_samples(self):
         """Samples between the first and the last answer that have none in the bag: not answered, or not recorded."""
         out = []
-        for who, t, table in (("rendering", self.t_contact, self.contact), ("coupling", self.t_command, self.command)):
+        for who, t, table in (
+            ("rendering", self.t_contact, self.contact),
+            ("coupling", self.t_command, self.command),
+        ):
             if not len(table) or not len(self.state):
                 continue
             unanswered = ~numpy.isin(self.state["sequence_number"], table["sequence_number"])
             unanswered &= (self.t_state > t[0]) & (self.t_state < t[-1])
-            out += stretches(self.t_state[unanswered], who, "samples have no answer in the bag: none was given, or none was recorded")
+            out += stretches(
+                self.t_state[unanswered],
+                who,
+                "samples have no answer in the bag: none was given, or none was recorded",
+            )
         return out
 
     def recording_faults(self):
         recording, end = self.bag.recording(), self.length_s
         out = []
         if recording.get("closed") is False:
-            out.append((end, end, None, "logger", "the recording was not closed: the logger was ended by force. What is in the bag is whole up to here."))
+            out.append(
+                (
+                    end,
+                    end,
+                    None,
+                    "logger",
+                    "the recording was not closed: the logger was ended by force. What is in the bag is whole up to here.",
+                )
+            )
         for topic in recording.get("topics", []):
-            for key, what in (("dropped", "messages were dropped: the disk was too slow"), ("lost", "messages were lost: the disk refused them")):
+            for key, what in (
+                ("dropped", "messages were dropped: the disk was too slow"),
+                ("lost", "messages were lost: the disk refused them"),
+            ):
                 if topic.get(key):
                     out.append((0.0, end, int(topic[key]), "logger", f"{what} ({topic['name']})"))
         out += [(end, end, None, "logger", sentence) for sentence in recording.get("errors", [])]
         for (node, *_), status in self.nodes.items():
-            if status["state"] in (0, 1, 2) and status["message"] != "stopped" and node not in ("up", "logger"):  # these two are there to the end
-                out.append((end, end, None, node, f"gave no last word: the bag ends while it is {STATES[status['state']]} ({status['message']})"))
+            if (
+                status["state"] in (0, 1, 2)
+                and status["message"] != "stopped"
+                and node not in ("up", "logger")
+            ):  # these two are there to the end
+                out.append(
+                    (
+                        end,
+                        end,
+                        None,
+                        node,
+                        f"gave no last word: the bag ends while it is {STATES[status['state']]} ({status['message']})",
+                    )
+                )
         return out
 
 
@@ -301,10 +434,20 @@ def stretches(times, who, what, counts=None, apart_s=APART_S):
     counts = numpy.ones(len(times), int) if counts is None else numpy.array(counts)
     ends = numpy.flatnonzero(numpy.diff(times) > apart_s)
     begins, ends = numpy.r_[0, ends + 1], numpy.r_[ends, len(times) - 1]
-    rows = [(float(times[a]), float(times[b]), int(counts[a:b + 1].sum()), who, what) for a, b in zip(begins, ends)]
+    rows = [
+        (float(times[a]), float(times[b]), int(counts[a : b + 1].sum()), who, what)
+        for a, b in zip(begins, ends)
+    ]
     if len(rows) <= MOST_STRETCHES:
         return rows
     rows.sort(key=lambda row: -row[2])
     rest = rows[MOST_STRETCHES:]
-    return rows[:MOST_STRETCHES] + [(min(r[0] for r in rest), max(r[1] for r in rest), sum(r[2] for r in rest), who,
-                                     f"{what} (in {len(rest)} further, shorter stretches)")]
+    return rows[:MOST_STRETCHES] + [
+        (
+            min(r[0] for r in rest),
+            max(r[1] for r in rest),
+            sum(r[2] for r in rest),
+            who,
+            f"{what} (in {len(rest)} further, shorter stretches)",
+        )
+    ]

@@ -41,7 +41,11 @@ def number(value, unit="", digits=3):
     """A figure as people read it; a dash where there is none."""
     if value is None or not math.isfinite(value):
         return "–" if value is None or math.isnan(value) else "no limit"
-    text = f"{value:,.0f}".replace(",", " ") if abs(value) >= 1000 or isinstance(value, int) else f"{value:.{digits}g}"
+    text = (
+        f"{value:,.0f}".replace(",", " ")
+        if abs(value) >= 1000 or isinstance(value, int)
+        else f"{value:.{digits}g}"
+    )
     return f"{text}\u00a0{unit}" if unit else text
 
 
@@ -52,7 +56,15 @@ def percent(share, digits=3):
 def table(head, rows, numeric=()):
     def row(tag, words):
         scope = ' scope="col"' if tag == "th" else ""
-        return "<tr>" + "".join(f'<{tag}{scope}{" class=n" if i in numeric else ""}>{word}</{tag}>' for i, word in enumerate(words)) + "</tr>"
+        return (
+            "<tr>"
+            + "".join(
+                f'<{tag}{scope}{" class=n" if i in numeric else ""}>{word}</{tag}>'
+                for i, word in enumerate(words)
+            )
+            + "</tr>"
+        )
+
     return f'<div class="wide"><table><thead>{row("th", head)}</thead><tbody>{"".join(row("td", words) for words in rows)}</tbody></table></div>'
 
 
@@ -68,38 +80,69 @@ def beside(runs, part):
     """The same of each run; of two in two columns under their names."""
     if len(runs) == 1:
         return part(runs[0])
-    return '<div class="beside">' + "".join(f"<div><h3>{esc(run.name)}</h3>{part(run)}</div>" for run in runs) + "</div>"
+    return (
+        '<div class="beside">'
+        + "".join(f"<div><h3>{esc(run.name)}</h3>{part(run)}</div>" for run in runs)
+        + "</div>"
+    )
 
 
 # -------------------------------------------------------------------------------------------------------------------- sentences
 def kind_of_run(run):
     simulated = run.description.get("simulated")
-    hand = "moved by a simulated hand" if simulated else "held by a person" if run.description else "of which the bag holds no description"
-    return (f"Scene <b>{esc(run.scene)}</b> on device <b>{esc(run.device)}</b>, {hand}; {'lockstep: simulated time' if run.lockstep else 'real time'}; "
-            f"{run.length_s:.3g} s recorded of rig {esc(run.bag.rig)}.")
+    hand = (
+        "moved by a simulated hand"
+        if simulated
+        else "held by a person"
+        if run.description
+        else "of which the bag holds no description"
+    )
+    return (
+        f"Scene <b>{esc(run.scene)}</b> on device <b>{esc(run.device)}</b>, {hand}; {'lockstep: simulated time' if run.lockstep else 'real time'}; "
+        f"{run.length_s:.3g} s recorded of rig {esc(run.bag.rig)}."
+    )
 
 
 def verdict(run):
     """Whether `up` called it a good run, and why not."""
     told = run.bag.summary()
     if not told:
-        return ("<p><b>No verdict.</b> No <code>voxtouch up</code> judged this run: it was ended by force, is of an earlier version, or the nodes were started "
-                "one by one. What follows says what happened, not whether it was within the limits of a good run.</p>")
+        return (
+            "<p><b>No verdict.</b> No <code>voxtouch up</code> judged this run: it was ended by force, is of an earlier version, or the nodes were started "
+            "one by one. What follows says what happened, not whether it was within the limits of a good run.</p>"
+        )
     if told.get("ok") is True and not told["problems"]:
         return f'<p class=good><b>A good run: all {len(told["limits"])} limits were met.</b></p>{listed(told["notes"])}'
-    return f'<p class=bad><b>Not a good run:</b></p>{listed(told["problems"])}{listed(told["notes"])}'
+    return (
+        f'<p class=bad><b>Not a good run:</b></p>{listed(told["problems"])}{listed(told["notes"])}'
+    )
 
 
 def limit_rows(run):
     limits = run.bag.summary().get("limits", {})
     if not limits:
         return "<p>The bag holds no verdict.</p>"
+
     def bound(one):
         side = "at_most" if "at_most" in one else "at_least"
-        return side.replace("_", " ") + (" no limit" if one.get(side) is None else f" {one[side]:.4g}")
-    return table(["figure", "was", "a good run has", "unit", "verdict"], [
-        [esc(name), number(one.get("value"), digits=4), bound(one), "share" if one.get("unit") == "1" else esc(one.get("unit", "")),
-         "met" if one.get("met") else "<span class=bad>not met</span>"] for name, one in limits.items()], numeric=(1,))
+        return side.replace("_", " ") + (
+            " no limit" if one.get(side) is None else f" {one[side]:.4g}"
+        )
+
+    return table(
+        ["figure", "was", "a good run has", "unit", "verdict"],
+        [
+            [
+                esc(name),
+                number(one.get("value"), digits=4),
+                bound(one),
+                "share" if one.get("unit") == "1" else esc(one.get("unit", "")),
+                "met" if one.get("met") else "<span class=bad>not met</span>",
+            ]
+            for name, one in limits.items()
+        ],
+        numeric=(1,),
+    )
 
 
 def tiles(run):
@@ -108,26 +151,68 @@ def tiles(run):
     p50, p99 = run.counted("device", "latency_p50_us"), run.counted("device", "latency_p99_us")
     checked, bad = run.counted("validator", "checked"), run.counted("validator", "disagree")
     rows = [
-        ("Largest force returned", number(f["max_force_n"], "N"), "no command was recorded" if f["max_force_n"] is None else
-         (f"{percent(f['share_of_limit'])}{limit}, " if limit else "") + f"at {f['max_force_at_s']:.2f}\u00a0s"),
-        ("With a force", percent(f["contact_share"]), f"{number(f['contact_samples'])} samples, of contact or effects"),
-        ("Deepest", number(f["max_depth_mm"] if f["contact_samples"] else None, "mm"), "of a shell point, by the rendering"),
-        ("Samples", number(f["samples"]), "rate not known" if f["rate_hz"] is None else f"at {f['rate_hz']:.1f}\u00a0Hz"),
-        ("Answered", percent(f["answered"] / f["samples"], 4) if f["samples"] else "–", f"{number(f['answered'])} commands in the bag"),
-        ("Latency, median", "–" if run.lockstep else number(p50, "µs"), "none in lockstep" if run.lockstep else
-         f"99 %: {number(p99, 'µs')}, by the device" if p99 is not None else "the device told none"),
+        (
+            "Largest force returned",
+            number(f["max_force_n"], "N"),
+            "no command was recorded"
+            if f["max_force_n"] is None
+            else (f"{percent(f['share_of_limit'])}{limit}, " if limit else "")
+            + f"at {f['max_force_at_s']:.2f}\u00a0s",
+        ),
+        (
+            "With a force",
+            percent(f["contact_share"]),
+            f"{number(f['contact_samples'])} samples, of contact or effects",
+        ),
+        (
+            "Deepest",
+            number(f["max_depth_mm"] if f["contact_samples"] else None, "mm"),
+            "of a shell point, by the rendering",
+        ),
+        (
+            "Samples",
+            number(f["samples"]),
+            "rate not known" if f["rate_hz"] is None else f"at {f['rate_hz']:.1f}\u00a0Hz",
+        ),
+        (
+            "Answered",
+            percent(f["answered"] / f["samples"], 4) if f["samples"] else "–",
+            f"{number(f['answered'])} commands in the bag",
+        ),
+        (
+            "Latency, median",
+            "–" if run.lockstep else number(p50, "µs"),
+            "none in lockstep"
+            if run.lockstep
+            else f"99 %: {number(p99, 'µs')}, by the device"
+            if p99 is not None
+            else "the device told none",
+        ),
         ("Periods skipped", number(run.counted("device", "overruns")), "by the device"),
-        ("Validator", "–" if checked is None else f"{number(bad)} disagree" if bad else "agrees",
-         "–" if checked is None else f"{number(checked)} samples checked")]
-    return '<dl class="tiles">' + "".join(f"<div><dt>{esc(a)}</dt><dd>{esc(b)} <small>{esc(c)}</small></dd></div>" for a, b, c in rows) + "</dl>"
+        (
+            "Validator",
+            "–" if checked is None else f"{number(bad)} disagree" if bad else "agrees",
+            "–" if checked is None else f"{number(checked)} samples checked",
+        ),
+    ]
+    return (
+        '<dl class="tiles">'
+        + "".join(
+            f"<div><dt>{esc(a)}</dt><dd>{esc(b)} <small>{esc(c)}</small></dd></div>"
+            for a, b, c in rows
+        )
+        + "</dl>"
+    )
 
 
 def repeat(run):
     """How to make the run again, and what of it that does not bring back."""
     known = run.command_line()
     if known is None:
-        return (f"<p>The bag does not tell by which command it was recorded: <code>voxtouch up</code> of an earlier version, or nodes that were started one by one. "
-                f"Its scene is {esc(run.word('rendering', 'scene_file') or run.scene)}, its device {esc(run.device)}.</p>")
+        return (
+            f"<p>The bag does not tell by which command it was recorded: <code>voxtouch up</code> of an earlier version, or nodes that were started one by one. "
+            f"Its scene is {esc(run.word('rendering', 'scene_file') or run.scene)}, its device {esc(run.device)}.</p>"
+        )
     folder, words = known
     kept, skip = [], False
     for word in words:  # the bag's own folder is there already, and would be refused
@@ -138,11 +223,28 @@ def repeat(run):
         else:
             kept.append(word)
     changes = run.bag.rows["rendering/change"].times
-    text = "<pre>" + esc((f"cd {shlex.quote(folder)} && " if folder else "") + shlex.join(kept)) + "</pre>"
-    text += "<p>" + ("In lockstep the same program gives the same bits. " if run.lockstep else "In real time the motion is the same; times differ from run to run. "
-                     if run.description.get("simulated") else "The device was moved by a person, which no command repeats. ")
-    text += f"{len(changes)} changes were made while it ran, and have to be made again. " if changes else ""
-    text += ("As typed, without <code>--record</code>, whose folder is there now. " if len(kept) < len(words) else "As typed. ")
+    text = (
+        "<pre>"
+        + esc((f"cd {shlex.quote(folder)} && " if folder else "") + shlex.join(kept))
+        + "</pre>"
+    )
+    text += "<p>" + (
+        "In lockstep the same program gives the same bits. "
+        if run.lockstep
+        else "In real time the motion is the same; times differ from run to run. "
+        if run.description.get("simulated")
+        else "The device was moved by a person, which no command repeats. "
+    )
+    text += (
+        f"{len(changes)} changes were made while it ran, and have to be made again. "
+        if changes
+        else ""
+    )
+    text += (
+        "As typed, without <code>--record</code>, whose folder is there now. "
+        if len(kept) < len(words)
+        else "As typed. "
+    )
     files = run.word("rendering", "scene_hash") or run.plan.get("scene_hash")
     return text + (f"The scene had the hash {esc(files)}." if files else "") + "</p>"
 
@@ -161,11 +263,20 @@ def design_words(run):
     if d["injected_damping_ns_per_m"] > 0:
         text += f" In contact it adds {d['injected_damping_ns_per_m']:.3g} Ns/m of damping."
     if d["critical_stiffness_n_per_m"] > 0:
-        wanted, shown, critical = (number(d[f"{word}_stiffness_n_per_m"], "N/m", 4) for word in ("wanted", "shown", "critical"))
-        text += (f" Wanted were {wanted}; {shown} are shown at the hand, certified with a gain margin of {number(d['gain_margin'])}; "
-                 f"the worst case ({esc(d['worst_case'])}) becomes unstable at {critical}.")
+        wanted, shown, critical = (
+            number(d[f"{word}_stiffness_n_per_m"], "N/m", 4)
+            for word in ("wanted", "shown", "critical")
+        )
+        text += (
+            f" Wanted were {wanted}; {shown} are shown at the hand, certified with a gain margin of {number(d['gain_margin'])}; "
+            f"the worst case ({esc(d['worst_case'])}) becomes unstable at {critical}."
+        )
     text += " It is stable with every hand that creates no energy.</p>" if d["passive"] else "</p>"
-    for title, key in (("Why so", "reasons"), ("What would give more", "remedies"), ("Notes", "notes")):
+    for title, key in (
+        ("Why so", "reasons"),
+        ("What would give more", "remedies"),
+        ("Notes", "notes"),
+    ):
         text += f"<h3>{title}</h3>{listed(d[key])}" if d[key] else ""
     return text
 
@@ -174,10 +285,16 @@ def plan_words(run):
     p = run.plan
     if not p:
         return "<p>The bag holds no plan: no scene had been built when it was recorded.</p>"
-    text = (f"<p>Contact model <b>{esc(p['contact_model'])}</b> at voxels of {1e3 * p['voxel_size_m']:.3g} mm: {number(p['shell_points'])} shell points, "
-            f"{number(p['surface_voxels'])} surface voxels; {number(p['expected_ns_per_frame'] / 1e3, 'µs')} a frame expected.</p>{listed(p['built'])}")
+    text = (
+        f"<p>Contact model <b>{esc(p['contact_model'])}</b> at voxels of {1e3 * p['voxel_size_m']:.3g} mm: {number(p['shell_points'])} shell points, "
+        f"{number(p['surface_voxels'])} surface voxels; {number(p['expected_ns_per_frame'] / 1e3, 'µs')} a frame expected.</p>{listed(p['built'])}"
+    )
     text += f"<h3>Warnings</h3>{listed(p['warnings'])}" if p["warnings"] else ""
-    return text + (f"<details><summary>Left out ({len(p['left_out'])})</summary>{listed(p['left_out'])}</details>" if p["left_out"] else "")
+    return text + (
+        f"<details><summary>Left out ({len(p['left_out'])})</summary>{listed(p['left_out'])}</details>"
+        if p["left_out"]
+        else ""
+    )
 
 
 def when(begin, end):
@@ -188,34 +305,79 @@ def fault_rows(run):
     faults = run.faults()
     if not faults:
         return "<p class=good>None: no flag of a fault, no sample without an answer, nothing lost on the way to the bag.</p>"
-    rows = [(when(begin, end), "" if n is None else number(n), esc(who), esc(what)) for begin, end, n, who, what in faults]
+    rows = [
+        (when(begin, end), "" if n is None else number(n), esc(who), esc(what))
+        for begin, end, n, who, what in faults
+    ]
     return table(("time [s]", "how many", "who", "what"), rows, (0, 1))
 
 
 def change_rows(run):
     answers = [(run.at(time), answer) for _, time, answer in run.bag.messages("rendering/changed")]
     words = {1: "waiting", 2: "done", 3: "refused"}
-    return table(("time [s]", "result", "what"), [(f"{t:.3f}", words.get(a["result"], "?"), esc(a["sentence"])) for t, a in answers], (0,)) if answers else ""
+    return (
+        table(
+            ("time [s]", "result", "what"),
+            [(f"{t:.3f}", words.get(a["result"], "?"), esc(a["sentence"])) for t, a in answers],
+            (0,),
+        )
+        if answers
+        else ""
+    )
 
 
 def node_rows(run):
-    rows = [(esc(node), esc(f"{host}, process {pid}"), esc(STATES.get(s["state"], "?")), esc(s["message"])) for (node, host, pid), s in sorted(run.nodes.items())]
-    return table(("node", "on", "last state", "last sentence"), rows) if rows else "<p>No node told its status.</p>"
+    rows = [
+        (
+            esc(node),
+            esc(f"{host}, process {pid}"),
+            esc(STATES.get(s["state"], "?")),
+            esc(s["message"]),
+        )
+        for (node, host, pid), s in sorted(run.nodes.items())
+    ]
+    return (
+        table(("node", "on", "last state", "last sentence"), rows)
+        if rows
+        else "<p>No node told its status.</p>"
+    )
 
 
 # What both the page and a node count, so that a reader can compare them.
-COUNTED = (("largest force [N]", "max_force_n", "device", "max_force_n"), ("rate [Hz]", "rate_hz", "device", "rate_hz"), ("samples", "samples", "device", "samples"),
-           ("samples answered", "answered", "device", "answered"),
-           ("samples with a force, of contact or effects", "contact_samples", "rendering", "contact_samples"),
-           ("samples held: points have gone through", "held_samples", "rendering", "held_samples"),
-           ("samples in which deeper meets no more force", "saturated_samples", "rendering", "saturated_samples"),
-           ("samples capped to the certified stiffness", "capped_samples", "coupling", "capped_samples"),
-           ("samples in which injected damping was cut to what it may add", "bounded_samples", "coupling", "bounded_samples"),
-           ("samples with the passivity controller", "passivity_samples", "coupling", "passivity_samples"))
+COUNTED = (
+    ("largest force [N]", "max_force_n", "device", "max_force_n"),
+    ("rate [Hz]", "rate_hz", "device", "rate_hz"),
+    ("samples", "samples", "device", "samples"),
+    ("samples answered", "answered", "device", "answered"),
+    (
+        "samples with a force, of contact or effects",
+        "contact_samples",
+        "rendering",
+        "contact_samples",
+    ),
+    ("samples held: points have gone through", "held_samples", "rendering", "held_samples"),
+    (
+        "samples in which deeper meets no more force",
+        "saturated_samples",
+        "rendering",
+        "saturated_samples",
+    ),
+    ("samples capped to the certified stiffness", "capped_samples", "coupling", "capped_samples"),
+    (
+        "samples in which injected damping was cut to what it may add",
+        "bounded_samples",
+        "coupling",
+        "bounded_samples",
+    ),
+    ("samples with the passivity controller", "passivity_samples", "coupling", "passivity_samples"),
+)
 
 
 def counted_rows(run):
-    rows = [(esc(what), number(run.figures[key], "", 5), number(run.counted(node, figure), "", 5), node) for what, key, node, figure in COUNTED]
+    rows = [
+        (esc(what), number(run.figures[key], "", 5), number(run.counted(node, figure), "", 5), node)
+        for what, key, node, figure in COUNTED
+    ]
     return table(("figure", "in the bag", "by the node", "node"), rows, (1, 2))
 
 
@@ -230,18 +392,30 @@ def force_title(run):
         return "no command was recorded"
     if not f["contact_samples"] and not f["max_force_n"] > 1e-9:
         return "nothing was touched, and no force was felt"
-    share = f", {percent(f['share_of_limit'], 2)} of what the device can give" if f["share_of_limit"] is not None else ""
+    share = (
+        f", {percent(f['share_of_limit'], 2)} of what the device can give"
+        if f["share_of_limit"] is not None
+        else ""
+    )
     return f"at most {number(f['max_force_n'], 'N')} came back to the hand{share}"
 
 
 def peak_title(run):
     peak = run.figures["max_force_n"]
-    return "no command was recorded" if peak is None else f"{number(peak, 'N')} at {run.figures['max_force_at_s']:.2f}\u00a0s"
+    return (
+        "no command was recorded"
+        if peak is None
+        else f"{number(peak, 'N')} at {run.figures['max_force_at_s']:.2f}\u00a0s"
+    )
 
 
 def depth_title(run):
     f = run.figures
-    return f"the tool was {number(f['max_depth_mm'], 'mm')} deep at most" if f["contact_samples"] and (f["max_depth_mm"] or 0.0) > 0 else "the tool touched nothing"
+    return (
+        f"the tool was {number(f['max_depth_mm'], 'mm')} deep at most"
+        if f["contact_samples"] and (f["max_depth_mm"] or 0.0) > 0
+        else "the tool touched nothing"
+    )
 
 
 def latency_title(run):
@@ -256,7 +430,11 @@ def energy_title(run):
         return "no command was recorded"
     if run.figures["max_energy_j"] is None:
         return "none of its numbers is one"
-    most, taken, bound = run.figures["max_energy_j"], max(0.0, -run.figures["least_energy_j"]), run.counted("coupling", "energy_bound_j")
+    most, taken, bound = (
+        run.figures["max_energy_j"],
+        max(0.0, -run.figures["least_energy_j"]),
+        run.counted("coupling", "energy_bound_j"),
+    )
     text = f"the hand put in {number(1e3 * most, 'mJ')} at most in one contact, and "
     if bound and taken <= bound:
         return text + f"never took out more: {number(1e3 * bound, 'mJ')} below zero are allowed"
@@ -266,22 +444,23 @@ def energy_title(run):
 # What stands under each picture.
 CAPTIONS = {
     "force": "<b>Force of the contact</b> is what the voxels and shell points give at the scene's own stiffness, in the world's axes; nobody "
-        "feels it as it is. <b>Force returned</b> is what the coupling made of it for the hand, in the device's axes: capped to the "
-        "stiffness that is certified to be stable, filtered, so that it comes a little later, damped, and with what effects add. So the two "
-        "differ, and the first is usually the larger. A gap is a time of which the bag holds nothing.",
+    "feels it as it is. <b>Force returned</b> is what the coupling made of it for the hand, in the device's axes: capped to the "
+    "stiffness that is certified to be stable, filtered, so that it comes a little later, damped, and with what effects add. So the two "
+    "differ, and the first is usually the larger. A gap is a time of which the bag holds nothing.",
     "apart": "Here what touches is not where the hand is (a body, or a virtual tool): the contact acts on it, and the hand feels its grip on the "
-        "body or the spring between.",
+    "body or the spring between.",
     "peak": "The second before and the second after it; every sample is drawn.",
     "felt": "Time spent at each size of the force returned; samples without force are left out. The scale of time is logarithmic, so that short "
-        "peaks are seen.",
+    "peaks are seen.",
     "torque": "Torque about the tool's origin.",
     "depth": "Depth is of the deepest shell point, 0 where nothing touches. The gap is the reference's, at the samples that the validator "
-        "checked; in free air it leaves the plane above. Both are positive upwards, so a gap below zero goes with a depth above it.",
+    "checked; in free air it leaves the plane above. Both are positive upwards, so a gap below zero goes with a depth above it.",
     "latency": "The logger takes each sample and its command as they pass (largest and median of each stretch); the time between the two is "
-        "blurred by its own waking, and a long one may be the logger's. The device's own figures are from its write of a sample to its "
-        "command's arrival, over the run so far. Red: periods that the device skipped in the tenth of a second before.",
+    "blurred by its own waking, and a long one may be the logger's. The device's own figures are from its write of a sample to its "
+    "command's arrival, over the run so far. Red: periods that the device skipped in the tenth of a second before.",
     "energy": "What the hand has put into this contact so far, net, by the coupling's passivity observer; each contact begins anew. Where the "
-        "balance falls, the passivity controller adds damping; below zero the contact would have given more than it took."}
+    "balance falls, the passivity controller adds damping; below zero the contact would have given more than it took.",
+}
 
 
 def picture_sections(runs, progress):
@@ -291,25 +470,57 @@ def picture_sections(runs, progress):
     def picture(name, title, sentence, share, more=""):
         title = f"{title}: {names(runs, sentence)}"
         svg = run_pictures.drawn(getattr(run_pictures, name + "_picture"), runs, name, esc(title))
-        out.append(section(esc(title), f"<figure>{svg}<figcaption>{CAPTIONS[name]} {more}</figcaption></figure>"))
+        out.append(
+            section(
+                esc(title),
+                f"<figure>{svg}<figcaption>{CAPTIONS[name]} {more}</figcaption></figure>",
+            )
+        )
         progress(share)
+
     commands, contacts = any(len(r.command) for r in runs), any(len(r.contact) for r in runs)
     if commands or contacts:
-        picture("force", "Force over time", force_title, 0.3, CAPTIONS["apart"] if any(r.apart for r in runs) else "")
+        picture(
+            "force",
+            "Force over time",
+            force_title,
+            0.3,
+            CAPTIONS["apart"] if any(r.apart for r in runs) else "",
+        )
     if any(len(run.command) > 2 * STRETCHES for run in runs):
         picture("peak", "Sample by sample around the largest force", peak_title, 0.35)
     if commands:
         picture("felt", "How long which force was felt", force_title, 0.45)
     if any((r.torque != 0).any() for r in runs):
-        picture("torque", "Torque over time", lambda r: f"at most {number(r.figures['max_torque_nm'], 'Nm')}", 0.5)
+        picture(
+            "torque",
+            "Torque over time",
+            lambda r: f"at most {number(r.figures['max_torque_nm'], 'Nm')}",
+            0.5,
+        )
     if contacts:
         picture("depth", "Depth and gap", depth_title, 0.65)
     if any(not r.lockstep for r in runs):
-        untold = [r.name for r in runs if not r.lockstep and r.counted("device", "latency_p50_us") is None]
-        picture("latency", "Latency and overruns", lambda r: "none in lockstep" if r.lockstep else latency_title(r), 0.8,
-                "".join(f"{esc(name)}: the device told no latency, so its lines are missing. " for name in untold))
+        untold = [
+            r.name for r in runs if not r.lockstep and r.counted("device", "latency_p50_us") is None
+        ]
+        picture(
+            "latency",
+            "Latency and overruns",
+            lambda r: "none in lockstep" if r.lockstep else latency_title(r),
+            0.8,
+            "".join(
+                f"{esc(name)}: the device told no latency, so its lines are missing. "
+                for name in untold
+            ),
+        )
     else:
-        out.append(section("Latency and overruns", "<p>In lockstep time is simulated: there is no latency to measure, and no period to skip.</p>"))
+        out.append(
+            section(
+                "Latency and overruns",
+                "<p>In lockstep time is simulated: there is no latency to measure, and no period to skip.</p>",
+            )
+        )
     if commands:
         picture("energy", "Energy", energy_title, 0.95)
     return out
@@ -322,30 +533,53 @@ def page(runs, progress=lambda share: None):
     notes = [note for run in runs for note in run.bag.notes]
     span = max(run.length_s for run in runs) / STRETCHES
     drawn_from = max(len(run.command) for run in runs)
-    decimated = (f"Curves are drawn in {STRETCHES} stretches of {1e3 * span:.2g} ms each, every one from its smallest to its largest value, so that no "
-                 "peak is left out. "
-                 if drawn_from > 2 * STRETCHES else "Curves show every sample. ")
-    parts = [f"<header><h1>{esc(names_of_runs)}</h1>{beside(runs, lambda run: f'<p>{kind_of_run(run)}</p>{verdict(run)}{tiles(run)}')}"
-             + (f"<h3>What is to be known of the bag</h3>{listed(notes)}" if notes else "") + "</header>"]
+    decimated = (
+        f"Curves are drawn in {STRETCHES} stretches of {1e3 * span:.2g} ms each, every one from its smallest to its largest value, so that no "
+        "peak is left out. "
+        if drawn_from > 2 * STRETCHES
+        else "Curves show every sample. "
+    )
+    parts = [
+        f"<header><h1>{esc(names_of_runs)}</h1>{beside(runs, lambda run: f'<p>{kind_of_run(run)}</p>{verdict(run)}{tiles(run)}')}"
+        + (f"<h3>What is to be known of the bag</h3>{listed(notes)}" if notes else "")
+        + "</header>"
+    ]
     parts += picture_sections(runs, progress)
-    parts.append(section("Faults and when they came", beside(runs, fault_rows), "<p class=quiet>Times are of the device's clock since "
-                         "the first sample. Samples of one kind that lie "
-                         "closer than 50 ms are one row; the device's own counts come ten times a second.</p>"))
+    parts.append(
+        section(
+            "Faults and when they came",
+            beside(runs, fault_rows),
+            "<p class=quiet>Times are of the device's clock since "
+            "the first sample. Samples of one kind that lie "
+            "closer than 50 ms are one row; the device's own counts come ten times a second.</p>",
+        )
+    )
     parts.append(section("Limits of a good run", beside(runs, limit_rows)))
     if any(run.bag.rows["rendering/changed"].times for run in runs):
         parts.append(section("Changes while it ran", beside(runs, change_rows)))
     parts.append(section("The coupling", beside(runs, design_words)))
     parts.append(section("The scene as it was built", beside(runs, plan_words)))
     parts.append(section("To run it again", beside(runs, repeat)))
-    parts.append(section("Counted twice", "<p>By this page, sample for sample, in what was recorded; and by the nodes, which also count what no "
-                         "bag holds. Where they differ, "
-                         "something was not recorded, or came too late to be used.</p>", beside(runs, counted_rows)))
+    parts.append(
+        section(
+            "Counted twice",
+            "<p>By this page, sample for sample, in what was recorded; and by the nodes, which also count what no "
+            "bag holds. Where they differ, "
+            "something was not recorded, or came too late to be used.</p>",
+            beside(runs, counted_rows),
+        )
+    )
     parts.append(section("Nodes", beside(runs, node_rows)))
-    parts.append(f"<p class=quiet>{decimated}A triangle at an edge marks a spike that would have squashed the rest, with its size. "
-                 f"Written by <code>voxtouch report</code> "
-                 f"from {esc(', '.join(str(run.bag.path) for run in runs))}; this page loads nothing from anywhere.</p>")
+    parts.append(
+        f"<p class=quiet>{decimated}A triangle at an edge marks a spike that would have squashed the rest, with its size. "
+        f"Written by <code>voxtouch report</code> "
+        f"from {esc(', '.join(str(run.bag.path) for run in runs))}; this page loads nothing from anywhere.</p>"
+    )
     data = json.dumps([run.figures for run in runs]).replace("<", "\\u003c")
-    return (f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">'
-            f'<meta http-equiv="Content-Security-Policy" content="default-src \'none\'; style-src \'unsafe-inline\'">'
-            f'<title>{esc(names_of_runs)} – voxtouch report</title><style>{CSS}</style></head>\n<body><main>\n' + "\n".join(parts) +
-            f'\n</main><script type="application/json" id="figures">{data}</script></body></html>\n')
+    return (
+        f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">'
+        f"<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'\">"
+        f"<title>{esc(names_of_runs)} – voxtouch report</title><style>{CSS}</style></head>\n<body><main>\n"
+        + "\n".join(parts)
+        + f'\n</main><script type="application/json" id="figures">{data}</script></body></html>\n'
+    )

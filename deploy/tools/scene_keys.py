@@ -38,7 +38,9 @@ def scenes():
     for file in sorted(SCENES.glob("*.yaml")):
         text = file.read_text(encoding="utf-8")
         comment = re.match(r"# yaml-language-server.*\n((?:#.*\n)+)", text)
-        said = " ".join(line.lstrip("# ") for line in comment.group(1).splitlines()) if comment else ""
+        said = (
+            " ".join(line.lstrip("# ") for line in comment.group(1).splitlines()) if comment else ""
+        )
         motions = text.split("\nmotions:", 1)[1] if "\nmotions:" in text else ""
         yield file.name, said, re.findall(r"^  ([A-Za-z0-9_-]+):", motions, re.MULTILINE)
 
@@ -64,9 +66,16 @@ def kind(schema):
         many = f"{low} " if low and low == high else f"at least {low} " if low else ""
         return f"list of {many}" + re.sub(r"^(number|map)\b", r"\1s", kind(items))
     if types == "object":
-        return "map" if "properties" in schema else f"map of names to {kind(schema['additionalProperties'])}"
-    limits = [f"{sign} {value(schema[key])}" for key, sign in
-              (("exclusiveMinimum", ">"), ("minimum", ">="), ("maximum", "<=")) if key in schema]
+        return (
+            "map"
+            if "properties" in schema
+            else f"map of names to {kind(schema['additionalProperties'])}"
+        )
+    limits = [
+        f"{sign} {value(schema[key])}"
+        for key, sign in (("exclusiveMinimum", ">"), ("minimum", ">="), ("maximum", "<="))
+        if key in schema
+    ]
     return " ".join([types] + ([", ".join(limits)] if limits else []))
 
 
@@ -85,7 +94,9 @@ def rules(schema):
         yield f"One of {named(one_of)}."
     if "required" in schema.get("not", {}):
         yield f"Not together: {named(schema['not']['required'])}."
-    for together in dict.fromkeys(tuple(keys) for keys in schema.get("dependentRequired", {}).values()):
+    for together in dict.fromkeys(
+        tuple(keys) for keys in schema.get("dependentRequired", {}).values()
+    ):
         yield f"All or none of {named(together)}."
     if "if" in schema:
         condition = schema["if"]
@@ -128,7 +139,9 @@ def section(name, schema, level):
     for key, inner in schema["properties"].items():
         for choice in [inner, inner.get("items", {})] + inner.get("oneOf", []):
             if "properties" in choice:
-                yield from section(f"{name}.{key}" if name != TOP else key, choice, min(level + 1, 5))
+                yield from section(
+                    f"{name}.{key}" if name != TOP else key, choice, min(level + 1, 5)
+                )
 
 
 def effects(schema):
@@ -136,7 +149,9 @@ def effects(schema):
     kinds = {choice["required"][0] for choice in schema["oneOf"]}
     keys = schema["properties"]
     yield "\n### effect\n"
-    yield "An entry of `effects` names one kind: " + ", ".join(f"[{k}](#{k})" for k in keys if k in kinds) + ".\n"
+    yield "An entry of `effects` names one kind: " + ", ".join(
+        f"[{k}](#{k})" for k in keys if k in kinds
+    ) + ".\n"
     yield "Beside its kind an effect may have:\n"
     yield TABLE
     for key, inner in keys.items():
@@ -152,7 +167,10 @@ def effects(schema):
 
 def manual():
     schema = json.loads((SCENES / "scene.schema.json").read_text(encoding="utf-8"))
-    rows = "".join(f"| [`{name}`]({name}) | {said} | {', '.join(f'`{m}`' for m in motions)} |\n" for name, said, motions in scenes())
+    rows = "".join(
+        f"| [`{name}`]({name}) | {said} | {', '.join(f'`{m}`' for m in motions)} |\n"
+        for name, said, motions in scenes()
+    )
     lines = list(section(TOP, schema, 3))
     for name, definition in schema["$defs"].items():
         lines += effects(definition) if name == "effect" else section(name, definition, 3)
@@ -165,7 +183,9 @@ def main(arguments):
     if arguments == ["--check"]:
         if target.exists() and target.read_text(encoding="utf-8") == text:
             return 0
-        print("deploy/scenes/README.md is not what deploy/tools/scene_keys.py writes: run that script, and commit the file.")
+        print(
+            "deploy/scenes/README.md is not what deploy/tools/scene_keys.py writes: run that script, and commit the file."
+        )
         return 1
     if arguments:
         print(__doc__, file=sys.stderr)

@@ -6,27 +6,35 @@
 
 namespace voxtouch::arm {
 
-devices::DeviceResult<devices::DeviceSample> AnsweringDriver::read(std::chrono::microseconds timeout) noexcept {
+devices::DeviceResult<devices::DeviceSample> AnsweringDriver::read(
+    std::chrono::microseconds timeout) noexcept {
   if (!fresh_) {
-    if (unanswered_) ++counts_.unread_answers, answer_without_push();
+    if (unanswered_)
+      ++counts_.unread_answers, answer_without_push();
     const std::uint64_t malformed = counts_.malformed;
     const std::chrono::duration<double> patience(virtual_time_ ? virtual_timeout_s_ : 0.0);
-    const auto wait = std::max<Clock::duration>(std::chrono::duration_cast<Clock::duration>(patience), timeout);
+    const auto wait =
+        std::max<Clock::duration>(std::chrono::duration_cast<Clock::duration>(patience), timeout);
     switch (wait_and_take(Clock::now() + wait)) {
-      case Intake::kNothing: return std::unexpected(nothing_new(malformed));
-      case Intake::kUntrusted: return std::unexpected(devices::DeviceError::kProtocol);  // already answered
-      case Intake::kNew: accept();
+      case Intake::kNothing:
+        return std::unexpected(nothing_new(malformed));
+      case Intake::kUntrusted:
+        return std::unexpected(devices::DeviceError::kProtocol);  // already answered
+      case Intake::kNew:
+        accept();
     }
   }
   fresh_ = false;
   const devices::DeviceError trouble = closed() ? devices::DeviceError::kDisconnected : error();
-  if (trouble == devices::DeviceError::kRecoverable) return sample_;
+  if (trouble == devices::DeviceError::kRecoverable)
+    return sample_;
   answer_without_push();
   return std::unexpected(trouble);
 }
 
 devices::DeviceResult<void> AnsweringDriver::write(const Wrench& command) noexcept {
-  if (!unanswered_) return std::unexpected(devices::DeviceError::kTimeout);
+  if (!unanswered_)
+    return std::unexpected(devices::DeviceError::kTimeout);
   if (const auto good = devices::check_command(command, description_); !good) {
     ++counts_.refused;
     answer_without_push();
@@ -37,38 +45,49 @@ devices::DeviceResult<void> AnsweringDriver::write(const Wrench& command) noexce
     answer_without_push();
     return std::unexpected(allowed ? devices::DeviceError::kProtocol : error());
   }
-  if (!push(command)) return std::unexpected(devices::DeviceError::kRecoverable);
+  if (!push(command))
+    return std::unexpected(devices::DeviceError::kRecoverable);
   return {};
 }
 
 AnsweringDriver::Intake AnsweringDriver::wait_and_take(Clock::time_point deadline) noexcept {
   for (;;) {
-    if (const Intake intake = take(); intake != Intake::kNothing) return intake;
+    if (const Intake intake = take(); intake != Intake::kNothing)
+      return intake;
     const auto left = deadline - Clock::now();
-    if (left <= Clock::duration::zero() || !socket_->wait(left)) return Intake::kNothing;
+    if (left <= Clock::duration::zero() || !socket_->wait(left))
+      return Intake::kNothing;
   }
 }
 
 AnsweringDriver::Intake AnsweringDriver::take() noexcept {
   Intake newest = Intake::kNothing;
   while (const auto datagram = socket_->receive(buffer_)) {
-    const Intake intake = judge(*datagram, std::span(buffer_).first(std::min(datagram->size, buffer_.size())));
-    if (intake == Intake::kNothing) continue;
-    if (newest != Intake::kNothing) ++counts_.superseded;
+    const Intake intake =
+        judge(*datagram, std::span(buffer_).first(std::min(datagram->size, buffer_.size())));
+    if (intake == Intake::kNothing)
+      continue;
+    if (newest != Intake::kNothing)
+      ++counts_.superseded;
     newest = intake;
     controller_ = datagram->from;
     keep(intake);
   }
-  if (newest == Intake::kUntrusted) answer_untrusted();
+  if (newest == Intake::kUntrusted)
+    answer_untrusted();
   return newest;
 }
 
 devices::DeviceError AnsweringDriver::nothing_new(std::uint64_t malformed_before) noexcept {
   silent_.store(true, std::memory_order_relaxed);
-  const bool lost = std::chrono::duration<double>(Clock::now() - heard_.load(std::memory_order_relaxed)).count() > silence_s_;
+  const bool lost =
+      std::chrono::duration<double>(Clock::now() - heard_.load(std::memory_order_relaxed)).count() >
+      silence_s_;
   heard_nothing(lost);
-  if (lost || closed()) return devices::DeviceError::kDisconnected;
-  return counts_.malformed != malformed_before ? devices::DeviceError::kProtocol : devices::DeviceError::kTimeout;
+  if (lost || closed())
+    return devices::DeviceError::kDisconnected;
+  return counts_.malformed != malformed_before ? devices::DeviceError::kProtocol
+                                               : devices::DeviceError::kTimeout;
 }
 
 }  // namespace voxtouch::arm

@@ -10,7 +10,8 @@ namespace voxtouch::arm {
 
 struct ArmJoint {
   std::string_view name;
-  Pose origin;  ///< of the joint's link in that of the link before, at an angle of 0; it turns about its own z
+  Pose origin;  ///< of the joint's link in that of the link before, at an angle of 0; it turns
+                ///< about its own z
   double low_rad = 0.0, high_rad = 0.0, velocity_rad_s = 0.0, torque_nm = 0.0;  ///< limits
 };
 
@@ -21,7 +22,8 @@ struct ArmDescription {
   double link_radius_m = 0.04;   ///< as the links are drawn
 };
 
-/// The same as URDF: links <model>_base, <model>_link1 and so on, <model>_flange. Each link is drawn as a cylinder to the next.
+/// The same as URDF: links <model>_base, <model>_link1 and so on, <model>_flange. Each link is
+/// drawn as a cylinder to the next.
 std::string to_urdf(const ArmDescription& arm);
 
 }  // namespace voxtouch::arm

@@ -28,14 +28,18 @@ constexpr std::string_view kReady = "simulated controller:";  // begins its firs
 constexpr int kExecFailed = 127;
 
 std::string words(int status) {
-  if (WIFSIGNALED(status)) return fmt::format("was ended by signal {}", WTERMSIG(status));
+  if (WIFSIGNALED(status))
+    return fmt::format("was ended by signal {}", WTERMSIG(status));
   return fmt::format("ended with status {}", WEXITSTATUS(status));
 }
 
 /// Between fork and exec of a process with threads: async-signal-safe calls only.
 [[noreturn]] void become(char* const* argv, pid_t parent, int hand, int log) {
-  prctl(PR_SET_PDEATHSIG, SIGKILL);  // it must not go on sending to a port that belongs to nobody, or to somebody else
-  if (getppid() != parent) _exit(kExecFailed);
+  prctl(
+      PR_SET_PDEATHSIG,
+      SIGKILL);  // it must not go on sending to a port that belongs to nobody, or to somebody else
+  if (getppid() != parent)
+    _exit(kExecFailed);
   setpgid(0, 0);  // Ctrl-C is the parent's, which stops the arm before it ends this
   sigset_t none;
   sigemptyset(&none);
@@ -50,22 +54,29 @@ std::string words(int status) {
 
 }  // namespace
 
-ControllerProcess::File::File(const char* name, std::string_view device) : number(memfd_create(name, MFD_CLOEXEC)) {
+ControllerProcess::File::File(const char* name, std::string_view device)
+    : number(memfd_create(name, MFD_CLOEXEC)) {
   if (number < 0)
-    throw devices::DeviceOpenError(fmt::format("device '{}': no file in memory could be made ({})", device, std::strerror(errno)));
+    throw devices::DeviceOpenError(fmt::format("device '{}': no file in memory could be made ({})",
+                                               device, std::strerror(errno)));
 }
 
 ControllerProcess::File::~File() { close(number); }
 
-ControllerProcess::ControllerProcess(std::string_view device, const std::string& name, const std::vector<std::string>& arguments,
+ControllerProcess::ControllerProcess(std::string_view device, const std::string& name,
+                                     const std::vector<std::string>& arguments,
                                      const std::string& hand)
-    : device_(device), hand_("voxtouch_hand", device), log_("voxtouch_controller_log", device) {
+    : device_(device),
+      hand_("voxtouch_hand", device),
+      log_("voxtouch_controller_log", device) {
   if (pwrite(hand_.number, hand.data(), hand.size(), 0) != static_cast<ssize_t>(hand.size()))
     refuse(fmt::format(": the hand could not be written ({})", std::strerror(errno)));
   const std::string program = (program_folder() / name).string();
   if (access(program.c_str(), X_OK) != 0)
-    refuse(fmt::format(": the simulated controller {} cannot be run ({}); build the target {}, and keep it beside this program",
-                       program, std::strerror(errno), name));
+    refuse(
+        fmt::format(": the simulated controller {} cannot be run ({}); build the target {}, and "
+                    "keep it beside this program",
+                    program, std::strerror(errno), name));
   start(program, arguments);
   try {
     wait_until_ready();
@@ -79,25 +90,32 @@ void ControllerProcess::refuse(const std::string& why) const {
   throw devices::DeviceOpenError(fmt::format("device '{}'{}", device_, why));
 }
 
-void ControllerProcess::start(const std::string& program, const std::vector<std::string>& arguments) {
+void ControllerProcess::start(const std::string& program,
+                              const std::vector<std::string>& arguments) {
   std::vector<std::string> texts = {program};
   texts.insert(texts.end(), arguments.begin(), arguments.end());
   texts.insert(texts.end(), {"--hand", fmt::format("/proc/self/fd/{}", hand_.number)});
   std::vector<char*> argv;
-  for (std::string& text : texts) argv.push_back(text.data());
+  for (std::string& text : texts)
+    argv.push_back(text.data());
   argv.push_back(nullptr);
   const pid_t parent = getpid();
   pid_ = fork();
-  if (pid_ == 0) become(argv.data(), parent, hand_.number, log_.number);
-  if (pid_ < 0) refuse(fmt::format(": {} could not be started ({})", program, std::strerror(errno)));
+  if (pid_ == 0)
+    become(argv.data(), parent, hand_.number, log_.number);
+  if (pid_ < 0)
+    refuse(fmt::format(": {} could not be started ({})", program, std::strerror(errno)));
 }
 
 void ControllerProcess::wait_until_ready() {
   for (const auto give_up = Clock::now() + kStart; said().find(kReady) == std::string::npos;) {
     const std::string how = ending();
-    if (!how.empty()) refuse(fmt::format(" cannot be opened: its simulated controller {}: {}", how, said()));
+    if (!how.empty())
+      refuse(fmt::format(" cannot be opened: its simulated controller {}: {}", how, said()));
     if (Clock::now() > give_up)
-      refuse(" cannot be opened: its simulated controller did not get ready; is the machine very busy?");
+      refuse(
+          " cannot be opened: its simulated controller did not get ready; is the machine very "
+          "busy?");
     std::this_thread::sleep_for(2ms);
   }
 }
@@ -106,19 +124,23 @@ ControllerProcess::~ControllerProcess() { end(); }
 
 void ControllerProcess::end() noexcept {
   const std::lock_guard lock(mutex_);
-  if (running()) kill(pid_, SIGTERM);
+  if (running())
+    kill(pid_, SIGTERM);
   for (const auto give_up = Clock::now() + kStopTimeout; running() && Clock::now() < give_up;)
     std::this_thread::sleep_for(2ms);
-  if (!running()) return;
+  if (!running())
+    return;
   kill(pid_, SIGKILL);
   int status = 0;
-  while (waitpid(pid_, &status, 0) < 0 && errno == EINTR) continue;
+  while (waitpid(pid_, &status, 0) < 0 && errno == EINTR)
+    continue;
   status_ = status;
 }
 
 bool ControllerProcess::running() const {
   int status = 0;
-  if (!status_ && waitpid(pid_, &status, WNOHANG) == pid_) status_ = status;
+  if (!status_ && waitpid(pid_, &status, WNOHANG) == pid_)
+    status_ = status;
   return !status_;
 }
 
@@ -133,9 +155,11 @@ std::string ControllerProcess::said() const {
   const off_t from = std::max<off_t>(0, size - static_cast<off_t>(text.size()));
   const ssize_t got = pread(log_.number, text.data(), text.size(), from);
   std::string words(text.data(), static_cast<std::size_t>(std::max<ssize_t>(0, got)));
-  while (!words.empty() && words.back() == '\n') words.pop_back();
+  while (!words.empty() && words.back() == '\n')
+    words.pop_back();
   for (char& c : words)
-    if (c == '\n') c = ' ';
+    if (c == '\n')
+      c = ' ';
   return words;
 }
 

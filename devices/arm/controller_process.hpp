@@ -12,11 +12,12 @@ namespace voxtouch::arm {
 
 class ControllerProcess {
  public:
-  /// Starts `program` from the running program's folder with these arguments and `hand` (text of hand_file.hpp) as its hand, and
-  /// waits until it is ready to send: its first line begins with "simulated controller:". Nothing of it is on a disk. Throws
-  /// DeviceOpenError, which names `device`: the program is not there, or it ended at once; then with what it said.
-  ControllerProcess(std::string_view device, const std::string& program, const std::vector<std::string>& arguments,
-                    const std::string& hand);
+  /// Starts `program` from the running program's folder with these arguments and `hand` (text of
+  /// hand_file.hpp) as its hand, and waits until it is ready to send: its first line begins with
+  /// "simulated controller:". Nothing of it is on a disk. Throws DeviceOpenError, which names
+  /// `device`: the program is not there, or it ended at once; then with what it said.
+  ControllerProcess(std::string_view device, const std::string& program,
+                    const std::vector<std::string>& arguments, const std::string& hand);
   /// Ends it: asked first, by force after 2 s.
   ~ControllerProcess();
   ControllerProcess(const ControllerProcess&) = delete;

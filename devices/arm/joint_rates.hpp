@@ -7,9 +7,10 @@
 
 namespace voxtouch::arm {
 
-/// Backward difference, then a first-order low-pass: rate += (1 - exp(-2 pi f dt)) (difference - rate). Any dt is stable. It lags a
-/// steady acceleration by half a period (the difference) and 1 / (2 pi f) (the low-pass), within a period: a sampled low-pass is
-/// half a period ahead. Real-time safe.
+/// Backward difference, then a first-order low-pass: rate += (1 - exp(-2 pi f dt)) (difference -
+/// rate). Any dt is stable. It lags a steady acceleration by half a period (the difference) and 1 /
+/// (2 pi f) (the low-pass), within a period: a sampled low-pass is half a period ahead. Real-time
+/// safe.
 class JointRates {
  public:
   /// `cutoff_hz`: f of the low-pass, above 0.
@@ -17,7 +18,8 @@ class JointRates {
 
   /// The rates [rad/s] with the positions `q` [rad], `dt_s` [s] after the last ones.
   const Joints& see(const Joints& q, double dt_s) noexcept {
-    if (started_ && dt_s > 0.0) rate_ += (1.0 - std::exp(-per_s_ * dt_s)) * ((q - last_) / dt_s - rate_);
+    if (started_ && dt_s > 0.0)
+      rate_ += (1.0 - std::exp(-per_s_ * dt_s)) * ((q - last_) / dt_s - rate_);
     started_ = true;
     last_ = q;
     return rate_;

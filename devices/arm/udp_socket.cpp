@@ -28,16 +28,17 @@ UdpEndpoint from_system(const sockaddr_in& address) noexcept {
   return {ntohl(address.sin_addr.s_addr), ntohs(address.sin_port)};
 }
 
-/// Since the kernel took the datagram; zero where it did not say. Both stamps are of the wall clock, whose rare steps make one
-/// packet look too old or too new.
+/// Since the kernel took the datagram; zero where it did not say. Both stamps are of the wall
+/// clock, whose rare steps make one packet look too old or too new.
 std::chrono::nanoseconds age_of(msghdr& message) noexcept {
   for (cmsghdr* part = CMSG_FIRSTHDR(&message); part; part = CMSG_NXTHDR(&message, part)) {
-    if (part->cmsg_level != SOL_SOCKET || part->cmsg_type != SCM_TIMESTAMPNS) continue;
+    if (part->cmsg_level != SOL_SOCKET || part->cmsg_type != SCM_TIMESTAMPNS)
+      continue;
     timespec arrived{}, now{};
     std::memcpy(&arrived, CMSG_DATA(part), sizeof arrived);
     clock_gettime(CLOCK_REALTIME, &now);
-    const std::chrono::nanoseconds age =
-        std::chrono::seconds(now.tv_sec - arrived.tv_sec) + std::chrono::nanoseconds(now.tv_nsec - arrived.tv_nsec);
+    const std::chrono::nanoseconds age = std::chrono::seconds(now.tv_sec - arrived.tv_sec) +
+                                         std::chrono::nanoseconds(now.tv_nsec - arrived.tv_nsec);
     return std::max(age, std::chrono::nanoseconds(0));
   }
   return std::chrono::nanoseconds(0);
@@ -46,11 +47,14 @@ std::chrono::nanoseconds age_of(msghdr& message) noexcept {
 std::string advice(int error, std::uint16_t port) {
   if (error == EADDRINUSE)
     return fmt::format(
-        "another program has the port: end it, or give another port here and on the controller (who has it: 'ss -ulnp "
+        "another program has the port: end it, or give another port here and on the controller "
+        "(who has it: 'ss -ulnp "
         "sport = {}')",
         port);
-  if (error == EADDRNOTAVAIL) return "no network interface of this machine has the address: see 'ip address'";
-  if (error == EACCES) return "ports under 1024 need rights that this process has not: use another";
+  if (error == EADDRNOTAVAIL)
+    return "no network interface of this machine has the address: see 'ip address'";
+  if (error == EACCES)
+    return "ports under 1024 need rights that this process has not: use another";
   return "check the address and the network";
 }
 
@@ -58,20 +62,26 @@ std::string advice(int error, std::uint16_t port) {
 
 std::string text_of(const UdpEndpoint& endpoint) {
   const std::uint32_t a = endpoint.address;
-  return fmt::format("{}.{}.{}.{}:{}", a >> 24, a >> 16 & 255, a >> 8 & 255, a & 255, endpoint.port);
+  return fmt::format("{}.{}.{}.{}:{}", a >> 24, a >> 16 & 255, a >> 8 & 255, a & 255,
+                     endpoint.port);
 }
 
 std::optional<std::uint32_t> parse_ipv4(const std::string& text) noexcept {
   in_addr address{};
-  if (inet_pton(AF_INET, text.c_str(), &address) != 1) return std::nullopt;
+  if (inet_pton(AF_INET, text.c_str(), &address) != 1)
+    return std::nullopt;
   return ntohl(address.s_addr);
 }
 
 UdpSocket::UdpSocket(const std::string& address, std::uint16_t port) {
   const auto host = parse_ipv4(address);
-  if (!host) throw devices::DeviceOpenError(fmt::format("'{}' is no IPv4 address like 192.168.0.10", address));
+  if (!host)
+    throw devices::DeviceOpenError(
+        fmt::format("'{}' is no IPv4 address like 192.168.0.10", address));
   file_ = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-  if (file_ < 0) throw devices::DeviceOpenError(fmt::format("the system gives no UDP socket: {}", std::strerror(errno)));
+  if (file_ < 0)
+    throw devices::DeviceOpenError(
+        fmt::format("the system gives no UDP socket: {}", std::strerror(errno)));
   const int on = 1;
   setsockopt(file_, SOL_SOCKET, SO_TIMESTAMPNS, &on,
              sizeof on);  // without it a packet's age is unknown, and taken as zero
@@ -79,8 +89,8 @@ UdpSocket::UdpSocket(const std::string& address, std::uint16_t port) {
   if (bind(file_, reinterpret_cast<const sockaddr*>(&wanted), sizeof wanted) != 0) {
     const int error = errno;
     close(file_);
-    throw devices::DeviceOpenError(
-        fmt::format("cannot receive on UDP {}:{}: {}; {}", address, port, std::strerror(error), advice(error, port)));
+    throw devices::DeviceOpenError(fmt::format("cannot receive on UDP {}:{}: {}; {}", address, port,
+                                               std::strerror(error), advice(error, port)));
   }
   sockaddr_in bound{};
   socklen_t size = sizeof bound;
@@ -93,14 +103,19 @@ UdpSocket::~UdpSocket() { close(file_); }
 bool UdpSocket::wait(std::chrono::nanoseconds timeout) noexcept {
   const auto end = std::chrono::steady_clock::now() + timeout;
   for (;;) {
-    const auto left = std::max(end - std::chrono::steady_clock::now(), std::chrono::steady_clock::duration(0));
+    const auto left =
+        std::max(end - std::chrono::steady_clock::now(), std::chrono::steady_clock::duration(0));
     const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(left);
-    const timespec limit{static_cast<time_t>(seconds.count()), static_cast<long>((left - seconds).count())};
+    const timespec limit{static_cast<time_t>(seconds.count()),
+                         static_cast<long>((left - seconds).count())};
     pollfd wanted{file_, POLLIN, 0};
     const int ready = ppoll(&wanted, 1, &limit, nullptr);
-    if (ready > 0) return true;
-    if (ready == 0) return false;
-    if (errno != EINTR) return false;
+    if (ready > 0)
+      return true;
+    if (ready == 0)
+      return false;
+    if (errno != EINTR)
+      return false;
   }
 }
 
@@ -116,9 +131,12 @@ std::optional<UdpSocket::Datagram> UdpSocket::receive(std::span<std::byte> buffe
   message.msg_control = control;
   message.msg_controllen = sizeof control;
   for (;;) {
-    const ssize_t size = recvmsg(file_, &message, MSG_TRUNC);  // MSG_TRUNC: the true size, also of one that is too long
-    if (size >= 0) return Datagram{static_cast<std::size_t>(size), from_system(from), age_of(message)};
-    if (errno == EINTR) continue;
+    const ssize_t size = recvmsg(
+        file_, &message, MSG_TRUNC);  // MSG_TRUNC: the true size, also of one that is too long
+    if (size >= 0)
+      return Datagram{static_cast<std::size_t>(size), from_system(from), age_of(message)};
+    if (errno == EINTR)
+      continue;
     return std::nullopt;
   }
 }
@@ -128,8 +146,10 @@ bool UdpSocket::send(std::span<const std::byte> datagram, const UdpEndpoint& to)
   for (;;) {
     const ssize_t sent = sendto(file_, datagram.data(), datagram.size(), MSG_DONTWAIT,
                                 reinterpret_cast<const sockaddr*>(&address), sizeof address);
-    if (sent == static_cast<ssize_t>(datagram.size())) return true;
-    if (sent < 0 && errno == EINTR) continue;
+    if (sent == static_cast<ssize_t>(datagram.size()))
+      return true;
+    if (sent < 0 && errno == EINTR)
+      continue;
     return false;
   }
 }

@@ -24,8 +24,9 @@ std::optional<std::uint32_t> parse_ipv4(const std::string& text) noexcept;
 
 class UdpSocket {
  public:
-  /// Binds `address` (dotted; "0.0.0.0" = every interface) and `port` (0: one that is free). Nobody else may share the port.
-  /// Throws DeviceOpenError: the sentence names address and port, what the system said, and what to do.
+  /// Binds `address` (dotted; "0.0.0.0" = every interface) and `port` (0: one that is free). Nobody
+  /// else may share the port. Throws DeviceOpenError: the sentence names address and port, what the
+  /// system said, and what to do.
   UdpSocket(const std::string& address, std::uint16_t port);
   ~UdpSocket();
   UdpSocket(const UdpSocket&) = delete;
@@ -36,7 +37,8 @@ class UdpSocket {
     UdpEndpoint from;
     std::chrono::nanoseconds age{0};  ///< how long it lay in the kernel
   };
-  /// Waits until something is there, at most `timeout`. False: nothing. Signals do not cut it short.
+  /// Waits until something is there, at most `timeout`. False: nothing. Signals do not cut it
+  /// short.
   bool wait(std::chrono::nanoseconds timeout) noexcept;
   /// The oldest datagram that waits; nullopt: none does.
   std::optional<Datagram> receive(std::span<std::byte> buffer) noexcept;

@@ -1,5 +1,6 @@
 #pragma once
-/// What the wire devices of both arms share: a driver at a simulated controller of ours, in a process of its own.
+/// What the wire devices of both arms share: a driver at a simulated controller of ours, in a
+/// process of its own.
 #include <fmt/format.h>
 
 #include "devices/arm/controller_process.hpp"
@@ -10,22 +11,29 @@
 
 namespace voxtouch::arm {
 
-/// The ring gives a silent peer up after 5 s, and a controller that died has to be seen before that.
+/// The ring gives a silent peer up after 5 s, and a controller that died has to be seen before
+/// that.
 inline constexpr double kVirtualTimeoutS = 4.0;
 
 /// A firm arm: kilograms at the tool that nothing brakes swing past where a relaxed one leads them.
 inline sim::OperatorConfig usual_hand_at_wire() { return *hand::grip("arm-firm"); }
 
-/// Arguments of every simulated controller. In lockstep it waits as long as the ring does; it goes with its parent, so it needs no
-/// patience of its own.
-inline std::vector<std::string> wire_arguments(const Vec3& tool_F, const devices::DeviceOptions& options, const devices::SettingReader& settings) {
-  std::vector<std::string> a = {"--tool", fmt::to_string(tool_F.x()), fmt::to_string(tool_F.y()), fmt::to_string(tool_F.z())};
-  if (options.lockstep) a.insert(a.end(), {"--virtual-time", "--patience", "86400"});
-  for (const std::string& fault : settings.all("fault")) a.insert(a.end(), {"--fault", fault});
+/// Arguments of every simulated controller. In lockstep it waits as long as the ring does; it goes
+/// with its parent, so it needs no patience of its own.
+inline std::vector<std::string> wire_arguments(const Vec3& tool_F,
+                                               const devices::DeviceOptions& options,
+                                               const devices::SettingReader& settings) {
+  std::vector<std::string> a = {"--tool", fmt::to_string(tool_F.x()), fmt::to_string(tool_F.y()),
+                                fmt::to_string(tool_F.z())};
+  if (options.lockstep)
+    a.insert(a.end(), {"--virtual-time", "--patience", "86400"});
+  for (const std::string& fault : settings.all("fault"))
+    a.insert(a.end(), {"--fault", fault});
   return a;
 }
 
-/// D and T of `options` so that the tool lies at `rest_in_d` while the flange is at `flange_B`, with the axes of T, D and the base parallel.
+/// D and T of `options` so that the tool lies at `rest_in_d` while the flange is at `flange_B`,
+/// with the axes of T, D and the base parallel.
 template <class Options>
 void place(Options& options, const Pose& flange_B, const Vec3& rest_in_d, const Vec3& tool_F) {
   options.pose_FT = {tool_F, flange_B.orientation.conjugate().normalized()};
@@ -36,22 +44,29 @@ void place(Options& options, const Pose& flange_B, const Vec3& rest_in_d, const 
 template <class ArmDriver, class Options>
 class WireArm final : ControllerProcess, public ArmDriver {
  public:
-  /// `ready`: the driver's options once the controller has said its first line. Throws DeviceOpenError.
-  WireArm(std::string_view device, const std::string& program, const std::vector<std::string>& arguments, const devices::DeviceOptions& wanted,
+  /// `ready`: the driver's options once the controller has said its first line. Throws
+  /// DeviceOpenError.
+  WireArm(std::string_view device, const std::string& program,
+          const std::vector<std::string>& arguments, const devices::DeviceOptions& wanted,
           const Options& options, Options (*ready)(Options, const std::string& said))
-      : ControllerProcess(device, program, arguments, hand_text(wanted, options)), ArmDriver(ready(options, said())) {}
+      : ControllerProcess(device, program, arguments, hand_text(wanted, options)),
+        ArmDriver(ready(options, said())) {}
 
   std::string trouble() const override {
     const std::string of_driver = ArmDriver::trouble(), how = ending();
-    if (how.empty()) return of_driver;
-    return fmt::format("its simulated controller {}{}{}", how, of_driver.empty() ? "" : "; ", of_driver);
+    if (how.empty())
+      return of_driver;
+    return fmt::format("its simulated controller {}{}{}", how, of_driver.empty() ? "" : "; ",
+                       of_driver);
   }
 
  private:
-  /// The controller's tool has the flange's axes, ours is turned against them: so is the motion in the base.
+  /// The controller's tool has the flange's axes, ours is turned against them: so is the motion in
+  /// the base.
   static std::string hand_text(const devices::DeviceOptions& wanted, const Options& options) {
     hand::HandFile file;
-    file.motion = motion_in_device(devices::motion_of(wanted), options.pose_BD.inverse(), {Vec3::Zero(), options.pose_FT.orientation}, 1.0);
+    file.motion = motion_in_device(devices::motion_of(wanted), options.pose_BD.inverse(),
+                                   {Vec3::Zero(), options.pose_FT.orientation}, 1.0);
     file.hand = wanted.hand.value_or(usual_hand_at_wire());
     file.seed = wanted.seed;
     return hand::to_text(file);

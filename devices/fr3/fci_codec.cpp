@@ -21,19 +21,22 @@ T get(const std::byte* at) noexcept {
   return value;
 }
 
-// The state: its count, then numbers all of one kind, then modes and flags. Places are counted in numbers.
+// The state: its count, then numbers all of one kind, then modes and flags. Places are counted in
+// numbers.
 constexpr std::size_t kId = 8;
-constexpr std::size_t kPoseEe = 0, kPoseEeD = 16, kFlangeEe = 32, kEeK = 48, kFlangeNe = 64, kNeEe = 80, kTau = 126, kTauD = 133,
-                      kQ = 147, kQd = 154, kDq = 161, kPoseEeC = 242, kTheta = 270, kDtheta = 277, kNumbers = 284,
+constexpr std::size_t kPoseEe = 0, kPoseEeD = 16, kFlangeEe = 32, kEeK = 48, kFlangeNe = 64,
+                      kNeEe = 80, kTau = 126, kTauD = 133, kQ = 147, kQd = 154, kDq = 161,
+                      kPoseEeC = 242, kTheta = 270, kDtheta = 277, kNumbers = 284,
                       kAccelerometers = 36;
-constexpr std::size_t kFlags = 1 + 1 + kErrors + kErrors + 1;  // two modes, two lists of errors, the robot's mode
+constexpr std::size_t kFlags =
+    1 + 1 + kErrors + kErrors + 1;  // two modes, two lists of errors, the robot's mode
 static_assert(kId + kNumbers * 8 + kFlags + 8 == kMaxStateBytes);
 constexpr std::size_t kFloatState = kId + (kNumbers + kAccelerometers) * 4 + kFlags + 4;
 static_assert(kFloatState == 1377);
 
 // The command: its count, what a motion generator would say, torques.
-constexpr std::size_t kGenerator = 8 + (7 + 7 + 16 + 6 + 2) * 8, kMotionFinished = kGenerator + 1, kTorques = kGenerator + 2,
-                      kTorqueFinished = kTorques + 7 * 8;
+constexpr std::size_t kGenerator = 8 + (7 + 7 + 16 + 6 + 2) * 8, kMotionFinished = kGenerator + 1,
+                      kTorques = kGenerator + 2, kTorqueFinished = kTorques + 7 * 8;
 static_assert(kTorqueFinished + 1 == kMaxCommandBytes);
 
 constexpr std::uint32_t kNone = 4, kJointVelocity = 1, kExternalController = 2;  // of Move
@@ -42,11 +45,14 @@ constexpr std::uint8_t kNoneMode = 5, kJointVelocityMode = 2;                   
 constexpr std::array<Dialect, 4> kDialects{{
     {10, false, true, true, kNone, kNoneMode, kFloatState, kMaxCommandBytes},
     {9, false, false, true, kJointVelocity, kJointVelocityMode, kMaxStateBytes, kMaxCommandBytes},
-    {6, false, false, false, kJointVelocity, kJointVelocityMode, kMaxStateBytes, kMaxCommandBytes - 1},
-    {5, true, false, false, kJointVelocity, kJointVelocityMode, kMaxStateBytes, kMaxCommandBytes - 1},
+    {6, false, false, false, kJointVelocity, kJointVelocityMode, kMaxStateBytes,
+     kMaxCommandBytes - 1},
+    {5, true, false, false, kJointVelocity, kJointVelocityMode, kMaxStateBytes,
+     kMaxCommandBytes - 1},
 }};
 
-constexpr std::array<std::uint32_t, 6> kCommands = {0, 1, 2, 3, 9, 10}, kPandaCommands = {0, 1, 2, 4, 10, 12};
+constexpr std::array<std::uint32_t, 6> kCommands = {0, 1, 2, 3, 9, 10},
+                                       kPandaCommands = {0, 1, 2, 4, 10, 12};
 
 std::uint32_t number_of(const Dialect& dialect, Request request) noexcept {
   return (dialect.panda ? kPandaCommands : kCommands)[static_cast<std::size_t>(request)];
@@ -60,26 +66,36 @@ void head(Message& message, std::uint32_t command, std::uint32_t id, std::size_t
 }
 
 using enum Outcome;
-constexpr std::array kMove = {kSuccess,     kStarted,       kPreempted,       kSafetyFunction, kSafetyFunction, kNotPossible,
-                              kSingularStart, kInvalidArgument, kReflex, kEmergency,  kInputError,     kAborted};
-constexpr std::array kPandaMove = {kSuccess, kStarted, kPreempted,  kNotPossible, kSingularStart, kInvalidArgument,
-                                   kReflex,  kEmergency, kInputError, kAborted};
-constexpr std::array kStop = {kSuccess, kNotPossible, kSafetyFunction, kEmergency, kReflex, kAborted};
+constexpr std::array kMove = {kSuccess,        kStarted,     kPreempted,     kSafetyFunction,
+                              kSafetyFunction, kNotPossible, kSingularStart, kInvalidArgument,
+                              kReflex,         kEmergency,   kInputError,    kAborted};
+constexpr std::array kPandaMove = {kSuccess,       kStarted,         kPreempted, kNotPossible,
+                                   kSingularStart, kInvalidArgument, kReflex,    kEmergency,
+                                   kInputError,    kAborted};
+constexpr std::array kStop = {kSuccess,   kNotPossible, kSafetyFunction,
+                              kEmergency, kReflex,      kAborted};
 constexpr std::array kPandaStop = {kSuccess, kNotPossible, kEmergency, kReflex, kAborted};
 constexpr std::array kSet = {kSuccess, kNotPossible, kInvalidArgument, kSafetyFunction};
 constexpr std::array kPandaSet = {kSuccess, kNotPossible, kInvalidArgument};
-constexpr std::array kRecovery = {kSuccess, kNotPossible, kSafetyFunction, kManualRecovery, kReflex, kEmergency, kAborted};
-constexpr std::array kPandaRecovery = {kSuccess, kNotPossible, kManualRecovery, kReflex, kEmergency, kAborted};
+constexpr std::array kRecovery = {kSuccess, kNotPossible, kSafetyFunction, kManualRecovery,
+                                  kReflex,  kEmergency,   kAborted};
+constexpr std::array kPandaRecovery = {kSuccess, kNotPossible, kManualRecovery,
+                                       kReflex,  kEmergency,   kAborted};
 
 std::span<const Outcome> outcomes(const Dialect& dialect, Request request) noexcept {
   using Span = std::span<const Outcome>;
   switch (request) {
-    case Request::kConnect: return {};
-    case Request::kMove: return dialect.panda ? Span(kPandaMove) : Span(kMove);
-    case Request::kStopMove: return dialect.panda ? Span(kPandaStop) : Span(kStop);
+    case Request::kConnect:
+      return {};
+    case Request::kMove:
+      return dialect.panda ? Span(kPandaMove) : Span(kMove);
+    case Request::kStopMove:
+      return dialect.panda ? Span(kPandaStop) : Span(kStop);
     case Request::kSetCollisionBehavior:
-    case Request::kSetLoad: return dialect.panda ? Span(kPandaSet) : Span(kSet);
-    case Request::kErrorRecovery: return dialect.panda ? Span(kPandaRecovery) : Span(kRecovery);
+    case Request::kSetLoad:
+      return dialect.panda ? Span(kPandaSet) : Span(kSet);
+    case Request::kErrorRecovery:
+      return dialect.panda ? Span(kPandaRecovery) : Span(kRecovery);
   }
   return {};
 }
@@ -98,91 +114,144 @@ struct Numbers {
   }
   Joints joints(std::span<const std::byte> bytes, std::size_t place) const noexcept {
     Joints j;
-    for (std::size_t i = 0; i < 7; ++i) j[static_cast<Eigen::Index>(i)] = read(bytes, place + i);
+    for (std::size_t i = 0; i < 7; ++i)
+      j[static_cast<Eigen::Index>(i)] = read(bytes, place + i);
     return j;
   }
   void joints(std::span<std::byte> bytes, std::size_t place, const Joints& j) const noexcept {
-    for (std::size_t i = 0; i < 7; ++i) write(bytes, place + i, j[static_cast<Eigen::Index>(i)]);
+    for (std::size_t i = 0; i < 7; ++i)
+      write(bytes, place + i, j[static_cast<Eigen::Index>(i)]);
   }
   /// Column-major transform: its origin.
   Vec3 origin(std::span<const std::byte> bytes, std::size_t place) const noexcept {
     return {read(bytes, place + 12), read(bytes, place + 13), read(bytes, place + 14)};
   }
   void transform(std::span<std::byte> bytes, std::size_t place, const Vec3& origin) const noexcept {
-    for (const std::size_t diagonal : {0, 5, 10, 15}) write(bytes, place + diagonal, 1.0);
-    for (std::size_t i = 0; i < 3; ++i) write(bytes, place + 12 + i, origin[static_cast<Eigen::Index>(i)]);
+    for (const std::size_t diagonal : {0, 5, 10, 15})
+      write(bytes, place + diagonal, 1.0);
+    for (std::size_t i = 0; i < 3; ++i)
+      write(bytes, place + 12 + i, origin[static_cast<Eigen::Index>(i)]);
   }
 };
 
 Errors errors_at(const std::byte* at) noexcept {
   Errors errors = 0;
   for (std::size_t i = 0; i < kErrors; ++i)
-    if (at[i] != std::byte{0}) errors |= Errors{1} << i;
+    if (at[i] != std::byte{0})
+      errors |= Errors{1} << i;
   return errors;
 }
 void errors_to(std::byte* at, Errors errors) noexcept {
-  for (std::size_t i = 0; i < kErrors; ++i) at[i] = static_cast<std::byte>(errors >> i & 1);
+  for (std::size_t i = 0; i < kErrors; ++i)
+    at[i] = static_cast<std::byte>(errors >> i & 1);
 }
 
 /// Behind the numbers.
-std::size_t flags_at(const Dialect& dialect) noexcept { return dialect.state_size - kFlags - (dialect.floats ? 4 : 8); }
+std::size_t flags_at(const Dialect& dialect) noexcept {
+  return dialect.state_size - kFlags - (dialect.floats ? 4 : 8);
+}
 
 constexpr std::array<std::string_view, kErrors> kErrorNames = {
-    "joint position limits violation", "cartesian position limits violation", "self collision avoidance violation",
-    "joint velocity violation", "cartesian velocity violation", "force control safety violation", "joint reflex",
-    "cartesian reflex", "maximum goal pose deviation violation", "maximum path pose deviation violation",
-    "cartesian velocity profile safety violation", "joint position motion generator start pose invalid",
-    "joint motion generator position limits violation", "joint motion generator velocity limits violation",
-    "joint motion generator velocity discontinuity", "joint motion generator acceleration discontinuity",
-    "cartesian position motion generator start pose invalid", "cartesian motion generator elbow limit violation",
-    "cartesian motion generator velocity limits violation", "cartesian motion generator velocity discontinuity",
-    "cartesian motion generator acceleration discontinuity", "cartesian motion generator elbow sign inconsistent",
-    "cartesian motion generator start elbow invalid", "force controller desired force tolerance violation",
-    "start elbow sign inconsistent", "communication constraints violation", "power limit violation",
-    "cartesian motion generator joint position limits violation", "cartesian motion generator joint velocity limits violation",
-    "cartesian motion generator joint velocity discontinuity", "cartesian motion generator joint acceleration discontinuity",
-    "cartesian position motion generator invalid frame", "controller torque discontinuity",
-    "joint p2p insufficient torque for planning", "joint torque range violation", "instability detected",
-    "joint move in wrong direction", "cartesian spline motion generator violation",
-    "joint via motion generator planning joint limit violation", "base acceleration initialization timeout",
+    "joint position limits violation",
+    "cartesian position limits violation",
+    "self collision avoidance violation",
+    "joint velocity violation",
+    "cartesian velocity violation",
+    "force control safety violation",
+    "joint reflex",
+    "cartesian reflex",
+    "maximum goal pose deviation violation",
+    "maximum path pose deviation violation",
+    "cartesian velocity profile safety violation",
+    "joint position motion generator start pose invalid",
+    "joint motion generator position limits violation",
+    "joint motion generator velocity limits violation",
+    "joint motion generator velocity discontinuity",
+    "joint motion generator acceleration discontinuity",
+    "cartesian position motion generator start pose invalid",
+    "cartesian motion generator elbow limit violation",
+    "cartesian motion generator velocity limits violation",
+    "cartesian motion generator velocity discontinuity",
+    "cartesian motion generator acceleration discontinuity",
+    "cartesian motion generator elbow sign inconsistent",
+    "cartesian motion generator start elbow invalid",
+    "force controller desired force tolerance violation",
+    "start elbow sign inconsistent",
+    "communication constraints violation",
+    "power limit violation",
+    "cartesian motion generator joint position limits violation",
+    "cartesian motion generator joint velocity limits violation",
+    "cartesian motion generator joint velocity discontinuity",
+    "cartesian motion generator joint acceleration discontinuity",
+    "cartesian position motion generator invalid frame",
+    "controller torque discontinuity",
+    "joint p2p insufficient torque for planning",
+    "joint torque range violation",
+    "instability detected",
+    "joint move in wrong direction",
+    "cartesian spline motion generator violation",
+    "joint via motion generator planning joint limit violation",
+    "base acceleration initialization timeout",
     "base acceleration invalid reading"};
 
 }  // namespace
 
 std::string_view name_of(Request request) noexcept {
   switch (request) {
-    case Request::kConnect: return "Connect";
-    case Request::kMove: return "Move";
-    case Request::kStopMove: return "StopMove";
-    case Request::kSetCollisionBehavior: return "SetCollisionBehavior";
-    case Request::kSetLoad: return "SetLoad";
-    case Request::kErrorRecovery: return "AutomaticErrorRecovery";
+    case Request::kConnect:
+      return "Connect";
+    case Request::kMove:
+      return "Move";
+    case Request::kStopMove:
+      return "StopMove";
+    case Request::kSetCollisionBehavior:
+      return "SetCollisionBehavior";
+    case Request::kSetLoad:
+      return "SetLoad";
+    case Request::kErrorRecovery:
+      return "AutomaticErrorRecovery";
   }
   return "unknown";
 }
 
 std::string_view sentence_of(Outcome outcome) noexcept {
   switch (outcome) {
-    case kSuccess: return "done";
-    case kStarted: return "the motion has begun";
-    case kWrongVersion: return "the robot speaks another version";
-    case kPreempted: return "another command ended the motion";
-    case kSafetyFunction: return "a safety function is active: the robot's web page names it, release it there";
-    case kNotPossible: return "not possible in this mode: unlock the joints and activate FCI on the robot's web page";
-    case kSingularStart: return "the arm stands at a singular pose: bend its elbow by hand";
-    case kInvalidArgument: return "a value was refused";
-    case kReflex: return "a reflex ended the motion";
-    case kEmergency: return "the user stop is pressed";
-    case kInputError: return "the robot refused what it was sent";
-    case kAborted: return "the robot ended the motion";
-    case kManualRecovery: return "a person has to recover the arm on the robot's web page";
-    case kUnknown: return "an answer without a meaning";
+    case kSuccess:
+      return "done";
+    case kStarted:
+      return "the motion has begun";
+    case kWrongVersion:
+      return "the robot speaks another version";
+    case kPreempted:
+      return "another command ended the motion";
+    case kSafetyFunction:
+      return "a safety function is active: the robot's web page names it, release it there";
+    case kNotPossible:
+      return "not possible in this mode: unlock the joints and activate FCI on the robot's web "
+             "page";
+    case kSingularStart:
+      return "the arm stands at a singular pose: bend its elbow by hand";
+    case kInvalidArgument:
+      return "a value was refused";
+    case kReflex:
+      return "a reflex ended the motion";
+    case kEmergency:
+      return "the user stop is pressed";
+    case kInputError:
+      return "the robot refused what it was sent";
+    case kAborted:
+      return "the robot ended the motion";
+    case kManualRecovery:
+      return "a person has to recover the arm on the robot's web page";
+    case kUnknown:
+      return "an answer without a meaning";
   }
   return "unknown";
 }
 
 const Dialect* dialect_of(std::uint16_t version) noexcept {
-  const auto found = std::find_if(kDialects.begin(), kDialects.end(), [&](const Dialect& d) { return d.version == version; });
+  const auto found = std::find_if(kDialects.begin(), kDialects.end(),
+                                  [&](const Dialect& d) { return d.version == version; });
   return found == kDialects.end() ? nullptr : &*found;
 }
 
@@ -201,8 +270,10 @@ Message move_request(const Dialect& dialect, std::uint32_t id) noexcept {
   head(m, number_of(dialect, Request::kMove), id, kMoveSize);
   put(&m.bytes[12], kExternalController);
   put(&m.bytes[16], dialect.generator);
-  constexpr std::array<double, 3> kWide = {10.0, 3.12, 2.0 * std::numbers::pi};  // m, rad, rad of the elbow
-  for (std::size_t i = 0; i < 6; ++i) put(&m.bytes[20 + 8 * i], kWide[i % 3]);
+  constexpr std::array<double, 3> kWide = {10.0, 3.12,
+                                           2.0 * std::numbers::pi};  // m, rad, rad of the elbow
+  for (std::size_t i = 0; i < 6; ++i)
+    put(&m.bytes[20 + 8 * i], kWide[i % 3]);
   return m;
 }
 
@@ -212,14 +283,17 @@ Message bare_request(const Dialect& dialect, Request request, std::uint32_t id) 
   return m;
 }
 
-Message collision_request(const Dialect& dialect, std::uint32_t id, const CollisionBehavior& behavior) noexcept {
+Message collision_request(const Dialect& dialect, std::uint32_t id,
+                          const CollisionBehavior& behavior) noexcept {
   Message m;
   head(m, number_of(dialect, Request::kSetCollisionBehavior), id, kCollisionSize);
   std::byte* at = &m.bytes[12];
   for (int list = 0; list < 4; ++list)
-    for (int i = 0; i < 7; ++i, at += 8) put(at, behavior.torque_nm[i]);
+    for (int i = 0; i < 7; ++i, at += 8)
+      put(at, behavior.torque_nm[i]);
   for (int list = 0; list < 4; ++list)
-    for (int i = 0; i < 6; ++i, at += 8) put(at, behavior.force[i]);
+    for (int i = 0; i < 6; ++i, at += 8)
+      put(at, behavior.force[i]);
   return m;
 }
 
@@ -229,7 +303,8 @@ Message load_request(const Dialect& dialect, std::uint32_t id, const Load& load)
   put(&m.bytes[12], load.mass_kg);
   for (int i = 0; i < 3; ++i) {
     put(&m.bytes[20 + 8 * static_cast<std::size_t>(i)], load.centre_m[i]);
-    put(&m.bytes[44 + 32 * static_cast<std::size_t>(i)], load.inertia_kg_m2[i]);  // diagonal of nine
+    put(&m.bytes[44 + 32 * static_cast<std::size_t>(i)],
+        load.inertia_kg_m2[i]);  // diagonal of nine
   }
   return m;
 }
@@ -244,15 +319,20 @@ std::optional<Received> StreamReader::next() noexcept {
     skip_ -= now;
     drop(now);
   }
-  if (broken_ || skip_ > 0 || filled_ < kHeaderSize) return std::nullopt;
-  Received message{get<std::uint32_t>(&buffer_[0]), get<std::uint32_t>(&buffer_[4]), get<std::uint32_t>(&buffer_[8]), {}};
+  if (broken_ || skip_ > 0 || filled_ < kHeaderSize)
+    return std::nullopt;
+  Received message{get<std::uint32_t>(&buffer_[0]),
+                   get<std::uint32_t>(&buffer_[4]),
+                   get<std::uint32_t>(&buffer_[8]),
+                   {}};
   constexpr std::size_t kLongest = 1 << 24;  // a robot model is some ten thousand bytes
   if (message.size < kHeaderSize || message.size > kLongest) {
     broken_ = true;
     return std::nullopt;
   }
   const std::size_t wanted = std::min(message.size, kHeaderSize + message.body.size());
-  if (filled_ < wanted) return std::nullopt;
+  if (filled_ < wanted)
+    return std::nullopt;
   std::memcpy(message.body.data(), &buffer_[kHeaderSize], wanted - kHeaderSize);
   const std::size_t here = std::min(message.size, filled_);
   skip_ = message.size - here;
@@ -263,18 +343,21 @@ std::optional<Received> StreamReader::next() noexcept {
 std::optional<Request> request_of(const Dialect& dialect, std::uint32_t command) noexcept {
   const auto& commands = dialect.panda ? kPandaCommands : kCommands;
   const auto found = std::find(commands.begin(), commands.end(), command);
-  if (found == commands.end()) return std::nullopt;
+  if (found == commands.end())
+    return std::nullopt;
   return static_cast<Request>(found - commands.begin());
 }
 
 Outcome outcome_of(const Dialect& dialect, Request request, const Received& received) noexcept {
-  if (request == Request::kConnect) return connect_outcome(received);
+  if (request == Request::kConnect)
+    return connect_outcome(received);
   const std::span<const Outcome> all = outcomes(dialect, request);
   const auto status = std::to_integer<std::size_t>(received.body[0]);
   return received.size > kHeaderSize && status < all.size() ? all[status] : kUnknown;
 }
 
-Message answer(const Dialect& dialect, Request request, std::uint32_t id, Outcome outcome) noexcept {
+Message answer(const Dialect& dialect, Request request, std::uint32_t id,
+               Outcome outcome) noexcept {
   Message m;
   head(m, number_of(dialect, request), id, kHeaderSize + 1);
   const std::span<const Outcome> all = outcomes(dialect, request);
@@ -291,8 +374,10 @@ Message connect_answer(std::uint32_t id, bool accepted, std::uint16_t version) n
 }
 
 Outcome connect_outcome(const Received& received) noexcept {
-  if (received.size < kHeaderSize + 3) return kUnknown;
-  if (received.body[0] == std::byte{0}) return kSuccess;
+  if (received.size < kHeaderSize + 3)
+    return kUnknown;
+  if (received.body[0] == std::byte{0})
+    return kSuccess;
   return received.body[0] == std::byte{1} ? kWrongVersion : kUnknown;
 }
 
@@ -303,15 +388,19 @@ std::uint16_t version_in(const Received& received) noexcept {
 std::string words_of(Errors errors) {
   std::string words;
   for (std::size_t i = 0; i < kErrors; ++i) {
-    if (!(errors >> i & 1)) continue;
-    if (!words.empty()) words += ", ";
+    if (!(errors >> i & 1))
+      continue;
+    if (!words.empty())
+      words += ", ";
     words += kErrorNames[i];
   }
   return words;
 }
 
-PacketFault decode(const Dialect& dialect, std::span<const std::byte> datagram, State& state) noexcept {
-  if (datagram.size() != dialect.state_size) return PacketFault::kLength;
+PacketFault decode(const Dialect& dialect, std::span<const std::byte> datagram,
+                   State& state) noexcept {
+  if (datagram.size() != dialect.state_size)
+    return PacketFault::kLength;
   const Numbers numbers{dialect.floats};
   state.message_id = get<std::uint64_t>(datagram.data());
   state.q = numbers.joints(datagram, kQ);
@@ -325,9 +414,11 @@ PacketFault decode(const Dialect& dialect, std::span<const std::byte> datagram, 
   state.reflex = errors_at(flags + 2 + kErrors);
   const std::byte* rate = flags + kFlags;
   state.success_rate = dialect.floats ? static_cast<double>(get<float>(rate)) : get<double>(rate);
-  const auto generator = std::to_integer<std::uint8_t>(flags[0]), controller = std::to_integer<std::uint8_t>(flags[1]),
+  const auto generator = std::to_integer<std::uint8_t>(flags[0]),
+             controller = std::to_integer<std::uint8_t>(flags[1]),
              mode = std::to_integer<std::uint8_t>(flags[kFlags - 1]);
-  if (generator > kNoneMode || controller > 3 || mode > 6) return PacketFault::kEnum;
+  if (generator > kNoneMode || controller > 3 || mode > 6)
+    return PacketFault::kEnum;
   state.generator_mode = generator;
   state.controller = static_cast<ControllerMode>(controller);
   state.mode = static_cast<RobotMode>(mode);
@@ -340,39 +431,51 @@ std::size_t encode(const Dialect& dialect, const State& state, std::span<std::by
   std::fill(bytes.begin(), bytes.end(), std::byte{0});
   const Numbers numbers{dialect.floats};
   put(bytes.data(), state.message_id);
-  for (const std::size_t place : {kEeK, kFlangeNe, kNeEe}) numbers.transform(bytes, place, Vec3::Zero());
-  for (const std::size_t place : {kPoseEe, kPoseEeD, kPoseEeC}) numbers.transform(bytes, place, state.ee_in_base);
+  for (const std::size_t place : {kEeK, kFlangeNe, kNeEe})
+    numbers.transform(bytes, place, Vec3::Zero());
+  for (const std::size_t place : {kPoseEe, kPoseEeD, kPoseEeC})
+    numbers.transform(bytes, place, state.ee_in_base);
   numbers.transform(bytes, kFlangeEe, state.ee_in_flange);
   numbers.joints(bytes, kTau, state.tau);
   numbers.joints(bytes, kTauD, state.tau_d);
-  for (const std::size_t place : {kQ, kQd, kTheta}) numbers.joints(bytes, place, state.q);
-  for (const std::size_t place : {kDq, kDtheta}) numbers.joints(bytes, place, state.dq);
+  for (const std::size_t place : {kQ, kQd, kTheta})
+    numbers.joints(bytes, place, state.q);
+  for (const std::size_t place : {kDq, kDtheta})
+    numbers.joints(bytes, place, state.dq);
   std::byte* flags = bytes.data() + flags_at(dialect);
   flags[0] = static_cast<std::byte>(state.generator_mode);
   flags[1] = static_cast<std::byte>(state.controller);
   errors_to(flags + 2, state.errors);
   errors_to(flags + 2 + kErrors, state.reflex);
   flags[kFlags - 1] = static_cast<std::byte>(state.mode);
-  dialect.floats ? put(flags + kFlags, static_cast<float>(state.success_rate)) : put(flags + kFlags, state.success_rate);
+  dialect.floats ? put(flags + kFlags, static_cast<float>(state.success_rate))
+                 : put(flags + kFlags, state.success_rate);
   return bytes.size();
 }
 
-PacketFault decode(const Dialect& dialect, std::span<const std::byte> datagram, Command& command) noexcept {
-  if (datagram.size() != dialect.command_size) return PacketFault::kLength;
+PacketFault decode(const Dialect& dialect, std::span<const std::byte> datagram,
+                   Command& command) noexcept {
+  if (datagram.size() != dialect.command_size)
+    return PacketFault::kLength;
   command.message_id = get<std::uint64_t>(datagram.data());
-  for (int i = 0; i < 7; ++i) command.torque_nm[i] = get<double>(datagram.data() + kTorques + 8 * static_cast<std::size_t>(i));
+  for (int i = 0; i < 7; ++i)
+    command.torque_nm[i] =
+        get<double>(datagram.data() + kTorques + 8 * static_cast<std::size_t>(i));
   command.finished = datagram[kMotionFinished] != std::byte{0} ||
                      (dialect.torque_finished && datagram[kTorqueFinished] != std::byte{0});
   return command.torque_nm.allFinite() ? PacketFault::kNone : PacketFault::kNotFinite;
 }
 
-std::size_t encode(const Dialect& dialect, const Command& command, std::span<std::byte, kMaxCommandBytes> out) noexcept {
+std::size_t encode(const Dialect& dialect, const Command& command,
+                   std::span<std::byte, kMaxCommandBytes> out) noexcept {
   std::fill(out.begin(), out.end(), std::byte{0});
   put(out.data(), command.message_id);
   const auto finished = static_cast<std::byte>(command.finished);
   out[kMotionFinished] = finished;
-  if (dialect.torque_finished) out[kTorqueFinished] = finished;
-  for (int i = 0; i < 7; ++i) put(out.data() + kTorques + 8 * static_cast<std::size_t>(i), command.torque_nm[i]);
+  if (dialect.torque_finished)
+    out[kTorqueFinished] = finished;
+  for (int i = 0; i < 7; ++i)
+    put(out.data() + kTorques + 8 * static_cast<std::size_t>(i), command.torque_nm[i]);
   return dialect.command_size;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
-/// The command channel: one TCP connection to the robot. After construction nothing allocates, waits or throws.
+/// The command channel: one TCP connection to the robot. After construction nothing allocates,
+/// waits or throws.
 #include <atomic>
 #include <optional>
 #include <string>
@@ -11,9 +12,10 @@ namespace voxtouch::fr3 {
 
 class FciLink {
  public:
-  /// Connects within `timeout_s`. Throws DeviceOpenError: what was tried, what the system said, what to do; also where `cancelled`
-  /// was set meanwhile.
-  FciLink(const std::string& address, std::uint16_t port, double timeout_s, const std::atomic<bool>* cancelled);
+  /// Connects within `timeout_s`. Throws DeviceOpenError: what was tried, what the system said,
+  /// what to do; also where `cancelled` was set meanwhile.
+  FciLink(const std::string& address, std::uint16_t port, double timeout_s,
+          const std::atomic<bool>* cancelled);
   ~FciLink();
   FciLink(const FciLink&) = delete;
   FciLink& operator=(const FciLink&) = delete;

@@ -1,5 +1,6 @@
 #pragma once
-/// Where the robot and this driver are with each other: which mode, which request next, what keeps the force off. No socket, no clock.
+/// Where the robot and this driver are with each other: which mode, which request next, what keeps
+/// the force off. No socket, no clock.
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -10,35 +11,39 @@
 namespace voxtouch::fr3::fci {
 
 struct SessionRules {
-  double pause_s = 0.5;           ///< after a motion that ended by itself, before the next is asked for
-  double start_timeout_s = 2.0;   ///< from Move to the first state in torque control
-  double user_stop_timeout_s = 2.0;  ///< a user stop that lasts ends the session: a person is at work
+  double pause_s = 0.5;  ///< after a motion that ended by itself, before the next is asked for
+  double start_timeout_s = 2.0;  ///< from Move to the first state in torque control
+  double user_stop_timeout_s =
+      2.0;  ///< a user stop that lasts ends the session: a person is at work
   int most_restarts = 10;
 };
 
 enum class Trouble : std::uint8_t {
   kNone,
-  kStarting,         ///< Move was asked for
+  kStarting,  ///< Move was asked for
   kRecovering,
-  kLostPackets,      ///< a reflex: 20 commands in a row came late or not at all
-  kTorqueJump,       ///< a reflex: torques changed faster than the robot bears, as lost commands make them
-  kReflex,           ///< another reflex
+  kLostPackets,  ///< a reflex: 20 commands in a row came late or not at all
+  kTorqueJump,   ///< a reflex: torques changed faster than the robot bears, as lost commands make
+                 ///< them
+  kReflex,       ///< another reflex
   kUserStop,
   kGuiding,
-  kNotReady,         ///< joints locked, FCI not activated, or busy
-  kRefused,          ///< Move or a recovery was refused
-  kEnded,            ///< the motion ended without a reason
+  kNotReady,  ///< joints locked, FCI not activated, or busy
+  kRefused,   ///< Move or a recovery was refused
+  kEnded,     ///< the motion ended without a reason
   kTooOften,
-  kFast,             ///< a joint is faster than it may be
+  kFast,  ///< a joint is faster than it may be
 };
 /// What it is and what to do, for people.
 std::string_view sentence_of(Trouble trouble) noexcept;
 
-/// Torque control is asked for while the robot is idle, and again after what lost packets did; every other reflex is a person's
-/// matter. Pure, real-time safe.
+/// Torque control is asked for while the robot is idle, and again after what lost packets did;
+/// every other reflex is a person's matter. Pure, real-time safe.
 class FciSession {
  public:
-  explicit FciSession(const Dialect& dialect, const SessionRules& rules = {}) noexcept : dialect_(&dialect), rules_(rules) {}
+  explicit FciSession(const Dialect& dialect, const SessionRules& rules = {}) noexcept
+      : dialect_(&dialect),
+        rules_(rules) {}
 
   /// A state, `elapsed_s` after the last one. `fast`: a joint is over its speed.
   void see(const State& state, double elapsed_s, bool fast) noexcept;
@@ -50,12 +55,15 @@ class FciSession {
   void end() noexcept;
 
   /// Torque may be commanded.
-  bool force_allowed() const noexcept { return phase_ == Phase::kRunning && trouble_ == Trouble::kNone; }
+  bool force_allowed() const noexcept {
+    return phase_ == Phase::kRunning && trouble_ == Trouble::kNone;
+  }
   /// The robot waits for commands, pushing or not.
   bool listens() const noexcept { return in_torque_control_; }
   /// kRecoverable as long as it may get better by itself or by a person; kFault: over.
   devices::DeviceError error() const noexcept {
-    return phase_ == Phase::kFailed ? devices::DeviceError::kFault : devices::DeviceError::kRecoverable;
+    return phase_ == Phase::kFailed ? devices::DeviceError::kFault
+                                    : devices::DeviceError::kRecoverable;
   }
   Trouble trouble() const noexcept { return trouble_; }
   Errors errors() const noexcept { return errors_; }  ///< of the trouble, if a reflex

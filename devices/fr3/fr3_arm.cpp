@@ -30,7 +30,8 @@ Fr3Arm::State Fr3Arm::at(const Joints& q) const noexcept {
   state.flange = frame * Pose{Vec3(0.0, 0.0, kFlange), Quat::Identity()};
   state.pose_BT = state.flange * pose_FT_;
   for (int i = 0; i < kJoints; ++i) {
-    const Pose& own = frames[static_cast<std::size_t>(i)];  // joint i turns about the z axis of its own frame
+    const Pose& own =
+        frames[static_cast<std::size_t>(i)];  // joint i turns about the z axis of its own frame
     const Vec3 axis = own.orientation * Vec3::UnitZ();
     state.jacobian.col(i) << axis.cross(state.pose_BT.position - own.position), axis;
   }
@@ -39,15 +40,21 @@ Fr3Arm::State Fr3Arm::at(const Joints& q) const noexcept {
 
 const arm::ArmDescription& fr3_description() {
   static const arm::ArmDescription description = [] {
-    constexpr std::array<std::string_view, Fr3Arm::kJoints> kNames = {"fr3_joint1", "fr3_joint2", "fr3_joint3", "fr3_joint4",
-                                                                      "fr3_joint5", "fr3_joint6", "fr3_joint7"};
+    constexpr std::array<std::string_view, Fr3Arm::kJoints> kNames = {
+        "fr3_joint1", "fr3_joint2", "fr3_joint3", "fr3_joint4",
+        "fr3_joint5", "fr3_joint6", "fr3_joint7"};
     const Fr3Limits limits = fr3_limits();
-    arm::ArmDescription arm{.model = "fr3", .joints = {}, .flange = {Vec3(0.0, 0.0, Fr3Arm::kFlange), Quat::Identity()}};
+    arm::ArmDescription arm{.model = "fr3",
+                            .joints = {},
+                            .flange = {Vec3(0.0, 0.0, Fr3Arm::kFlange), Quat::Identity()}};
     for (int i = 0; i < Fr3Arm::kJoints; ++i) {
       const auto n = static_cast<std::size_t>(i);
-      const Pose to_axis{Vec3(Fr3Arm::kA[n], 0.0, 0.0), quarter_turns_about_x(Fr3Arm::kAlphaQuarterTurns[n])};
-      arm.joints.push_back({kNames[n], to_axis * Pose{Vec3(0.0, 0.0, Fr3Arm::kD[n]), Quat::Identity()}, limits.lowest_rad[i], limits.highest_rad[i],
-                            limits.velocity_rad_s[i], limits.torque_nm[i]});
+      const Pose to_axis{Vec3(Fr3Arm::kA[n], 0.0, 0.0),
+                         quarter_turns_about_x(Fr3Arm::kAlphaQuarterTurns[n])};
+      arm.joints.push_back({kNames[n],
+                            to_axis * Pose{Vec3(0.0, 0.0, Fr3Arm::kD[n]), Quat::Identity()},
+                            limits.lowest_rad[i], limits.highest_rad[i], limits.velocity_rad_s[i],
+                            limits.torque_nm[i]});
     }
     return arm;
   }();

@@ -1,5 +1,6 @@
 #pragma once
-/// Geometry and limits of the Franka Research 3 and the Panda: seven revolute joints, the same geometry.
+/// Geometry and limits of the Franka Research 3 and the Panda: seven revolute joints, the same
+/// geometry.
 #include <array>
 
 #include "devices/arm/arm_description.hpp"
@@ -10,7 +11,8 @@ namespace voxtouch::fr3 {
 using arm::Jacobian;
 using arm::Joints;
 
-/// Of both arms; where published descriptions of the two differ, the wider: they say what can be, not what is wise.
+/// Of both arms; where published descriptions of the two differ, the wider: they say what can be,
+/// not what is wise.
 struct Fr3Limits {
   Joints lowest_rad, highest_rad;
   Joints velocity_rad_s;
@@ -18,13 +20,15 @@ struct Fr3Limits {
 };
 Fr3Limits fr3_limits() noexcept;
 
-/// Forward kinematics. Base frame: z up, along axis 1. Source: the modified Denavit-Hartenberg rows that the maker publishes
-/// (a, d, alpha of the joint before, then theta = q_i).
+/// Forward kinematics. Base frame: z up, along axis 1. Source: the modified Denavit-Hartenberg rows
+/// that the maker publishes (a, d, alpha of the joint before, then theta = q_i).
 class Fr3Arm {
  public:
   static constexpr int kJoints = 7;
-  static constexpr std::array<double, kJoints> kA = {0.0, 0.0, 0.0, 0.0825, -0.0825, 0.0, 0.088};  ///< m
-  static constexpr std::array<double, kJoints> kD = {0.333, 0.0, 0.316, 0.0, 0.384, 0.0, 0.0};     ///< m
+  static constexpr std::array<double, kJoints> kA = {0.0,     0.0, 0.0,  0.0825,
+                                                     -0.0825, 0.0, 0.088};  ///< m
+  static constexpr std::array<double, kJoints> kD = {0.333, 0.0, 0.316, 0.0,
+                                                     0.384, 0.0, 0.0};  ///< m
   static constexpr std::array<int, kJoints> kAlphaQuarterTurns = {0, -1, 1, 1, -1, 1, 1};
   static constexpr double kFlange = 0.107;  ///< m, along the last axis
 
@@ -47,8 +51,8 @@ class Fr3Arm {
 /// The same geometry and limits, for who draws it.
 const arm::ArmDescription& fr3_description();
 
-/// The posture that the maker's own examples start from, q = (0, -45, 0, -135, 0, 90, 45) degrees: elbow up, hand down in front,
-/// far from every limit and singularity.
+/// The posture that the maker's own examples start from, q = (0, -45, 0, -135, 0, 90, 45) degrees:
+/// elbow up, hand down in front, far from every limit and singularity.
 Joints fr3_rest_posture() noexcept;
 
 }  // namespace voxtouch::fr3

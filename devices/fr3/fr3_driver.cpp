@@ -5,31 +5,42 @@
 namespace voxtouch::fr3 {
 namespace {
 
-constexpr double kBeyondLimitRad = 0.05;     // the arm's own stops are within this of its limits
-constexpr std::uint64_t kStrangeAhead = 5000;  // more counts at once than a session outlives are no count of milliseconds
+constexpr double kBeyondLimitRad = 0.05;  // the arm's own stops are within this of its limits
+constexpr std::uint64_t kStrangeAhead =
+    5000;  // more counts at once than a session outlives are no count of milliseconds
 
 }  // namespace
 
-/// An answer that has gone out stays: what follows it is a step nearer to zero, with the next state.
+/// An answer that has gone out stays: what follows it is a step nearer to zero, with the next
+/// state.
 void Fr3Driver::stop() noexcept {
-  if (unanswered_) answer_without_push();
+  if (unanswered_)
+    answer_without_push();
 }
 
 // --- what comes in
 
-Fr3Driver::Intake Fr3Driver::judge(const arm::UdpSocket::Datagram& datagram, std::span<const std::byte> bytes) noexcept {
-  if (datagram.from.address != link_->robot().address) return ++counts_.foreign, Intake::kNothing;
+Fr3Driver::Intake Fr3Driver::judge(const arm::UdpSocket::Datagram& datagram,
+                                   std::span<const std::byte> bytes) noexcept {
+  if (datagram.from.address != link_->robot().address)
+    return ++counts_.foreign, Intake::kNothing;
   const fci::PacketFault fault = fci::decode(*dialect_, bytes, incoming_);
-  if (fault == fci::PacketFault::kLength) return ++counts_.malformed, Intake::kNothing;
+  if (fault == fci::PacketFault::kLength)
+    return ++counts_.malformed, Intake::kNothing;
   const std::uint64_t id = incoming_.message_id;
-  if (started_ && id <= newest_id_) return ++counts_.old, Intake::kNothing;
-  if (started_ && id - newest_id_ > kStrangeAhead) return ++counts_.strange, Intake::kNothing;
+  if (started_ && id <= newest_id_)
+    return ++counts_.old, Intake::kNothing;
+  if (started_ && id - newest_id_ > kStrangeAhead)
+    return ++counts_.strange, Intake::kNothing;
   heard_.store(Clock::now(), std::memory_order_relaxed);
-  if (started_) counts_.lost += id - newest_id_ - 1, steps_ms_ += id - newest_id_;
+  if (started_)
+    counts_.lost += id - newest_id_ - 1, steps_ms_ += id - newest_id_;
   newest_id_ = id;
   const bool too_old = std::chrono::duration<double>(datagram.age).count() > options_.max_age_s;
-  if (too_old && started_ && !virtual_time_) return ++counts_.aged, Intake::kNothing;
-  if (fault != fci::PacketFault::kNone) return ++counts_.untrusted, Intake::kUntrusted;
+  if (too_old && started_ && !virtual_time_)
+    return ++counts_.aged, Intake::kNothing;
+  if (fault != fci::PacketFault::kNone)
+    return ++counts_.untrusted, Intake::kUntrusted;
   return Intake::kNew;
 }
 
@@ -45,7 +56,8 @@ void Fr3Driver::accept() noexcept {
   sample_.time_ns = static_cast<std::int64_t>(state_.message_id - first_id_) * 1'000'000;
   hear_channel();
   measure();
-  const bool fast = sample_.pose_valid && (state_.dq.array().abs() > limits_.velocity_rad_s.array()).any();
+  const bool fast =
+      sample_.pose_valid && (state_.dq.array().abs() > limits_.velocity_rad_s.array()).any();
   session_.see(state_, elapsed_s, fast);
   if (session_.listens())
     ramp_.told(state_.tau_d);
@@ -56,7 +68,8 @@ void Fr3Driver::accept() noexcept {
   silent_.store(false, std::memory_order_relaxed);
 }
 
-/// Pose and twist in D. A state without usable angles leaves the pose as it was, marked, and at rest.
+/// Pose and twist in D. A state without usable angles leaves the pose as it was, marked, and at
+/// rest.
 void Fr3Driver::measure() noexcept {
   sample_.pose_valid = (state_.q.array() >= limits_.lowest_rad.array() - kBeyondLimitRad).all() &&
                        (state_.q.array() <= limits_.highest_rad.array() + kBeyondLimitRad).all() &&
@@ -76,20 +89,24 @@ void Fr3Driver::measure() noexcept {
 // --- the command channel
 
 void Fr3Driver::hear_channel() noexcept {
-  while (const auto received = link_->poll()) hear(*received);
+  while (const auto received = link_->poll())
+    hear(*received);
 }
 
 void Fr3Driver::hear(const fci::Received& received) noexcept {
   const auto request = fci::request_of(*dialect_, received.command);
-  if (!request) return;
+  if (!request)
+    return;
   // A motion that is over may be answered after the next has begun.
-  if (*request == fci::Request::kMove && received.id != move_request_) return;
+  if (*request == fci::Request::kMove && received.id != move_request_)
+    return;
   session_.answered(*request, fci::outcome_of(*dialect_, *request, received));
 }
 
 void Fr3Driver::ask_what_is_due() noexcept {
   const auto request = session_.due();
-  if (!request) return;
+  if (!request)
+    return;
   const std::uint32_t id = next_request_++;
   if (*request == fci::Request::kMove) {
     move_request_ = id;
@@ -97,12 +114,15 @@ void Fr3Driver::ask_what_is_due() noexcept {
   } else {
     link_->send(fci::bare_request(*dialect_, *request, id));
   }
-  // Two channels keep no order between them: where runs have to be the same, the one is heard out before the other goes on.
+  // Two channels keep no order between them: where runs have to be the same, the one is heard out
+  // before the other goes on.
   while (virtual_time_) {
     const auto received = link_->wait(options_.virtual_timeout_s);
-    if (!received) return;
+    if (!received)
+      return;
     hear(*received);
-    if (received->id == id) return;
+    if (received->id == id)
+      return;
   }
 }
 
@@ -111,16 +131,21 @@ void Fr3Driver::ask_what_is_due() noexcept {
 bool Fr3Driver::push(const Wrench& command) noexcept {
   const Quat rotation_BD = rotation_DB_.conjugate();
   const Wrench wanted = within_joints({rotation_BD * command.force, rotation_BD * command.torque});
-  posture_share_ = options_.posture.ramp_s > 0.0 ? std::min(1.0, posture_share_ + 1e-3 / options_.posture.ramp_s) : 1.0;
-  const Joints posture = posture_share_ * arm::posture_torque(options_.posture, posture_.jacobian, state_.q, state_.dq);
+  posture_share_ = options_.posture.ramp_s > 0.0
+                       ? std::min(1.0, posture_share_ + 1e-3 / options_.posture.ramp_s)
+                       : 1.0;
+  const Joints posture = posture_share_ * arm::posture_torque(options_.posture, posture_.jacobian,
+                                                              state_.q, state_.dq);
   return send(ramp_.next(posture_.jacobian, wanted, posture));
 }
 
 /// Smaller, direction kept, where a joint would have to give more than it may.
 Wrench Fr3Driver::within_joints(Wrench command) noexcept {
   const Joints torque = arm::joint_torque(posture_.jacobian, command);
-  const double need = (torque.array().abs() / options_.max_add_torque_nm.array().max(1e-9)).maxCoeff();
-  if (need <= 1.0) return command;
+  const double need =
+      (torque.array().abs() / options_.max_add_torque_nm.array().max(1e-9)).maxCoeff();
+  if (need <= 1.0)
+    return command;
   ++counts_.scaled;
   return {command.force / need, command.torque / need};
 }
@@ -132,7 +157,8 @@ void Fr3Driver::answer_without_push() noexcept {
 
 /// A state without a pose: the next step towards zero, at the last posture that could be trusted.
 void Fr3Driver::answer_untrusted() noexcept {
-  if (!started_) return;
+  if (!started_)
+    return;
   state_.message_id = newest_id_;
   ramp_.told(incoming_.tau_d);
   answer_without_push();
@@ -141,10 +167,13 @@ void Fr3Driver::answer_untrusted() noexcept {
 
 bool Fr3Driver::send(const Joints& torque) noexcept {
   unanswered_ = false;
-  if (!session_.listens() && !virtual_time_) return true;  // the robot takes commands in a motion only
+  if (!session_.listens() && !virtual_time_)
+    return true;  // the robot takes commands in a motion only
   std::array<std::byte, fci::kMaxCommandBytes> bytes;
-  const std::size_t size = fci::encode(*dialect_, {state_.message_id, torque, ending_ && ramp_.at_rest()}, bytes);
-  if (socket_->send(std::span(bytes).first(size), controller_)) return ++counts_.answered, true;
+  const std::size_t size =
+      fci::encode(*dialect_, {state_.message_id, torque, ending_ && ramp_.at_rest()}, bytes);
+  if (socket_->send(std::span(bytes).first(size), controller_))
+    return ++counts_.answered, true;
   ++counts_.send_errors;
   return false;
 }

@@ -1,8 +1,10 @@
 #pragma once
-/// The Franka Research 3, or the Panda before it, as a haptic device, over the Franka Control Interface.
+/// The Franka Research 3, or the Panda before it, as a haptic device, over the Franka Control
+/// Interface.
 ///
-/// The robot sends its state every millisecond (UDP) and takes joint torques back, on top of its own compensation of gravity. What
-/// is done once goes over TCP: Connect, SetCollisionBehavior, SetLoad, Move, StopMove, AutomaticErrorRecovery.
+/// The robot sends its state every millisecond (UDP) and takes joint torques back, on top of its
+/// own compensation of gravity. What is done once goes over TCP: Connect, SetCollisionBehavior,
+/// SetLoad, Move, StopMove, AutomaticErrorRecovery.
 #include <atomic>
 #include <memory>
 #include <string>
@@ -21,32 +23,42 @@ DeviceDescription describe_fr3();
 
 /// While the robot listens, every state is answered.
 ///
-/// **Zero force takes steps.** The robot stops itself with a reflex where a joint's torque changes by more than 1 Nm in a
-/// millisecond, so force begins and ends along a straight line of at most 0.95 Nm a command: 8.8 N are gone in 7 ms, 60 N in 50 ms.
+/// **Zero force takes steps.** The robot stops itself with a reflex where a joint's torque changes
+/// by more than 1 Nm in a millisecond, so force begins and ends along a straight line of at most
+/// 0.95 Nm a command: 8.8 N are gone in 7 ms, 60 N in 50 ms.
 ///
-/// read: kTimeout (nothing new in time), kDisconnected (silence, or the command channel has closed), kProtocol (a state that cannot
-/// be trusted, or only malformed datagrams came), kFault (a reflex other than lost packets, a user stop that lasts, too many
-/// restarts). While there is no torque control samples come all the same.
-/// write: kNotFinite, kLimit (check_command), kRecoverable (no torque control, a joint too fast, not sent: `trouble` tells), kProtocol
-/// (the sample's pose was not valid), kTimeout (no unanswered state).
+/// read: kTimeout (nothing new in time), kDisconnected (silence, or the command channel has
+/// closed), kProtocol (a state that cannot be trusted, or only malformed datagrams came), kFault (a
+/// reflex other than lost packets, a user stop that lasts, too many restarts). While there is no
+/// torque control samples come all the same. write: kNotFinite, kLimit (check_command),
+/// kRecoverable (no torque control, a joint too fast, not sent: `trouble` tells), kProtocol (the
+/// sample's pose was not valid), kTimeout (no unanswered state).
 ///
-/// Force is J^T F, geometric Jacobian of the tool, plus the posture torque. The joint torques of a command that would need more than
-/// `max_add_torque_nm` are made smaller in proportion. Twist is the Jacobian times the rates that the robot measures.
+/// Force is J^T F, geometric Jacobian of the tool, plus the posture torque. The joint torques of a
+/// command that would need more than `max_add_torque_nm` are made smaller in proportion. Twist is
+/// the Jacobian times the rates that the robot measures.
 ///
-/// Time: the robot's count of milliseconds, from the first state (virtual time: from the first in torque control).
+/// Time: the robot's count of milliseconds, from the first state (virtual time: from the first in
+/// torque control).
 class Fr3Driver : public arm::AnsweringDriver {
  public:
-  /// Connects, and waits for the first state. Throws DeviceOpenError: no connection, a version that it does not speak, a robot that
-  /// a person has to see to, an arm of another geometry; the sentence says what to do. In virtual time it returns in torque control.
+  /// Connects, and waits for the first state. Throws DeviceOpenError: no connection, a version that
+  /// it does not speak, a robot that a person has to see to, an arm of another geometry; the
+  /// sentence says what to do. In virtual time it returns in torque control.
   explicit Fr3Driver(const Fr3Options& options);
-  /// Force along its line to zero, StopMove, zero torque until the robot has left torque control (at most `stop_timeout_s`).
+  /// Force along its line to zero, StopMove, zero torque until the robot has left torque control
+  /// (at most `stop_timeout_s`).
   ~Fr3Driver() override;
 
   /// The first step towards zero, now; the next states' answers go on with it.
   void stop() noexcept override;
   std::string trouble() const override;
-  const arm::ArmDescription* arm_description() const noexcept override { return &fr3_description(); }
-  std::span<const double> joints() const noexcept override { return {state_.q.data(), static_cast<std::size_t>(state_.q.size())}; }
+  const arm::ArmDescription* arm_description() const noexcept override {
+    return &fr3_description();
+  }
+  std::span<const double> joints() const noexcept override {
+    return {state_.q.data(), static_cast<std::size_t>(state_.q.size())};
+  }
 
   // For the thread that owns it.
   const fci::FciSession& session() const noexcept { return session_; }
@@ -68,15 +80,19 @@ class Fr3Driver : public arm::AnsweringDriver {
   void disengage() noexcept;
   fci::Received answer_to(const fci::Message& message, fci::Request request);
 
-  Intake judge(const arm::UdpSocket::Datagram& datagram, std::span<const std::byte> bytes) noexcept override;
+  Intake judge(const arm::UdpSocket::Datagram& datagram,
+               std::span<const std::byte> bytes) noexcept override;
   void keep(Intake intake) noexcept override {
-    if (intake == Intake::kNew) state_ = incoming_;
+    if (intake == Intake::kNew)
+      state_ = incoming_;
   }
   void answer_untrusted() noexcept override;
   void accept() noexcept override;
   void heard_nothing(bool lost) noexcept override;
   bool closed() const noexcept override { return link_->closed(); }
-  bool force_allowed() const noexcept override { return session_.force_allowed() && !link_->closed(); }
+  bool force_allowed() const noexcept override {
+    return session_.force_allowed() && !link_->closed();
+  }
   devices::DeviceError error() const noexcept override { return session_.error(); }
   bool push(const Wrench& command) noexcept override;
   void answer_without_push() noexcept override;

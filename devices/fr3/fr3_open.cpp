@@ -10,65 +10,86 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto kCancelledEvery = 50ms;
-constexpr double kOtherGeometryM = 0.01;  // the robot's own calibration is within millimetres of the nominal arm
+constexpr double kOtherGeometryM =
+    0.01;  // the robot's own calibration is within millimetres of the nominal arm
 
-std::chrono::nanoseconds seconds(double s) { return std::chrono::nanoseconds(std::llround(s * 1e9)); }
+std::chrono::nanoseconds seconds(double s) {
+  return std::chrono::nanoseconds(std::llround(s * 1e9));
+}
 
-[[noreturn]] void refuse(const std::string& why) { throw devices::DeviceOpenError("device 'fr3': " + why); }
+[[noreturn]] void refuse(const std::string& why) {
+  throw devices::DeviceOpenError("device 'fr3': " + why);
+}
 
 }  // namespace
 
 Fr3Driver::Fr3Driver(const Fr3Options& options) : Fr3Driver(options, connect(options)) {}
 
 Fr3Driver::Fr3Driver(const Fr3Options& options, Connected connected)
-    : AnsweringDriver(std::move(connected.socket), options.silence_s, options.virtual_timeout_s), options_(options),
-      link_(std::move(connected.link)), dialect_(connected.dialect), arm_(options.pose_FT), limits_(fr3_limits()),
-      session_(*dialect_, options.session), ramp_(options.step_nm, options.max_add_torque_nm), next_request_(1) {
+    : AnsweringDriver(std::move(connected.socket), options.silence_s, options.virtual_timeout_s),
+      options_(options),
+      link_(std::move(connected.link)),
+      dialect_(connected.dialect),
+      arm_(options.pose_FT),
+      limits_(fr3_limits()),
+      session_(*dialect_, options.session),
+      ramp_(options.step_nm, options.max_add_torque_nm),
+      next_request_(1) {
   description_ = describe_fr3();
   rotation_DB_ = options.pose_BD.orientation.conjugate();
   virtual_time_ = options.virtual_time;
   heard_.store(Clock::now(), std::memory_order_relaxed);
   set_up();
   first_state();
-  if (virtual_time_) start_in_virtual_time();
+  if (virtual_time_)
+    start_in_virtual_time();
 }
 
 /// The newest version first; a robot that refuses it says its own.
 Fr3Driver::Connected Fr3Driver::connect(const Fr3Options& options) {
   std::uint16_t version = fci::kNewestVersion;
   for (bool again = false;; again = true) {
-    auto link = std::make_unique<FciLink>(options.address, options.port, options.connect_timeout_s, options.cancelled);
+    auto link = std::make_unique<FciLink>(options.address, options.port, options.connect_timeout_s,
+                                          options.cancelled);
     auto socket = std::make_unique<arm::UdpSocket>(link->own_address(), 0);
     link->send(fci::connect_request(0, version, socket->local().port));
     const auto received = link->wait(options.connect_timeout_s);
     if (!received && link->closed())
-      refuse(fmt::format("the robot at {} closed the connection at once: another program has it already, or FCI is not activated on "
-                         "its web page",
-                         options.address));
+      refuse(
+          fmt::format("the robot at {} closed the connection at once: another program has it "
+                      "already, or FCI is not activated on "
+                      "its web page",
+                      options.address));
     if (!received)
-      refuse(fmt::format("the robot at {} did not answer within {} s: restart it from its web page", options.address,
-                         options.connect_timeout_s));
+      refuse(fmt::format("the robot at {} did not answer within {} s: restart it from its web page",
+                         options.address, options.connect_timeout_s));
     const fci::Outcome outcome = fci::connect_outcome(*received);
     const std::uint16_t theirs = fci::version_in(*received);
     const fci::Dialect* dialect = fci::dialect_of(theirs);
-    if (outcome == fci::Outcome::kSuccess && dialect) return {std::move(link), std::move(socket), dialect};
+    if (outcome == fci::Outcome::kSuccess && dialect)
+      return {std::move(link), std::move(socket), dialect};
     if (outcome == fci::Outcome::kWrongVersion && dialect && !again) {
       version = theirs;
       continue;
     }
     if (outcome == fci::Outcome::kUnknown)
-      refuse(fmt::format("what listens at {}:{} is no robot: its answer to Connect means nothing", options.address, options.port));
-    refuse(fmt::format("the robot at {} refused the version: its server speaks {}, this driver speaks {}: update the robot's system "
-                       "image (version 10 comes with 5.9)",
-                       options.address, theirs, fci::spoken_versions()));
+      refuse(fmt::format("what listens at {}:{} is no robot: its answer to Connect means nothing",
+                         options.address, options.port));
+    refuse(
+        fmt::format("the robot at {} refused the version: its server speaks {}, this driver speaks "
+                    "{}: update the robot's system "
+                    "image (version 10 comes with 5.9)",
+                    options.address, theirs, fci::spoken_versions()));
   }
 }
 
 fci::Received Fr3Driver::answer_to(const fci::Message& message, fci::Request request) {
   link_->send(message);
   while (const auto received = link_->wait(options_.connect_timeout_s))
-    if (fci::request_of(*dialect_, received->command) == request) return *received;
-  refuse(fmt::format("the robot at {} did not answer to {}: restart it from its web page", options_.address, fci::name_of(request)));
+    if (fci::request_of(*dialect_, received->command) == request)
+      return *received;
+  refuse(fmt::format("the robot at {} did not answer to {}: restart it from its web page",
+                     options_.address, fci::name_of(request)));
 }
 
 /// What the robot is to bear, before any motion.
@@ -76,31 +97,43 @@ void Fr3Driver::set_up() {
   const auto set = [this](const fci::Message& message, fci::Request request) {
     const fci::Outcome outcome = fci::outcome_of(*dialect_, request, answer_to(message, request));
     if (outcome != fci::Outcome::kSuccess)
-      refuse(fmt::format("the robot refused {}: {}", fci::name_of(request), fci::sentence_of(outcome)));
+      refuse(fmt::format("the robot refused {}: {}", fci::name_of(request),
+                         fci::sentence_of(outcome)));
   };
-  set(fci::collision_request(*dialect_, next_request_++, options_.collision), fci::Request::kSetCollisionBehavior);
-  if (options_.load.mass_kg > 0.0) set(fci::load_request(*dialect_, next_request_++, options_.load), fci::Request::kSetLoad);
+  set(fci::collision_request(*dialect_, next_request_++, options_.collision),
+      fci::Request::kSetCollisionBehavior);
+  if (options_.load.mass_kg > 0.0)
+    set(fci::load_request(*dialect_, next_request_++, options_.load), fci::Request::kSetLoad);
 }
 
 void Fr3Driver::first_state() {
   const auto deadline = Clock::now() + seconds(options_.connect_timeout_s);
   for (;;) {
     const Intake intake = wait_and_take(std::min(deadline, Clock::now() + kCancelledEvery));
-    if (options_.cancelled && options_.cancelled->load()) refuse("waiting for the robot was cancelled");
-    if (intake == Intake::kNew) break;
+    if (options_.cancelled && options_.cancelled->load())
+      refuse("waiting for the robot was cancelled");
+    if (intake == Intake::kNew)
+      break;
     if (intake == Intake::kNothing && Clock::now() >= deadline)
       refuse(counts_.malformed > 0
-                 ? fmt::format("what came from {} is no state of version {}: {} datagrams of another length than {} bytes",
-                               options_.address, dialect_->version, counts_.malformed, dialect_->state_size)
-                 : fmt::format("within {} s no state came from {} to UDP {}: check this machine's firewall", options_.connect_timeout_s,
-                               options_.address, arm::text_of(socket_->local())));
+                 ? fmt::format("what came from {} is no state of version {}: {} datagrams of "
+                               "another length than {} bytes",
+                               options_.address, dialect_->version, counts_.malformed,
+                               dialect_->state_size)
+                 : fmt::format(
+                       "within {} s no state came from {} to UDP {}: check this machine's firewall",
+                       options_.connect_timeout_s, options_.address,
+                       arm::text_of(socket_->local())));
   }
   started_ = true;
   first_id_ = state_.message_id;
   accept();
-  if (sample_.pose_valid) compare_geometry();
-  if (session_.error() != devices::DeviceError::kRecoverable) refuse(trouble());
-  if (!virtual_time_) answer_without_push();
+  if (sample_.pose_valid)
+    compare_geometry();
+  if (session_.error() != devices::DeviceError::kRecoverable)
+    refuse(trouble());
+  if (!virtual_time_)
+    answer_without_push();
 }
 
 /// The robot's own pose of its end effector, against that of this driver's geometry.
@@ -108,8 +141,10 @@ void Fr3Driver::compare_geometry() const {
   const Vec3 ours = posture_.flange.position + posture_.flange.orientation * state_.ee_in_flange;
   const double apart = (ours - state_.ee_in_base).norm();
   if (!(apart < kOtherGeometryM))
-    refuse(fmt::format("the arm is another than an FR3 or a Panda: its end effector is {:.0f} mm from where their geometry has it",
-                       1e3 * apart));
+    refuse(
+        fmt::format("the arm is another than an FR3 or a Panda: its end effector is {:.0f} mm from "
+                    "where their geometry has it",
+                    1e3 * apart));
 }
 
 /// Nobody is kept waiting by time that stands still, so all until torque control fits in here.
@@ -120,7 +155,8 @@ void Fr3Driver::start_in_virtual_time() {
       refuse(fmt::format("the robot in virtual time did not start: {}", trouble()));
     answer_without_push();
     if (wait_and_take(Clock::now() + seconds(options_.virtual_timeout_s)) != Intake::kNew)
-      refuse(fmt::format("the robot in virtual time at {} went silent during the start", options_.address));
+      refuse(fmt::format("the robot in virtual time at {} went silent during the start",
+                         options_.address));
     accept();
   }
   first_id_ = state_.message_id;
@@ -129,13 +165,15 @@ void Fr3Driver::start_in_virtual_time() {
 }
 
 DeviceDescription describe_fr3() {
-  DeviceDescription d = sim::sim_lwr().description;  // an arm's, for what the file leaves to its class
+  DeviceDescription d =
+      sim::sim_lwr().description;  // an arm's, for what the file leaves to its class
   d.model = "fr3";
   // The figures and where they come from: deploy/devices/fr3.yaml. A test holds the two together.
   d.rate_hz = 1000.0;
   d.max_force_n = 60.0;
   d.max_torque_nm = 10.0;
-  // What the guard keeps to, so that it can fade; the steps of the joints' torques (TorqueRamp) are smaller.
+  // What the guard keeps to, so that it can fade; the steps of the joints' torques (TorqueRamp) are
+  // smaller.
   d.max_force_rate_n_per_s = d.max_force_n / 0.015;
   d.max_torque_rate_nm_per_s = d.max_torque_nm / 0.015;
   d.max_stiffness_n_per_m = 3000.0;
@@ -162,8 +200,10 @@ void Fr3Driver::disengage() noexcept {
   // First along the line to zero, then StopMove; zero torque is the last that goes out.
   while (session_.listens() && !link_->closed()) {
     const Intake intake = wait_and_take(deadline);
-    if (intake == Intake::kNothing) return;
-    if (intake == Intake::kUntrusted) continue;
+    if (intake == Intake::kNothing)
+      return;
+    if (intake == Intake::kUntrusted)
+      continue;
     accept();
     if (ramp_.at_rest() && !ending_) {
       ending_ = true;
@@ -184,19 +224,23 @@ void Fr3Driver::note() noexcept {
 
 std::string Fr3Driver::trouble() const {
   if (noted_closed_.load(std::memory_order_relaxed))
-    return fmt::format("no force, the robot at {} has closed the connection: it was switched off, FCI was deactivated, or its web page "
-                       "was given control; start anew",
-                       options_.address);
+    return fmt::format(
+        "no force, the robot at {} has closed the connection: it was switched off, FCI was "
+        "deactivated, or its web page "
+        "was given control; start anew",
+        options_.address);
   if (silent_.load(std::memory_order_relaxed)) {
     const auto silence = Clock::now() - heard_.load(std::memory_order_relaxed);
-    return fmt::format("nothing has come from the robot at {} for {:.1f} s: is it on, is the cable plugged in?", options_.address,
-                       std::chrono::duration<double>(silence).count());
+    return fmt::format(
+        "nothing has come from the robot at {} for {:.1f} s: is it on, is the cable plugged in?",
+        options_.address, std::chrono::duration<double>(silence).count());
   }
   const fci::Trouble trouble = noted_trouble_.load(std::memory_order_relaxed);
   if (trouble == fci::Trouble::kNone)
     return noted_usable_.load(std::memory_order_relaxed)
                ? std::string()
-               : "no force, the robot's state is not to be trusted: it holds numbers that are none or cannot be; look at its web page";
+               : "no force, the robot's state is not to be trusted: it holds numbers that are none "
+                 "or cannot be; look at its web page";
   std::string text(fci::sentence_of(trouble));
   if (trouble == fci::Trouble::kReflex)
     text += fmt::format(" [{}]", fci::words_of(noted_errors_.load(std::memory_order_relaxed)));

@@ -13,17 +13,20 @@ namespace voxtouch::fr3 {
 struct Fr3Options {
   std::string address = "172.16.0.2";  ///< of the robot; the one in the maker's own manual
   std::uint16_t port = fci::kCommandPort;
-  double connect_timeout_s = 3.0;  ///< for the connection, and again for its first answer and the first state
-  double silence_s = 1.0;          ///< without a state for this long the robot has gone
-  double max_age_s = 0.02;         ///< a state that lay in the kernel for longer is no news
-  double stop_timeout_s = 0.5;     ///< for leaving torque control at the end
-  Pose pose_FT;                    ///< the tool T in the flange F
-  Pose pose_BD;                    ///< frame D in the robot's base B (z up, along axis 1)
+  double connect_timeout_s =
+      3.0;  ///< for the connection, and again for its first answer and the first state
+  double silence_s = 1.0;       ///< without a state for this long the robot has gone
+  double max_age_s = 0.02;      ///< a state that lay in the kernel for longer is no news
+  double stop_timeout_s = 0.5;  ///< for leaving torque control at the end
+  Pose pose_FT;                 ///< the tool T in the flange F
+  Pose pose_BD;                 ///< frame D in the robot's base B (z up, along axis 1)
   fci::SessionRules session;
   fci::CollisionBehavior collision;
-  fci::Load load;                  ///< what the flange carries beside what the robot's web page knows; 0 kg: not sent
+  fci::Load
+      load;  ///< what the flange carries beside what the robot's web page knows; 0 kg: not sent
   arm::PostureRules posture{.posture = fr3_rest_posture()};
-  double step_nm = 0.95;  ///< of a joint's torque from one command to the next; the robot bears 1 (1000 Nm/s)
+  double step_nm =
+      0.95;  ///< of a joint's torque from one command to the next; the robot bears 1 (1000 Nm/s)
   /// Joint by joint: the limits (87 and 12 Nm) less what holds the arm up.
   Joints max_add_torque_nm = (Joints() << 60, 45, 60, 45, 10, 10, 10).finished();
   bool virtual_time = false;        ///< a simulated robot that waits for the answer to each state

@@ -9,17 +9,23 @@ namespace {
 constexpr double kConnectTimeoutS = 3.0;  // a controller that runs sends every few milliseconds
 
 devices::SettingReader hardware_settings(const devices::DeviceOptions& options) {
-  return {"lwr", options.settings, {"address", "port", "controller", "connect_timeout_s", "rest", "tool", "capture"}};
+  return {"lwr",
+          options.settings,
+          {"address", "port", "controller", "connect_timeout_s", "rest", "tool", "capture"}};
 }
 
 devices::SettingReader wire_settings(const devices::DeviceOptions& options) {
-  return {"wire-lwr", options.settings, {"period_ms", "rest", "tool", "capture", "trace", "fault"}, {"fault"}};
+  return {"wire-lwr",
+          options.settings,
+          {"period_ms", "rest", "tool", "capture", "trace", "fault"},
+          {"fault"}};
 }
 
 /// What both names share.
 LwrOptions driver_options(const devices::SettingReader& settings) {
   LwrOptions o;
-  place(o, settings.vector("rest").value_or(devices::usual_rest_in_d()), settings.vector("tool").value_or(Vec3::Zero()));
+  place(o, settings.vector("rest").value_or(devices::usual_rest_in_d()),
+        settings.vector("tool").value_or(Vec3::Zero()));
   o.connect_timeout_s = kConnectTimeoutS;
   o.capture_file = settings.text("capture").value_or("");
   return o;
@@ -33,7 +39,8 @@ LwrOptions hardware_options(const devices::DeviceOptions& options) {
   o.controller = settings.text("controller").value_or("");
   if (!o.controller.empty() && !parse_ipv4(o.controller))
     settings.refuse("controller", o.controller, "an IPv4 address like 192.168.0.20, or empty");
-  o.connect_timeout_s = settings.number("connect_timeout_s", 0.0, 3600.0).value_or(o.connect_timeout_s);
+  o.connect_timeout_s =
+      settings.number("connect_timeout_s", 0.0, 3600.0).value_or(o.connect_timeout_s);
   o.cancelled = options.cancelled;
   return o;
 }
@@ -66,11 +73,15 @@ std::unique_ptr<devices::Driver> open_wire_lwr(const devices::DeviceOptions& opt
   driver.port = UdpSocket(driver.address, 0).local().port;
   driver.virtual_timeout_s = arm::kVirtualTimeoutS;
   driver.cancelled = options.cancelled;
-  std::vector<std::string> arguments = arm::wire_arguments(driver.pose_FT.position, options, settings);
-  arguments.insert(arguments.end(), {"--remote", fmt::format("127.0.0.1:{}", driver.port), "--period-ms", fmt::to_string(period_ms(settings))});
-  if (const auto trace = settings.text("trace")) arguments.insert(arguments.end(), {"--trace", *trace});
-  return std::make_unique<WireLwr>("wire-lwr", "voxtouch_fri_controller", arguments, options, driver,
-                                   [](LwrOptions as_they_are, const std::string&) { return as_they_are; });
+  std::vector<std::string> arguments =
+      arm::wire_arguments(driver.pose_FT.position, options, settings);
+  arguments.insert(arguments.end(), {"--remote", fmt::format("127.0.0.1:{}", driver.port),
+                                     "--period-ms", fmt::to_string(period_ms(settings))});
+  if (const auto trace = settings.text("trace"))
+    arguments.insert(arguments.end(), {"--trace", *trace});
+  return std::make_unique<WireLwr>(
+      "wire-lwr", "voxtouch_fri_controller", arguments, options, driver,
+      [](LwrOptions as_they_are, const std::string&) { return as_they_are; });
 }
 
 DeviceDescription describe_wire_lwr(const devices::DeviceOptions& options) {

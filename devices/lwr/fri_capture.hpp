@@ -1,5 +1,6 @@
 #pragma once
-/// The last packets of a session, kept in memory while the loop runs and written to a file that Wireshark opens.
+/// The last packets of a session, kept in memory while the loop runs and written to a file that
+/// Wireshark opens.
 #include <cstdint>
 #include <span>
 #include <string>
@@ -26,10 +27,13 @@ class FriCapture {
   void note(std::span<const std::byte> datagram, const UdpEndpoint& from, const UdpEndpoint& to,
             std::int64_t time_ns) noexcept;
 
-  /// Writes what is there, oldest first: classic pcap with microseconds, link type RAW (101), each record an IPv4 and a UDP header
-  /// (made here, UDP checksum 0 = none) and the datagram as it was on the wire. Throws std::runtime_error that names the file.
+  /// Writes what is there, oldest first: classic pcap with microseconds, link type RAW (101), each
+  /// record an IPv4 and a UDP header (made here, UDP checksum 0 = none) and the datagram as it was
+  /// on the wire. Throws std::runtime_error that names the file.
   void write(const std::string& path) const;
-  std::size_t size() const noexcept { return count_ < ring_.size() ? static_cast<std::size_t>(count_) : ring_.size(); }
+  std::size_t size() const noexcept {
+    return count_ < ring_.size() ? static_cast<std::size_t>(count_) : ring_.size();
+  }
 
  private:
   struct Record {

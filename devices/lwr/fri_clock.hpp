@@ -6,25 +6,33 @@
 
 namespace voxtouch::lwr::fri {
 
-/// The stamp on the wire is a float: after 2.3 hours its steps are longer than a millisecond. So time is counted in periods, and
-/// the stamp only checks the count. A controller in virtual time is taken at its word: there the stamp leads where the two differ
-/// by more than half a period and what the float cannot tell. Pure, real-time safe.
+/// The stamp on the wire is a float: after 2.3 hours its steps are longer than a millisecond. So
+/// time is counted in periods, and the stamp only checks the count. A controller in virtual time is
+/// taken at its word: there the stamp leads where the two differ by more than half a period and
+/// what the float cannot tell. Pure, real-time safe.
 class FriClock {
  public:
-  FriClock(std::int64_t period_ns, bool stamps_lead) noexcept : period_ns_(period_ns), stamps_lead_(stamps_lead) {}
+  FriClock(std::int64_t period_ns, bool stamps_lead) noexcept
+      : period_ns_(period_ns),
+        stamps_lead_(stamps_lead) {}
 
-  /// The newest measurement, `steps` periods after the one before. Returns what has passed since that one, > 0 (0 for the first).
+  /// The newest measurement, `steps` periods after the one before. Returns what has passed since
+  /// that one, > 0 (0 for the first).
   std::int64_t see(float stamp_s, std::uint64_t steps) noexcept {
     const double last_s = stamp_s_;
     stamp_s_ = stamp_s;
-    if (!started_) return started_ = true, 0;
+    if (!started_)
+      return started_ = true, 0;
     std::int64_t elapsed_ns = static_cast<std::int64_t>(steps) * period_ns_;
     const double stamps_ns = (stamp_s_ - last_s) * 1e9;
     const double grain_ns =
-        1e9 * (std::nextafter(std::abs(stamp_s), std::numeric_limits<float>::infinity()) - std::abs(stamp_s));
-    if (std::abs(stamps_ns - static_cast<double>(elapsed_ns)) > 0.5 * static_cast<double>(period_ns_) + grain_ns) {
+        1e9 * (std::nextafter(std::abs(stamp_s), std::numeric_limits<float>::infinity()) -
+               std::abs(stamp_s));
+    if (std::abs(stamps_ns - static_cast<double>(elapsed_ns)) >
+        0.5 * static_cast<double>(period_ns_) + grain_ns) {
       ++disagreements_;
-      if (stamps_lead_ && stamps_ns > 0.0 && stamps_ns < 1e15) elapsed_ns = std::llround(stamps_ns);
+      if (stamps_lead_ && stamps_ns > 0.0 && stamps_ns < 1e15)
+        elapsed_ns = std::llround(stamps_ns);
     }
     time_ns_ += elapsed_ns;
     return elapsed_ns;

@@ -13,54 +13,67 @@ constexpr std::array<int, 6> kOrder = {0, 1, 2, 5, 4, 3};  // its own inverse
 
 /// Numbers as they lie in a packet, row by row.
 template <int kRows, int kColumns>
-using WireRows = Eigen::Matrix<float, kRows, kColumns, kColumns == 1 ? Eigen::ColMajor : Eigen::RowMajor>;
+using WireRows =
+    Eigen::Matrix<float, kRows, kColumns, kColumns == 1 ? Eigen::ColMajor : Eigen::RowMajor>;
 
 template <std::size_t N>
 bool all_finite(const std::array<float, N>& values) noexcept {
-  return std::all_of(values.begin(), values.end(), [](float value) { return std::isfinite(value); });
+  return std::all_of(values.begin(), values.end(),
+                     [](float value) { return std::isfinite(value); });
 }
 
 /// What an answer outside command mode holds: the sum of both.
 bool mirror_finite(const Measured& data) noexcept {
   for (std::size_t i = 0; i < kJoints; ++i)
-    if (!std::isfinite(data.cmd_jnt_pos[i] + data.cmd_jnt_pos_fri_offset[i])) return false;
+    if (!std::isfinite(data.cmd_jnt_pos[i] + data.cmd_jnt_pos_fri_offset[i]))
+      return false;
   return true;
 }
 
 PacketFault check_header(const Header& header, std::uint16_t id, std::uint16_t size) noexcept {
-  if (header.datagram_id != id) return PacketFault::kId;
-  if (header.packet_size != size) return PacketFault::kSizeField;
+  if (header.datagram_id != id)
+    return PacketFault::kId;
+  if (header.packet_size != size)
+    return PacketFault::kSizeField;
   return PacketFault::kNone;
 }
 
 bool known(State state) noexcept { return state <= State::kCmd || state == State::kInvalid; }
-bool known(Quality quality) noexcept { return quality <= Quality::kPerfect || quality == Quality::kInvalid; }
+bool known(Quality quality) noexcept {
+  return quality <= Quality::kPerfect || quality == Quality::kInvalid;
+}
 bool known(Control control) noexcept { return control <= Control::kJointImpedance; }
 
 }  // namespace
 
 std::string_view name_of(PacketFault fault) noexcept {
   constexpr std::array<std::string_view, 6> kNames{
-      "none", "length", "datagram id", "size field", "undefined state, quality or control", "not finite"};
+      "none",      "length", "datagram id", "size field", "undefined state, quality or control",
+      "not finite"};
   return name_in(kNames, fault);
 }
 
 PacketFault decode(std::span<const std::byte> datagram, MsrPacket& packet) noexcept {
-  if (datagram.size() != kMsrSize) return PacketFault::kLength;
+  if (datagram.size() != kMsrSize)
+    return PacketFault::kLength;
   std::memcpy(&packet, datagram.data(), kMsrSize);
-  if (const PacketFault fault = check_header(packet.header, kMsrId, kMsrSize); fault != PacketFault::kNone)
+  if (const PacketFault fault = check_header(packet.header, kMsrId, kMsrSize);
+      fault != PacketFault::kNone)
     return fault;
   const Interface& intf = packet.interface;
-  if (!known(intf.state) || !known(intf.quality) || !known(packet.robot.control)) return PacketFault::kEnum;
-  const bool timed =
-      std::isfinite(intf.timestamp_s) && std::isfinite(intf.msr_period_s) && std::isfinite(intf.cmd_period_s);
+  if (!known(intf.state) || !known(intf.quality) || !known(packet.robot.control))
+    return PacketFault::kEnum;
+  const bool timed = std::isfinite(intf.timestamp_s) && std::isfinite(intf.msr_period_s) &&
+                     std::isfinite(intf.cmd_period_s);
   return timed && mirror_finite(packet.data) ? PacketFault::kNone : PacketFault::kNotFinite;
 }
 
 PacketFault decode(std::span<const std::byte> datagram, CmdPacket& packet) noexcept {
-  if (datagram.size() != kCmdSize) return PacketFault::kLength;
+  if (datagram.size() != kCmdSize)
+    return PacketFault::kLength;
   std::memcpy(&packet, datagram.data(), kCmdSize);
-  if (const PacketFault fault = check_header(packet.header, kCmdId, kCmdSize); fault != PacketFault::kNone)
+  if (const PacketFault fault = check_header(packet.header, kCmdId, kCmdSize);
+      fault != PacketFault::kNone)
     return fault;
   return finite(packet) ? PacketFault::kNone : PacketFault::kNotFinite;
 }
@@ -69,9 +82,9 @@ bool measured_finite(const MsrPacket& packet) noexcept { return all_finite(packe
 
 bool finite(const CmdPacket& packet) noexcept {
   const Command& c = packet.command;
-  return all_finite(packet.krl.real) && all_finite(c.jnt_pos) && all_finite(c.cart_pos) && all_finite(c.add_jnt_trq) &&
-         all_finite(c.add_tcp_ft) && all_finite(c.jnt_stiffness) && all_finite(c.jnt_damping) &&
-         all_finite(c.cart_stiffness) && all_finite(c.cart_damping);
+  return all_finite(packet.krl.real) && all_finite(c.jnt_pos) && all_finite(c.cart_pos) &&
+         all_finite(c.add_jnt_trq) && all_finite(c.add_tcp_ft) && all_finite(c.jnt_stiffness) &&
+         all_finite(c.jnt_damping) && all_finite(c.cart_stiffness) && all_finite(c.cart_damping);
 }
 
 MsrPacket empty_msr() noexcept {
@@ -98,7 +111,9 @@ JacobianRows to_wire(const LwrJacobian& xyz) noexcept {
   return wire;
 }
 
-LwrJoints from_wire(const Joints& wire) noexcept { return Eigen::Map<const WireRows<7, 1>>(wire.data()).cast<double>(); }
+LwrJoints from_wire(const Joints& wire) noexcept {
+  return Eigen::Map<const WireRows<7, 1>>(wire.data()).cast<double>();
+}
 
 Joints to_wire(const LwrJoints& joints) noexcept {
   Joints wire;

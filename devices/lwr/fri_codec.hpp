@@ -1,5 +1,6 @@
 #pragma once
-/// Between datagrams, packets and the project's types. Real-time safe throughout: values in, values out.
+/// Between datagrams, packets and the project's types. Real-time safe throughout: values in, values
+/// out.
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -23,10 +24,11 @@ enum class PacketFault : std::uint8_t {
 /// One word, for logs.
 std::string_view name_of(PacketFault fault) noexcept;
 
-/// Copies `datagram` to `packet` and checks it. On kLength nothing is copied; after every other fault the packet holds the
-/// bytes. A measurement must have a finite time stamp and periods, and a finite position to mirror (`cmd_jnt_pos`,
-/// `cmd_jnt_pos_fri_offset`); what was measured is checked apart, by `measured_finite`, since a controller that lost a sensor
-/// still has to be answered.
+/// Copies `datagram` to `packet` and checks it. On kLength nothing is copied; after every other
+/// fault the packet holds the bytes. A measurement must have a finite time stamp and periods, and a
+/// finite position to mirror (`cmd_jnt_pos`, `cmd_jnt_pos_fri_offset`); what was measured is
+/// checked apart, by `measured_finite`, since a controller that lost a sensor still has to be
+/// answered.
 PacketFault decode(std::span<const std::byte> datagram, MsrPacket& packet) noexcept;
 /// Every number of a command must be finite.
 PacketFault decode(std::span<const std::byte> datagram, CmdPacket& packet) noexcept;
@@ -45,7 +47,8 @@ constexpr std::int32_t sequence_distance(std::uint16_t from, std::uint16_t to) n
   return static_cast<std::int16_t>(static_cast<std::uint16_t>(to - from));
 }
 
-// The wire's rotations come in the order Z, Y, X; the project's in X, Y, Z. All six-vectors and Jacobians pass through here.
+// The wire's rotations come in the order Z, Y, X; the project's in X, Y, Z. All six-vectors and
+// Jacobians pass through here.
 CartVector to_wire(const Vec6& xyz) noexcept;
 JacobianRows to_wire(const LwrJacobian& xyz) noexcept;
 LwrJoints from_wire(const Joints& wire) noexcept;

@@ -7,9 +7,12 @@ constexpr std::uint32_t kJointFlags = kFlagJntPos | kFlagJntTrq | kFlagJntStiff 
 
 }  // namespace
 
-FriComposer::FriComposer(const ComposerRules& rules) noexcept : rules_(rules), packet_(empty_cmd()) {
+FriComposer::FriComposer(const ComposerRules& rules) noexcept
+    : rules_(rules),
+      packet_(empty_cmd()) {
   packet_.command.cmd_flags = kJointFlags;
-  packet_.command.jnt_damping.fill(static_cast<float>(rules.joint_damping));  // jnt_stiffness stays zero
+  packet_.command.jnt_damping.fill(
+      static_cast<float>(rules.joint_damping));  // jnt_stiffness stays zero
 }
 
 void FriComposer::head(const Header& header, const FriSession& session) noexcept {
@@ -34,12 +37,15 @@ const CmdPacket& FriComposer::answer(const MsrPacket& msr, const FriSession& ses
   head(msr.header, session);
   place(msr, session.in_command(), trusted);
   ready_ = true;
-  if (session.in_command() && session.force_allowed()) packet_.command.add_jnt_trq = to_wire(push);
-  if (!finite(packet_)) packet_.command.add_jnt_trq.fill(0.0F);
+  if (session.in_command() && session.force_allowed())
+    packet_.command.add_jnt_trq = to_wire(push);
+  if (!finite(packet_))
+    packet_.command.add_jnt_trq.fill(0.0F);
   return packet_;
 }
 
-const CmdPacket& FriComposer::answer_untrusted(const Header& header, const FriSession& session) noexcept {
+const CmdPacket& FriComposer::answer_untrusted(const Header& header,
+                                               const FriSession& session) noexcept {
   head(header, session);
   return packet_;
 }

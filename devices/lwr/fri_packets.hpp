@@ -1,7 +1,8 @@
 #pragma once
-/// The two packets of KUKA's Fast Research Interface 1.0 (KRC2-LR controllers, light-weight robot 4 and 4+), declared anew from
-/// their layout: little-endian, IEEE floats, aligned to four bytes without a gap. The controller sends a measurement (MSR) every
-/// period; the remote side answers each one with a command (CMD) to the address that it came from.
+/// The two packets of KUKA's Fast Research Interface 1.0 (KRC2-LR controllers, light-weight robot 4
+/// and 4+), declared anew from their layout: little-endian, IEEE floats, aligned to four bytes
+/// without a gap. The controller sends a measurement (MSR) every period; the remote side answers
+/// each one with a command (CMD) to the address that it came from.
 #include <array>
 #include <bit>
 #include <cstddef>
@@ -20,23 +21,39 @@ inline constexpr std::uint16_t kCmdId = 0x1005;
 inline constexpr std::uint16_t kMsrSize = 916;
 inline constexpr std::uint16_t kCmdSize = 376;
 inline constexpr std::uint16_t kDefaultPort = 49938;  ///< UDP, of the remote side
-inline constexpr std::size_t kJoints = 7;             ///< in the order A1 A2 E1 A3 A4 A5 A6; E1 is index 2
+inline constexpr std::size_t kJoints = 7;  ///< in the order A1 A2 E1 A3 A4 A5 A6; E1 is index 2
 inline constexpr std::size_t kKrlCount = 16;
 inline constexpr std::uint16_t kAllDrives = 0x7F;  ///< robot.power with every drive on
 
 using Joints = std::array<float, kJoints>;
-using Frame = std::array<float, 12>;         ///< 3 x 4, row-major [R | p], p in m
-using CartVector = std::array<float, 6>;     ///< x, y, z, then about Z, Y, X: see from_wire / to_wire in fri_codec.hpp
+using Frame = std::array<float, 12>;      ///< 3 x 4, row-major [R | p], p in m
+using CartVector = std::array<float, 6>;  ///< x, y, z, then about Z, Y, X: see from_wire / to_wire
+                                          ///< in fri_codec.hpp
 using JacobianRows = std::array<float, 42>;  ///< 6 x 7, row-major, rows as in CartVector
 
 /// msr.intf.state. The wire is unsigned: -1 reads 0xFFFF.
 enum class State : std::uint16_t { kOff = 0, kMon = 1, kCmd = 2, kInvalid = 0xFFFF };
 /// msr.intf.quality; ordered, kInvalid apart.
-enum class Quality : std::uint16_t { kUnacceptable = 0, kBad = 1, kOk = 2, kPerfect = 3, kInvalid = 0xFFFF };
+enum class Quality : std::uint16_t {
+  kUnacceptable = 0,
+  kBad = 1,
+  kOk = 2,
+  kPerfect = 3,
+  kInvalid = 0xFFFF
+};
 /// msr.robot.control.
-enum class Control : std::uint16_t { kOther = 0, kPosition = 1, kCartesianImpedance = 2, kJointImpedance = 3 };
+enum class Control : std::uint16_t {
+  kOther = 0,
+  kPosition = 1,
+  kCartesianImpedance = 2,
+  kJointImpedance = 3
+};
 /// $stiffness.strategy in KRL, and what is asked for in $FRI_FRM_INT[1].
-enum class Strategy : std::int32_t { kPosition = 10, kCartesianImpedance = 20, kJointImpedance = 30 };
+enum class Strategy : std::int32_t {
+  kPosition = 10,
+  kCartesianImpedance = 20,
+  kJointImpedance = 30
+};
 
 /// Bits of cmd.cmd_flags; may change only in MON.
 inline constexpr std::uint32_t kFlagJntPos = 0x0001, kFlagJntTrq = 0x0004, kFlagJntStiff = 0x0010,
@@ -46,11 +63,12 @@ inline constexpr std::uint32_t kFlagJntPos = 0x0001, kFlagJntTrq = 0x0004, kFlag
 /// The KRL program's side of the handshake, as wire indices (KRL counts from one).
 inline constexpr std::size_t kFrmIntStrategy = 0;  ///< $FRI_FRM_INT[1]: the Strategy wanted
 inline constexpr std::size_t kFrmIntRun = 1;       ///< $FRI_FRM_INT[2]: 1 friStart, 0 friStop
-inline constexpr std::size_t kToIntEcho = 1;       ///< $FRI_TO_INT[2]: echo of it, or kKrlInitialised
+inline constexpr std::size_t kToIntEcho = 1;  ///< $FRI_TO_INT[2]: echo of it, or kKrlInitialised
 inline constexpr std::size_t kToIntSimulated =
     15;  ///< $FRI_TO_INT[16]: kVirtualTime, from our simulated controller only
 inline constexpr std::int32_t kRun = 1, kHalt = 0, kKrlInitialised = 10;
-/// "VTXT": the controller runs in virtual time and sends its next measurement only after the answer to the last.
+/// "VTXT": the controller runs in virtual time and sends its next measurement only after the answer
+/// to the last.
 inline constexpr std::int32_t kVirtualTime = 0x56545854;
 
 struct Header {
@@ -131,13 +149,15 @@ struct CmdPacket {
   Command command;
 };
 
-// The sizes; tests/unit/lwr/layout_test.cpp has the layout field by field, and so has tests/interop/fri/decode_fri.py.
+// The sizes; tests/unit/lwr/layout_test.cpp has the layout field by field, and so has
+// tests/interop/fri/decode_fri.py.
 static_assert(std::is_trivially_copyable_v<MsrPacket> && std::is_standard_layout_v<MsrPacket> &&
               sizeof(MsrPacket) == kMsrSize);
 static_assert(std::is_trivially_copyable_v<CmdPacket> && std::is_standard_layout_v<CmdPacket> &&
               sizeof(CmdPacket) == kCmdSize);
 static_assert(alignof(MsrPacket) == 4 && alignof(CmdPacket) == 4);
-static_assert(sizeof(Header) == 8 && sizeof(Krl) == 132 && sizeof(Statistics) == 20 && sizeof(Interface) == 40);
+static_assert(sizeof(Header) == 8 && sizeof(Krl) == 132 && sizeof(Statistics) == 20 &&
+              sizeof(Interface) == 40);
 static_assert(sizeof(Robot) == 36 && sizeof(Measured) == 700 && sizeof(Command) == 236);
 
 }  // namespace voxtouch::lwr::fri

@@ -1,5 +1,6 @@
 #pragma once
-/// Which measurement is news: by a count of sixteen bits that wraps, over a network that may lose, double and reorder.
+/// Which measurement is news: by a count of sixteen bits that wraps, over a network that may lose,
+/// double and reorder.
 #include <cstdint>
 
 #include "devices/lwr/fri_codec.hpp"
@@ -8,7 +9,8 @@ namespace voxtouch::lwr::fri {
 
 struct SequenceCounts {
   std::uint64_t accepted = 0;
-  std::uint64_t lost = 0;        ///< counts that were jumped over, those that came late (`reordered`) among them
+  std::uint64_t lost =
+      0;  ///< counts that were jumped over, those that came late (`reordered`) among them
   std::uint64_t reordered = 0;   ///< older than the newest
   std::uint64_t duplicates = 0;  ///< the newest once more
   std::uint64_t restarts = 0;    ///< the controller began to count anew
@@ -19,19 +21,23 @@ class SequenceTracker {
  public:
   enum class Verdict : std::uint8_t { kNew, kDuplicate, kOld };
 
-  /// An older count is old news, unless `kRestartRun` of them come in one ascending run: then the controller counts anew.
+  /// An older count is old news, unless `kRestartRun` of them come in one ascending run: then the
+  /// controller counts anew.
   Verdict see(std::uint16_t sequence) noexcept {
-    if (!started_) return accept(sequence, 1);
+    if (!started_)
+      return accept(sequence, 1);
     const std::int32_t ahead = sequence_distance(newest_, sequence);
     if (ahead > 0) {
       counts_.lost += static_cast<std::uint64_t>(ahead - 1);
       return accept(sequence, static_cast<std::uint32_t>(ahead));
     }
-    if (ahead == 0) return ++counts_.duplicates, Verdict::kDuplicate;
+    if (ahead == 0)
+      return ++counts_.duplicates, Verdict::kDuplicate;
     ++counts_.reordered;
     run_ = run_ && sequence_distance(last_old_, sequence) == 1 ? run_ + 1 : 1;
     last_old_ = sequence;
-    if (run_ < kRestartRun) return Verdict::kOld;
+    if (run_ < kRestartRun)
+      return Verdict::kOld;
     ++counts_.restarts;
     return accept(sequence, 1);
   }

@@ -6,42 +6,60 @@ namespace voxtouch::lwr::fri {
 namespace {
 
 /// kInvalid is below all others.
-int rank(Quality quality) noexcept { return quality == Quality::kInvalid ? -1 : static_cast<int>(quality); }
+int rank(Quality quality) noexcept {
+  return quality == Quality::kInvalid ? -1 : static_cast<int>(quality);
+}
 
-bool mode_fits(const MsrPacket& msr) noexcept { return msr.robot.control == Control::kJointImpedance; }
+bool mode_fits(const MsrPacket& msr) noexcept {
+  return msr.robot.control == Control::kJointImpedance;
+}
 
 }  // namespace
 
 std::string_view sentence_of(Trouble trouble) noexcept {
   switch (trouble) {
-    case Trouble::kNone: return "in command mode";
+    case Trouble::kNone:
+      return "in command mode";
     case Trouble::kQualityTooLowToStart:
-      return "the connection's quality is too low to start: give it some seconds; if it stays, free this machine and "
+      return "the connection's quality is too low to start: give it some seconds; if it stays, "
+             "free this machine and "
              "the cable of other load, or open the interface with a longer period (friOpen)";
-    case Trouble::kDrivesNotOn: return "the drives are off: switch them on, and start the KRL program";
+    case Trouble::kDrivesNotOn:
+      return "the drives are off: switch them on, and start the KRL program";
     case Trouble::kDrivesWentOff:
-      return "the drives went off (emergency stop, enabling switch, or a stop by the controller): acknowledge on the "
+      return "the drives went off (emergency stop, enabling switch, or a stop by the controller): "
+             "acknowledge on the "
              "panel, switch them on, start again";
-    case Trouble::kDriveError: return "a drive reports an error: read and acknowledge it on the controller's panel";
+    case Trouble::kDriveError:
+      return "a drive reports an error: read and acknowledge it on the controller's panel";
     case Trouble::kProgramStillRuns:
-      return "the KRL program has not yet followed the request to stop ($FRI_FRM_INT[2] = 0): is it running?";
-    case Trouble::kStarting: return "waiting for the KRL program to call friStart";
+      return "the KRL program has not yet followed the request to stop ($FRI_FRM_INT[2] = 0): is "
+             "it running?";
+    case Trouble::kStarting:
+      return "waiting for the KRL program to call friStart";
     case Trouble::kStartTimedOut:
-      return "the controller did not enter command mode in time: does the KRL program run, in a mode that moves the "
+      return "the controller did not enter command mode in time: does the KRL program run, in a "
+             "mode that moves the "
              "arm, and answer $FRI_FRM_INT[2] = 1 with friStart?";
     case Trouble::kDroppedOut:
-      return "the controller left command mode by itself (late answers, or a limit): see its panel; it is asked again "
+      return "the controller left command mode by itself (late answers, or a limit): see its "
+             "panel; it is asked again "
              "after a pause";
     case Trouble::kTooManyDrops:
-      return "the controller left command mode too often: see the messages on its panel, then start again";
+      return "the controller left command mode too often: see the messages on its panel, then "
+             "start again";
     case Trouble::kQualityDropped:
       return "the connection's quality dropped in command mode: force is off until it is back";
     case Trouble::kWrongControlMode:
-      return "the controller runs another control mode than the one asked for in $FRI_FRM_INT[1]: check that the KRL "
+      return "the controller runs another control mode than the one asked for in $FRI_FRM_INT[1]: "
+             "check that the KRL "
              "program sets $stiffness.strategy from it";
-    case Trouble::kTooFast: return "a joint is over its speed limit: force is off until it is slower";
-    case Trouble::kClosed: return "the controller closed the interface (friClose)";
-    case Trouble::kStopping: return "stopping";
+    case Trouble::kTooFast:
+      return "a joint is over its speed limit: force is off until it is slower";
+    case Trouble::kClosed:
+      return "the controller closed the interface (friClose)";
+    case Trouble::kStopping:
+      return "stopping";
   }
   return "unknown";
 }
@@ -49,14 +67,18 @@ std::string_view sentence_of(Trouble trouble) noexcept {
 devices::DeviceError error_of(Trouble trouble) noexcept {
   switch (trouble) {
     case Trouble::kDriveError:
-    case Trouble::kTooManyDrops: return devices::DeviceError::kFault;
-    case Trouble::kClosed: return devices::DeviceError::kDisconnected;
-    default: return devices::DeviceError::kRecoverable;
+    case Trouble::kTooManyDrops:
+      return devices::DeviceError::kFault;
+    case Trouble::kClosed:
+      return devices::DeviceError::kDisconnected;
+    default:
+      return devices::DeviceError::kRecoverable;
   }
 }
 
 devices::DeviceError FriSession::error() const noexcept {
-  const bool stay_off = trouble_ == Trouble::kDrivesWentOff && drives_off_s_ > rules_.drives_off_grace_s;
+  const bool stay_off =
+      trouble_ == Trouble::kDrivesWentOff && drives_off_s_ > rules_.drives_off_grace_s;
   return stay_off ? devices::DeviceError::kFault : error_of(trouble_);
 }
 
@@ -72,12 +94,15 @@ void FriSession::halt(Trouble why, double pause_s) noexcept {
   pause_left_s_ = pause_s;
 }
 
-/// Errors and drives, told apart: what a person must mend, what may come back, and what has not been there yet.
+/// Errors and drives, told apart: what a person must mend, what may come back, and what has not
+/// been there yet.
 Trouble FriSession::drives(const MsrPacket& msr, double elapsed_s) noexcept {
-  if (msr.robot.error != 0) return Trouble::kDriveError;
+  if (msr.robot.error != 0)
+    return Trouble::kDriveError;
   const bool on = (msr.robot.power & kAllDrives) == kAllDrives;
   drives_off_s_ = on ? 0.0 : drives_off_s_ + elapsed_s;
-  if (on) return Trouble::kNone;
+  if (on)
+    return Trouble::kNone;
   return starts_ ? Trouble::kDrivesWentOff : Trouble::kDrivesNotOn;
 }
 
@@ -95,11 +120,13 @@ void FriSession::see(const MsrPacket& msr, double elapsed_s, Trouble arm) noexce
   }
   if (phase_ == Phase::kRunning && was_in_command && !in_command_) {
     ++drops_;
-    halt(drops_ >= rules_.max_drops ? Trouble::kTooManyDrops : Trouble::kDroppedOut, rules_.pause_s);
+    halt(drops_ >= rules_.max_drops ? Trouble::kTooManyDrops : Trouble::kDroppedOut,
+         rules_.pause_s);
   }
   const bool open = msr.interface.state == State::kMon || msr.interface.state == State::kCmd;
   if (!open || power != Trouble::kNone) {
-    if (phase_ != Phase::kHalting) halt(open ? power : Trouble::kClosed, rules_.pause_s);
+    if (phase_ != Phase::kHalting)
+      halt(open ? power : Trouble::kClosed, rules_.pause_s);
     trouble_ = open ? power : Trouble::kClosed;
     return;
   }
@@ -109,9 +136,11 @@ void FriSession::see(const MsrPacket& msr, double elapsed_s, Trouble arm) noexce
 
 void FriSession::advance(const MsrPacket& msr) noexcept {
   const bool mon = msr.interface.state == State::kMon;
-  if (phase_ == Phase::kHalting && mon && !echo_runs_ && pause_left_s_ <= 0.0 && halted_by_ != Trouble::kTooManyDrops)
+  if (phase_ == Phase::kHalting && mon && !echo_runs_ && pause_left_s_ <= 0.0 &&
+      halted_by_ != Trouble::kTooManyDrops)
     phase_ = Phase::kWaiting;
-  if (phase_ == Phase::kWaiting && mon && rank(msr.interface.quality) >= rank(rules_.start_quality)) {
+  if (phase_ == Phase::kWaiting && mon &&
+      rank(msr.interface.quality) >= rank(rules_.start_quality)) {
     phase_ = Phase::kStarting;
     since_request_s_ = 0.0;
   }
@@ -129,13 +158,19 @@ void FriSession::advance(const MsrPacket& msr) noexcept {
 
 Trouble FriSession::judge(const MsrPacket& msr, Trouble arm) const noexcept {
   switch (phase_) {
-    case Phase::kHalting: return halted_by_;
-    case Phase::kWaiting: return Trouble::kQualityTooLowToStart;
-    case Phase::kStarting: return Trouble::kStarting;
-    case Phase::kRunning: break;
+    case Phase::kHalting:
+      return halted_by_;
+    case Phase::kWaiting:
+      return Trouble::kQualityTooLowToStart;
+    case Phase::kStarting:
+      return Trouble::kStarting;
+    case Phase::kRunning:
+      break;
   }
-  if (!mode_fits(msr)) return Trouble::kWrongControlMode;
-  if (rank(msr.interface.quality) < rank(rules_.keep_quality)) return Trouble::kQualityDropped;
+  if (!mode_fits(msr))
+    return Trouble::kWrongControlMode;
+  if (rank(msr.interface.quality) < rank(rules_.keep_quality))
+    return Trouble::kQualityDropped;
   return arm;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
-/// From the first packet to command mode and back: the handshake with the KRL program, and what stands in the way of force.
+/// From the first packet to command mode and back: the handshake with the KRL program, and what
+/// stands in the way of force.
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -36,15 +37,17 @@ struct SessionRules {
   Quality start_quality = Quality::kPerfect;  ///< friStart is asked for from here on
   Quality keep_quality = Quality::kOk;        ///< in command mode force needs at least this
   double start_timeout_s = 5.0;               ///< from the request to command mode
-  double pause_s = 0.5;                       ///< after leaving command mode or a failed start, before the next request
-  double drives_off_grace_s = 2.0;            ///< drives that went off this long are a fault
-  std::uint32_t max_drops = 10;               ///< after this many the person is asked
+  double pause_s = 0.5;  ///< after leaving command mode or a failed start, before the next request
+  double drives_off_grace_s = 2.0;  ///< drives that went off this long are a fault
+  std::uint32_t max_drops = 10;     ///< after this many the person is asked
 };
 
 /// Pure: measurements in, requests out. Real-time safe.
 ///
-/// Each request is a state of the KRL variable $FRI_FRM_INT[2], which the program echoes in $FRI_TO_INT[2]:
-///   kHalting   0 is asked for. Left in MON, drives on, with an echo that is not 1 (a program still in the run of an earlier driver
+/// Each request is a state of the KRL variable $FRI_FRM_INT[2], which the program echoes in
+/// $FRI_TO_INT[2]:
+///   kHalting   0 is asked for. Left in MON, drives on, with an echo that is not 1 (a program still
+///   in the run of an earlier driver
 ///              is thus halted first), after the pause.
 ///   kWaiting   still 0: the quality has to come up.
 ///   kStarting  1 is asked for: the program calls friStart.
@@ -54,14 +57,17 @@ class FriSession {
   enum class Phase : std::uint8_t { kHalting, kWaiting, kStarting, kRunning };
   explicit FriSession(const SessionRules& rules) noexcept : rules_(rules), pause_left_s_(0.0) {}
 
-  /// One new measurement, `elapsed_s` after the one before. `arm`: what the arm's geometry says about it (kNone, kTooFast).
+  /// One new measurement, `elapsed_s` after the one before. `arm`: what the arm's geometry says
+  /// about it (kNone, kTooFast).
   void see(const MsrPacket& msr, double elapsed_s, Trouble arm) noexcept;
   /// For good: 0 is asked for, force is off.
   void request_stop() noexcept;
-  /// The stop has been followed: the controller is in no command mode, and the program has heard the request.
+  /// The stop has been followed: the controller is in no command mode, and the program has heard
+  /// the request.
   bool stopped() const noexcept { return stopping_ && !in_command_ && !echo_runs_; }
 
-  /// The controller acts on what the command says (CMD, drives on), so the position must be our own; otherwise it must mirror.
+  /// The controller acts on what the command says (CMD, drives on), so the position must be our
+  /// own; otherwise it must mirror.
   bool in_command() const noexcept { return in_command_; }
   bool force_allowed() const noexcept { return trouble_ == Trouble::kNone; }
   Trouble trouble() const noexcept { return trouble_; }
@@ -72,7 +78,7 @@ class FriSession {
   void fill(Krl& krl) const noexcept;
 
   std::uint32_t starts() const noexcept { return starts_; }  ///< times command mode was reached
-  std::uint32_t drops() const noexcept { return drops_; }    ///< times the controller left it unasked
+  std::uint32_t drops() const noexcept { return drops_; }  ///< times the controller left it unasked
 
  private:
   void advance(const MsrPacket& msr) noexcept;

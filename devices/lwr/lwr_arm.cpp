@@ -26,12 +26,14 @@ LwrArm::State LwrArm::at(const LwrJoints& q) const noexcept {
   State state;
   for (int i = 0; i < kJoints; ++i) {
     const auto n = static_cast<std::size_t>(i);
-    const Pose row{Vec3(0.0, 0.0, kD[n]), turn_about_z(q[i]) * quarter_turns_about_x(kAlphaQuarterTurns[n])};
+    const Pose row{Vec3(0.0, 0.0, kD[n]),
+                   turn_about_z(q[i]) * quarter_turns_about_x(kAlphaQuarterTurns[n])};
     state.links[n + 1] = state.links[n] * row;
   }
   state.pose_BT = state.links.back() * pose_FT_;
   for (int i = 0; i < kJoints; ++i) {
-    const Pose& before = state.links[static_cast<std::size_t>(i)];  // joint i turns about the z axis of frame i
+    const Pose& before =
+        state.links[static_cast<std::size_t>(i)];  // joint i turns about the z axis of frame i
     const Vec3 axis = before.orientation * Vec3::UnitZ();
     state.jacobian.col(i) << axis.cross(state.pose_BT.position - before.position), axis;
   }
@@ -40,14 +42,16 @@ LwrArm::State LwrArm::at(const LwrJoints& q) const noexcept {
 
 const arm::ArmDescription& lwr_description() {
   static const arm::ArmDescription description = [] {
-    constexpr std::array<std::string_view, LwrArm::kJoints> kNames = {"A1", "A2", "E1", "A3", "A4", "A5", "A6"};
+    constexpr std::array<std::string_view, LwrArm::kJoints> kNames = {"A1", "A2", "E1", "A3",
+                                                                      "A4", "A5", "A6"};
     const LwrLimits limits = lwr_limits();
     arm::ArmDescription arm{.model = "lwr", .joints = {}, .flange = {}};
     Pose after;  // the last joint, at an angle of 0, up to the next one
     for (int i = 0; i < LwrArm::kJoints; ++i) {
       const auto n = static_cast<std::size_t>(i);
       const double most = limits.position_rad[i];
-      arm.joints.push_back({kNames[n], after, -most, most, limits.velocity_rad_s[i], limits.torque_nm[i]});
+      arm.joints.push_back(
+          {kNames[n], after, -most, most, limits.velocity_rad_s[i], limits.torque_nm[i]});
       after = {Vec3(0.0, 0.0, LwrArm::kD[n]), quarter_turns_about_x(LwrArm::kAlphaQuarterTurns[n])};
     }
     arm.flange = after;

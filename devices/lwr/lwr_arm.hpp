@@ -1,5 +1,6 @@
 #pragma once
-/// Geometry and limits of the light-weight robot 4 / 4+: seven revolute joints, in the order of the wire (A1 A2 E1 A3 A4 A5 A6).
+/// Geometry and limits of the light-weight robot 4 / 4+: seven revolute joints, in the order of the
+/// wire (A1 A2 E1 A3 A4 A5 A6).
 #include <array>
 
 #include "devices/arm/arm_description.hpp"
@@ -20,12 +21,14 @@ struct LwrLimits {
 /// In radians, rad/s and Nm; of each joint.
 LwrLimits lwr_limits() noexcept;
 
-/// Forward kinematics. q = 0 is the arm stretched upwards; base frame: z up, along axis 1. Source: standard Denavit-Hartenberg
-/// rows (theta = q_i, d, a = 0, alpha) that two published robot descriptions agree on.
+/// Forward kinematics. q = 0 is the arm stretched upwards; base frame: z up, along axis 1. Source:
+/// standard Denavit-Hartenberg rows (theta = q_i, d, a = 0, alpha) that two published robot
+/// descriptions agree on.
 class LwrArm {
  public:
   static constexpr int kJoints = 7;
-  static constexpr std::array<double, kJoints> kD = {0.3105, 0.0, 0.400, 0.0, 0.390, 0.0, 0.078};  ///< m
+  static constexpr std::array<double, kJoints> kD = {0.3105, 0.0, 0.400, 0.0,
+                                                     0.390,  0.0, 0.078};  ///< m
   static constexpr std::array<int, kJoints> kAlphaQuarterTurns = {1, -1, -1, 1, 1, -1, 0};
 
   /// `pose_FT`: the frame T that poses, twists and wrenches are of.
@@ -39,7 +42,8 @@ class LwrArm {
   };
   /// Real-time safe. Non-finite in, non-finite out.
   State at(const LwrJoints& q) const noexcept;
-  /// Flange in the base, T in the base, and the Jacobian alone. Each costs what `at` costs. Real-time safe.
+  /// Flange in the base, T in the base, and the Jacobian alone. Each costs what `at` costs.
+  /// Real-time safe.
   Pose flange(const LwrJoints& q) const noexcept { return at(q).links.back(); }
   Pose tool(const LwrJoints& q) const noexcept { return at(q).pose_BT; }
   LwrJacobian jacobian(const LwrJoints& q) const noexcept { return at(q).jacobian; }
@@ -52,7 +56,8 @@ class LwrArm {
 /// The same geometry and limits, for who draws it.
 const arm::ArmDescription& lwr_description();
 
-/// Elbow bent, hand in front: q = (0, 30, 0, -90, 0, 60, 0) degrees, far from every limit and singularity.
+/// Elbow bent, hand in front: q = (0, 30, 0, -90, 0, 60, 0) degrees, far from every limit and
+/// singularity.
 LwrJoints lwr_rest_posture() noexcept;
 
 }  // namespace voxtouch::lwr

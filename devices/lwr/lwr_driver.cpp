@@ -6,7 +6,8 @@
 namespace voxtouch::lwr {
 namespace {
 
-constexpr std::uint64_t kGapPeriods = 5;  // after a longer gap a difference of positions says nothing about now
+constexpr std::uint64_t kGapPeriods =
+    5;  // after a longer gap a difference of positions says nothing about now
 constexpr double kBeyondLimitRad = 0.05;  // the arm's own stops are within this of its limits
 
 std::int64_t wall_ns() noexcept {
@@ -21,20 +22,24 @@ std::span<const std::byte> bytes_of(const fri::CmdPacket& packet) noexcept {
 
 }  // namespace
 
-/// Outside virtual time an answer that has gone out already is taken back by a second one: the controller acts on the newest.
+/// Outside virtual time an answer that has gone out already is taken back by a second one: the
+/// controller acts on the newest.
 void LwrDriver::stop() noexcept {
-  if (unanswered_ || (pushing_ && !virtual_time_)) answer_without_push();
+  if (unanswered_ || (pushing_ && !virtual_time_))
+    answer_without_push();
 }
 
 // --- what comes in
 
 void LwrDriver::keep(Intake intake) noexcept {
   msr_.header = incoming_.header;
-  if (intake == Intake::kNew) msr_ = incoming_;
+  if (intake == Intake::kNew)
+    msr_ = incoming_;
 }
 
 void LwrDriver::answer_untrusted() noexcept {
-  if (!composer_ || !composer_->ready()) return;
+  if (!composer_ || !composer_->ready())
+    return;
   send(composer_->answer_untrusted(msr_.header, session_));
   pushing_ = unanswered_ = false;
   posture_share_ = 0.0;
@@ -43,7 +48,8 @@ void LwrDriver::answer_untrusted() noexcept {
   noted_.store(noted, std::memory_order_relaxed);
 }
 
-LwrDriver::Intake LwrDriver::judge(const UdpSocket::Datagram& datagram, std::span<const std::byte> bytes) noexcept {
+LwrDriver::Intake LwrDriver::judge(const UdpSocket::Datagram& datagram,
+                                   std::span<const std::byte> bytes) noexcept {
   capture_.note(bytes, datagram.from, socket_->local(), wall_ns());
   if (controller_.address != 0 && datagram.from.address != controller_.address)
     return ++counts_.foreign, Intake::kNothing;
@@ -51,27 +57,34 @@ LwrDriver::Intake LwrDriver::judge(const UdpSocket::Datagram& datagram, std::spa
   const bool untrusted = fault == fri::PacketFault::kEnum || fault == fri::PacketFault::kNotFinite;
   if (fault != fri::PacketFault::kNone)
     last_fault_ = fault, last_bad_size_ = datagram.size, last_bad_from_ = datagram.from;
-  if (fault != fri::PacketFault::kNone && !untrusted) return ++counts_.malformed, Intake::kNothing;
+  if (fault != fri::PacketFault::kNone && !untrusted)
+    return ++counts_.malformed, Intake::kNothing;
   heard_.store(Clock::now(), std::memory_order_relaxed);
-  if (sequence_.see(incoming_.header.send_seq) != fri::SequenceTracker::Verdict::kNew) return Intake::kNothing;
+  if (sequence_.see(incoming_.header.send_seq) != fri::SequenceTracker::Verdict::kNew)
+    return Intake::kNothing;
   steps_ += sequence_.steps();
   const bool too_old = std::chrono::duration<double>(datagram.age).count() > options_.max_age_s;
-  if (too_old && composer_ && !virtual_time_)  // before the first one nothing is known, virtual time not either
+  if (too_old && composer_ &&
+      !virtual_time_)  // before the first one nothing is known, virtual time not either
     return ++counts_.aged, Intake::kNothing;
-  if (untrusted) return ++counts_.untrusted, Intake::kUntrusted;
+  if (untrusted)
+    return ++counts_.untrusted, Intake::kUntrusted;
   return Intake::kNew;
 }
 
 void LwrDriver::heard_nothing(bool lost) noexcept {
-  if (!lost) return;
+  if (!lost)
+    return;
   sequence_.forget();
   rates_.restart();
 }
 
 void LwrDriver::accept() noexcept {
-  if (steps_ > kGapPeriods) rates_.restart();
+  if (steps_ > kGapPeriods)
+    rates_.restart();
   const double elapsed_s =
-      1e-9 * static_cast<double>(clock_->see(msr_.interface.timestamp_s, std::max<std::uint64_t>(steps_, 1)));
+      1e-9 * static_cast<double>(
+                 clock_->see(msr_.interface.timestamp_s, std::max<std::uint64_t>(steps_, 1)));
   steps_ = 0;
   unanswered_ = true;
   sample_.time_ns = clock_->time_ns();
@@ -81,11 +94,12 @@ void LwrDriver::accept() noexcept {
   silent_.store(false, std::memory_order_relaxed);
 }
 
-/// Pose and twist in D. A measurement without usable joint positions leaves the pose as it was, marked, and at rest.
+/// Pose and twist in D. A measurement without usable joint positions leaves the pose as it was,
+/// marked, and at rest.
 void LwrDriver::measure(double elapsed_s) noexcept {
   const LwrJoints q = fri::from_wire(msr_.data.jnt_pos);
-  sample_.pose_valid =
-      fri::measured_finite(msr_) && ((q.array().abs() <= limits_.position_rad.array() + kBeyondLimitRad)).all();
+  sample_.pose_valid = fri::measured_finite(msr_) &&
+                       ((q.array().abs() <= limits_.position_rad.array() + kBeyondLimitRad)).all();
   if (!sample_.pose_valid) {
     ++counts_.invalid_poses;
     rates_.restart();
@@ -115,11 +129,15 @@ bool LwrDriver::push(const Wrench& command) noexcept {
 
 LwrJoints LwrDriver::push_for(const Wrench& command) noexcept {
   const Quat rotation_BD = rotation_DB_.conjugate();
-  LwrJoints torque = joint_torque(posture_.jacobian, {rotation_BD * command.force, rotation_BD * command.torque});
-  const double need = (torque.array().abs() / options_.max_add_torque_nm.array().max(1e-9)).maxCoeff();
-  if (need > 1.0) ++counts_.scaled, torque /= need;
-  const double step =
-      options_.posture.ramp_s > 0.0 ? 1e-9 * static_cast<double>(period_ns_) / options_.posture.ramp_s : 1.0;
+  LwrJoints torque =
+      joint_torque(posture_.jacobian, {rotation_BD * command.force, rotation_BD * command.torque});
+  const double need =
+      (torque.array().abs() / options_.max_add_torque_nm.array().max(1e-9)).maxCoeff();
+  if (need > 1.0)
+    ++counts_.scaled, torque /= need;
+  const double step = options_.posture.ramp_s > 0.0
+                          ? 1e-9 * static_cast<double>(period_ns_) / options_.posture.ramp_s
+                          : 1.0;
   posture_share_ = std::min(1.0, posture_share_ + step);
   torque += posture_share_ * posture_torque(options_.posture, posture_.jacobian, q_, rates_.rate());
   return torque.cwiseMax(-options_.max_add_torque_nm).cwiseMin(options_.max_add_torque_nm);
@@ -128,13 +146,15 @@ LwrJoints LwrDriver::push_for(const Wrench& command) noexcept {
 void LwrDriver::answer_without_push() noexcept {
   pushing_ = false;
   posture_share_ = 0.0;
-  if (composer_) send(composer_->answer(msr_, session_, sample_.pose_valid, LwrJoints::Zero()));
+  if (composer_)
+    send(composer_->answer(msr_, session_, sample_.pose_valid, LwrJoints::Zero()));
 }
 
 bool LwrDriver::send(const fri::CmdPacket& packet) noexcept {
   unanswered_ = false;
   capture_.note(bytes_of(packet), socket_->local(), controller_, wall_ns());
-  if (socket_->send(bytes_of(packet), controller_)) return ++counts_.answered, true;
+  if (socket_->send(bytes_of(packet), controller_))
+    return ++counts_.answered, true;
   ++counts_.send_errors;
   return false;
 }

@@ -1,17 +1,21 @@
 #pragma once
-/// The DLR / KUKA light-weight robot 4 or 4+ as a haptic device, over the Fast Research Interface 1.0 of its KRC2-LR controller.
+/// The DLR / KUKA light-weight robot 4 or 4+ as a haptic device, over the Fast Research
+/// Interface 1.0 of its KRC2-LR controller.
 ///
-/// What the controller has to run: a KRL program that calls friOpen(period) and friSetup(address of this machine, port, port), sets
-/// $stiffness.strategy from $FRI_FRM_INT[1], calls friStart while $FRI_FRM_INT[2] is 1 and friStop once it is 0, and echoes that in
-/// $FRI_TO_INT[2]. It has to widen what the impedance controller may deviate ($stiffness.axismaxdelta, axismaxdeltatrq), since here
-/// all force comes as torque on top.
+/// What the controller has to run: a KRL program that calls friOpen(period) and friSetup(address of
+/// this machine, port, port), sets $stiffness.strategy from $FRI_FRM_INT[1], calls friStart while
+/// $FRI_FRM_INT[2] is 1 and friStop once it is 0, and echoes that in $FRI_TO_INT[2]. It has to
+/// widen what the impedance controller may deviate ($stiffness.axismaxdelta, axismaxdeltatrq),
+/// since here all force comes as torque on top.
 ///
-/// Not this driver: the successor, LBR iiwa. Its controller's "FRI 1.x" shares the name only. It speaks protocol buffers over UDP
-/// 30200 with the roles turned round (the client binds, the controller is addressed by its own application program). Open there:
-/// the ids of the monitor and command messages (0x245142, 0x34001), the fields of both (header, joint position and torque, wrench
-/// feed-forward, connection quality, session state IDLE to COMMANDING_ACTIVE), and client sources that can be read. Missing for a
-/// driver: permission to use those sources without the vendor's product (an own decoder of the messages is possible from the
-/// public field numbers), the iiwa's own kinematic and torque limits, a controller-side application, and hardware to see which
+/// Not this driver: the successor, LBR iiwa. Its controller's "FRI 1.x" shares the name only. It
+/// speaks protocol buffers over UDP 30200 with the roles turned round (the client binds, the
+/// controller is addressed by its own application program). Open there: the ids of the monitor and
+/// command messages (0x245142, 0x34001), the fields of both (header, joint position and torque,
+/// wrench feed-forward, connection quality, session state IDLE to COMMANDING_ACTIVE), and client
+/// sources that can be read. Missing for a driver: permission to use those sources without the
+/// vendor's product (an own decoder of the messages is possible from the public field numbers), the
+/// iiwa's own kinematic and torque limits, a controller-side application, and hardware to see which
 /// command mode (torque or wrench overlay) holds its rate.
 #include <atomic>
 #include <cstddef>
@@ -33,40 +37,52 @@ namespace voxtouch::lwr {
 /// The numbers of an arm whose controller sends every `period_s`.
 DeviceDescription describe_lwr(double period_s);
 
-/// read: kTimeout (nothing new in time; measurements that are too old are nothing new), kDisconnected (silence, or friClose),
-/// kProtocol (a measurement that cannot be trusted, or only malformed datagrams came), kFault (drive error, drives stay off, left
-/// command mode too often). While the controller is not in command mode samples come all the same, so that the answers keep coming
-/// that the quality is judged by.
-/// write: kNotFinite, kLimit (check_command), kRecoverable (not in command mode, quality dropped, too fast, not sent: `session`
-/// tells), kProtocol (the sample's pose was not valid), kTimeout (no unanswered measurement). After a kRecoverable the driver works
-/// its way back into command mode by itself.
+/// read: kTimeout (nothing new in time; measurements that are too old are nothing new),
+/// kDisconnected (silence, or friClose), kProtocol (a measurement that cannot be trusted, or only
+/// malformed datagrams came), kFault (drive error, drives stay off, left command mode too often).
+/// While the controller is not in command mode samples come all the same, so that the answers keep
+/// coming that the quality is judged by. write: kNotFinite, kLimit (check_command), kRecoverable
+/// (not in command mode, quality dropped, too fast, not sent: `session` tells), kProtocol (the
+/// sample's pose was not valid), kTimeout (no unanswered measurement). After a kRecoverable the
+/// driver works its way back into command mode by itself.
 ///
-/// Force is J^T F, geometric Jacobian of the tool, plus the posture torque (posture_torque.hpp), with stiffness zero and the
-/// commanded position at the measured one. The joint torques of a command that would need more than `max_add_torque_nm` are made
-/// smaller in proportion. Twist is the Jacobian times low-passed joint rates, and lags as JointRates says.
+/// Force is J^T F, geometric Jacobian of the tool, plus the posture torque (posture_torque.hpp),
+/// with stiffness zero and the commanded position at the measured one. The joint torques of a
+/// command that would need more than `max_add_torque_nm` are made smaller in proportion. Twist is
+/// the Jacobian times low-passed joint rates, and lags as JointRates says.
 ///
-/// Time: periods counted from the first measurement (virtual time: from the first sample in command mode). A controller that
-/// announces virtual time (fri::kVirtualTime) makes `simulated()` true: it waits for each answer, so `read` waits for it, up to
-/// `virtual_timeout_s` whatever its own timeout; the constructor then returns in command mode.
+/// Time: periods counted from the first measurement (virtual time: from the first sample in command
+/// mode). A controller that announces virtual time (fri::kVirtualTime) makes `simulated()` true: it
+/// waits for each answer, so `read` waits for it, up to `virtual_timeout_s` whatever its own
+/// timeout; the constructor then returns in command mode.
 class LwrDriver : public arm::AnsweringDriver {
  public:
-  /// Waits for the first measurement. Throws DeviceOpenError: port, capture file, nothing or nothing readable within
-  /// `connect_timeout_s`, a drive error; the sentence says what to check.
+  /// Waits for the first measurement. Throws DeviceOpenError: port, capture file, nothing or
+  /// nothing readable within `connect_timeout_s`, a drive error; the sentence says what to check.
   explicit LwrDriver(const LwrOptions& options);
-  /// No push, then the handshake out of command mode (kept up until the controller followed, at most `stop_timeout_s`); closes.
+  /// No push, then the handshake out of command mode (kept up until the controller followed, at
+  /// most `stop_timeout_s`); closes.
   ~LwrDriver() override;
 
   void stop() noexcept override;
   std::string trouble() const override;
-  const arm::ArmDescription* arm_description() const noexcept override { return &lwr_description(); }
-  std::span<const double> joints() const noexcept override { return {q_.data(), static_cast<std::size_t>(q_.size())}; }
+  const arm::ArmDescription* arm_description() const noexcept override {
+    return &lwr_description();
+  }
+  std::span<const double> joints() const noexcept override {
+    return {q_.data(), static_cast<std::size_t>(q_.size())};
+  }
 
-  /// For the thread that owns it: the handshake, the newest measurement, and the packets' numbers. Real-time safe.
+  /// For the thread that owns it: the handshake, the newest measurement, and the packets' numbers.
+  /// Real-time safe.
   const fri::FriSession& session() const noexcept { return session_; }
   const fri::MsrPacket& measurement() const noexcept { return msr_; }
   const fri::SequenceCounts& sequence() const noexcept { return sequence_.counts(); }
-  std::uint64_t clock_disagreements() const noexcept { return clock_ ? clock_->disagreements() : 0; }
-  /// What keeps the force off and what to do, or that nothing does; with the drives' bits as joint names. Allocates.
+  std::uint64_t clock_disagreements() const noexcept {
+    return clock_ ? clock_->disagreements() : 0;
+  }
+  /// What keeps the force off and what to do, or that nothing does; with the drives' bits as joint
+  /// names. Allocates.
   std::string status_text() const;
   UdpEndpoint local() const noexcept { return socket_->local(); }
   UdpEndpoint controller() const noexcept { return controller_; }
@@ -77,7 +93,8 @@ class LwrDriver : public arm::AnsweringDriver {
   void disengage() noexcept;
   std::string nothing_came() const;
 
-  Intake judge(const UdpSocket::Datagram& datagram, std::span<const std::byte> bytes) noexcept override;
+  Intake judge(const UdpSocket::Datagram& datagram,
+               std::span<const std::byte> bytes) noexcept override;
   void keep(Intake intake) noexcept override;
   void answer_untrusted() noexcept override;
   void accept() noexcept override;
@@ -109,7 +126,7 @@ class LwrDriver : public arm::AnsweringDriver {
   UdpEndpoint last_bad_from_;
   std::int64_t period_ns_ = 1'000'000;
   std::uint64_t steps_ = 0;  // periods since the last measurement that was accepted
-  bool pushing_ = false;    // the last answer held a push
+  bool pushing_ = false;     // the last answer held a push
 
   /// For trouble(), which other threads ask.
   struct Noted {
@@ -119,7 +136,8 @@ class LwrDriver : public arm::AnsweringDriver {
   };
   static std::string sentence_for(const Noted& noted);
   Noted noted_now() const noexcept {
-    return {session_.trouble(), sample_.pose_valid, msr_.robot.power, msr_.robot.error, msr_.robot.warning};
+    return {session_.trouble(), sample_.pose_valid, msr_.robot.power, msr_.robot.error,
+            msr_.robot.warning};
   }
   std::atomic<Noted> noted_{Noted{}};
 };

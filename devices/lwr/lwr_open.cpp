@@ -1,4 +1,5 @@
-// Opening and closing the light-weight robot: the parts of LwrDriver that may wait, throw and allocate.
+// Opening and closing the light-weight robot: the parts of LwrDriver that may wait, throw and
+// allocate.
 #include <fmt/format.h>
 
 #include <fstream>
@@ -11,7 +12,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr std::array<std::string_view, LwrArm::kJoints> kJointNames = {"A1", "A2", "E1", "A3", "A4", "A5", "A6"};
+constexpr std::array<std::string_view, LwrArm::kJoints> kJointNames = {"A1", "A2", "E1", "A3",
+                                                                       "A4", "A5", "A6"};
 
 fri::ComposerRules composer_rules(const LwrOptions& options, double period_s) {
   fri::ComposerRules rules = options.composer;
@@ -21,44 +23,56 @@ fri::ComposerRules composer_rules(const LwrOptions& options, double period_s) {
 
 LwrOptions checked(const LwrOptions& options) {
   if (!options.capture_file.empty() && !std::ofstream(options.capture_file, std::ios::binary))
-    throw devices::DeviceOpenError(fmt::format("device 'lwr': cannot write the capture file '{}'", options.capture_file));
+    throw devices::DeviceOpenError(
+        fmt::format("device 'lwr': cannot write the capture file '{}'", options.capture_file));
   return options;
 }
 
 std::string joints_of(unsigned bits) {
   std::string names;
   for (std::size_t i = 0; i < kJointNames.size(); ++i)
-    if (bits >> i & 1) names += fmt::format("{}{}", names.empty() ? "" : " ", kJointNames[i]);
+    if (bits >> i & 1)
+      names += fmt::format("{}{}", names.empty() ? "" : " ", kJointNames[i]);
   return names;
 }
 
 constexpr auto kCancelledEvery = 50ms;
 
-std::chrono::nanoseconds seconds(double s) { return std::chrono::nanoseconds(std::llround(s * 1e9)); }
+std::chrono::nanoseconds seconds(double s) {
+  return std::chrono::nanoseconds(std::llround(s * 1e9));
+}
 
 }  // namespace
 
 LwrDriver::LwrDriver(const LwrOptions& options)
-    : AnsweringDriver(std::make_unique<UdpSocket>(options.address, options.port), options.silence_s, options.virtual_timeout_s),
+    : AnsweringDriver(std::make_unique<UdpSocket>(options.address, options.port), options.silence_s,
+                      options.virtual_timeout_s),
       options_(checked(options)),
-      capture_(options.capture_file.empty() ? 0 : options.capture_packets), arm_(options.pose_FT),
-      limits_(lwr_limits()), session_(options.session), rates_(options.rate_cutoff_hz) {
+      capture_(options.capture_file.empty() ? 0 : options.capture_packets),
+      arm_(options.pose_FT),
+      limits_(lwr_limits()),
+      session_(options.session),
+      rates_(options.rate_cutoff_hz) {
   rotation_DB_ = options.pose_BD.orientation.conjugate();
-  if (!options_.controller.empty()) controller_.address = parse_ipv4(options_.controller).value();
+  if (!options_.controller.empty())
+    controller_.address = parse_ipv4(options_.controller).value();
   connect();
-  if (virtual_time_) start_in_virtual_time();
+  if (virtual_time_)
+    start_in_virtual_time();
   description_ = describe_lwr(1e-9 * static_cast<double>(period_ns_));
 }
 
 void LwrDriver::connect() {
   const auto start = Clock::now(), deadline = start + seconds(options_.connect_timeout_s);
   heard_.store(start, std::memory_order_relaxed);
-  // Without a first position there is nothing to mirror; a measurement of a closed interface ends an earlier session.
+  // Without a first position there is nothing to mirror; a measurement of a closed interface ends
+  // an earlier session.
   for (bool good = false; !good;) {
     const Intake intake = wait_and_take(std::min(deadline, Clock::now() + kCancelledEvery));
     if (options_.cancelled && options_.cancelled->load())
       throw devices::DeviceOpenError("device 'lwr': waiting for its controller was cancelled");
-    if (intake == Intake::kNothing && Clock::now() >= deadline) throw devices::DeviceOpenError(nothing_came());
+    if (intake == Intake::kNothing && Clock::now() >= deadline)
+      throw devices::DeviceOpenError(nothing_came());
     good = intake == Intake::kNew &&
            (msr_.interface.state == fri::State::kMon || msr_.interface.state == fri::State::kCmd);
   }
@@ -66,9 +80,11 @@ void LwrDriver::connect() {
   const double period_s = msr_.interface.msr_period_s;
   if (!(period_s > 0.5e-3 && period_s < 0.11))
     throw devices::DeviceOpenError(
-        fmt::format("device 'lwr': the controller at {} announces a period of {} s, but friOpen knows 1 to 100 ms",
+        fmt::format("device 'lwr': the controller at {} announces a period of {} s, but friOpen "
+                    "knows 1 to 100 ms",
                     text_of(controller_), period_s));
-  period_ns_ = std::llround(period_s * 1e6) * 1000;  // whole microseconds: the float is a little off
+  period_ns_ =
+      std::llround(period_s * 1e6) * 1000;  // whole microseconds: the float is a little off
   virtual_time_ = msr_.krl.integer[fri::kToIntSimulated] == fri::kVirtualTime;
   composer_.emplace(composer_rules(options_, 1e-9 * static_cast<double>(period_ns_)));
   clock_.emplace(period_ns_, virtual_time_);
@@ -77,27 +93,36 @@ void LwrDriver::connect() {
     answer_without_push();
     throw devices::DeviceOpenError(fmt::format("device 'lwr': {}", status_text()));
   }
-  if (!virtual_time_) answer_without_push();
+  if (!virtual_time_)
+    answer_without_push();
 }
 
 std::string LwrDriver::nothing_came() const {
-  const std::string where = fmt::format("device 'lwr': within {} s no FRI measurement came to UDP {}",
-                                        options_.connect_timeout_s, text_of(socket_->local()));
+  const std::string where =
+      fmt::format("device 'lwr': within {} s no FRI measurement came to UDP {}",
+                  options_.connect_timeout_s, text_of(socket_->local()));
   if (counts_.untrusted)
-    return fmt::format("{} that can be mirrored: its numbers are not finite, or its state is undefined ({} from {})",
-                       where, name_of(last_fault_), text_of(last_bad_from_));
+    return fmt::format(
+        "{} that can be mirrored: its numbers are not finite, or its state is undefined ({} from "
+        "{})",
+        where, name_of(last_fault_), text_of(last_bad_from_));
   if (sequence_.counts().accepted > counts_.untrusted)
-    return fmt::format("{} of an open interface, only of one that is closed: call friOpen on the controller", where);
+    return fmt::format(
+        "{} of an open interface, only of one that is closed: call friOpen on the controller",
+        where);
   if (counts_.malformed)
     return fmt::format(
-        "{}: what came is none ({} bytes from {}, wrong {}; FRI 1.0 has {} bytes); is it another controller or FRI "
+        "{}: what came is none ({} bytes from {}, wrong {}; FRI 1.0 has {} bytes); is it another "
+        "controller or FRI "
         "version?",
         where, last_bad_size_, text_of(last_bad_from_), name_of(last_fault_), fri::kMsrSize);
   if (counts_.foreign)
-    return fmt::format("{} from {}, but {} datagrams from other addresses: check the option 'controller'", where,
-                       options_.controller, counts_.foreign);
+    return fmt::format(
+        "{} from {}, but {} datagrams from other addresses: check the option 'controller'", where,
+        options_.controller, counts_.foreign);
   return fmt::format(
-      "{}: check on the controller that the KRL program runs and has called friOpen, that friSetup names this "
+      "{}: check on the controller that the KRL program runs and has called friOpen, that friSetup "
+      "names this "
       "machine's address and port {}, and check the cable, the network interface and the firewall",
       where, socket_->local().port);
 }
@@ -106,14 +131,16 @@ std::string LwrDriver::nothing_came() const {
 void LwrDriver::start_in_virtual_time() {
   const double period_s = 1e-9 * static_cast<double>(period_ns_);
   const double patience_s = options_.session.start_timeout_s + options_.connect_timeout_s;
-  for (double waited_s = 0.0; !(session_.force_allowed() && sample_.pose_valid); waited_s += period_s) {
+  for (double waited_s = 0.0; !(session_.force_allowed() && sample_.pose_valid);
+       waited_s += period_s) {
     if (waited_s > patience_s || session_.error() != devices::DeviceError::kRecoverable)
-      throw devices::DeviceOpenError(
-          fmt::format("device 'lwr': the controller in virtual time did not start: {}", status_text()));
+      throw devices::DeviceOpenError(fmt::format(
+          "device 'lwr': the controller in virtual time did not start: {}", status_text()));
     answer_without_push();
     if (wait_and_take(Clock::now() + seconds(options_.virtual_timeout_s)) != Intake::kNew)
       throw devices::DeviceOpenError(fmt::format(
-          "device 'lwr': the controller in virtual time at {} went silent during the start", text_of(controller_)));
+          "device 'lwr': the controller in virtual time at {} went silent during the start",
+          text_of(controller_)));
     accept();
   }
   clock_->zero();
@@ -125,30 +152,34 @@ DeviceDescription describe_lwr(double period_s) {
   DeviceDescription d = sim::sim_lwr().description;
   d.model = "lwr";
   d.rate_hz = 1.0 / period_s;
-  d.delay_s = period_s + 0.001;  // the controller interpolates over one period; then its torque loop (assumed)
+  d.delay_s = period_s +
+              0.001;  // the controller interpolates over one period; then its torque loop (assumed)
   return d;
 }
 
 LwrDriver::~LwrDriver() {
   disengage();
   try {
-    if (!options_.capture_file.empty()) capture_.write(options_.capture_file);
+    if (!options_.capture_file.empty())
+      capture_.write(options_.capture_file);
   } catch (const std::exception&) {
     // The file could be opened at the start; a disk that has filled since is no reason to abort.
   }
 }
 
 void LwrDriver::disengage() noexcept {
-  const bool asked =
-      session_.phase() == fri::FriSession::Phase::kStarting || session_.phase() == fri::FriSession::Phase::kRunning;
+  const bool asked = session_.phase() == fri::FriSession::Phase::kStarting ||
+                     session_.phase() == fri::FriSession::Phase::kRunning;
   session_.request_stop();
   stop();
   const std::uint64_t heard_enough = counts_.answered + (asked ? 3 : 0);  // a request may be lost
   const auto deadline = Clock::now() + seconds(options_.stop_timeout_s);
   while (asked && !(session_.stopped() && counts_.answered >= heard_enough)) {
     const Intake intake = wait_and_take(deadline);
-    if (intake == Intake::kNothing) return;
-    if (intake == Intake::kUntrusted) continue;
+    if (intake == Intake::kNothing)
+      return;
+    if (intake == Intake::kUntrusted)
+      continue;
     accept();
     answer_without_push();
   }
@@ -157,9 +188,12 @@ void LwrDriver::disengage() noexcept {
 std::string LwrDriver::sentence_for(const Noted& noted) {
   std::string text(sentence_of(noted.trouble));
   const unsigned off = ~noted.power & fri::kAllDrives;
-  if (noted.error) text += fmt::format(" [errors of {}]", joints_of(noted.error));
-  if (noted.warning) text += fmt::format(" [warnings of {}]", joints_of(noted.warning));
-  if (off) text += fmt::format(" [drives off: {}]", joints_of(off));
+  if (noted.error)
+    text += fmt::format(" [errors of {}]", joints_of(noted.error));
+  if (noted.warning)
+    text += fmt::format(" [warnings of {}]", joints_of(noted.warning));
+  if (off)
+    text += fmt::format(" [drives off: {}]", joints_of(off));
   return text;
 }
 
@@ -169,14 +203,18 @@ std::string LwrDriver::trouble() const {
   if (silent_.load(std::memory_order_relaxed)) {
     const auto silence = Clock::now() - heard_.load(std::memory_order_relaxed);
     return fmt::format(
-        "nothing has come from the controller to UDP {} for {:.1f} s: is it on, is the cable plugged in, does the KRL "
+        "nothing has come from the controller to UDP {} for {:.1f} s: is it on, is the cable "
+        "plugged in, does the KRL "
         "program run?",
         text_of(socket_->local()), std::chrono::duration<double>(silence).count());
   }
   const Noted noted = noted_.load(std::memory_order_relaxed);
-  if (noted.trouble != fri::Trouble::kNone) return sentence_for(noted);
-  if (noted.usable) return {};
-  return "no force, the controller's measurement is not to be trusted: it holds numbers that are none or cannot be; "
+  if (noted.trouble != fri::Trouble::kNone)
+    return sentence_for(noted);
+  if (noted.usable)
+    return {};
+  return "no force, the controller's measurement is not to be trusted: it holds numbers that are "
+         "none or cannot be; "
          "look at its messages and the arm's sensors";
 }
 

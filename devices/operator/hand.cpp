@@ -15,21 +15,28 @@ struct NamedGrip {
   sim::OperatorConfig config;
 };
 
-constexpr sim::OperatorConfig holding(double mass_kg, double damping_ns_per_m, double stiffness_n_per_m, double inertia_kg_m2,
+constexpr sim::OperatorConfig holding(double mass_kg, double damping_ns_per_m,
+                                      double stiffness_n_per_m, double inertia_kg_m2,
                                       double damping_nms_per_rad, double stiffness_nm_per_rad) {
-  return {.mass_kg = mass_kg, .damping_ns_per_m = damping_ns_per_m, .stiffness_n_per_m = stiffness_n_per_m,
-          .inertia_kg_m2 = inertia_kg_m2, .damping_nms_per_rad = damping_nms_per_rad,
-          .stiffness_nm_per_rad = stiffness_nm_per_rad, .carries_tool = true};
+  return {.mass_kg = mass_kg,
+          .damping_ns_per_m = damping_ns_per_m,
+          .stiffness_n_per_m = stiffness_n_per_m,
+          .inertia_kg_m2 = inertia_kg_m2,
+          .damping_nms_per_rad = damping_nms_per_rad,
+          .stiffness_nm_per_rad = stiffness_nm_per_rad,
+          .carries_tool = true};
 }
 
-// Only "arm-measured" is one published subject (0.554 kg, 6.45 Ns/m, 135 N/m). The rest are middles and corners of published
-// or remembered ranges: fingertip 3.5..8.7 g, 4..7.4 Ns/m, 255..1255 N/m; pen 0.05..0.2 kg, 2..6 Ns/m, 200..1000 N/m; arm
-// 0.5..2 kg, 10..50 Ns/m, 50..800 N/m. What they do in turning is assumed.
+// Only "arm-measured" is one published subject (0.554 kg, 6.45 Ns/m, 135 N/m). The rest are middles
+// and corners of published or remembered ranges: fingertip 3.5..8.7 g, 4..7.4 Ns/m, 255..1255 N/m;
+// pen 0.05..0.2 kg, 2..6 Ns/m, 200..1000 N/m; arm 0.5..2 kg, 10..50 Ns/m, 50..800 N/m. What they do
+// in turning is assumed.
 constexpr std::array kGrips{
     NamedGrip{"fingertip", holding(0.006, 5.7, 750.0, 1e-5, 0.002, 0.1)},
     NamedGrip{"pen", holding(0.1, 4.0, 300.0, 1e-4, 0.01, 0.5)},
     NamedGrip{"pen-light", holding(0.05, 2.0, 200.0, 1e-4, 0.005, 0.2)},
-    NamedGrip{"pen-firm", holding(0.05, 2.0, 1000.0, 1e-4, 0.01, 1.0)},  // light, stiff, hardly damped: the hardest to keep stable
+    NamedGrip{"pen-firm", holding(0.05, 2.0, 1000.0, 1e-4, 0.01,
+                                  1.0)},  // light, stiff, hardly damped: the hardest to keep stable
     NamedGrip{"arm", holding(1.3, 15.0, 200.0, 0.01, 0.3, 5.0)},
     NamedGrip{"arm-light", holding(0.5, 10.0, 50.0, 0.005, 0.1, 2.0)},
     NamedGrip{"arm-firm", holding(2.0, 50.0, 800.0, 0.02, 1.0, 20.0)},
@@ -38,9 +45,11 @@ constexpr std::array kGrips{
 };
 
 double checked_step(double step_s, double bandwidth_hz) {
-  if (!(step_s > 0.0 && step_s <= 0.01)) throw std::runtime_error("simulated hand: the step has to be in (0, 0.01] s");
+  if (!(step_s > 0.0 && step_s <= 0.01))
+    throw std::runtime_error("simulated hand: the step has to be in (0, 0.01] s");
   if (!(bandwidth_hz > 0.0))
-    throw std::runtime_error("simulated hand: the bandwidth has to be over 0 Hz (infinity for none)");
+    throw std::runtime_error(
+        "simulated hand: the bandwidth has to be over 0 Hz (infinity for none)");
   return step_s;
 }
 
@@ -54,48 +63,68 @@ const sim::OperatorConfig& checked_grip(const sim::OperatorConfig& grip) {
 Motion checked_motion(Motion motion) {
   const auto finite = [](const Vec3& point) { return point.allFinite(); };
   if (motion.path.empty() || !std::all_of(motion.path.begin(), motion.path.end(), finite))
-    throw std::runtime_error("simulated hand: the motion needs at least one way point, and all of them finite");
+    throw std::runtime_error(
+        "simulated hand: the motion needs at least one way point, and all of them finite");
   if (!(motion.speed_m_per_s > 0.0 && std::isfinite(motion.speed_m_per_s)))
     throw std::runtime_error("simulated hand: the motion's speed has to be over 0 and finite");
   if (!(motion.hold_s >= 0.0 && std::isfinite(motion.hold_s)))
     throw std::runtime_error("simulated hand: the motion's hold has to be 0 or more and finite");
   if (motion.repeat_from && *motion.repeat_from >= motion.path.size())
-    throw std::runtime_error("simulated hand: the motion repeats from a way point that it has not got");
-  if (motion.circle_centre && !(motion.circle_centre->allFinite() && std::abs(motion.circle_axis.norm() - 1.0) < 1e-6))
-    throw std::runtime_error("simulated hand: the motion's circle needs a finite centre and an axis of length 1");
-  if (const MotionTurn& t = motion.turn; !(std::isfinite(t.angle_rad) && std::isfinite(t.from_s) && t.to_s > t.from_s && std::abs(t.axis.norm() - 1.0) < 1e-6))
-    throw std::runtime_error("simulated hand: the motion's turn needs a finite angle, an end after its begin and an axis of length 1");
+    throw std::runtime_error(
+        "simulated hand: the motion repeats from a way point that it has not got");
+  if (motion.circle_centre &&
+      !(motion.circle_centre->allFinite() && std::abs(motion.circle_axis.norm() - 1.0) < 1e-6))
+    throw std::runtime_error(
+        "simulated hand: the motion's circle needs a finite centre and an axis of length 1");
+  if (const MotionTurn& t = motion.turn;
+      !(std::isfinite(t.angle_rad) && std::isfinite(t.from_s) && t.to_s > t.from_s &&
+        std::abs(t.axis.norm() - 1.0) < 1e-6))
+    throw std::runtime_error(
+        "simulated hand: the motion's turn needs a finite angle, an end after its begin and an "
+        "axis of length 1");
   if (!normalise_within(motion.orientation, 1e-3, 1e3))
     throw std::runtime_error("simulated hand: the motion's orientation is no rotation");
   return motion;
 }
 
 std::optional<sim::OperatorConfig> grip(std::string_view name) {
-  const auto found = std::find_if(kGrips.begin(), kGrips.end(), [name](const NamedGrip& g) { return g.name == name; });
-  if (found == kGrips.end()) return std::nullopt;
+  const auto found = std::find_if(kGrips.begin(), kGrips.end(),
+                                  [name](const NamedGrip& g) { return g.name == name; });
+  if (found == kGrips.end())
+    return std::nullopt;
   return found->config;
 }
 
 const std::vector<std::string_view>& grip_names() {
   static const std::vector<std::string_view> names = [] {
     std::vector<std::string_view> all;
-    for (const NamedGrip& g : kGrips) all.push_back(g.name);
+    for (const NamedGrip& g : kGrips)
+      all.push_back(g.name);
     return all;
   }();
   return names;
 }
 
-Hand::Hand(const sim::OperatorConfig& config, Motion motion, double step_s, std::uint64_t seed, const ToolDrag& drag,
-           double bandwidth_hz)
-    : config_(checked_grip(config)), motion_(checked_motion(std::move(motion))), step_s_(checked_step(step_s, bandwidth_hz)),
-      drag_(drag), seed_(seed), tremor_(config.tremor_n, config.tremor_bandwidth_hz, step_s, seed),
-      first_(motion_at(motion_, 0.0).position), second_(first_), orientation_(turn_at(motion_, 0.0).orientation) {
-  if (!std::isfinite(bandwidth_hz)) return;
-  // Two equal lags are down by 3 dB where each is down by 1.5 dB: at sqrt(sqrt(2) - 1) of the corner of each.
+Hand::Hand(const sim::OperatorConfig& config, Motion motion, double step_s, std::uint64_t seed,
+           const ToolDrag& drag, double bandwidth_hz)
+    : config_(checked_grip(config)),
+      motion_(checked_motion(std::move(motion))),
+      step_s_(checked_step(step_s, bandwidth_hz)),
+      drag_(drag),
+      seed_(seed),
+      tremor_(config.tremor_n, config.tremor_bandwidth_hz, step_s, seed),
+      first_(motion_at(motion_, 0.0).position),
+      second_(first_),
+      orientation_(turn_at(motion_, 0.0).orientation) {
+  if (!std::isfinite(bandwidth_hz))
+    return;
+  // Two equal lags are down by 3 dB where each is down by 1.5 dB: at sqrt(sqrt(2) - 1) of the
+  // corner of each.
   rate_ = 2.0 * std::numbers::pi * bandwidth_hz / std::sqrt(std::numbers::sqrt2 - 1.0);
   const double half = 0.5 * rate_ * step_s;
-  gain_ = 2.0 * half / (1.0 + half);  // trapezoidal rule, input held at its middle: no library function
-  gain_ = std::min(gain_, 1.0);       // over 1 a lag would swing
+  gain_ =
+      2.0 * half / (1.0 + half);  // trapezoidal rule, input held at its middle: no library function
+  gain_ = std::min(gain_, 1.0);   // over 1 a lag would swing
 }
 
 HandAction Hand::step() noexcept {
@@ -105,9 +134,11 @@ HandAction Hand::step() noexcept {
   const double middle_s = now_s - motion_start_s_ + 0.5 * step_s_;
   action.target = lead(motion_at(motion_, middle_s), turn_at(motion_, middle_s).orientation);
   action.target_orientation = orientation_;
-  const Vec3 tremor = tremor_.next();  // drawn also where the hand is open: what comes later does not depend on it
+  const Vec3 tremor =
+      tremor_.next();  // drawn also where the hand is open: what comes later does not depend on it
   ++steps_;
-  if (!held) return action;
+  if (!held)
+    return action;
   const double factor = now_s >= config_.grip_harder_at_s ? config_.grip_factor : 1.0;
   action.mass_kg = config_.mass_kg;
   action.damping_ns_per_m = factor * config_.damping_ns_per_m;
@@ -117,7 +148,8 @@ HandAction Hand::step() noexcept {
   action.stiffness_nm_per_rad = factor * config_.stiffness_nm_per_rad;
   action.steady_force = tremor;
   if (config_.carries_tool) {
-    // Friction is met in full above 1 mm/s and in proportion below: no step of force where the target sets off.
+    // Friction is met in full above 1 mm/s and in proportion below: no step of force where the
+    // target sets off.
     const double share = drag_.coulomb_friction_n / std::max(action.target.velocity.norm(), 1e-3);
     action.steady_force += (drag_.damping_ns_per_m + share) * action.target.velocity;
   }
@@ -129,7 +161,8 @@ MotionPoint Hand::lead(const MotionPoint& wanted, const Quat& goal) noexcept {
   const double sign = orientation_.dot(goal) < 0.0 ? -1.0 : 1.0;
   orientation_.coeffs() += gain_ * (sign * goal.coeffs() - orientation_.coeffs());
   orientation_.normalize();
-  if (rate_ == 0.0) return first_ = second_ = wanted.position, wanted;
+  if (rate_ == 0.0)
+    return first_ = second_ = wanted.position, wanted;
   const Vec3 first_before = first_, second_before = second_;
   first_ += gain_ * (wanted.position - first_);
   second_ += gain_ * (0.5 * (first_before + first_) - second_);

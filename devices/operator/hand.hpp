@@ -1,6 +1,7 @@
 #pragma once
-/// The operator as what a simulated arm feels at its tip: a force towards where the hand wants to be, and a mass that moves
-/// with the tip. Shared by the simulated counterparts of real devices, which have inertia, joints and friction of their own.
+/// The operator as what a simulated arm feels at its tip: a force towards where the hand wants to
+/// be, and a mass that moves with the tip. Shared by the simulated counterparts of real devices,
+/// which have inertia, joints and friction of their own.
 #include <cstdint>
 #include <optional>
 #include <string_view>
@@ -12,16 +13,18 @@
 
 namespace voxtouch::hand {
 
-/// A named grip: mass, damping and stiffness from published ranges of fingertips, pens and arms; empty for an unknown name.
-/// "fingertip"; "pen", "pen-light", "pen-firm"; "arm", "arm-light", "arm-firm", "arm-measured"; "released".
+/// A named grip: mass, damping and stiffness from published ranges of fingertips, pens and arms;
+/// empty for an unknown name. "fingertip"; "pen", "pen-light", "pen-firm"; "arm", "arm-light",
+/// "arm-firm", "arm-measured"; "released".
 std::optional<sim::OperatorConfig> grip(std::string_view name);
 /// Those names, in that order.
 const std::vector<std::string_view>& grip_names();
 
 /// The grip itself. Throws as OperatorConfig::validate does.
 const sim::OperatorConfig& checked_grip(const sim::OperatorConfig& grip);
-/// The motion, its orientation normalised. Throws std::runtime_error, a sentence, for one that no hand can follow: no way point, a
-/// number that is not finite, no speed, an orientation that is none.
+/// The motion, its orientation normalised. Throws std::runtime_error, a sentence, for one that no
+/// hand can follow: no way point, a number that is not finite, no speed, an orientation that is
+/// none.
 Motion checked_motion(Motion motion);
 
 /// What a hand that carries its tool makes up for; see OperatorConfig::carries_tool.
@@ -30,37 +33,42 @@ struct ToolDrag {
   double coulomb_friction_n = 0.0;
 };
 
-/// The hand over one step: constants of its springs, and their targets in the middle of the step. All zero: not held.
+/// The hand over one step: constants of its springs, and their targets in the middle of the step.
+/// All zero: not held.
 struct HandAction {
   double mass_kg = 0.0, damping_ns_per_m = 0.0, stiffness_n_per_m = 0.0;
   double inertia_kg_m2 = 0.0, damping_nms_per_rad = 0.0, stiffness_nm_per_rad = 0.0;
   MotionPoint target;                          ///< of the tip, in D
   Quat target_orientation = Quat::Identity();  ///< of the tool in D
-  Vec3 steady_force = Vec3::Zero();            ///< [N] tremor and carrying: the same all over the step
+  Vec3 steady_force = Vec3::Zero();  ///< [N] tremor and carrying: the same all over the step
 
   /// On the tip [N]. The mass is not in it: it belongs into the arm's mass matrix as J^T m J.
   Vec3 force(const Vec3& position, const Vec3& velocity) const noexcept {
-    return stiffness_n_per_m * (target.position - position) + damping_ns_per_m * (target.velocity - velocity) +
-           steady_force;
+    return stiffness_n_per_m * (target.position - position) +
+           damping_ns_per_m * (target.velocity - velocity) + steady_force;
   }
-  /// On the tool [Nm], likewise; 2 sin(angle / 2) stands for the angle, within 0.2 % up to 12 degrees.
+  /// On the tool [Nm], likewise; 2 sin(angle / 2) stands for the angle, within 0.2 % up to 12
+  /// degrees.
   Vec3 torque(const Quat& orientation, const Vec3& angular_velocity) const noexcept {
     const Quat turn = target_orientation * orientation.conjugate();
-    return (turn.w() < 0.0 ? -2.0 : 2.0) * stiffness_nm_per_rad * turn.vec() - damping_nms_per_rad * angular_velocity;
+    return (turn.w() < 0.0 ? -2.0 : 2.0) * stiffness_nm_per_rad * turn.vec() -
+           damping_nms_per_rad * angular_velocity;
   }
 };
 
-/// Follows a Motion through two equal first-order lags in a row, which keep it to what a hand can follow on purpose. Steps of
-/// one fixed length; the same calls give the same bits. Real-time safe but for the constructor, `follow` and `grip_as`.
+/// Follows a Motion through two equal first-order lags in a row, which keep it to what a hand can
+/// follow on purpose. Steps of one fixed length; the same calls give the same bits. Real-time safe
+/// but for the constructor, `follow` and `grip_as`.
 class Hand {
  public:
-  /// Voluntary movement reaches 2 to 5 Hz; -3 dB of both lags together. Infinity: the target is the motion itself.
+  /// Voluntary movement reaches 2 to 5 Hz; -3 dB of both lags together. Infinity: the target is the
+  /// motion itself.
   static constexpr double kBandwidthHz = 5.0;
 
-  /// In D. The parameters must be valid (OperatorConfig::validate) and the motion must have a way point: throws
-  /// std::runtime_error otherwise.
-  Hand(const sim::OperatorConfig& config, Motion motion, double step_s, std::uint64_t seed = 0, const ToolDrag& drag = {},
-       double bandwidth_hz = kBandwidthHz);
+  /// In D. The parameters must be valid (OperatorConfig::validate) and the motion must have a way
+  /// point: throws std::runtime_error otherwise.
+  Hand(const sim::OperatorConfig& config, Motion motion, double step_s, std::uint64_t seed = 0,
+       const ToolDrag& drag = {}, double bandwidth_hz = kBandwidthHz);
 
   /// The hand over the next step; time moves on by `step_s`.
   HandAction step() noexcept;
@@ -68,12 +76,15 @@ class Hand {
   double time_s() const noexcept { return static_cast<double>(steps_) * step_s_; }
   bool holds() const noexcept { return !config_.released && time_s() < config_.let_go_at_s; }
   const sim::OperatorConfig& config() const noexcept { return config_; }
-  const Vec3& target() const noexcept { return second_; }  ///< where the hand wants the tip to be now
+  const Vec3& target() const noexcept {
+    return second_;
+  }  ///< where the hand wants the tip to be now
   const Quat& orientation() const noexcept { return orientation_; }
 
   /// From now on this grip. Times in it stay on this hand's clock. Throws as the constructor does.
   void grip_as(const sim::OperatorConfig& config);
-  /// From now on this motion, which starts now; the target leads over to it through its lags. Throws likewise.
+  /// From now on this motion, which starts now; the target leads over to it through its lags.
+  /// Throws likewise.
   void follow(Motion motion);
 
  private:
@@ -81,7 +92,9 @@ class Hand {
 
   sim::OperatorConfig config_;
   Motion motion_;
-  double step_s_, gain_ = 1.0, rate_ = 0.0;  // gain_: of one lag over one step; rate_: its corner [rad/s]; 0: no lags
+  double step_s_,
+      gain_ = 1.0,
+      rate_ = 0.0;  // gain_: of one lag over one step; rate_: its corner [rad/s]; 0: no lags
   ToolDrag drag_;
   std::uint64_t seed_;
   sim::Tremor tremor_;

@@ -62,13 +62,16 @@ class Reader {
   }
   void read(const YAML::Node& node, bool& value) const {
     value = node.Scalar() == "true";
-    if (!value && node.Scalar() != "false") refuse(node.Mark(), fmt::format("'{}' is neither true nor false", node.Scalar()));
+    if (!value && node.Scalar() != "false")
+      refuse(node.Mark(), fmt::format("'{}' is neither true nor false", node.Scalar()));
   }
   template <Number T>
   void read(const YAML::Node& node, T& value) const {
-    const std::string text = node.Scalar() == ".inf" ? "inf" : node.Scalar();  // empty where there is a list
+    const std::string text =
+        node.Scalar() == ".inf" ? "inf" : node.Scalar();  // empty where there is a list
     const auto number = parse_number<T>(text);
-    if (!number || *number != *number) refuse(node.Mark(), fmt::format("'{}' is no number that fits", text));
+    if (!number || *number != *number)
+      refuse(node.Mark(), fmt::format("'{}' is no number that fits", text));
     value = *number;
   }
   template <class T>
@@ -77,37 +80,50 @@ class Reader {
   }
   template <class T>
   void read(const YAML::Node& node, std::vector<T>& values) const {
-    if (!node.IsSequence()) refuse(node.Mark(), "this has to be a list");
-    for (const YAML::Node& item : node) read(item, values.emplace_back());
+    if (!node.IsSequence())
+      refuse(node.Mark(), "this has to be a list");
+    for (const YAML::Node& item : node)
+      read(item, values.emplace_back());
   }
   void read(const YAML::Node& node, Vec3& value) const { read_numbers(node, value.data(), 3); }
   void read(const YAML::Node& node, Quat& value) const {
     double wxyz[4];
     read_numbers(node, wxyz, 4);
     value = Quat(wxyz[0], wxyz[1], wxyz[2], wxyz[3]);
-    if (!(std::abs(value.norm() - 1.0) < 1e-6)) refuse(node.Mark(), "an orientation has to be of length 1");
+    if (!(std::abs(value.norm() - 1.0) < 1e-6))
+      refuse(node.Mark(), "an orientation has to be of length 1");
   }
 
  private:
   void read_numbers(const YAML::Node& node, double* values, std::size_t count) const {
-    if (!node.IsSequence() || node.size() != count) refuse(node.Mark(), fmt::format("this has to be {} numbers", count));
-    for (std::size_t i = 0; i < count; ++i) read(node[i], values[i]);
+    if (!node.IsSequence() || node.size() != count)
+      refuse(node.Mark(), fmt::format("this has to be {} numbers", count));
+    for (std::size_t i = 0; i < count; ++i)
+      read(node[i], values[i]);
   }
   std::string_view file_;
 };
 
-/// A value as YAML: the shortest text that reads back to the same bits; no locale. Empty where there is none.
+/// A value as YAML: the shortest text that reads back to the same bits; no locale. Empty where
+/// there is none.
 template <class T>
-std::string yaml_of(const T& value) { return fmt::to_string(value); }
+std::string yaml_of(const T& value) {
+  return fmt::to_string(value);
+}
 std::string yaml_of(double value) { return std::isinf(value) ? ".inf" : fmt::to_string(value); }
 std::string yaml_of(const Vec3& v) { return fmt::format("[{}, {}, {}]", v.x(), v.y(), v.z()); }
-std::string yaml_of(const Quat& q) { return fmt::format("[{}, {}, {}, {}]", q.w(), q.x(), q.y(), q.z()); }
+std::string yaml_of(const Quat& q) {
+  return fmt::format("[{}, {}, {}, {}]", q.w(), q.x(), q.y(), q.z());
+}
 template <class T>
-std::string yaml_of(const std::optional<T>& value) { return value ? yaml_of(*value) : ""; }
+std::string yaml_of(const std::optional<T>& value) {
+  return value ? yaml_of(*value) : "";
+}
 template <class T>
 std::string yaml_of(const std::vector<T>& values) {
   std::vector<std::string> texts;
-  for (const T& value : values) texts.push_back(yaml_of(value));
+  for (const T& value : values)
+    texts.push_back(yaml_of(value));
   return fmt::format("[{}]", fmt::join(texts, ", "));
 }
 
@@ -116,7 +132,8 @@ std::string yaml_of(const std::vector<T>& values) {
 std::string to_text(const HandFile& file) {
   std::string text;
   each_key(file, [&](std::string_view key, const auto& value) {
-    if (const std::string one = yaml_of(value); !one.empty()) text += fmt::format("{}: {}\n", key, one);
+    if (const std::string one = yaml_of(value); !one.empty())
+      text += fmt::format("{}: {}\n", key, one);
   });
   return text;
 }
@@ -126,13 +143,17 @@ HandFile parse_hand(std::string_view text, std::string_view name) {
   std::map<std::string, YAML::Node> values;
   std::map<std::string, YAML::Mark> places;
   try {
-    const YAML::Node root = YAML::Load(std::string(text));  // the first document alone: LoadAll does not end with every text
+    const YAML::Node root = YAML::Load(
+        std::string(text));  // the first document alone: LoadAll does not end with every text
     // Behind a map in braces, or a mark between documents, anything could follow unread.
-    if (!root.IsMap() || root.Style() == YAML::EmitterStyle::Flow || text.find("\n---") != text.npos || text.find("\n...") != text.npos)
-      throw std::runtime_error(fmt::format("{}: a hand is one map, one key a line, from path_m to tremor_bandwidth_hz", name));
+    if (!root.IsMap() || root.Style() == YAML::EmitterStyle::Flow ||
+        text.find("\n---") != text.npos || text.find("\n...") != text.npos)
+      throw std::runtime_error(fmt::format(
+          "{}: a hand is one map, one key a line, from path_m to tremor_bandwidth_hz", name));
     for (const auto& entry : root) {
       const std::string& key = entry.first.Scalar();
-      if (!places.emplace(key, entry.first.Mark()).second) reader.refuse(entry.first.Mark(), fmt::format("{} is there twice", key));
+      if (!places.emplace(key, entry.first.Mark()).second)
+        reader.refuse(entry.first.Mark(), fmt::format("{} is there twice", key));
       values.emplace(key, entry.second);
     }
   } catch (const YAML::Exception& error) {
@@ -140,12 +161,15 @@ HandFile parse_hand(std::string_view text, std::string_view name) {
   }
   HandFile file;
   each_key(file, [&](const char* key, auto& value) {
-    if (const auto given = values.extract(key)) reader.read(given.mapped(), value);
+    if (const auto given = values.extract(key))
+      reader.read(given.mapped(), value);
   });
   if (!values.empty())
-    reader.refuse(places.at(values.begin()->first),
-                  fmt::format("there is no key '{}'; hand_file.hpp lists them", values.begin()->first));
-  if (file.motion.path.empty()) throw std::runtime_error(fmt::format("{}: path_m needs at least one way point", name));
+    reader.refuse(
+        places.at(values.begin()->first),
+        fmt::format("there is no key '{}'; hand_file.hpp lists them", values.begin()->first));
+  if (file.motion.path.empty())
+    throw std::runtime_error(fmt::format("{}: path_m needs at least one way point", name));
   file.hand.validate();
   return file;
 }
@@ -154,7 +178,9 @@ HandFile read_hand(const std::filesystem::path& path) {
   std::ifstream in(path, std::ios::binary);
   std::stringstream text;
   text << in.rdbuf();
-  if (!in) throw std::runtime_error(fmt::format("'{}' cannot be read: check its name and rights", path.string()));
+  if (!in)
+    throw std::runtime_error(
+        fmt::format("'{}' cannot be read: check its name and rights", path.string()));
   return parse_hand(text.str(), path.string());
 }
 

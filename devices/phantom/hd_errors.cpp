@@ -12,23 +12,28 @@ constexpr int kMaxAtOnce = 256;
 
 HdVerdict classify(hd::HDerror code) noexcept {
   switch (code) {
-    case hd::kSuccess: return {};
+    case hd::kSuccess:
+      return {};
     case hd::kWarmMotors:
     case hd::kExceededMaxForce:
     case hd::kExceededMaxForceImpulse:
     case hd::kExceededMaxVelocity:
-    case hd::kForceError: return {HdSeverity::kForceDropped, devices::DeviceError::kRecoverable};
+    case hd::kForceError:
+      return {HdSeverity::kForceDropped, devices::DeviceError::kRecoverable};
     case hd::kInvalidEnum:
     case hd::kInvalidValue:
     case hd::kInvalidOperation:
     case hd::kInvalidInputType:
     case hd::kIllegalBegin:
     case hd::kIllegalEnd:
-    case hd::kFrameError: return {HdSeverity::kRefused, devices::DeviceError::kProtocol};
+    case hd::kFrameError:
+      return {HdSeverity::kRefused, devices::DeviceError::kProtocol};
     case hd::kBadHandle:  // the device was disabled behind our back
     case hd::kCommError:
-    case hd::kCommConfigError: return {HdSeverity::kFatal, devices::DeviceError::kDisconnected};
-    default: return {HdSeverity::kFatal, devices::DeviceError::kFault};
+    case hd::kCommConfigError:
+      return {HdSeverity::kFatal, devices::DeviceError::kDisconnected};
+    default:
+      return {HdSeverity::kFatal, devices::DeviceError::kFault};
   }
 }
 
@@ -39,13 +44,15 @@ std::string error_text(const hd::Api& api, hd::HDerror code) {
 
 void HdTrouble::note(hd::HDerror code) noexcept {
   const HdSeverity severity = classify(code).severity;
-  if (severity == HdSeverity::kNone) return;
+  if (severity == HdSeverity::kNone)
+    return;
   if (severity == HdSeverity::kFatal) {
     hd::HDerror none = hd::kSuccess;
     fatal_.compare_exchange_strong(none, code, std::memory_order_acq_rel);
     return;
   }
-  if (severity == HdSeverity::kForceDropped) dropped_.fetch_add(1, std::memory_order_relaxed);
+  if (severity == HdSeverity::kForceDropped)
+    dropped_.fetch_add(1, std::memory_order_relaxed);
   newest_.store(code, std::memory_order_release);
   count_.fetch_add(1, std::memory_order_acq_rel);
 }
@@ -53,7 +60,8 @@ void HdTrouble::note(hd::HDerror code) noexcept {
 void HdTrouble::drain(const hd::Api& api) noexcept {
   for (int i = 0; i < kMaxAtOnce; ++i) {
     const hd::HDerror code = api.hdGetError().error_code;
-    if (code == hd::kSuccess) return;
+    if (code == hd::kSuccess)
+      return;
     note(code);
   }
 }

@@ -12,14 +12,16 @@ namespace voxtouch::phantom {
 enum class HdSeverity : std::uint8_t {
   kNone,
   kForceDropped,  ///< too warm, too fast, too much: the device dropped its force and takes it again
-  kRefused,       ///< it did not do what it was asked to, or was asked wrongly; the next tick may be good
-  kFatal,         ///< the device or the servo loop has gone
+  kRefused,  ///< it did not do what it was asked to, or was asked wrongly; the next tick may be
+             ///< good
+  kFatal,    ///< the device or the servo loop has gone
 };
 struct HdVerdict {
   HdSeverity severity = HdSeverity::kNone;
   devices::DeviceError error = devices::DeviceError::kFault;  ///< means something unless kNone
 };
-/// As the vendor's utilities class them, with what those leave out: 0x202 is a force error, 0x300 and unknown codes are fatal.
+/// As the vendor's utilities class them, with what those leave out: 0x202 is a force error, 0x300
+/// and unknown codes are fatal.
 HdVerdict classify(hd::HDerror code) noexcept;
 
 /// "0x0302 (the library's sentence)". Allocates.

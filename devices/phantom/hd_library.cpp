@@ -13,7 +13,8 @@
 namespace voxtouch::phantom {
 namespace {
 
-// The name for building, which every release installs, and the run-time names of the releases of 3.4 and 3.0.
+// The name for building, which every release installs, and the run-time names of the releases
+// of 3.4 and 3.0.
 const std::vector<std::string>& usual_names() {
   static const std::vector<std::string> names = {"libHD.so", "libHD.so.3.4", "libHD.so.3.0"};
   return names;
@@ -22,7 +23,7 @@ const std::vector<std::string>& usual_names() {
 HdSimHooks find_hooks(void* library) {
   HdSimHooks hooks;
   bool all = true;
-#define VOXTOUCH_HDSIM_FIND(name)                                                         \
+#define VOXTOUCH_HDSIM_FIND(name)                                                      \
   hooks.name = reinterpret_cast<decltype(hooks.name)>(dlsym(library, "hdsim_" #name)); \
   all = all && hooks.name != nullptr;
   VOXTOUCH_HDSIM_HOOKS(VOXTOUCH_HDSIM_FIND)
@@ -41,7 +42,8 @@ std::string HdLibrary::open(const std::string& file) {
   }
   const std::string_view missing =
       hd::resolve_api(api_, [library](const char* function) { return dlsym(library, function); });
-  if (!missing.empty()) return fmt::format("{} has no function {}: it is no HDAPI library", file, missing);
+  if (!missing.empty())
+    return fmt::format("{} has no function {}: it is no HDAPI library", file, missing);
   hooks_ = find_hooks(library);
   name_ = file;
   return {};
@@ -49,25 +51,30 @@ std::string HdLibrary::open(const std::string& file) {
 
 const HdLibrary& HdLibrary::load(const std::string& path) {
   static std::mutex mutex;
-  static const HdLibrary* loaded = nullptr;  // never freed: its functions are called until the process ends
+  static const HdLibrary* loaded =
+      nullptr;  // never freed: its functions are called until the process ends
   const std::lock_guard lock(mutex);
   if (loaded != nullptr) {
-    if (path.empty() || path == loaded->name_) return *loaded;
+    if (path.empty() || path == loaded->name_)
+      return *loaded;
     throw devices::DeviceOpenError(
-        fmt::format("device 'phantom': this process has loaded {} and cannot change to {}; start another process",
+        fmt::format("device 'phantom': this process has loaded {} and cannot change to {}; start "
+                    "another process",
                     loaded->name_, path));
   }
   std::vector<std::string> reasons;
   for (const std::string& file : path.empty() ? usual_names() : std::vector<std::string>{path}) {
     HdLibrary trial;
     const std::string reason = trial.open(file);
-    if (reason.empty()) return *(loaded = new HdLibrary(std::move(trial)));
+    if (reason.empty())
+      return *(loaded = new HdLibrary(std::move(trial)));
     reasons.push_back(reason);
   }
-  throw devices::DeviceOpenError(
-      fmt::format("device 'phantom': the vendor's library cannot be loaded ({}). Install OpenHaptics and the device's "
-                  "driver, or set the option library to the file; the simulated one is libHD_sim.so",
-                  fmt::join(reasons, "; ")));
+  throw devices::DeviceOpenError(fmt::format(
+      "device 'phantom': the vendor's library cannot be loaded ({}). Install OpenHaptics and the "
+      "device's "
+      "driver, or set the option library to the file; the simulated one is libHD_sim.so",
+      fmt::join(reasons, "; ")));
 }
 
 }  // namespace voxtouch::phantom

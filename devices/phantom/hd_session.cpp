@@ -16,23 +16,28 @@ constexpr auto kPoll = std::chrono::milliseconds(10);
 constexpr int kTicksAPoll = 10;  // in virtual time
 constexpr double kPollS = 0.01;
 
-std::atomic<bool> g_in_use{false};  // the servo loop is the process's, so there is one session a process
+std::atomic<bool> g_in_use{
+    false};  // the servo loop is the process's, so there is one session a process
 
 /// Throws away what waits; the first of it that matters, which is the newest.
 hd::HDerror take_errors(const hd::Api& api) {
   hd::HDerror newest = hd::kSuccess;
   for (int i = 0; i < 256; ++i) {
     const hd::HDerror code = api.hdGetError().error_code;
-    if (code == hd::kSuccess) break;
-    if (newest == hd::kSuccess) newest = code;
+    if (code == hd::kSuccess)
+      break;
+    if (newest == hd::kSuccess)
+      newest = code;
   }
   return newest;
 }
 
 hd::HDenum style_of(int bits) noexcept {  // the last that is supported wins, in this order
   hd::HDenum style = 0;
-  for (const hd::HDenum s : {hd::kCalibrationEncoderReset, hd::kCalibrationInkwell, hd::kCalibrationAuto})
-    if ((static_cast<hd::HDenum>(bits) & s) != 0) style = s;
+  for (const hd::HDenum s :
+       {hd::kCalibrationEncoderReset, hd::kCalibrationInkwell, hd::kCalibrationAuto})
+    if ((static_cast<hd::HDenum>(bits) & s) != 0)
+      style = s;
   return style;
 }
 
@@ -41,7 +46,8 @@ hd::HDenum style_of(int bits) noexcept {  // the last that is supported wins, in
 HdSession::Claim::Claim(const hd::Api& functions) : api(functions) {
   if (g_in_use.exchange(true))
     throw devices::DeviceOpenError(
-        "device 'phantom': a Phantom is open in this process already, and its servo loop serves one; close it first, "
+        "device 'phantom': a Phantom is open in this process already, and its servo loop serves "
+        "one; close it first, "
         "or start another process");
 }
 
@@ -50,17 +56,24 @@ HdSession::Claim::~Claim() {
     api.hdMakeCurrentDevice(device);
     api.hdDisable(hd::kForceOutput);
   }
-  if (started) api.hdStopScheduler();
-  if (scheduled) api.hdUnschedule(callback);
-  if (initiated) api.hdDisableDevice(device);
+  if (started)
+    api.hdStopScheduler();
+  if (scheduled)
+    api.hdUnschedule(callback);
+  if (initiated)
+    api.hdDisableDevice(device);
   take_errors(api);
   g_in_use.store(false);
 }
 
 HdSession::HdSession(const HdLibrary& library, const PhantomOptions& options)
-    : library_(library), api_(library.api()), options_(options), claim_(api_) {
+    : library_(library),
+      api_(library.api()),
+      options_(options),
+      claim_(api_) {
   hdsim_state state{};
-  virtual_time_ = library.hooks().complete() && library.hooks().read_state(&state, sizeof state) == 0 && state.virtual_time != 0;
+  virtual_time_ = library.hooks().complete() &&
+                  library.hooks().read_state(&state, sizeof state) == 0 && state.virtual_time != 0;
   initiate();
   ask();
 }
@@ -69,18 +82,23 @@ HdSession::~HdSession() = default;
 
 void HdSession::must(std::string_view what) {
   const hd::HDerror code = take_errors(api_);
-  if (code == hd::kSuccess) return;
-  throw devices::DeviceOpenError(fmt::format("device 'phantom': {} failed with error {}", what, error_text(api_, code)));
+  if (code == hd::kSuccess)
+    return;
+  throw devices::DeviceOpenError(
+      fmt::format("device 'phantom': {} failed with error {}", what, error_text(api_, code)));
 }
 
 void HdSession::initiate() {
   std::string tried;
-  if (!options_.name.empty() && initiate(options_.name.c_str(), tried)) return;
+  if (!options_.name.empty() && initiate(options_.name.c_str(), tried))
+    return;
   // Releases differ in which of these they know, and in whether they take null for it.
   for (const char* name : {"Default Device", "Default PHANToM", hd::kDefaultDevice})
-    if (initiate(name, tried)) return;
+    if (initiate(name, tried))
+      return;
   throw devices::DeviceOpenError(
-      fmt::format("device 'phantom': no device could be initiated ({}). Is it plugged in and switched on, set up with "
+      fmt::format("device 'phantom': no device could be initiated ({}). Is it plugged in and "
+                  "switched on, set up with "
                   "the vendor's tool under that name, and may this user read and write its port?",
                   tried));
 }
@@ -93,11 +111,13 @@ bool HdSession::initiate(const char* name, std::string& tried) {
     claim_.initiated = true;
     return true;
   }
-  if (device != hd::kInvalidHandle) api_.hdDisableDevice(device);
+  if (device != hd::kInvalidHandle)
+    api_.hdDisableDevice(device);
   take_errors(api_);
   if (code == hd::kDeviceAlreadyInitiated)
     throw devices::DeviceOpenError(
-        fmt::format("device 'phantom': error {}: it is in use; end what else holds the device, and open it again",
+        fmt::format("device 'phantom': error {}: it is in use; end what else holds the device, and "
+                    "open it again",
                     error_text(api_, code)));
   if (code == hd::kInvalidLicense)
     throw devices::DeviceOpenError(
@@ -109,19 +129,22 @@ bool HdSession::initiate(const char* name, std::string& tried) {
   return false;
 }
 
-/// Absent: the library knows no such number, or it is none. Up to 16 values may be written; the first counts.
+/// Absent: the library knows no such number, or it is none. Up to 16 values may be written; the
+/// first counts.
 std::optional<double> HdSession::number(hd::HDenum name) {
   std::array<double, 16> values;
   values.fill(std::nan(""));
   api_.hdGetDoublev(name, values.data());
-  if (take_errors(api_) != hd::kSuccess || !std::isfinite(values[0])) return {};
+  if (take_errors(api_) != hd::kSuccess || !std::isfinite(values[0]))
+    return {};
   return values[0];
 }
 
 std::optional<int> HdSession::integer(hd::HDenum name) {
   std::array<int, 16> values{};
   api_.hdGetIntegerv(name, values.data());
-  if (take_errors(api_) != hd::kSuccess) return {};
+  if (take_errors(api_) != hd::kSuccess)
+    return {};
   return values[0];
 }
 
@@ -134,21 +157,25 @@ void HdSession::ask() {
   facts_.max_force_n = number(hd::kNominalMaxForce).value_or(0.0);
   facts_.continuous_force_n = number(hd::kNominalMaxContinuousForce).value_or(0.0);
   facts_.max_stiffness_n_per_m = number(hd::kNominalMaxStiffness).value_or(0.0) / kMilli;
-  // The unit is not documented. mNm, as torques are set in: were it Nm, the limit would be too low and not too high.
+  // The unit is not documented. mNm, as torques are set in: were it Nm, the limit would be too low
+  // and not too high.
   facts_.max_torque_nm = number(hd::kNominalMaxTorqueForce).value_or(0.0) * kMilli;
   facts_.max_impulse_n_per_s = number(hd::kSoftwareForceImpulseLimit).value_or(0.0) / kMilli;
   facts_.temperatures = number(hd::kMotorTemperature) ? std::clamp(facts_.output_dof, 0, 6) : 0;
-  if (options_.max_force_n && !(facts_.max_force_n > 0.0 && facts_.max_force_n < *options_.max_force_n))
+  if (options_.max_force_n &&
+      !(facts_.max_force_n > 0.0 && facts_.max_force_n < *options_.max_force_n))
     facts_.max_force_n = *options_.max_force_n;
 }
 
 void HdSession::start(hd::HDSchedulerCallback callback, void* data) {
   const hd::HDenum style = style_of(integer(hd::kCalibrationStyle).value_or(0));
   const bool needs_servo = style == hd::kCalibrationInkwell || style == hd::kCalibrationAuto;
-  if (style == hd::kCalibrationEncoderReset) calibrate_encoders();
+  if (style == hd::kCalibrationEncoderReset)
+    calibrate_encoders();
   if (options_.rate_hz) {
     api_.hdSetSchedulerRate(*options_.rate_hz);
-    must(fmt::format("setting the servo rate to {} Hz (usual are 500, 1000, 2000)", *options_.rate_hz));
+    must(fmt::format("setting the servo rate to {} Hz (usual are 500, 1000, 2000)",
+                     *options_.rate_hz));
   }
   if (options_.max_speed_m_per_s) {
     const double mm_per_s = *options_.max_speed_m_per_s / kMilli;
@@ -156,7 +183,8 @@ void HdSession::start(hd::HDSchedulerCallback callback, void* data) {
     api_.hdEnable(hd::kSoftwareVelocityLimit);
     must("setting the limit of speed");
   }
-  if (!needs_servo) enable_forces();
+  if (!needs_servo)
+    enable_forces();
   claim_.callback = api_.hdScheduleAsynchronous(callback, data, hd::kMaxPriority);
   claim_.scheduled = true;
   must("scheduling the servo callback");
@@ -165,7 +193,8 @@ void HdSession::start(hd::HDSchedulerCallback callback, void* data) {
   must("starting the servo loop");
   const std::optional<int> rate = integer(hd::kUpdateRate);
   facts_.rate_hz = rate && *rate > 0 ? *rate : options_.rate_hz.value_or(0);
-  if (!needs_servo) return;
+  if (!needs_servo)
+    return;
   calibrate_running(style);
   enable_forces();
 }
@@ -179,13 +208,16 @@ void HdSession::enable_forces() {
 }
 
 void HdSession::calibrate_encoders() {
-  if (options_.encoder_reset == EncoderReset::kIfNeeded && api_.hdCheckCalibration() == hd::kCalibrationOk) return;
+  if (options_.encoder_reset == EncoderReset::kIfNeeded &&
+      api_.hdCheckCalibration() == hd::kCalibrationOk)
+    return;
   take_errors(api_);
   api_.hdUpdateCalibration(hd::kCalibrationEncoderReset);
   must("setting the encoders to zero");
   if (api_.hdCheckCalibration() != hd::kCalibrationOk)
     throw devices::DeviceOpenError(
-        "device 'phantom': it is not calibrated after its encoders were set to zero; hold all links at right angles "
+        "device 'phantom': it is not calibrated after its encoders were set to zero; hold all "
+        "links at right angles "
         "and open it again");
   must("checking the calibration");
 }
@@ -194,23 +226,28 @@ void HdSession::calibrate_running(hd::HDenum style) {
   for (double waited_s = 0.0;; waited_s += kPollS) {
     const hd::HDenum calibration = api_.hdCheckCalibration();
     must("checking the calibration");
-    if (calibration == hd::kCalibrationOk) return;
+    if (calibration == hd::kCalibrationOk)
+      return;
     if (calibration == hd::kCalibrationNeedsUpdate) {
       api_.hdUpdateCalibration(style);
       must("calibrating");
       continue;
     }
     if (waited_s >= options_.calibration_timeout_s)
-      throw devices::DeviceOpenError(fmt::format(
-          "device 'phantom': it was not calibrated within {} s; {}, and open it again", options_.calibration_timeout_s,
-          style == hd::kCalibrationInkwell ? "put the stylus into its inkwell" : "move the arm about slowly"));
+      throw devices::DeviceOpenError(
+          fmt::format("device 'phantom': it was not calibrated within {} s; {}, and open it again",
+                      options_.calibration_timeout_s,
+                      style == hd::kCalibrationInkwell ? "put the stylus into its inkwell"
+                                                       : "move the arm about slowly"));
     pause();
   }
 }
 
 void HdSession::pause() {
-  if (!virtual_time_) return std::this_thread::sleep_for(kPoll);
-  for (int i = 0; i < kTicksAPoll; ++i) library_.hooks().step();
+  if (!virtual_time_)
+    return std::this_thread::sleep_for(kPoll);
+  for (int i = 0; i < kTicksAPoll; ++i)
+    library_.hooks().step();
 }
 
 }  // namespace voxtouch::phantom

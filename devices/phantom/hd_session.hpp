@@ -11,20 +11,24 @@
 
 namespace voxtouch::phantom {
 
-/// Order of the opening: initiate; encoders to zero (devices that have no other calibration); ramping, clamping and, last, force
-/// output; callback at the highest priority; servo loop. Where a calibration needs the servo loop (inkwell, automatic) it comes after
-/// that, and force output after it. After each step the library's errors are taken and any of them ends the opening.
+/// Order of the opening: initiate; encoders to zero (devices that have no other calibration);
+/// ramping, clamping and, last, force output; callback at the highest priority; servo loop. Where a
+/// calibration needs the servo loop (inkwell, automatic) it comes after that, and force output
+/// after it. After each step the library's errors are taken and any of them ends the opening.
 ///
-/// Order of the end, from wherever it got to: force output off, servo loop stopped, callback taken out, device disabled.
+/// Order of the end, from wherever it got to: force output off, servo loop stopped, callback taken
+/// out, device disabled.
 class HdSession {
  public:
-  /// Initiates the device and asks it. Throws DeviceOpenError: another session is open in this process, no device.
+  /// Initiates the device and asks it. Throws DeviceOpenError: another session is open in this
+  /// process, no device.
   HdSession(const HdLibrary& library, const PhantomOptions& options);
   ~HdSession();
   HdSession(const HdSession&) = delete;
   HdSession& operator=(const HdSession&) = delete;
 
-  /// From here on `callback(data)` runs once a tick. Throws DeviceOpenError: calibration, servo loop, rate, a limit.
+  /// From here on `callback(data)` runs once a tick. Throws DeviceOpenError: calibration, servo
+  /// loop, rate, a limit.
   void start(hd::HDSchedulerCallback callback, void* data);
 
   hd::HHD device() const noexcept { return claim_.device; }

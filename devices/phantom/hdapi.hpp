@@ -1,9 +1,11 @@
 #pragma once
-/// What the driver uses of the vendor's device library (libHD.so, OpenHaptics HDAPI 3.x) on x86-64 Linux: our own
-/// declarations of types, numbers and functions. Nothing is linked: the driver resolves the functions by name from whatever
-/// library it was told to load, the vendor's or the simulated one.
+/// What the driver uses of the vendor's device library (libHD.so, OpenHaptics HDAPI 3.x) on x86-64
+/// Linux: our own declarations of types, numbers and functions. Nothing is linked: the driver
+/// resolves the functions by name from whatever library it was told to load, the vendor's or the
+/// simulated one.
 ///
-/// Units at this border are the library's: mm, mm/s, N, mNm, rad, rad/s. Arrays of transforms are column-major.
+/// Units at this border are the library's: mm, mm/s, N, mNm, rad, rad/s. Arrays of transforms are
+/// column-major.
 #include <cstddef>
 #include <string_view>
 
@@ -30,8 +32,10 @@ struct HDErrorInfo {
   HHD device = 0;
 };
 
-static_assert(sizeof(HDErrorInfo) == 12 && alignof(HDErrorInfo) == 4 && offsetof(HDErrorInfo, error_code) == 0 &&
-              offsetof(HDErrorInfo, internal_error_code) == 4 && offsetof(HDErrorInfo, device) == 8);
+static_assert(sizeof(HDErrorInfo) == 12 && alignof(HDErrorInfo) == 4 &&
+              offsetof(HDErrorInfo, error_code) == 0 &&
+              offsetof(HDErrorInfo, internal_error_code) == 4 &&
+              offsetof(HDErrorInfo, device) == 8);
 static_assert(sizeof(HDint) == 4 && sizeof(HDenum) == 4 && sizeof(HHD) == 4);
 static_assert(sizeof(HDulong) == 8 && sizeof(HDSchedulerHandle) == 8, "the interface is LP64");
 static_assert(sizeof(HDboolean) == 1 && sizeof(HDushort) == 2 && sizeof(HDdouble) == 8);
@@ -84,10 +88,11 @@ inline constexpr HDenum kUpdateRate = 0x2600;                 // int, Hz
 inline constexpr HDenum kNominalMaxStiffness = 0x2602;        // double, N/mm
 inline constexpr HDenum kNominalMaxForce = 0x2603;            // double, N
 inline constexpr HDenum kNominalMaxContinuousForce = 0x2604;  // double, N
-inline constexpr HDenum kMotorTemperature = 0x2605;           // double x OUTPUT_DOF, 0..1; 1 is too hot
-inline constexpr HDenum kSoftwareVelocityLimit = 0x2606;      // set: double, mm/s; also a capability
-inline constexpr HDenum kSoftwareForceImpulseLimit = 0x2607;  // get, set: double, N/ms; also a capability
-inline constexpr HDenum kNominalMaxTorqueForce = 0x2622;      // double
+inline constexpr HDenum kMotorTemperature = 0x2605;       // double x OUTPUT_DOF, 0..1; 1 is too hot
+inline constexpr HDenum kSoftwareVelocityLimit = 0x2606;  // set: double, mm/s; also a capability
+inline constexpr HDenum kSoftwareForceImpulseLimit =
+    0x2607;  // get, set: double, N/ms; also a capability
+inline constexpr HDenum kNominalMaxTorqueForce = 0x2622;  // double
 
 // --- capabilities: for hdEnable, hdDisable, hdIsEnabled, beside the two limits above
 inline constexpr HDenum kForceOutput = 0x4000;
@@ -102,7 +107,8 @@ inline constexpr HDenum kCalibrationNeedsUpdate = 0x5001;
 inline constexpr HDenum kCalibrationNeedsManualInput = 0x5002;
 inline constexpr HDenum kCalibrationEncoderReset = 1, kCalibrationAuto = 2, kCalibrationInkwell = 4;
 
-/// Of the 36 functions that libHD.so 3.0.0 exports those that the driver and its tests call: X(name, result, arguments).
+/// Of the 36 functions that libHD.so 3.0.0 exports those that the driver and its tests call:
+/// X(name, result, arguments).
 // clang-format off
 #define VOXTOUCH_HD_FUNCTIONS(X)                                                               \
   X(hdInitDevice, HHD, (HDstring name))                                                        \
@@ -136,13 +142,15 @@ struct Api {
 #undef VOXTOUCH_HD_MEMBER
 };
 
-/// Fills `api` from `resolve(const char* name) -> void*` (dlsym); the name of the first function that is missing, or empty.
+/// Fills `api` from `resolve(const char* name) -> void*` (dlsym); the name of the first function
+/// that is missing, or empty.
 template <class Resolve>
 std::string_view resolve_api(Api& api, Resolve&& resolve) {
   std::string_view missing;
 #define VOXTOUCH_HD_RESOLVE(name, result, arguments)                \
   api.name = reinterpret_cast<result(*) arguments>(resolve(#name)); \
-  if (api.name == nullptr && missing.empty()) missing = #name;
+  if (api.name == nullptr && missing.empty())                       \
+    missing = #name;
   VOXTOUCH_HD_FUNCTIONS(VOXTOUCH_HD_RESOLVE)
 #undef VOXTOUCH_HD_RESOLVE
   return missing;

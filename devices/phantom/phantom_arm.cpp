@@ -43,10 +43,13 @@ std::optional<Vec3> phantom_joints(const PhantomGeometry& g, const Vec3& tip) no
   const double height = tip.y() - g.shin_m;  // against the shoulder
   const double far = std::hypot(reach, height);
   // In a triangle of thigh, shin and `far`: the law of cosines.
-  const double cosine = (g.thigh_m * g.thigh_m + far * far - g.shin_m * g.shin_m) / (2.0 * g.thigh_m * far);
-  if (!(reach > 0.0 && std::abs(cosine) <= 1.0)) return std::nullopt;  // also NaN
+  const double cosine =
+      (g.thigh_m * g.thigh_m + far * far - g.shin_m * g.shin_m) / (2.0 * g.thigh_m * far);
+  if (!(reach > 0.0 && std::abs(cosine) <= 1.0))
+    return std::nullopt;  // also NaN
   const double thigh = std::atan2(height, reach) + std::acos(cosine);
-  const double shin = std::atan2(reach - g.thigh_m * std::cos(thigh), g.thigh_m * std::sin(thigh) - height);
+  const double shin =
+      std::atan2(reach - g.thigh_m * std::cos(thigh), g.thigh_m * std::sin(thigh) - height);
   return Vec3(std::atan2(tip.x(), depth), thigh, shin);
 }
 
@@ -54,33 +57,40 @@ Quat phantom_shin(const Vec3& q) noexcept {
   return Quat(Eigen::AngleAxisd(q[0], Vec3::UnitY()) * Eigen::AngleAxisd(-q[2], Vec3::UnitX()));
 }
 
-// Ry(a) Rx(b) Rz(c), with a = -g0 (right is a turn against +y), b = -g1, c = -g2 (clockwise as the operator sees it).
+// Ry(a) Rx(b) Rz(c), with a = -g0 (right is a turn against +y), b = -g1, c = -g2 (clockwise as the
+// operator sees it).
 Vec3 gimbal_angles(const Vec3& q, const Quat& orientation) noexcept {
   const Mat3 r = (phantom_shin(q).conjugate() * orientation).toRotationMatrix();
   const double sine = std::clamp(-r(1, 2), -1.0, 1.0);
   const double middle = std::asin(sine);
-  if (std::abs(sine) > 1.0 - 1e-12) {  // the outer axes coincide: all the turn is given to the first
+  if (std::abs(sine) >
+      1.0 - 1e-12) {  // the outer axes coincide: all the turn is given to the first
     return {-std::atan2(-r(2, 0), r(0, 0)), -middle, 0.0};
   }
   return {-std::atan2(r(0, 2), r(2, 2)), -middle, -std::atan2(r(1, 0), r(1, 1))};
 }
 
 Quat stylus_orientation(const Vec3& q, const Vec3& gimbal) noexcept {
-  return phantom_shin(q) *
-         Quat(Eigen::AngleAxisd(-gimbal[0], Vec3::UnitY()) * Eigen::AngleAxisd(-gimbal[1], Vec3::UnitX()) *
-              Eigen::AngleAxisd(-gimbal[2], Vec3::UnitZ()));
+  return phantom_shin(q) * Quat(Eigen::AngleAxisd(-gimbal[0], Vec3::UnitY()) *
+                                Eigen::AngleAxisd(-gimbal[1], Vec3::UnitX()) *
+                                Eigen::AngleAxisd(-gimbal[2], Vec3::UnitZ()));
 }
 
 const arm::ArmDescription& phantom_description() {
   static const arm::ArmDescription description = [] {
     const PhantomGeometry g;
-    const auto about = [](double angle_rad, const Vec3& axis) { return Quat(Eigen::AngleAxisd(angle_rad, axis)); };
+    const auto about = [](double angle_rad, const Vec3& axis) {
+      return Quat(Eigen::AngleAxisd(angle_rad, axis));
+    };
     constexpr double kTurn = std::numbers::pi, kQuarter = kTurn / 2.0;
     constexpr double kAssumedRadS = 10.0, kAssumedNm = 1.8;  // 8.5 N at the end of the thigh
-    // They turn z to where the joint turns about: +y, -x, -y and -z. About z they stand so that no step from one to the next has a pitch of 90
-    // degrees, at which URDF's three angles say nothing.
-    const Quat up = about(-kQuarter, Vec3::UnitX()), left = about(-kQuarter, Vec3::UnitY()), aside = about(kQuarter, Vec3::UnitZ());
-    const Quat down = about(kQuarter, Vec3::UnitX()) * aside, away = about(kTurn, Vec3::UnitX()) * aside;
+    // They turn z to where the joint turns about: +y, -x, -y and -z. About z they stand so that no
+    // step from one to the next has a pitch of 90 degrees, at which URDF's three angles say
+    // nothing.
+    const Quat up = about(-kQuarter, Vec3::UnitX()), left = about(-kQuarter, Vec3::UnitY()),
+               aside = about(kQuarter, Vec3::UnitZ());
+    const Quat down = about(kQuarter, Vec3::UnitX()) * aside,
+               away = about(kTurn, Vec3::UnitX()) * aside;
     const Vec3 shoulder(0.0, g.shin_m, -g.thigh_m), elbow(0.0, g.shin_m, 0.0), tip = Vec3::Zero();
     struct Placed {
       std::string_view name;
@@ -88,15 +98,16 @@ const arm::ArmDescription& phantom_description() {
       double most_rad, torque_nm;
     };
     const std::array<Placed, kChainJoints> placed{{{"turret", {shoulder, up}, kTurn, kAssumedNm},
-                                                  {"thigh", {shoulder, left}, kTurn, kAssumedNm},
-                                                  {"elbow", {elbow, left}, kTurn, kAssumedNm},
-                                                  {"gimbal_turn", {tip, down}, kTurn, 0.0},
-                                                  {"gimbal_tilt", {tip, left}, kQuarter, 0.0},
-                                                  {"gimbal_roll", {tip, away}, kTurn, 0.0}}};
+                                                   {"thigh", {shoulder, left}, kTurn, kAssumedNm},
+                                                   {"elbow", {elbow, left}, kTurn, kAssumedNm},
+                                                   {"gimbal_turn", {tip, down}, kTurn, 0.0},
+                                                   {"gimbal_tilt", {tip, left}, kQuarter, 0.0},
+                                                   {"gimbal_roll", {tip, away}, kTurn, 0.0}}};
     arm::ArmDescription arm{.model = "phantom", .joints = {}, .flange = {}, .link_radius_m = 0.01};
     Pose before;
     for (const Placed& joint : placed) {
-      arm.joints.push_back({joint.name, before.inverse() * joint.in_d, -joint.most_rad, joint.most_rad, kAssumedRadS, joint.torque_nm});
+      arm.joints.push_back({joint.name, before.inverse() * joint.in_d, -joint.most_rad,
+                            joint.most_rad, kAssumedRadS, joint.torque_nm});
       before = joint.in_d;
     }
     arm.flange = before.inverse();
@@ -105,20 +116,26 @@ const arm::ArmDescription& phantom_description() {
   return description;
 }
 
-std::optional<std::array<double, kChainJoints>> phantom_chain(const PhantomGeometry& geometry, const Vec3& tip, const Quat& orientation) noexcept {
+std::optional<std::array<double, kChainJoints>> phantom_chain(const PhantomGeometry& geometry,
+                                                              const Vec3& tip,
+                                                              const Quat& orientation) noexcept {
   const std::optional<Vec3> q = phantom_joints(geometry, tip);
-  if (!q) return std::nullopt;
+  if (!q)
+    return std::nullopt;
   const Vec3 gimbal = gimbal_angles(*q, orientation);
   return std::array{(*q)[0], (*q)[1], (*q)[2] - (*q)[1], gimbal[0], gimbal[1], gimbal[2]};
 }
 
-PhantomDynamics::PhantomDynamics(const PhantomGeometry& g, const PhantomInertia& p, double gravity) noexcept
-    : geometry_(g), rotor_(p.rotor_kg_m2) {
+PhantomDynamics::PhantomDynamics(const PhantomGeometry& g, const PhantomInertia& p,
+                                 double gravity) noexcept
+    : geometry_(g),
+      rotor_(p.rotor_kg_m2) {
   const double l1 = g.thigh_m, l2 = g.shin_m, ma = p.a_kg, mc = p.c_kg;
   const Vec3 &a = p.a_kg_m2, &c = p.c_kg_m2, &be = p.be_kg_m2, &df = p.df_kg_m2;
-  const double thigh_masses = l1 * l1 * (4.0 * ma + mc), shin_masses = l2 * l2 * ma + 4.0 * p.l3_m * p.l3_m * mc;
-  turret_ = 0.125 * (4.0 * (a.y() + a.z() + be.y() + be.z() + c.y() + c.z() + df.y() + df.z()) + 8.0 * p.base_yy_kg_m2 +
-                     thigh_masses + shin_masses);
+  const double thigh_masses = l1 * l1 * (4.0 * ma + mc),
+               shin_masses = l2 * l2 * ma + 4.0 * p.l3_m * p.l3_m * mc;
+  turret_ = 0.125 * (4.0 * (a.y() + a.z() + be.y() + be.z() + c.y() + c.z() + df.y() + df.z()) +
+                     8.0 * p.base_yy_kg_m2 + thigh_masses + shin_masses);
   thigh_wave_ = 0.125 * (4.0 * (be.y() - be.z() + c.y() - c.z()) + thigh_masses);
   shin_wave_ = 0.125 * (4.0 * (a.y() - a.z() + df.y() - df.z()) - shin_masses);
   cross_ = l1 * (l2 * ma + p.l3_m * mc);
@@ -141,9 +158,12 @@ Mat3 PhantomDynamics::mass(const Vec3& q) const noexcept {
 }
 
 Mat3 PhantomDynamics::coriolis(const Vec3& q, const Vec3& v) const noexcept {
-  // Half the derivatives of M11 by the thigh and by the shin, and the one of M23 by its difference of angles.
-  const double by_thigh = -thigh_wave_ * std::sin(2.0 * q[1]) - 0.5 * cross_ * std::sin(q[1]) * std::sin(q[2]);
-  const double by_shin = -shin_wave_ * std::sin(2.0 * q[2]) + 0.5 * cross_ * std::cos(q[1]) * std::cos(q[2]);
+  // Half the derivatives of M11 by the thigh and by the shin, and the one of M23 by its difference
+  // of angles.
+  const double by_thigh =
+      -thigh_wave_ * std::sin(2.0 * q[1]) - 0.5 * cross_ * std::sin(q[1]) * std::sin(q[2]);
+  const double by_shin =
+      -shin_wave_ * std::sin(2.0 * q[2]) + 0.5 * cross_ * std::cos(q[1]) * std::cos(q[2]);
   const double coupled = 0.5 * cross_ * std::cos(q[1] - q[2]);
   Mat3 c;
   c << by_thigh * v[1] + by_shin * v[2], by_thigh * v[0], by_shin * v[0],  //

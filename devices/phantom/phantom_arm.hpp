@@ -1,11 +1,13 @@
 #pragma once
-/// Kinematics and dynamics of the Phantom's arm: a turret, and a thigh and a shin that a parallel linkage drives from the
-/// base. Model and figures as in M. C. Cavusoglu, D. Feygin, F. Tendick, "A critical study of the mechanical and electrical
-/// properties of the PHANToM haptic interface", Presence 11 (2002).
+/// Kinematics and dynamics of the Phantom's arm: a turret, and a thigh and a shin that a parallel
+/// linkage drives from the base. Model and figures as in M. C. Cavusoglu, D. Feygin, F. Tendick, "A
+/// critical study of the mechanical and electrical properties of the PHANToM haptic interface",
+/// Presence 11 (2002).
 ///
-/// Joints: 0 turret about +y (right-handed), 1 thigh from the horizontal (up +), 2 shin from the vertical (up +); all against
-/// the base, so the third does not contain the second. Frame D: +x right, +y up, +z to the operator; its origin is the tip in
-/// the reset pose, where all joints are zero, the thigh is level and the shin hangs.
+/// Joints: 0 turret about +y (right-handed), 1 thigh from the horizontal (up +), 2 shin from the
+/// vertical (up +); all against the base, so the third does not contain the second. Frame D: +x
+/// right, +y up, +z to the operator; its origin is the tip in the reset pose, where all joints are
+/// zero, the thigh is level and the shin hangs.
 #include <array>
 #include <optional>
 
@@ -19,8 +21,9 @@ struct PhantomGeometry {
   double shin_m = 0.170;
 };
 
-/// Links of the published model: a is the shin's bar with the tip, c the bar parallel to the thigh, be and df the two bars
-/// with the motors, base the turret. Principal moments about the axes of each bar.
+/// Links of the published model: a is the shin's bar with the tip, c the bar parallel to the thigh,
+/// be and df the two bars with the motors, base the turret. Principal moments about the axes of
+/// each bar.
 struct PhantomInertia {
   double a_kg = 0.0202, c_kg = 0.0249, be_kg = 0.2359, df_kg = 0.1906;
   Vec3 a_kg_m2{0.4864e-4, 0.001843e-4, 0.4864e-4};
@@ -37,39 +40,47 @@ Vec3 phantom_tip(const PhantomGeometry& geometry, const Vec3& joints) noexcept;
 /// d tip / d joints [m/rad]; the torque of a force at the tip is its transpose times the force.
 Mat3 phantom_jacobian(const PhantomGeometry& geometry, const Vec3& joints) noexcept;
 /// Its derivative by time.
-Mat3 phantom_jacobian_rate(const PhantomGeometry& geometry, const Vec3& joints, const Vec3& rates) noexcept;
-/// The joints that put the tip there, with the elbow up; absent where the arm does not reach (the limits of the joints are
-/// not looked at), or where the tip is on the turret's axis.
+Mat3 phantom_jacobian_rate(const PhantomGeometry& geometry, const Vec3& joints,
+                           const Vec3& rates) noexcept;
+/// The joints that put the tip there, with the elbow up; absent where the arm does not reach (the
+/// limits of the joints are not looked at), or where the tip is on the turret's axis.
 std::optional<Vec3> phantom_joints(const PhantomGeometry& geometry, const Vec3& tip) noexcept;
 
 /// Orientation of the shin in D: identity in the reset pose.
 Quat phantom_shin(const Vec3& joints) noexcept;
 
-/// The gimbal's angles for a stylus `orientation` in D: first about the shin, then up and down, then about the stylus, with
-/// the library's signs (right +, up -, clockwise +). The middle one is in [-pi/2, pi/2].
+/// The gimbal's angles for a stylus `orientation` in D: first about the shin, then up and down,
+/// then about the stylus, with the library's signs (right +, up -, clockwise +). The middle one is
+/// in [-pi/2, pi/2].
 Vec3 gimbal_angles(const Vec3& joints, const Quat& orientation) noexcept;
 /// The inverse: the stylus in D.
 Quat stylus_orientation(const Vec3& joints, const Vec3& gimbal) noexcept;
 
-/// The arm as a chain, for who draws it: turret, thigh, elbow (the shin against the thigh), and the gimbal's three with the library's signs. The base is
-/// D as the library has it. Of a Premium 1.5; figures of limits are assumed.
+/// The arm as a chain, for who draws it: turret, thigh, elbow (the shin against the thigh), and the
+/// gimbal's three with the library's signs. The base is D as the library has it. Of a Premium 1.5;
+/// figures of limits are assumed.
 inline constexpr int kChainJoints = 6;
 const arm::ArmDescription& phantom_description();
-/// Angles of that chain for a tip and a stylus in D [rad]; absent where the arm does not reach. Real-time safe.
-std::optional<std::array<double, kChainJoints>> phantom_chain(const PhantomGeometry& geometry, const Vec3& tip, const Quat& orientation) noexcept;
+/// Angles of that chain for a tip and a stylus in D [rad]; absent where the arm does not reach.
+/// Real-time safe.
+std::optional<std::array<double, kChainJoints>> phantom_chain(const PhantomGeometry& geometry,
+                                                              const Vec3& tip,
+                                                              const Quat& orientation) noexcept;
 
-/// The arm without anything in the hand: M(q) q'' + C(q, q') q' + G(q) = torque. Rotors are part of M. The constants are
-/// summed up once; all calls are real-time safe.
+/// The arm without anything in the hand: M(q) q'' + C(q, q') q' + G(q) = torque. Rotors are part of
+/// M. The constants are summed up once; all calls are real-time safe.
 class PhantomDynamics {
  public:
   explicit PhantomDynamics(const PhantomGeometry& geometry = {}, const PhantomInertia& inertia = {},
                            double gravity_m_per_s2 = 9.81) noexcept;
 
-  Mat3 mass(const Vec3& joints) const noexcept;                         ///< [kg m^2]
-  Mat3 coriolis(const Vec3& joints, const Vec3& rates) const noexcept;  ///< from the Christoffel symbols [Nms/rad]
-  Vec3 gravity(const Vec3& joints) const noexcept;                      ///< [Nm]
-  double potential(const Vec3& joints) const noexcept;                  ///< whose gradient is `gravity` [J]
-  double energy(const Vec3& joints, const Vec3& rates) const noexcept;  ///< kinetic and potential [J]
+  Mat3 mass(const Vec3& joints) const noexcept;  ///< [kg m^2]
+  Mat3 coriolis(const Vec3& joints,
+                const Vec3& rates) const noexcept;      ///< from the Christoffel symbols [Nms/rad]
+  Vec3 gravity(const Vec3& joints) const noexcept;      ///< [Nm]
+  double potential(const Vec3& joints) const noexcept;  ///< whose gradient is `gravity` [J]
+  double energy(const Vec3& joints,
+                const Vec3& rates) const noexcept;  ///< kinetic and potential [J]
   const PhantomGeometry& geometry() const noexcept { return geometry_; }
 
  private:

@@ -21,18 +21,21 @@ constexpr auto kLongSilence = 200ms;  // worth a word to people
 }  // namespace
 
 PhantomDriver::PhantomDriver(const PhantomOptions& options)
-    : options_(options), library_(HdLibrary::load(options.library)) {
+    : options_(options),
+      library_(HdLibrary::load(options.library)) {
   session_.emplace(library_, options_);
   virtual_time_ = session_->virtual_time();
   description_ = describe_phantom(session_->facts());
-  is_known_arm_ = session_->facts().model.starts_with("PHANTOM Premium 1.5") && session_->facts().input_dof >= 6;
-  servo_.emplace(library_, session_->device(), session_->facts(), description_, options_.velocity_cutoff_hz,
-                 virtual_time_);
+  is_known_arm_ = session_->facts().model.starts_with("PHANTOM Premium 1.5") &&
+                  session_->facts().input_dof >= 6;
+  servo_.emplace(library_, session_->device(), session_->facts(), description_,
+                 options_.velocity_cutoff_hz, virtual_time_);
   session_->start(&PhantomServo::run, &*servo_);
   description_ = describe_phantom(session_->facts());  // the rate is known now
   servo_->set_rate(description_.rate_hz);
   period_ = std::chrono::nanoseconds(std::llround(1e9 / description_.rate_hz));
-  if (!virtual_time_) wait_for_first_tick();
+  if (!virtual_time_)
+    wait_for_first_tick();
   sample_.sample.pose_valid = false;
 }
 
@@ -41,46 +44,57 @@ PhantomDriver::~PhantomDriver() { stop(); }
 void PhantomDriver::wait_for_first_tick() {
   if (!servo_->take(sample_, Clock::now() + kFirstTick))
     throw devices::DeviceOpenError(
-        "device 'phantom': its servo loop started and does not tick; end other programs that use the device, and look "
+        "device 'phantom': its servo loop started and does not tick; end other programs that use "
+        "the device, and look "
         "at the cable and at the vendor's diagnostic tool");
   if (const hd::HDerror fatal = servo_->trouble().fatal(); fatal != hd::kSuccess)
-    throw devices::DeviceOpenError(
-        fmt::format("device 'phantom': it failed in its first tick with error {}; look at cable and power",
-                    error_text(library_.api(), fatal)));
+    throw devices::DeviceOpenError(fmt::format(
+        "device 'phantom': it failed in its first tick with error {}; look at cable and power",
+        error_text(library_.api(), fatal)));
 }
 
 std::optional<devices::DeviceError> PhantomDriver::ended() const noexcept {
   const hd::HDerror fatal = servo_->trouble().fatal();
-  if (fatal == hd::kSuccess) return {};
+  if (fatal == hd::kSuccess)
+    return {};
   return classify(fatal).error;
 }
 
-devices::DeviceResult<devices::DeviceSample> PhantomDriver::read(std::chrono::microseconds timeout) noexcept {
-  if (const auto error = ended()) return std::unexpected(*error);
+devices::DeviceResult<devices::DeviceSample> PhantomDriver::read(
+    std::chrono::microseconds timeout) noexcept {
+  if (const auto error = ended())
+    return std::unexpected(*error);
   const bool came = virtual_time_ ? make_ticks(timeout) : wait_for_tick(timeout);
   if (const auto error = ended()) {
     servo_->drop();
-    if (!came) servo_->force_off();  // no tick is there to do it
+    if (!came)
+      servo_->force_off();  // no tick is there to do it
     return std::unexpected(*error);
   }
-  if (!came) return std::unexpected(nothing_came());
-  if (std::exchange(first_, false)) zero_ns_ = sample_.sample.time_ns;
+  if (!came)
+    return std::unexpected(nothing_came());
+  if (std::exchange(first_, false))
+    zero_ns_ = sample_.sample.time_ns;
   sample_.sample.time_ns -= zero_ns_;
   if (const Pose& pose = sample_.sample.pose; is_known_arm_ && sample_.sample.pose_valid)
-    if (const auto angles = phantom_chain({}, pose.position, pose.orientation)) joints_ = *angles;
+    if (const auto angles = phantom_chain({}, pose.position, pose.orientation))
+      joints_ = *angles;
   sample_.sample.pose.position += options_.origin_in_d;
   pose_lost_.store(!sample_.sample.pose_valid, std::memory_order_relaxed);
   return sample_.sample;
 }
 
-/// A tick that is overdue may never come: then the library's errors say why, and nobody else takes them.
+/// A tick that is overdue may never come: then the library's errors say why, and nobody else takes
+/// them.
 bool PhantomDriver::wait_for_tick(std::chrono::microseconds timeout) noexcept {
   const Clock::time_point deadline = Clock::now() + timeout;
   for (;;) {
     const Clock::time_point look = std::min(deadline, Clock::now() + kLookPeriods * period_);
-    if (servo_->take(sample_, look)) return true;
+    if (servo_->take(sample_, look))
+      return true;
     servo_->trouble().drain(library_.api());
-    if (ended() || Clock::now() >= deadline) return false;
+    if (ended() || Clock::now() >= deadline)
+      return false;
   }
 }
 
@@ -89,38 +103,48 @@ bool PhantomDriver::make_ticks(std::chrono::microseconds timeout) noexcept {
   const auto most = std::max<std::int64_t>(1, std::chrono::nanoseconds(timeout) / period_);
   for (std::int64_t i = 0; i < most; ++i) {
     const int result = library_.hooks().step();
-    if (servo_->take(sample_, Clock::time_point{})) return true;
+    if (servo_->take(sample_, Clock::time_point{}))
+      return true;
     servo_->trouble().drain(library_.api());
-    if (result < 0) servo_->trouble().note(hd::kTimerError);  // there is no servo loop any more
-    if (ended()) return false;
+    if (result < 0)
+      servo_->trouble().note(hd::kTimerError);  // there is no servo loop any more
+    if (ended())
+      return false;
   }
   return false;
 }
 
 devices::DeviceError PhantomDriver::nothing_came() noexcept {
   const Clock::duration silence = servo_->silence();
-  if (virtual_time_ || silence > kStallPeriods * period_) servo_->force_off();
-  const bool gone = !virtual_time_ && std::chrono::duration<double>(silence).count() > options_.silence_s;
+  if (virtual_time_ || silence > kStallPeriods * period_)
+    servo_->force_off();
+  const bool gone =
+      !virtual_time_ && std::chrono::duration<double>(silence).count() > options_.silence_s;
   return gone ? devices::DeviceError::kDisconnected : devices::DeviceError::kTimeout;
 }
 
 devices::DeviceResult<void> PhantomDriver::write(const Wrench& command) noexcept {
-  if (const auto error = ended()) return servo_->drop(), std::unexpected(*error);
-  if (const auto good = devices::check_command(command, description_); !good) return servo_->drop(), good;
+  if (const auto error = ended())
+    return servo_->drop(), std::unexpected(*error);
+  if (const auto good = devices::check_command(command, description_); !good)
+    return servo_->drop(), good;
   const std::uint64_t errors = servo_->trouble().count();
   if (known_errors_.exchange(errors, std::memory_order_relaxed) != errors) {
     servo_->drop();
     return std::unexpected(classify(servo_->trouble().newest()).error);
   }
-  if (!sample_.sample.pose_valid) return servo_->drop(), std::unexpected(devices::DeviceError::kProtocol);
+  if (!sample_.sample.pose_valid)
+    return servo_->drop(), std::unexpected(devices::DeviceError::kProtocol);
   servo_->push(command, errors);
   return {};
 }
 
 void PhantomDriver::stop() noexcept {
-  if (!servo_) return;
+  if (!servo_)
+    return;
   servo_->drop();
-  if (!virtual_time_ && servo_->silence() > kStallPeriods * period_) servo_->force_off();
+  if (!virtual_time_ && servo_->silence() > kStallPeriods * period_)
+    servo_->force_off();
 }
 
 /// From what any thread may read.
@@ -128,13 +152,15 @@ std::string PhantomDriver::trouble() const {
   const HdTrouble& trouble = servo_->trouble();
   if (const hd::HDerror fatal = trouble.fatal(); fatal != hd::kSuccess) {
     const bool gone = classify(fatal).error == devices::DeviceError::kDisconnected;
-    return fmt::format("error {} ended it; {}, and open it again", error_text(library_.api(), fatal),
+    return fmt::format("error {} ended it; {}, and open it again",
+                       error_text(library_.api(), fatal),
                        gone ? "look at cable and power" : "look at the device and restart it");
   }
   const Clock::duration silence = servo_->silence();
   if (!virtual_time_ && silence > kLongSilence)
     return fmt::format(
-        "its servo loop has not ticked for {:.1f} s; look at the device and the vendor's diagnostic tool, and open it "
+        "its servo loop has not ticked for {:.1f} s; look at the device and the vendor's "
+        "diagnostic tool, and open it "
         "again",
         std::chrono::duration<double>(silence).count());
   if (trouble.count() != known_errors_.load(std::memory_order_relaxed))

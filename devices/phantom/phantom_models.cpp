@@ -10,46 +10,58 @@
 namespace voxtouch::phantom {
 namespace {
 
-// Where numbers come from. Confirmed in CHAI3D's model table: maximum force and stiffness of Premium 1.5 (its 6DOF row) and 3.0,
-// Desktop, Omni, Touch. Derived from a published link model: mass of the Premium 1.5. Assumed: all else, data sheets from memory; the
-// Premium 1.0 and the high-force model have their sister's stiffness, and a range of mass is the sheet's figure and a third less.
-// Model names are confirmed but for "1.0", "High Force", and "1.5" without 6DOF, which are assumed.
+// Where numbers come from. Confirmed in CHAI3D's model table: maximum force and stiffness of
+// Premium 1.5 (its 6DOF row) and 3.0, Desktop, Omni, Touch. Derived from a published link model:
+// mass of the Premium 1.5. Assumed: all else, data sheets from memory; the Premium 1.0 and the
+// high-force model have their sister's stiffness, and a range of mass is the sheet's figure and a
+// third less. Model names are confirmed but for "1.0", "High Force", and "1.5" without 6DOF, which
+// are assumed.
 constexpr std::array kFigures{
-    //             prefix                            max  cont. stiffness  mass from, to  friction  resolution
+    //             prefix                            max  cont. stiffness  mass from, to  friction
+    //             resolution
     PhantomFigures{"PHANTOM Premium 1.0", 8.5, 1.40, 800.0, 0.050, 0.075, 0.04, 0.030e-3},
     PhantomFigures{"PHANTOM Premium 1.5", 8.5, 1.40, 800.0, 0.035, 0.080, 0.04, 0.030e-3},
-    PhantomFigures{"PHANTOM Premium 1.5 High Force", 37.5, 6.20, 800.0, 0.100, 0.150, 0.20, 0.007e-3},
+    PhantomFigures{"PHANTOM Premium 1.5 High Force", 37.5, 6.20, 800.0, 0.100, 0.150, 0.20,
+                   0.007e-3},
     PhantomFigures{"PHANTOM Premium 3.0", 22.0, 3.00, 1000.0, 0.106, 0.159, 0.20, 0.020e-3},
     PhantomFigures{"PHANTOM Desktop", 7.9, 1.75, 1000.0, 0.030, 0.045, 0.06, 0.023e-3},
     PhantomFigures{"PHANTOM Omni", 3.3, 0.88, 700.0, 0.030, 0.045, 0.26, 0.055e-3},
     PhantomFigures{"Touch", 3.3, 0.88, 400.0, 0.030, 0.045, 0.26, 0.055e-3},
 };
-// Confirmed: force and stiffness, which CHAI3D takes for models that it does not know. The rest assumed: the span of the rows above.
+// Confirmed: force and stiffness, which CHAI3D takes for models that it does not know. The rest
+// assumed: the span of the rows above.
 constexpr PhantomFigures kUnknown{"", 6.0, 0.88, 1000.0, 0.030, 0.160, 0.26, 0.055e-3};
 
-constexpr double kFadeS = 0.02;  // of the guard; a force rate below max_force / this would not let it fade
+constexpr double kFadeS =
+    0.02;  // of the guard; a force rate below max_force / this would not let it fade
 
 bool starts_with(std::string_view name, std::string_view prefix) noexcept {
   const auto same = [](char a, char b) {
-    return std::tolower(static_cast<unsigned char>(a)) == std::tolower(static_cast<unsigned char>(b));
+    return std::tolower(static_cast<unsigned char>(a)) ==
+           std::tolower(static_cast<unsigned char>(b));
   };
-  return name.size() >= prefix.size() && std::equal(prefix.begin(), prefix.end(), name.begin(), same);
+  return name.size() >= prefix.size() &&
+         std::equal(prefix.begin(), prefix.end(), name.begin(), same);
 }
 
-double known_or(double known, double otherwise) noexcept { return std::isfinite(known) && known > 0.0 ? known : otherwise; }
+double known_or(double known, double otherwise) noexcept {
+  return std::isfinite(known) && known > 0.0 ? known : otherwise;
+}
 
 }  // namespace
 
 const PhantomFigures& phantom_figures(std::string_view model) noexcept {
   const PhantomFigures* best = &kUnknown;
   for (const PhantomFigures& row : kFigures)
-    if (starts_with(model, row.prefix) && row.prefix.size() > best->prefix.size()) best = &row;
+    if (starts_with(model, row.prefix) && row.prefix.size() > best->prefix.size())
+      best = &row;
   return *best;
 }
 
 double continuous_force_n(const PhantomFacts& facts) noexcept {
   const PhantomFigures& f = phantom_figures(facts.model);
-  return std::min(known_or(facts.continuous_force_n, f.continuous_force_n), known_or(facts.max_force_n, f.max_force_n));
+  return std::min(known_or(facts.continuous_force_n, f.continuous_force_n),
+                  known_or(facts.max_force_n, f.max_force_n));
 }
 
 DeviceDescription describe_phantom(const PhantomFacts& facts) {
@@ -63,7 +75,8 @@ DeviceDescription describe_phantom(const PhantomFacts& facts) {
   d.max_force_rate_n_per_s = std::min(std::max(d.max_force_rate_n_per_s, d.max_force_n / kFadeS),
                                       0.9 * known_or(facts.max_impulse_n_per_s, 1e9));
   d.max_torque_rate_nm_per_s = d.max_torque_nm / kFadeS;  // assumed: as fast as a fade needs it
-  d.max_stiffness_n_per_m = std::min(known_or(facts.max_stiffness_n_per_m, 1e9), f.max_stiffness_n_per_m);
+  d.max_stiffness_n_per_m =
+      std::min(known_or(facts.max_stiffness_n_per_m, 1e9), f.max_stiffness_n_per_m);
   d.mass_min_kg = f.mass_min_kg;
   d.mass_max_kg = f.mass_max_kg;
   d.coulomb_friction_n = f.coulomb_friction_n;
@@ -79,14 +92,17 @@ DeviceDescription describe_phantom(const PhantomFacts& facts) {
   return d;
 }
 
-/// floor(8000 / n + 0.5) over FireWire, and 500, 1000, 2000 over a parallel port, which are among those.
+/// floor(8000 / n + 0.5) over FireWire, and 500, 1000, 2000 over a parallel port, which are among
+/// those.
 double servo_rate_hz(double measured_hz) noexcept {
   constexpr double kDefaultHz = 1000.0;
-  if (!(measured_hz > 400.0 && measured_hz < 9000.0)) return kDefaultHz;
+  if (!(measured_hz > 400.0 && measured_hz < 9000.0))
+    return kDefaultHz;
   double nearest = kDefaultHz;
   for (int n = 1; n <= 16; ++n) {
     const double rate = std::floor(8000.0 / n + 0.5);
-    if (std::abs(rate - measured_hz) < std::abs(nearest - measured_hz)) nearest = rate;
+    if (std::abs(rate - measured_hz) < std::abs(nearest - measured_hz))
+      nearest = rate;
   }
   return nearest;
 }

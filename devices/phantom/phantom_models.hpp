@@ -1,5 +1,6 @@
 #pragma once
-/// What a Phantom does not tell about itself, by its model's name, and the description made of both.
+/// What a Phantom does not tell about itself, by its model's name, and the description made of
+/// both.
 #include <string>
 #include <string_view>
 
@@ -27,14 +28,15 @@ struct PhantomFigures {
 /// The row with the longest prefix that fits; one for unknown models otherwise.
 const PhantomFigures& phantom_figures(std::string_view model) noexcept;
 
-/// What the device said where it said something, the figures elsewhere. Stiffness: the smaller of the two, since the device's figure
-/// is that of its structure, which no sampled wall reaches.
+/// What the device said where it said something, the figures elsewhere. Stiffness: the smaller of
+/// the two, since the device's figure is that of its structure, which no sampled wall reaches.
 DeviceDescription describe_phantom(const PhantomFacts& facts);
 
 /// The continuous force: what the device said, or the figure, and no more than the maximum [N].
 double continuous_force_n(const PhantomFacts& facts) noexcept;
 
-/// The rate that a servo loop can have which is nearest to a measured one [Hz]; 1000 where that is no rate at all.
+/// The rate that a servo loop can have which is nearest to a measured one [Hz]; 1000 where that is
+/// no rate at all.
 double servo_rate_hz(double measured_hz) noexcept;
 
 }  // namespace voxtouch::phantom

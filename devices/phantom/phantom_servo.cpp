@@ -11,8 +11,9 @@
 namespace voxtouch::phantom {
 namespace {
 
-constexpr double kMilli = 1e-3;          // m in a mm, Nm in a mNm
-constexpr std::int64_t kGapPeriods = 5;  // after a longer gap a difference of positions says nothing about now
+constexpr double kMilli = 1e-3;  // m in a mm, Nm in a mNm
+constexpr std::int64_t kGapPeriods =
+    5;  // after a longer gap a difference of positions says nothing about now
 constexpr double kNoArmReachesM = 10.0;
 constexpr auto kRelaxed = std::memory_order_relaxed;
 
@@ -21,13 +22,22 @@ void count(std::atomic<std::uint64_t>& counter) noexcept { counter.fetch_add(1, 
 }  // namespace
 
 PhantomServo::PhantomServo(const HdLibrary& library, hd::HHD device, const PhantomFacts& facts,
-                           const DeviceDescription& description, double velocity_cutoff_hz, bool virtual_time) noexcept
-    : api_(library.api()), hooks_(library.hooks()), device_(device), temperatures_(facts.temperatures),
-      virtual_time_(virtual_time), max_torque_nm_(description.max_torque_nm),
-      period_ns_(std::llround(1e9 / description.rate_hz)), clamp_(description.max_force_n, continuous_force_n(facts)),
-      twist_(velocity_cutoff_hz), last_tick_(Clock::now().time_since_epoch().count()) {}
+                           const DeviceDescription& description, double velocity_cutoff_hz,
+                           bool virtual_time) noexcept
+    : api_(library.api()),
+      hooks_(library.hooks()),
+      device_(device),
+      temperatures_(facts.temperatures),
+      virtual_time_(virtual_time),
+      max_torque_nm_(description.max_torque_nm),
+      period_ns_(std::llround(1e9 / description.rate_hz)),
+      clamp_(description.max_force_n, continuous_force_n(facts)),
+      twist_(velocity_cutoff_hz),
+      last_tick_(Clock::now().time_since_epoch().count()) {}
 
-void PhantomServo::set_rate(double rate_hz) noexcept { period_ns_.store(std::llround(1e9 / rate_hz), kRelaxed); }
+void PhantomServo::set_rate(double rate_hz) noexcept {
+  period_ns_.store(std::llround(1e9 / rate_hz), kRelaxed);
+}
 
 hd::HDCallbackCode PhantomServo::run(void* self) noexcept {
   static_cast<PhantomServo*>(self)->tick();
@@ -45,7 +55,8 @@ void PhantomServo::tick() noexcept {
   answer();
   api_.hdEndFrame(device_);
   trouble_.drain(api_);
-  if (trouble_.fatal() != hd::kSuccess && !std::exchange(ended_, true)) api_.hdDisable(hd::kForceOutput);
+  if (trouble_.fatal() != hd::kSuccess && !std::exchange(ended_, true))
+    api_.hdDisable(hd::kForceOutput);
   publish();
 }
 
@@ -59,7 +70,8 @@ void PhantomServo::publish() noexcept {
 }
 
 std::int64_t PhantomServo::now_ns() const noexcept {
-  if (!virtual_time_) return std::chrono::nanoseconds(Clock::now().time_since_epoch()).count();
+  if (!virtual_time_)
+    return std::chrono::nanoseconds(Clock::now().time_since_epoch()).count();
   hdsim_state state{};
   hooks_.read_state(&state, sizeof state);
   return std::llround(1e9 * state.time);
@@ -73,18 +85,21 @@ void PhantomServo::read_frame() noexcept {
   api_.hdGetDoublev(hd::kCurrentPosition, raw_.position.data());
   api_.hdGetDoublev(hd::kCurrentTransform, raw_.transform.data());
   api_.hdGetIntegerv(hd::kCurrentButtons, &raw_.buttons);
-  if (temperatures_ > 0) api_.hdGetDoublev(hd::kMotorTemperature, raw_.temperature.data());
+  if (temperatures_ > 0)
+    api_.hdGetDoublev(hd::kMotorTemperature, raw_.temperature.data());
 }
 
 void PhantomServo::see(std::int64_t now_ns, bool frame_good) noexcept {
   const std::int64_t period_ns = period_ns_.load(kRelaxed), elapsed_ns = now_ns - last_ns_;
-  if (!std::exchange(first_, false) && 2 * elapsed_ns > 3 * period_ns) count(counts_.late);
+  if (!std::exchange(first_, false) && 2 * elapsed_ns > 3 * period_ns)
+    count(counts_.late);
   last_ns_ = now_ns;
   devices::DeviceSample& s = seen_.sample;
   s.time_ns = now_ns;
   s.buttons = static_cast<std::uint32_t>(raw_.buttons);
   s.pose_valid = see_pose() && frame_good;
-  if (elapsed_ns > kGapPeriods * period_ns) twist_.restart();
+  if (elapsed_ns > kGapPeriods * period_ns)
+    twist_.restart();
   if (s.pose_valid) {
     s.twist = twist_.see(s.pose, 1e-9 * static_cast<double>(elapsed_ns));
   } else {
@@ -92,8 +107,9 @@ void PhantomServo::see(std::int64_t now_ns, bool frame_good) noexcept {
     twist_.restart();
     s.twist = {};
   }
-  seen_.force_limit_n = clamp_.see(std::span(raw_.temperature).first(static_cast<std::size_t>(temperatures_)),
-                                   std::exchange(set_n_, 0.0));
+  seen_.force_limit_n =
+      clamp_.see(std::span(raw_.temperature).first(static_cast<std::size_t>(temperatures_)),
+                 std::exchange(set_n_, 0.0));
 }
 
 /// Leaves the pose as it was where there is none to be had from the frame.
@@ -101,10 +117,14 @@ bool PhantomServo::see_pose() noexcept {
   Pose pose;
   pose.position = kMilli * Vec3(raw_.position[0], raw_.position[1], raw_.position[2]);
   // Each by itself: the largest of three may be a number where one of them is none.
-  if (!(pose.position.cwiseAbs().array() < kNoArmReachesM).all()) return false;
-  if (!orientation_of(raw_.transform.data(), pose.orientation)) return false;
-  // The same rotation with the sign that is nearer to the last: no jump for whoever draws a line between the two.
-  if (pose.orientation.dot(seen_.sample.pose.orientation) < 0.0) pose.orientation.coeffs() *= -1.0;
+  if (!(pose.position.cwiseAbs().array() < kNoArmReachesM).all())
+    return false;
+  if (!orientation_of(raw_.transform.data(), pose.orientation))
+    return false;
+  // The same rotation with the sign that is nearer to the last: no jump for whoever draws a line
+  // between the two.
+  if (pose.orientation.dot(seen_.sample.pose.orientation) < 0.0)
+    pose.orientation.coeffs() *= -1.0;
   seen_.sample.pose = pose;
   return true;
 }
@@ -113,17 +133,21 @@ bool PhantomServo::see_pose() noexcept {
 
 void PhantomServo::answer() noexcept {
   Command command;
-  if (!commands_.take(command) || !command.push) return;
+  if (!commands_.take(command) || !command.push)
+    return;
   const bool same = command.trouble == trouble_.count() && trouble_.fatal() == hd::kSuccess;
-  if (!same || !seen_.sample.pose_valid) return count(counts_.withheld);
-  if (force_off_.exchange(false, std::memory_order_acq_rel)) api_.hdEnable(hd::kForceOutput);
+  if (!same || !seen_.sample.pose_valid)
+    return count(counts_.withheld);
+  if (force_off_.exchange(false, std::memory_order_acq_rel))
+    api_.hdEnable(hd::kForceOutput);
   set(command.wrench);
 }
 
 /// The last check stands here, directly before the library.
 void PhantomServo::set(const Wrench& wrench) noexcept {
   Vec3 force = wrench.force;
-  if (clamp_length(force, clamp_.limit_n())) count(counts_.thermal);
+  if (clamp_length(force, clamp_.limit_n()))
+    count(counts_.thermal);
   api_.hdSetDoublev(hd::kCurrentForce, force.data());
   set_n_ = length_of(force);
   if (max_torque_nm_ > 0.0) {
@@ -143,18 +167,21 @@ bool PhantomServo::take(ServoSample& out, Clock::time_point deadline) noexcept {
       wake_up_.clear();
       return true;
     }
-    if (!wake_up_.wait_until(deadline)) return samples_.take(out);
+    if (!wake_up_.wait_until(deadline))
+      return samples_.take(out);
   }
 }
 
-/// In this order: a tick between the two sets a force that the device does not give, and the next one turns it on.
+/// In this order: a tick between the two sets a force that the device does not give, and the next
+/// one turns it on.
 void PhantomServo::force_off() noexcept {
   api_.hdDisable(hd::kForceOutput);
   force_off_.store(true, std::memory_order_release);
 }
 
 PhantomServo::Clock::duration PhantomServo::silence() const noexcept {
-  return Clock::now().time_since_epoch() - Clock::duration(last_tick_.load(std::memory_order_acquire));
+  return Clock::now().time_since_epoch() -
+         Clock::duration(last_tick_.load(std::memory_order_acquire));
 }
 
 }  // namespace voxtouch::phantom

@@ -20,28 +20,31 @@ namespace voxtouch::phantom {
 /// What a tick saw.
 struct ServoSample {
   devices::DeviceSample sample;  ///< time since the clock's own zero
-  double force_limit_n = 0.0;  ///< of the thermal clamp
+  double force_limit_n = 0.0;    ///< of the thermal clamp
 };
 
 struct ServoCounts {
   std::atomic<std::uint64_t> ticks{0};
-  std::atomic<std::uint64_t> late{0};        ///< ticks that came more than half a period too late
-  std::atomic<std::uint64_t> superseded{0};  ///< samples that a newer one overtook before they were read
+  std::atomic<std::uint64_t> late{0};  ///< ticks that came more than half a period too late
+  std::atomic<std::uint64_t> superseded{
+      0};  ///< samples that a newer one overtook before they were read
   std::atomic<std::uint64_t> invalid_poses{0};
-  std::atomic<std::uint64_t> pushed{0};    ///< ticks that set a force
-  std::atomic<std::uint64_t> withheld{0};  ///< commands that met an error, or a pose that was not valid, in their tick
-  std::atomic<std::uint64_t> thermal{0};   ///< forces that were made smaller because motors are warm
+  std::atomic<std::uint64_t> pushed{0};  ///< ticks that set a force
+  std::atomic<std::uint64_t> withheld{
+      0};  ///< commands that met an error, or a pose that was not valid, in their tick
+  std::atomic<std::uint64_t> thermal{0};  ///< forces that were made smaller because motors are warm
 };
 
-/// A tick: begin a frame, read, set the command that waits, end. Errors are taken before the frame, before the set and after the
-/// end. A command is set only where nothing has gone wrong since its `write`, and the tick's own pose is valid; else the tick sets
-/// nothing, which is zero force.
+/// A tick: begin a frame, read, set the command that waits, end. Errors are taken before the frame,
+/// before the set and after the end. A command is set only where nothing has gone wrong since its
+/// `write`, and the tick's own pose is valid; else the tick sets nothing, which is zero force.
 class PhantomServo {
  public:
   using Clock = std::chrono::steady_clock;
 
   PhantomServo(const HdLibrary& library, hd::HHD device, const PhantomFacts& facts,
-               const DeviceDescription& description, double velocity_cutoff_hz, bool virtual_time) noexcept;
+               const DeviceDescription& description, double velocity_cutoff_hz,
+               bool virtual_time) noexcept;
   PhantomServo(const PhantomServo&) = delete;
   PhantomServo& operator=(const PhantomServo&) = delete;
 
@@ -49,14 +52,17 @@ class PhantomServo {
   static hd::HDCallbackCode run(void* self) noexcept;
 
   // --- for the thread that owns the driver; real-time safe
-  /// Waits until `deadline` at most, not at all where it has passed. False: no sample that has not been taken.
+  /// Waits until `deadline` at most, not at all where it has passed. False: no sample that has not
+  /// been taken.
   bool take(ServoSample& out, Clock::time_point deadline) noexcept;
   /// For the next tick; `trouble` is the count of errors that the writer knows of.
-  void push(const Wrench& command, std::uint64_t trouble) noexcept { commands_.put({command, trouble, true}); }
+  void push(const Wrench& command, std::uint64_t trouble) noexcept {
+    commands_.put({command, trouble, true});
+  }
   /// The next tick sets nothing.
   void drop() noexcept { commands_.put({}); }
-  /// For a servo loop that has stopped ticking: takes the force without it. A tick that has a command turns it on again, from
-  /// the start of the device's ramp.
+  /// For a servo loop that has stopped ticking: takes the force without it. A tick that has a
+  /// command turns it on again, from the start of the device's ramp.
   void force_off() noexcept;
   /// Since the last tick, or the construction.
   Clock::duration silence() const noexcept;

@@ -1,14 +1,16 @@
 #pragma once
-/// Velocity from poses. The library's own velocity is smoothed in a way that is not published, so it is not used.
+/// Velocity from poses. The library's own velocity is smoothed in a way that is not published, so
+/// it is not used.
 #include <numbers>
 
 #include "core/types/rotation_vector.hpp"
 
 namespace voxtouch::phantom {
 
-/// Backward difference over the time that really passed, then a first-order low-pass by backward Euler: twist += w dt / (1 + w dt)
-/// (difference - twist), w = 2 pi `cutoff_hz`. Any dt is stable. The twist lags a steady acceleration by half a period (the
-/// difference) and 1 / w (the low-pass). Outer frame's axes. Real-time safe.
+/// Backward difference over the time that really passed, then a first-order low-pass by backward
+/// Euler: twist += w dt / (1 + w dt) (difference - twist), w = 2 pi `cutoff_hz`. Any dt is stable.
+/// The twist lags a steady acceleration by half a period (the difference) and 1 / w (the low-pass).
+/// Outer frame's axes. Real-time safe.
 class TwistEstimate {
  public:
   /// `cutoff_hz`: f of the low-pass, above 0.
@@ -19,7 +21,8 @@ class TwistEstimate {
     if (started_ && dt_s > 0.0) {
       const double follow = per_s_ * dt_s / (1.0 + per_s_ * dt_s);
       twist_.linear += follow * ((pose.position - last_.position) / dt_s - twist_.linear);
-      twist_.angular += follow * (rotation_vector(last_.orientation, pose.orientation) / dt_s - twist_.angular);
+      twist_.angular +=
+          follow * (rotation_vector(last_.orientation, pose.orientation) / dt_s - twist_.angular);
     }
     started_ = true;
     last_ = pose;

@@ -9,8 +9,8 @@
 
 namespace voxtouch::phantom {
 
-/// A POSIX semaphore: posting is one atomic operation, and a system call only where somebody waits. Look for what you wait for
-/// first, and wait then; a wait may end for nothing.
+/// A POSIX semaphore: posting is one atomic operation, and a system call only where somebody waits.
+/// Look for what you wait for first, and wait then; a wait may end for nothing.
 class WakeUp {
  public:
   WakeUp() noexcept { sem_init(&semaphore_, 0, 0); }
@@ -27,9 +27,11 @@ class WakeUp {
   /// False: `deadline` passed without a post.
   bool wait_until(std::chrono::steady_clock::time_point deadline) noexcept {
     const std::int64_t ns = std::chrono::nanoseconds(deadline.time_since_epoch()).count();
-    const timespec at{static_cast<time_t>(ns / 1'000'000'000), static_cast<long>(ns % 1'000'000'000)};
+    const timespec at{static_cast<time_t>(ns / 1'000'000'000),
+                      static_cast<long>(ns % 1'000'000'000)};
     while (sem_clockwait(&semaphore_, CLOCK_MONOTONIC, &at) != 0)
-      if (errno != EINTR) return false;
+      if (errno != EINTR)
+        return false;
     return true;
   }
 

@@ -9,11 +9,13 @@
 namespace voxtouch::sim {
 
 ForcePath::ForcePath(const DeviceDescription& device, double substep_s) noexcept
-    : max_force_n_(device.max_force_n), max_torque_nm_(device.max_torque_nm) {
-  const double substeps = std::clamp(std::round(device.delay_s / substep_s), 0.0, double{kSlots - 1});
+    : max_force_n_(device.max_force_n),
+      max_torque_nm_(device.max_torque_nm) {
+  const double substeps =
+      std::clamp(std::round(device.delay_s / substep_s), 0.0, double{kSlots - 1});
   delay_ = static_cast<std::size_t>(substeps);
-  // Pade(1,1) of 1 - exp(-dt/tau): no library function whose last bit differs between machines. tau = 0 would
-  // give 2, a sign-changing filter, so the factor stops at 1: at once.
+  // Pade(1,1) of 1 - exp(-dt/tau): no library function whose last bit differs between machines. tau
+  // = 0 would give 2, a sign-changing filter, so the factor stops at 1: at once.
   const double tau_s = 1.0 / (2.0 * std::numbers::pi * device.force_bandwidth_hz);
   follow_ = std::min(1.0, substep_s / (tau_s + 0.5 * substep_s));
 }
@@ -24,7 +26,8 @@ Wrench ForcePath::step(const Wrench& command) noexcept {
   clamp_wrench(in, max_force_n_, max_torque_nm_);
   const Wrench& out = line_[(next_ + kSlots - delay_) % kSlots];
   next_ = (next_ + 1) % kSlots;
-  if (follow_ >= 1.0) return lagged_ = out;
+  if (follow_ >= 1.0)
+    return lagged_ = out;
   const Wrench before = lagged_;
   lagged_.force += follow_ * (out.force - before.force);
   lagged_.torque += follow_ * (out.torque - before.torque);

@@ -10,13 +10,14 @@ namespace voxtouch::sim {
 /// Steps of the plant in one sample period.
 inline constexpr int kSubsteps = 8;
 
-/// A motor with its electronics. The command is cut to the device's limits (direction kept), comes out a
-/// whole number of substeps later, and is followed with a first-order lag. Real-time safe.
+/// A motor with its electronics. The command is cut to the device's limits (direction kept), comes
+/// out a whole number of substeps later, and is followed with a first-order lag. Real-time safe.
 class ForcePath {
  public:
   static constexpr int kMaxDelayPeriods = 32;
 
-  /// `device`: limits, delay (rounded to a whole substep), bandwidth. `substep_s`: length of a substep.
+  /// `device`: limits, delay (rounded to a whole substep), bandwidth. `substep_s`: length of a
+  /// substep.
   ForcePath(const DeviceDescription& device, double substep_s) noexcept;
 
   /// One substep with `command` held: the mean wrench at the tool over it.

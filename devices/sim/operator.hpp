@@ -1,26 +1,31 @@
 #pragma once
-/// The person at a simulated device: a mass that the hand adds, held by a spring and a damper to where it
-/// wants to be.
+/// The person at a simulated device: a mass that the hand adds, held by a spring and a damper to
+/// where it wants to be.
 #include <limits>
 
 namespace voxtouch::sim {
 
 /// Means of grips and arms stand in parameters.cpp. All zero is a hand that does nothing.
 struct OperatorConfig {
-  bool released = false;       ///< no hand at all; the rest is not used
-  double let_go_at_s = std::numeric_limits<double>::infinity();  ///< simulated time at which the hand opens, for good
-  double grip_harder_at_s = std::numeric_limits<double>::infinity();  ///< simulated time at which the grip changes, for good:
-  double grip_factor = 1.0;      ///< stiffness and damping times this, which grow together with the force of a grip; over 0
-  double mass_kg = 0.0;        ///< moves with the tool
-  double damping_ns_per_m = 0.0;    ///< against the target's velocity
-  double stiffness_n_per_m = 0.0;   ///< towards the target
-  double inertia_kg_m2 = 0.0;       ///< the same three for turning
+  bool released = false;  ///< no hand at all; the rest is not used
+  double let_go_at_s = std::numeric_limits<double>::infinity();  ///< simulated time at which the
+                                                                 ///< hand opens, for good
+  double grip_harder_at_s =
+      std::numeric_limits<double>::infinity();  ///< simulated time at which the grip changes, for
+                                                ///< good:
+  double grip_factor = 1.0;  ///< stiffness and damping times this, which grow together with the
+                             ///< force of a grip; over 0
+  double mass_kg = 0.0;      ///< moves with the tool
+  double damping_ns_per_m = 0.0;   ///< against the target's velocity
+  double stiffness_n_per_m = 0.0;  ///< towards the target
+  double inertia_kg_m2 = 0.0;      ///< the same three for turning
   double damping_nms_per_rad = 0.0;
   double stiffness_nm_per_rad = 0.0;
-  /// The hand knows its tool: while its target moves it adds what the device's own damping and dry friction will take, as
-  /// people learn to. Without it an arm that drags 3 N would stay 15 mm behind its target and never touch what it aims at.
+  /// The hand knows its tool: while its target moves it adds what the device's own damping and dry
+  /// friction will take, as people learn to. Without it an arm that drags 3 N would stay 15 mm
+  /// behind its target and never touch what it aims at.
   bool carries_tool = false;
-  double tremor_n = 0.0;            ///< standard deviation of a random force on each axis; 0: none
+  double tremor_n = 0.0;  ///< standard deviation of a random force on each axis; 0: none
   double tremor_bandwidth_hz = 10.0;  ///< of that force, first order
 
   /// Throws std::runtime_error that names field, value and rule.

@@ -11,8 +11,8 @@ struct FreeStep {
   Vec3 velocity, force_per_velocity;
 };
 
-FreeStep free_step(const Mobility& m, const Vec3& pull, const Vec3& target_velocity, const Vec3& force, double dt_s,
-                   const Vec3& velocity) noexcept {
+FreeStep free_step(const Mobility& m, const Vec3& pull, const Vec3& target_velocity,
+                   const Vec3& force, double dt_s, const Vec3& velocity) noexcept {
   const double half = 0.5 * dt_s;
   const Vec3 stiffened =
       m.mass + Vec3::Constant(half * (m.damping + m.hand_damping) + half * half * m.hand_stiffness);
@@ -23,8 +23,8 @@ FreeStep free_step(const Mobility& m, const Vec3& pull, const Vec3& target_veloc
 
 }  // namespace
 
-Vec3 step_mobility(const Mobility& m, const Vec3& pull, const Vec3& target_velocity, const Vec3& force, double dt_s,
-                   Vec3& velocity) noexcept {
+Vec3 step_mobility(const Mobility& m, const Vec3& pull, const Vec3& target_velocity,
+                   const Vec3& force, double dt_s, Vec3& velocity) noexcept {
   FreeStep free = free_step(m, pull, target_velocity, force, dt_s, velocity);
   if (m.friction > 0.0) {
     Vec3 needed = free.velocity.cwiseProduct(free.force_per_velocity);  // to end the step at rest
@@ -46,9 +46,12 @@ Vec3 step_mobility(const Mobility& m, const Vec3& pull, const Vec3& target_veloc
 }
 
 SimPlant::SimPlant(const SimParameters& p, const OperatorConfig& hand, Motion motion)
-    : hand_(hand), motion_(std::move(motion)) {
-  free_move_ = {p.mass_kg, p.description.damping_ns_per_m, p.description.coulomb_friction_n, 0.0, 0.0};
-  free_turn_ = {Vec3::Constant(p.inertia_kg_m2), p.damping_nms_per_rad, p.coulomb_friction_nm, 0.0, 0.0};
+    : hand_(hand),
+      motion_(std::move(motion)) {
+  free_move_ = {p.mass_kg, p.description.damping_ns_per_m, p.description.coulomb_friction_n, 0.0,
+                0.0};
+  free_turn_ = {Vec3::Constant(p.inertia_kg_m2), p.damping_nms_per_rad, p.coulomb_friction_nm, 0.0,
+                0.0};
   held_move_ = free_move_;
   held_move_.mass += Vec3::Constant(hand.mass_kg);
   held_move_.hand_damping = hand.damping_ns_per_m;
@@ -63,26 +66,35 @@ SimPlant::SimPlant(const SimParameters& p, const OperatorConfig& hand, Motion mo
 void SimPlant::step(const Wrench& push, const Vec3& tremor, double time_s, double dt_s) noexcept {
   const bool held = held_at(time_s);
   const MotionPoint target = motion_at(motion_, time_s + 0.5 * dt_s);
-  const Vec3 force = held ? Vec3(push.force + tremor + carrying_force(target.velocity)) : push.force;
-  pose_.position += dt_s * step_mobility(held ? gripped(held_move_, time_s) : free_move_, target.position - pose_.position, target.velocity,
-                                         force, dt_s, twist_.linear);
+  const Vec3 force =
+      held ? Vec3(push.force + tremor + carrying_force(target.velocity)) : push.force;
+  pose_.position += dt_s * step_mobility(held ? gripped(held_move_, time_s) : free_move_,
+                                         target.position - pose_.position, target.velocity, force,
+                                         dt_s, twist_.linear);
   const MotionTurnPoint turn = turn_at(motion_, time_s + 0.5 * dt_s);
-  const Vec3 rate = step_mobility(held ? gripped(held_turn_, time_s) : free_turn_, turn_to(turn.orientation), turn.rate, push.torque, dt_s,
-                                  twist_.angular);
-  if (rate.isZero(0.0)) return;  // nothing to renormalise: a tool that does not turn keeps its bits
-  const Vec3 half_turn = (0.5 * dt_s) * rate;  // the Cayley map: a rotation by 2 atan(|rate| dt / 2)
-  pose_.orientation = (Quat(1.0, half_turn.x(), half_turn.y(), half_turn.z()) * pose_.orientation).normalized();
+  const Vec3 rate =
+      step_mobility(held ? gripped(held_turn_, time_s) : free_turn_, turn_to(turn.orientation),
+                    turn.rate, push.torque, dt_s, twist_.angular);
+  if (rate.isZero(0.0))
+    return;  // nothing to renormalise: a tool that does not turn keeps its bits
+  const Vec3 half_turn =
+      (0.5 * dt_s) * rate;  // the Cayley map: a rotation by 2 atan(|rate| dt / 2)
+  pose_.orientation =
+      (Quat(1.0, half_turn.x(), half_turn.y(), half_turn.z()) * pose_.orientation).normalized();
 }
 
 Vec3 SimPlant::carrying_force(const Vec3& target_velocity) const noexcept {
-  if (!hand_.carries_tool) return Vec3::Zero();
-  // Friction is met in full above 1 mm/s and in proportion below, so that the force has no step where the target sets off.
+  if (!hand_.carries_tool)
+    return Vec3::Zero();
+  // Friction is met in full above 1 mm/s and in proportion below, so that the force has no step
+  // where the target sets off.
   const double share = free_move_.friction / std::max(target_velocity.norm(), 1e-3);
   return (free_move_.damping + share) * target_velocity;
 }
 
 Mobility SimPlant::gripped(Mobility held, double time_s) const noexcept {
-  if (time_s < hand_.grip_harder_at_s) return held;
+  if (time_s < hand_.grip_harder_at_s)
+    return held;
   held.hand_damping *= hand_.grip_factor;
   held.hand_stiffness *= hand_.grip_factor;
   return held;
@@ -98,9 +110,11 @@ double SimPlant::energy(double time_s) const noexcept {
   const Mobility move = held ? gripped(held_move_, time_s) : free_move_;
   const Mobility turn = held ? gripped(held_turn_, time_s) : free_turn_;
   const Vec3 off = motion_at(motion_, time_s).position - pose_.position;
-  const double cosine = std::abs((turn_at(motion_, time_s).orientation * pose_.orientation.conjugate()).w());
-  return 0.5 * (move.mass.dot(twist_.linear.cwiseAbs2()) + turn.mass.dot(twist_.angular.cwiseAbs2()) +
-                move.hand_stiffness * off.squaredNorm()) +
+  const double cosine =
+      std::abs((turn_at(motion_, time_s).orientation * pose_.orientation.conjugate()).w());
+  return 0.5 *
+             (move.mass.dot(twist_.linear.cwiseAbs2()) + turn.mass.dot(twist_.angular.cwiseAbs2()) +
+              move.hand_stiffness * off.squaredNorm()) +
          turn.hand_stiffness * 4.0 * (1.0 - cosine);
 }
 

@@ -1,30 +1,32 @@
 #pragma once
-/// The mechanics of a simulated device in somebody's hand, in continuous quantities: nothing is quantised
-/// here.
+/// The mechanics of a simulated device in somebody's hand, in continuous quantities: nothing is
+/// quantised here.
 #include "core/types/motion.hpp"
 #include "devices/sim/parameters.hpp"
 
 namespace voxtouch::sim {
 
-/// Three axes of a mass with viscous damping and dry friction, tied by spring and damper to a target.
+/// Three axes of a mass with viscous damping and dry friction, tied by spring and damper to a
+/// target.
 struct Mobility {
-  Vec3 mass = Vec3::Ones();    ///< [kg] or [kg m^2], hand included
-  double damping = 0.0;        ///< against the ground [Ns/m] or [Nms/rad]
-  double friction = 0.0;       ///< Coulomb, one limit for the vector [N] or [Nm]
-  double hand_damping = 0.0;   ///< against the target
-  double hand_stiffness = 0.0; ///< towards the target
+  Vec3 mass = Vec3::Ones();     ///< [kg] or [kg m^2], hand included
+  double damping = 0.0;         ///< against the ground [Ns/m] or [Nms/rad]
+  double friction = 0.0;        ///< Coulomb, one limit for the vector [N] or [Nm]
+  double hand_damping = 0.0;    ///< against the target
+  double hand_stiffness = 0.0;  ///< towards the target
 };
 
-/// One step of `dt_s` by the implicit midpoint rule: any step length is stable, an undamped spring keeps its
-/// energy, and no library function is called. `pull`: from the body to the target's position in the middle of
-/// the step; `target_velocity` likewise. Updates `velocity`, returns the mean velocity over the step.
+/// One step of `dt_s` by the implicit midpoint rule: any step length is stable, an undamped spring
+/// keeps its energy, and no library function is called. `pull`: from the body to the target's
+/// position in the middle of the step; `target_velocity` likewise. Updates `velocity`, returns the
+/// mean velocity over the step.
 ///
-/// Friction takes at most what brings the end velocity to zero, against that velocity, so it never drives: a
-/// body at rest under less than the friction limit stays exactly where it is. One that comes to a stop within
-/// the step loses the last bit of its way, and one that is turned round passes through rest; both only take
-/// energy.
-Vec3 step_mobility(const Mobility& mobility, const Vec3& pull, const Vec3& target_velocity, const Vec3& force, double dt_s,
-                   Vec3& velocity) noexcept;
+/// Friction takes at most what brings the end velocity to zero, against that velocity, so it never
+/// drives: a body at rest under less than the friction limit stays exactly where it is. One that
+/// comes to a stop within the step loses the last bit of its way, and one that is turned round
+/// passes through rest; both only take energy.
+Vec3 step_mobility(const Mobility& mobility, const Vec3& pull, const Vec3& target_velocity,
+                   const Vec3& force, double dt_s, Vec3& velocity) noexcept;
 
 /// Position, orientation and their rates, in D. Real-time safe after construction.
 class SimPlant {
@@ -32,12 +34,15 @@ class SimPlant {
   /// At rest where `motion` starts. The parameters must be valid.
   SimPlant(const SimParameters& parameters, const OperatorConfig& hand, Motion motion);
 
-  /// Moves on by one substep, under the wrench `push` of the device and the force `tremor` of the hand.
+  /// Moves on by one substep, under the wrench `push` of the device and the force `tremor` of the
+  /// hand.
   void step(const Wrench& push, const Vec3& tremor, double time_s, double dt_s) noexcept;
 
   const Pose& pose() const noexcept { return pose_; }
   const Twist& twist() const noexcept { return twist_; }
-  bool held_at(double time_s) const noexcept { return !hand_.released && time_s < hand_.let_go_at_s; }
+  bool held_at(double time_s) const noexcept {
+    return !hand_.released && time_s < hand_.let_go_at_s;
+  }
   /// What the hand presses, while there is one.
   std::uint32_t buttons_at(double time_s) const noexcept {
     return held_at(time_s) ? voxtouch::buttons_at(motion_, time_s) : 0U;
@@ -49,9 +54,9 @@ class SimPlant {
   void set_state(const Pose& pose, const Twist& twist) noexcept { pose_ = pose, twist_ = twist; }
 
  private:
-  /// From the tool's orientation to the target's: 2 sin(angle / 2) along the axis, in D. The torque of a
-  /// spring whose energy is 4 k (1 - cos(angle / 2)); within 0.2 % of the angle up to 12 degrees, and free of
-  /// inverse functions.
+  /// From the tool's orientation to the target's: 2 sin(angle / 2) along the axis, in D. The torque
+  /// of a spring whose energy is 4 k (1 - cos(angle / 2)); within 0.2 % of the angle up to 12
+  /// degrees, and free of inverse functions.
   Vec3 turn_to(const Quat& target) const noexcept;
   /// What a hand that carries the tool adds against the device's drag at the target's velocity [N].
   Vec3 carrying_force(const Vec3& target_velocity) const noexcept;

@@ -13,21 +13,24 @@ double substep_s(const DeviceDescription& d) { return 1.0 / (d.rate_hz * kSubste
 
 }  // namespace
 
-SimulatedDevice::SimulatedDevice(const SimParameters& p, const OperatorConfig& hand, Motion motion, std::uint64_t seed)
+SimulatedDevice::SimulatedDevice(const SimParameters& p, const OperatorConfig& hand, Motion motion,
+                                 std::uint64_t seed)
     : description_(p.description),
       period_ns_(std::llround(1e9 / p.description.rate_hz)),
       plant_(p, hand::checked_grip(hand), hand::checked_motion(std::move(motion))),
-      encoder_(p.description.position_resolution_m, p.description.orientation_resolution_rad, p.velocity_filter_hz,
-               1.0 / p.description.rate_hz),
+      encoder_(p.description.position_resolution_m, p.description.orientation_resolution_rad,
+               p.velocity_filter_hz, 1.0 / p.description.rate_hz),
       force_path_(p.description, substep_s(p.description)),
       tremor_(hand.tremor_n, hand.tremor_bandwidth_hz, 1.0 / p.description.rate_hz, seed) {
   encoder_.sample(plant_.pose());
 }
 
-devices::DeviceResult<devices::DeviceSample> SimulatedDevice::read(std::chrono::microseconds) noexcept {
-  if (!std::exchange(answered_, false)) advance({});
-  return devices::DeviceSample{time_ns(), encoder_.pose(), encoder_.twist(), plant_.buttons_at(1e-9 * static_cast<double>(time_ns())),
-                      true};
+devices::DeviceResult<devices::DeviceSample> SimulatedDevice::read(
+    std::chrono::microseconds) noexcept {
+  if (!std::exchange(answered_, false))
+    advance({});
+  return devices::DeviceSample{time_ns(), encoder_.pose(), encoder_.twist(),
+                               plant_.buttons_at(1e-9 * static_cast<double>(time_ns())), true};
 }
 
 devices::DeviceResult<void> SimulatedDevice::write(const Wrench& command) noexcept {
@@ -42,7 +45,8 @@ void SimulatedDevice::advance(const Wrench& command) noexcept {
   const Vec3 tremor = tremor_.next();
   for (int i = 0; i < kSubsteps; ++i) {
     applied_ = force_path_.step(command);
-    // From a counter, not summed up: no drift, and any run of the same length ends at the same time.
+    // From a counter, not summed up: no drift, and any run of the same length ends at the same
+    // time.
     plant_.step(applied_, tremor, static_cast<double>(period_ * kSubsteps + i) * dt_s, dt_s);
   }
   ++period_;

@@ -12,23 +12,27 @@
 
 namespace voxtouch::sim {
 
-/// Time moves by one period (eight substeps) with each `write`; the first sample is at time 0. A `read` that
-/// follows a `read` first lets one period pass without force, as a device does that is not answered. A
-/// refused command costs its period too, at zero force. No clock: the same calls give the same bits.
+/// Time moves by one period (eight substeps) with each `write`; the first sample is at time 0. A
+/// `read` that follows a `read` first lets one period pass without force, as a device does that is
+/// not answered. A refused command costs its period too, at zero force. No clock: the same calls
+/// give the same bits.
 class SimulatedDevice final : public devices::Driver {
  public:
-  /// `motion`: where the hand wants the tool to be, in D; the tool starts there, at rest. `hand` replaces the
-  /// one of the parameters. Throws std::runtime_error where hand or motion cannot be simulated.
-  SimulatedDevice(const SimParameters& parameters, const OperatorConfig& hand, Motion motion, std::uint64_t seed = 0);
+  /// `motion`: where the hand wants the tool to be, in D; the tool starts there, at rest. `hand`
+  /// replaces the one of the parameters. Throws std::runtime_error where hand or motion cannot be
+  /// simulated.
+  SimulatedDevice(const SimParameters& parameters, const OperatorConfig& hand, Motion motion,
+                  std::uint64_t seed = 0);
 
   const DeviceDescription& description() const noexcept override { return description_; }
-  devices::DeviceResult<devices::DeviceSample> read(std::chrono::microseconds timeout) noexcept override;
+  devices::DeviceResult<devices::DeviceSample> read(
+      std::chrono::microseconds timeout) noexcept override;
   devices::DeviceResult<void> write(const Wrench& command) noexcept override;
   void stop() noexcept override;
   bool simulated() const noexcept override { return true; }
 
-  /// What no real device tells: the state before the encoder, and the wrench that the motors gave in the last
-  /// substep.
+  /// What no real device tells: the state before the encoder, and the wrench that the motors gave
+  /// in the last substep.
   const SimPlant& plant() const noexcept { return plant_; }
   const Wrench& applied() const noexcept { return applied_; }
   std::int64_t time_ns() const noexcept { return period_ * period_ns_; }

@@ -7,12 +7,13 @@
 
 namespace voxtouch::sim {
 
-/// A random number close to normal, of variance one: twelve uniforms less six. std::normal_distribution differs between libraries,
-/// and the usual transforms call a logarithm. Real-time safe.
+/// A random number close to normal, of variance one: twelve uniforms less six.
+/// std::normal_distribution differs between libraries, and the usual transforms call a logarithm.
+/// Real-time safe.
 double near_normal(std::mt19937_64& random) noexcept;
 
-/// A force of given standard deviation on each axis through a first-order low-pass; it starts at zero.
-/// Real-time safe.
+/// A force of given standard deviation on each axis through a first-order low-pass; it starts at
+/// zero. Real-time safe.
 class Tremor {
  public:
   /// `sigma_n` 0: no force, and no random number is drawn.

@@ -27,9 +27,21 @@ def ring(context):
     # Humble lays out the messages by which tools know nodes otherwise than every later ROS 2.
     command += ["--ros", "humble" if os.environ.get("ROS_DISTRO") == "humble" else "iron"]
     # A ring stops in order, device first: it is given the time for it.
-    return [ExecuteProcess(cmd=command + shlex.split(value["more"]), output="screen", sigterm_timeout="20", on_exit=Shutdown())]
+    return [
+        ExecuteProcess(
+            cmd=command + shlex.split(value["more"]),
+            output="screen",
+            sigterm_timeout="20",
+            on_exit=Shutdown(),
+        )
+    ]
 
 
 def generate_launch_description():
-    return LaunchDescription([DeclareLaunchArgument(name, default_value=default, description=what) for name, (default, what) in ARGUMENTS.items()] +
-                             [OpaqueFunction(function=ring)])
+    return LaunchDescription(
+        [
+            DeclareLaunchArgument(name, default_value=default, description=what)
+            for name, (default, what) in ARGUMENTS.items()
+        ]
+        + [OpaqueFunction(function=ring)]
+    )

@@ -28,22 +28,27 @@ void add_extent(YAML::Node node, const Extent& extent) {
 }  // namespace
 
 void Extent::add(const Extent& more) noexcept {
-  if (more.message_count == 0) return;
-  if (message_count == 0) return void(*this = more);
-  const std::int64_t end = std::max(starting_time_ns + duration_ns, more.starting_time_ns + more.duration_ns);
+  if (more.message_count == 0)
+    return;
+  if (message_count == 0)
+    return void(*this = more);
+  const std::int64_t end =
+      std::max(starting_time_ns + duration_ns, more.starting_time_ns + more.duration_ns);
   starting_time_ns = std::min(starting_time_ns, more.starting_time_ns);
   duration_ns = end - starting_time_ns;
   message_count += more.message_count;
 }
 
 std::string metadata_yaml(const BagMetadata& metadata, bool with_root) {
-  YAML::Node root(YAML::NodeType::Map);  // one that is nothing yet would not be shared by its copies
+  YAML::Node root(
+      YAML::NodeType::Map);  // one that is nothing yet would not be shared by its copies
   YAML::Node body = with_root ? root["rosbag2_bagfile_information"] : root;
   body["version"] = 5;
   body["storage_identifier"] = metadata.storage_identifier;
   add_extent(body, metadata);
   body["topics_with_message_count"] = YAML::Node(YAML::NodeType::Sequence);
-  for (const TopicInfo& topic : metadata.topics) body["topics_with_message_count"].push_back(topic_node(topic));
+  for (const TopicInfo& topic : metadata.topics)
+    body["topics_with_message_count"].push_back(topic_node(topic));
   body["compression_format"] = "";
   body["compression_mode"] = "";
   for (const FileInfo& one : metadata.files) {

@@ -1,6 +1,6 @@
 #pragma once
-/// metadata.yaml of a rosbag2 folder: written as version 5, which Humble writes and Jazzy reads. BagReader reads of versions 1 to 9
-/// what it needs.
+/// metadata.yaml of a rosbag2 folder: written as version 5, which Humble writes and Jazzy reads.
+/// BagReader reads of versions 1 to 9 what it needs.
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -15,8 +15,10 @@ struct TopicInfo {
   /// of the writers, as YAML text: rmw's numbers up to version 8, version 9's list as it is there
   std::string offered_qos;
   std::uint64_t message_count = 0;
-  std::string type_hash = {};  ///< RIHS01 hash of the type's layout; for the report beside the bag, since metadata of version 5 has none
-  std::string definition = {};  ///< the type's .msg with all that it uses ("ros2msg"); an MCAP holds it, so that a bag explains itself
+  std::string type_hash = {};  ///< RIHS01 hash of the type's layout; for the report beside the bag,
+                               ///< since metadata of version 5 has none
+  std::string definition = {};  ///< the type's .msg with all that it uses ("ros2msg"); an MCAP
+                                ///< holds it, so that a bag explains itself
 };
 
 /// When messages were, and how many.
@@ -39,7 +41,8 @@ struct BagMetadata : Extent {
 };
 
 /// The text of metadata.yaml (version 5). With `with_root` false the inner part alone, which the
-/// database's own metadata table holds: without that row Jazzy takes the QoS text for its newest form.
+/// database's own metadata table holds: without that row Jazzy takes the QoS text for its newest
+/// form.
 std::string metadata_yaml(const BagMetadata& metadata, bool with_root = true);
 
 }  // namespace voxtouch::bag

@@ -13,27 +13,36 @@ namespace voxtouch::bag {
 namespace {
 
 std::string text_in(const nlohmann::json& map, const char* key) {
-  return map.is_object() && map.contains(key) && map[key].is_string() ? map[key].get<std::string>() : std::string();
+  return map.is_object() && map.contains(key) && map[key].is_string() ? map[key].get<std::string>()
+                                                                      : std::string();
 }
 
 }  // namespace
 
 std::string why_other_layout(const std::filesystem::path& bag, const HashOf& hash_of) {
   std::error_code error;
-  const std::filesystem::path folder = std::filesystem::is_directory(bag, error) ? bag : bag.parent_path();
+  const std::filesystem::path folder =
+      std::filesystem::is_directory(bag, error) ? bag : bag.parent_path();
   std::ifstream file(folder / "voxtouch_recording.json");
   const auto told = nlohmann::json::parse(file, nullptr, false);
-  if (!told.is_object() || !told.contains("topics") || !told["topics"].is_array()) return {};
+  if (!told.is_object() || !told.contains("topics") || !told["topics"].is_array())
+    return {};
   std::set<std::string> changed;
   for (const auto& topic : told["topics"]) {
-    const std::string type = text_in(topic, "type"), then = text_in(topic, "type_hash"), now(hash_of(type));
-    if (!then.empty() && !now.empty() && then != now) changed.insert(type);
+    const std::string type = text_in(topic, "type"), then = text_in(topic, "type_hash"),
+                      now(hash_of(type));
+    if (!then.empty() && !now.empty() && then != now)
+      changed.insert(type);
   }
-  if (changed.empty()) return {};
+  if (changed.empty())
+    return {};
   const std::string by = text_in(told, "voxtouch");
-  return fmt::format("'{}' was recorded by voxtouch {}, whose {} {} laid out otherwise than in this version {}: read it with the version that recorded "
-                     "it. deploy/CHANGELOG.md says what has changed.",
-                     bag.string(), by.empty() ? "of an unknown version" : by, fmt::join(changed, ", "), changed.size() == 1 ? "is" : "are", version());
+  return fmt::format(
+      "'{}' was recorded by voxtouch {}, whose {} {} laid out otherwise than in this version {}: "
+      "read it with the version that recorded "
+      "it. deploy/CHANGELOG.md says what has changed.",
+      bag.string(), by.empty() ? "of an unknown version" : by, fmt::join(changed, ", "),
+      changed.size() == 1 ? "is" : "are", version());
 }
 
 }  // namespace voxtouch::bag

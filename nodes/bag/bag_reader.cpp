@@ -13,14 +13,19 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// bag_2.db3 before bag_10.db3: by length, then by letters, which is by number where the names differ in the
-// number only.
+// bag_2.db3 before bag_10.db3: by length, then by letters, which is by number where the names
+// differ in the number only.
 std::vector<fs::path> files_in(const fs::path& folder) {
   std::vector<fs::path> found;
   std::error_code error;
   for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
-    if (std::ranges::any_of(kStorages, [&](const StorageName& one) { return it->path().extension() == one.extension; })) found.push_back(it->path());
-  std::ranges::sort(found, {}, [](const fs::path& path) { return std::pair(path.string().size(), path.string()); });
+    if (std::ranges::any_of(kStorages, [&](const StorageName& one) {
+          return it->path().extension() == one.extension;
+        }))
+      found.push_back(it->path());
+  std::ranges::sort(found, {}, [](const fs::path& path) {
+    return std::pair(path.string().size(), path.string());
+  });
   return found;
 }
 
@@ -35,25 +40,30 @@ std::optional<Described> read_metadata(const fs::path& file) {
   try {
     const YAML::Node node = YAML::LoadFile(file.string())["rosbag2_bagfile_information"];
     const YAML::Node mode = node["compression_mode"];
-    return Described{node["storage_identifier"].as<std::string>(), mode ? mode.as<std::string>() : "",
+    return Described{node["storage_identifier"].as<std::string>(),
+                     mode ? mode.as<std::string>() : "",
                      node["relative_file_paths"].as<std::vector<std::string>>()};
   } catch (const YAML::Exception&) {
     return std::nullopt;
   }
 }
 
-// The files that metadata names, and those behind them that a killed writer did not come to name; if one is not there, what the folder holds.
+// The files that metadata names, and those behind them that a killed writer did not come to name;
+// if one is not there, what the folder holds.
 std::vector<fs::path> files_of(const fs::path& folder, const std::optional<Described>& metadata) {
   std::vector<fs::path> named, found = files_in(folder);
   if (metadata)
-    for (const auto& file : metadata->files) named.push_back(folder / file);
+    for (const auto& file : metadata->files)
+      named.push_back(folder / file);
   const bool all_there = std::ranges::all_of(named, [](const fs::path& path) {
     std::error_code error;
     return fs::exists(path, error);
   });
-  if (named.empty() || !all_there) return found;
+  if (named.empty() || !all_there)
+    return found;
   const auto last = std::ranges::find(found, named.back());
-  if (last != found.end()) named.insert(named.end(), last + 1, found.end());
+  if (last != found.end())
+    named.insert(named.end(), last + 1, found.end());
   return named;
 }
 
@@ -66,28 +76,35 @@ Result<BagReader> BagReader::open(const fs::path& path) {
   std::vector<fs::path> files;
   if (fs::is_directory(status)) {
     const std::optional<Described> described = read_metadata(path / "metadata.yaml");
-    if (described && !described->compression.empty() && described->compression != "NONE" && described->compression != "none")
-      return refuse("The bag '{}' is compressed ({}). Uncompress it with ros2 bag convert.", path.string(), described->compression);
+    if (described && !described->compression.empty() && described->compression != "NONE" &&
+        described->compression != "none")
+      return refuse("The bag '{}' is compressed ({}). Uncompress it with ros2 bag convert.",
+                    path.string(), described->compression);
     if (described && !storage_named(described->storage))
-      return refuse("The bag '{}' is stored as {}, and only sqlite3 and mcap are read. Convert it with ros2 bag convert.", path.string(),
-                    described->storage);
+      return refuse(
+          "The bag '{}' is stored as {}, and only sqlite3 and mcap are read. Convert it with ros2 "
+          "bag convert.",
+          path.string(), described->storage);
     files = files_of(path, described);
     if (files.empty())
-      return refuse("'{}' holds no .db3 file and no .mcap file. Name a folder that holds a bag.", path.string());
+      return refuse("'{}' holds no .db3 file and no .mcap file. Name a folder that holds a bag.",
+                    path.string());
   } else if (fs::is_regular_file(status)) {
     files = {path};
   } else {
     return refuse("'{}' is not there. Name a folder that holds a bag.", path.string());
   }
   for (const auto& file : files)
-    if (auto added = reader.add_file(file); !added) return std::unexpected(added.error());
+    if (auto added = reader.add_file(file); !added)
+      return std::unexpected(added.error());
   return reader;
 }
 
 Result<void> BagReader::add_file(const fs::path& path) {
   const bool mcap = path.extension() == names_of(Storage::kMcap).extension || is_mcap(path);
   auto opened = mcap ? open_mcap_file(path) : open_sqlite_file(path);
-  if (!opened) return std::unexpected(opened.error());
+  if (!opened)
+    return std::unexpected(opened.error());
   File file{std::move(*opened), {}};
   for (const TopicInfo& topic : file.reader->topics()) {
     auto index = find_topic(topic.name);
@@ -103,16 +120,21 @@ Result<void> BagReader::add_file(const fs::path& path) {
 
 std::optional<std::size_t> BagReader::find_topic(std::string_view name) const noexcept {
   const auto found = std::ranges::find(topics_, name, &TopicInfo::name);
-  if (found == topics_.end()) return std::nullopt;
+  if (found == topics_.end())
+    return std::nullopt;
   return static_cast<std::size_t>(found - topics_.begin());
 }
 
-Result<void> BagReader::for_each_between(std::int64_t from_ns, std::int64_t to_ns, const TakeMessage& f) const {
+Result<void> BagReader::for_each_between(std::int64_t from_ns, std::int64_t to_ns,
+                                         const TakeMessage& f) const {
   for (const File& file : files_) {
-    const auto more = file.reader->for_each_between(
-        from_ns, to_ns, [&](const BagMessage& m) { return f({file.topics[m.topic], m.time_ns, m.id, m.bytes}); });
-    if (!more) return std::unexpected(more.error());
-    if (!*more) return {};
+    const auto more = file.reader->for_each_between(from_ns, to_ns, [&](const BagMessage& m) {
+      return f({file.topics[m.topic], m.time_ns, m.id, m.bytes});
+    });
+    if (!more)
+      return std::unexpected(more.error());
+    if (!*more)
+      return {};
   }
   return {};
 }
@@ -121,9 +143,13 @@ Result<std::optional<std::pair<std::int64_t, std::int64_t>>> BagReader::times() 
   std::optional<std::pair<std::int64_t, std::int64_t>> all;
   for (const File& file : files_) {
     const auto own = file.reader->times();
-    if (!own) return std::unexpected(own.error());
-    if (!*own) continue;
-    all = all ? std::pair{std::min(all->first, (*own)->first), std::max(all->second, (*own)->second)} : *own;
+    if (!own)
+      return std::unexpected(own.error());
+    if (!*own)
+      continue;
+    all =
+        all ? std::pair{std::min(all->first, (*own)->first), std::max(all->second, (*own)->second)}
+            : *own;
   }
   return all;
 }

@@ -1,6 +1,7 @@
 #pragma once
-/// Reads rosbag2 folders (sqlite3, mcap; metadata versions 1 to 9), voxtouch's own and those of `ros2 bag record`, split ones too, also after a kill
-/// and with a metadata.yaml that is missing or stale: what stands in the files counts.
+/// Reads rosbag2 folders (sqlite3, mcap; metadata versions 1 to 9), voxtouch's own and those of
+/// `ros2 bag record`, split ones too, also after a kill and with a metadata.yaml that is missing or
+/// stale: what stands in the files counts.
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -19,15 +20,19 @@ namespace voxtouch::bag {
 /// Allocates and waits for the disk; one thread at a time.
 class BagReader {
  public:
-  /// `path`: the folder, or one of its files. Errors: nothing there, compressed as a whole, another storage, no file of a bag at all.
+  /// `path`: the folder, or one of its files. Errors: nothing there, compressed as a whole, another
+  /// storage, no file of a bag at all.
   static Result<BagReader> open(const std::filesystem::path& path);
 
-  /// Topics of all files, by name. Messages are not counted, which would take seconds for minutes of a ring: message_count is 0.
+  /// Topics of all files, by name. Messages are not counted, which would take seconds for minutes
+  /// of a ring: message_count is 0.
   const std::vector<TopicInfo>& topics() const noexcept { return topics_; }
 
-  /// Calls f for every message that was recorded from `from_ns` on and before `to_ns`, file by file, by time and then by id; f
-  /// returns false to stop. Quick, wherever that lies. Errors: a damaged file.
-  Result<void> for_each_between(std::int64_t from_ns, std::int64_t to_ns, const TakeMessage& f) const;
+  /// Calls f for every message that was recorded from `from_ns` on and before `to_ns`, file by
+  /// file, by time and then by id; f returns false to stop. Quick, wherever that lies. Errors: a
+  /// damaged file.
+  Result<void> for_each_between(std::int64_t from_ns, std::int64_t to_ns,
+                                const TakeMessage& f) const;
   /// Times of the first and of the last message; nothing where there is none.
   Result<std::optional<std::pair<std::int64_t, std::int64_t>>> times() const;
 

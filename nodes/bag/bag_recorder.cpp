@@ -14,7 +14,10 @@ constexpr std::chrono::milliseconds kTickPeriod{20};  // a sink asks for ten a s
 }  // namespace
 
 BagRecorder::BagRecorder(std::unique_ptr<BagSink> sink, const RecorderOptions& options)
-    : options_(options), sink_(std::move(sink)), counts_(options.max_topics), last_report_(std::chrono::steady_clock::now()),
+    : options_(options),
+      sink_(std::move(sink)),
+      counts_(options.max_topics),
+      last_report_(std::chrono::steady_clock::now()),
       last_tick_(last_report_) {
   thread_ = std::thread([this] { run(); });
 }
@@ -33,8 +36,10 @@ Result<TopicId> BagRecorder::add_topic(const TopicInfo& topic) {
   return id;
 }
 
-PushResult BagRecorder::push(TopicId topic, std::int64_t time_ns, std::span<const std::byte> bytes) noexcept {
-  if (topic >= topic_count_.load(std::memory_order_acquire)) return PushResult::kUnknownTopic;
+PushResult BagRecorder::push(TopicId topic, std::int64_t time_ns,
+                             std::span<const std::byte> bytes) noexcept {
+  if (topic >= topic_count_.load(std::memory_order_acquire))
+    return PushResult::kUnknownTopic;
   Counts& counts = counts_[topic];
   counts.received.fetch_add(1, std::memory_order_relaxed);
   PushResult result = PushResult::kDropped;
@@ -42,17 +47,26 @@ PushResult BagRecorder::push(TopicId topic, std::int64_t time_ns, std::span<cons
     result = enqueue(topic, time_ns, bytes);
   } catch (const std::bad_alloc&) {  // no memory is no room
   }
-  if (result != PushResult::kQueued) counts.dropped.fetch_add(1, std::memory_order_relaxed);
+  if (result != PushResult::kQueued)
+    counts.dropped.fetch_add(1, std::memory_order_relaxed);
   return result;
 }
 
-PushResult BagRecorder::enqueue(TopicId topic, std::int64_t time_ns, std::span<const std::byte> bytes) {
-  if (bytes.size() > options_.queue_bytes) return PushResult::kTooLarge;
-  const auto has_room = [&] { return queue_.size() < options_.queue_messages && queued_bytes_ + bytes.size() <= options_.queue_bytes; };
+PushResult BagRecorder::enqueue(TopicId topic, std::int64_t time_ns,
+                                std::span<const std::byte> bytes) {
+  if (bytes.size() > options_.queue_bytes)
+    return PushResult::kTooLarge;
+  const auto has_room = [&] {
+    return queue_.size() < options_.queue_messages &&
+           queued_bytes_ + bytes.size() <= options_.queue_bytes;
+  };
   std::unique_lock lock(queue_mutex_);
-  if (options_.lockstep) room_.wait(lock, [&] { return !accepting_ || has_room(); });
-  if (!accepting_) return PushResult::kStopped;
-  if (!has_room()) return PushResult::kDropped;
+  if (options_.lockstep)
+    room_.wait(lock, [&] { return !accepting_ || has_room(); });
+  if (!accepting_)
+    return PushResult::kStopped;
+  if (!has_room())
+    return PushResult::kDropped;
   queue_.push_back({topic, time_ns, {bytes.begin(), bytes.end()}});
   queued_bytes_ += bytes.size();
   return PushResult::kQueued;
@@ -98,14 +112,16 @@ void BagRecorder::add_new_topics() {
 
 std::optional<TopicId> BagRecorder::place(const TopicInfo& topic) {
   const auto added = sink_->add_topic(topic);
-  if (added) return *added;
+  if (added)
+    return *added;
   note(added.error());
   return std::nullopt;
 }
 
 void BagRecorder::place_refused_topics() {
   for (std::size_t i = 0; i < sink_topics_.size(); ++i) {
-    if (sink_topics_[i]) continue;
+    if (sink_topics_[i])
+      continue;
     std::unique_lock lock(table_mutex_);
     const TopicInfo topic = topics_[i];
     lock.unlock();
@@ -118,16 +134,20 @@ std::size_t BagRecorder::drain() {
   std::size_t written = 0;
   for (; written < options_.queue_messages; ++written) {
     const Message* const message = front();
-    if (!message) break;
+    if (!message)
+      break;
     disk_steps_.fetch_add(1, std::memory_order_relaxed);
-    if (message->topic >= sink_topics_.size()) add_new_topics();
+    if (message->topic >= sink_topics_.size())
+      add_new_topics();
     if (const auto topic = sink_topics_[message->topic]) {
-      if (auto appended = sink_->append(*topic, message->time_ns, message->bytes); !appended) note(appended.error());
+      if (auto appended = sink_->append(*topic, message->time_ns, message->bytes); !appended)
+        note(appended.error());
     } else {
       ++unplaced_[message->topic];
     }
     pop();
-    if (std::chrono::steady_clock::now() - last_tick_ >= kTickPeriod) housekeeping(false);
+    if (std::chrono::steady_clock::now() - last_tick_ >= kTickPeriod)
+      housekeeping(false);
   }
   return written;
 }
@@ -135,7 +155,8 @@ std::size_t BagRecorder::drain() {
 void BagRecorder::housekeeping(bool closing) {
   const auto now = last_tick_ = std::chrono::steady_clock::now();
   auto ticked = closing ? sink_->close() : sink_->tick();
-  if (!ticked) note(ticked.error());
+  if (!ticked)
+    note(ticked.error());
   // in the sink's order, which leaves refused topics out
   std::vector<TopicReport> in_sink(sink_topics_.size());
   sink_->fill_counts(in_sink);
@@ -148,10 +169,13 @@ void BagRecorder::housekeeping(bool closing) {
     }
     closed_ = closed_ || closing;
   }
-  if (!closing && now - last_report_ < options_.report_period) return;
+  if (!closing && now - last_report_ < options_.report_period)
+    return;
   last_report_ = now;
-  if (!closing) place_refused_topics();
-  if (auto reported = sink_->report(report()); !reported) note(reported.error());
+  if (!closing)
+    place_refused_topics();
+  if (auto reported = sink_->report(report()); !reported)
+    note(reported.error());
 }
 
 void BagRecorder::run() {
@@ -160,9 +184,11 @@ void BagRecorder::run() {
     disk_steps_.fetch_add(1, std::memory_order_relaxed);
     add_new_topics();
     const std::size_t written = drain();
-    if (last && written == 0) break;
+    if (last && written == 0)
+      break;
     housekeeping(false);
-    if (written == 0) std::this_thread::sleep_for(options_.poll_period);
+    if (written == 0)
+      std::this_thread::sleep_for(options_.poll_period);
   }
   housekeeping(true);
 }
@@ -188,7 +214,8 @@ RecordingReport BagRecorder::stop() {
     accepting_ = false;
   }
   room_.notify_all();
-  if (thread_.joinable()) thread_.join();
+  if (thread_.joinable())
+    thread_.join();
   return report();
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-/// Records without making anybody wait: reception threads push into a bounded queue, a thread of its own
-/// feeds the disk.
+/// Records without making anybody wait: reception threads push into a bounded queue, a thread of
+/// its own feeds the disk.
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
@@ -17,7 +17,8 @@ namespace voxtouch::bag {
 
 /// Both bounds of the queue hold: at most `queue_messages` at a time, and `queue_bytes` of payload.
 struct RecorderOptions {
-  std::size_t queue_bytes = std::size_t{32} << 20;  ///< the ring's five topics need 1 to 2 MB a second
+  std::size_t queue_bytes = std::size_t{32}
+                            << 20;  ///< the ring's five topics need 1 to 2 MB a second
   std::size_t queue_messages = 65536;
   std::size_t max_topics = 1024;
   /// push waits for room instead of dropping: nothing is lost, wall time does not matter
@@ -43,12 +44,13 @@ class BagRecorder {
   BagRecorder& operator=(const BagRecorder&) = delete;
   ~BagRecorder();  ///< stop()
 
-  /// Announces a topic; the disk thread adds it to the bag. Never waits for the disk. Error: more than
-  /// max_topics.
+  /// Announces a topic; the disk thread adds it to the bag. Never waits for the disk. Error: more
+  /// than max_topics.
   Result<TopicId> add_topic(const TopicInfo& topic);
 
-  /// Any thread of ordinary priority: copies the message, which allocates. In real time it never waits for the disk; in lockstep it
-  /// blocks until there is room. time_ns becomes the bag's time: reception time, or simulated time in lockstep.
+  /// Any thread of ordinary priority: copies the message, which allocates. In real time it never
+  /// waits for the disk; in lockstep it blocks until there is room. time_ns becomes the bag's time:
+  /// reception time, or simulated time in lockstep.
   PushResult push(TopicId topic, std::int64_t time_ns, std::span<const std::byte> bytes) noexcept;
 
   /// Counts up to now. Does not wait for the disk. With `closed` set they add up.
@@ -57,7 +59,8 @@ class BagRecorder {
   /// Another number at each look for as long as the disk thread gets on.
   std::uint64_t disk_steps() const noexcept { return disk_steps_.load(std::memory_order_relaxed); }
 
-  /// Writes out what is queued, closes the bag, ends the thread. Waits for the disk. The report is final. Of the thread that made it.
+  /// Writes out what is queued, closes the bag, ends the thread. Waits for the disk. The report is
+  /// final. Of the thread that made it.
   RecordingReport stop();
 
  private:
@@ -83,13 +86,14 @@ class BagRecorder {
 
   const RecorderOptions options_;
   std::unique_ptr<BagSink> sink_;  // the disk thread's alone
-  std::vector<Counts> counts_;  // by topic, sized once
+  std::vector<Counts> counts_;     // by topic, sized once
   std::atomic<std::uint32_t> topic_count_{0};
   std::atomic<std::uint64_t> disk_steps_{0};  // of the disk thread
 
   std::mutex queue_mutex_;  // never held while the disk is used
   std::condition_variable room_;
-  std::deque<Message> queue_;  // the disk thread alone takes out; what it writes stays at the front meanwhile
+  std::deque<Message>
+      queue_;  // the disk thread alone takes out; what it writes stays at the front meanwhile
   std::size_t queued_bytes_ = 0;
   bool accepting_ = true;
 

@@ -1,5 +1,6 @@
 #pragma once
-/// Where a recorder's disk thread puts messages. BagWriter is the one; tests put slow and broken disks here.
+/// Where a recorder's disk thread puts messages. BagWriter is the one; tests put slow and broken
+/// disks here.
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -29,19 +30,22 @@ struct RecordingReport {
   std::vector<std::string> errors;  ///< sentences, each once, in order of appearance
   std::uint64_t total(std::uint64_t TopicReport::*count) const noexcept {
     std::uint64_t sum = 0;
-    for (const auto& topic : topics) sum += topic.*count;
+    for (const auto& topic : topics)
+      sum += topic.*count;
     return sum;
   }
 };
 
-/// All calls come from one thread at a time and may block. After an error the next calls are still made: a
-/// disk that has room again is used again.
+/// All calls come from one thread at a time and may block. After an error the next calls are still
+/// made: a disk that has room again is used again.
 class BagSink {
  public:
   virtual ~BagSink() = default;
   virtual Result<TopicId> add_topic(const TopicInfo& topic) = 0;
-  /// time_ns >= 0. Error: this message, or with it all that were not committed yet, is lost; see fill_counts.
-  virtual Result<void> append(TopicId topic, std::int64_t time_ns, std::span<const std::byte> bytes) = 0;
+  /// time_ns >= 0. Error: this message, or with it all that were not committed yet, is lost; see
+  /// fill_counts.
+  virtual Result<void> append(TopicId topic, std::int64_t time_ns,
+                              std::span<const std::byte> bytes) = 0;
   /// To be called at least ten times a second: commits, refreshes, when it is time to.
   virtual Result<void> tick() = 0;
   /// Sets `written` and `lost` of each topic, in the order of add_topic.

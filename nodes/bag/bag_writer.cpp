@@ -15,35 +15,44 @@ namespace {
 
 constexpr std::uint64_t kMessageOverhead = 64;  // of a message in a file, beside its bytes: about
 
-// One call decides who owns the folder: of two recorders that race for it one makes it and the other is
-// refused.
+// One call decides who owns the folder: of two recorders that race for it one makes it and the
+// other is refused.
 Result<void> make_folder(const std::filesystem::path& folder) {
   std::error_code error;
-  if (folder.has_parent_path()) std::filesystem::create_directories(folder.parent_path(), error);
+  if (folder.has_parent_path())
+    std::filesystem::create_directories(folder.parent_path(), error);
   if (error)
     return refuse("'{}' cannot be made: {}. Choose another folder.", folder.parent_path().string(),
                   error.message());
   const bool made = std::filesystem::create_directory(folder, error);
-  if (made) return {};
+  if (made)
+    return {};
   if (!error || error == std::errc::file_exists)
-    return refuse("'{}' exists already and a bag is never written over another one. Choose another folder or "
-                  "remove it.",
-                  folder.string());
-  return refuse("'{}' cannot be made: {}. Choose another folder.", folder.string(), error.message());
+    return refuse(
+        "'{}' exists already and a bag is never written over another one. Choose another folder or "
+        "remove it.",
+        folder.string());
+  return refuse("'{}' cannot be made: {}. Choose another folder.", folder.string(),
+                error.message());
 }
 
 }  // namespace
 
-Result<BagWriter> BagWriter::create(const std::filesystem::path& folder_as_given, const WriterOptions& options) {
+Result<BagWriter> BagWriter::create(const std::filesystem::path& folder_as_given,
+                                    const WriterOptions& options) {
   // "bags/run/" and "." have no last name; the absolute, normal form has.
   std::filesystem::path folder = std::filesystem::absolute(folder_as_given).lexically_normal();
-  if (!folder.has_filename()) folder = folder.parent_path();
-  if (auto made = make_folder(folder); !made) return std::unexpected(made.error());
+  if (!folder.has_filename())
+    folder = folder.parent_path();
+  if (auto made = make_folder(folder); !made)
+    return std::unexpected(made.error());
   BagWriter writer(folder, options);
   writer.metadata_.storage_identifier = names_of(options.storage).name;
   auto made = writer.open_file();
-  if (made) made = writer.refresh();
-  if (made) return writer;
+  if (made)
+    made = writer.refresh();
+  if (made)
+    return writer;
   writer.file_.reset();
   std::error_code ignored;
   // made above by this call; half a bag would only stand in the next one's way
@@ -52,40 +61,55 @@ Result<BagWriter> BagWriter::create(const std::filesystem::path& folder_as_given
 }
 
 BagWriter::~BagWriter() {
-  if (file_) (void)close();
+  if (file_)
+    (void)close();
 }
 
 Result<std::unique_ptr<BagFile>> BagWriter::make_file(const std::string& name) const {
-  return options_.storage == Storage::kMcap ? make_mcap_file(folder_ / name, options_.max_bytes) : make_sqlite_file(folder_ / name, options_.max_bytes);
+  return options_.storage == Storage::kMcap ? make_mcap_file(folder_ / name, options_.max_bytes)
+                                            : make_sqlite_file(folder_ / name, options_.max_bytes);
 }
 
 Result<void> BagWriter::open_file() {
-  const std::string name = fmt::format("{}_{}{}", folder_.filename().string(), metadata_.files.size(), names_of(options_.storage).extension);
+  const std::string name =
+      fmt::format("{}_{}{}", folder_.filename().string(), metadata_.files.size(),
+                  names_of(options_.storage).extension);
   std::error_code ignored;
   if (std::filesystem::exists(folder_ / name, ignored))  // somebody else's
-    return refuse("'{}' exists already and is left as it is; the bag goes on in the file that it has.", (folder_ / name).string());
+    return refuse(
+        "'{}' exists already and is left as it is; the bag goes on in the file that it has.",
+        (folder_ / name).string());
   auto made = make_file(name);
   Result<void> result;
-  if (!made) result = std::unexpected(made.error());
-  for (std::size_t i = 0; result && i < metadata_.topics.size(); ++i) result = (*made)->add_topic(metadata_.topics[i]);
-  // At once, and not with the next refresh: whenever the recorder is killed, a reader that looks at the file alone finds a bag.
-  if (result && !metadata_.topics.empty()) result = (*made)->refresh(metadata_);
+  if (!made)
+    result = std::unexpected(made.error());
+  for (std::size_t i = 0; result && i < metadata_.topics.size(); ++i)
+    result = (*made)->add_topic(metadata_.topics[i]);
+  // At once, and not with the next refresh: whenever the recorder is killed, a reader that looks at
+  // the file alone finds a bag.
+  if (result && !metadata_.topics.empty())
+    result = (*made)->refresh(metadata_);
   if (!result) {
-    if (made) made->reset();
+    if (made)
+      made->reset();
     std::filesystem::remove(folder_ / name, ignored);
     return result;
   }
-  if (file_) result = file_->close(metadata_, Flush::kNo);  // a flush would hold up what comes in meanwhile
+  if (file_)
+    result = file_->close(metadata_, Flush::kNo);  // a flush would hold up what comes in meanwhile
   file_ = std::move(*made);
   metadata_.files.emplace_back().path = name;
   return result;
 }
 
 Result<TopicId> BagWriter::add_topic(const TopicInfo& topic) {
-  if (!file_) return refuse("The bag is closed.");
+  if (!file_)
+    return refuse("The bag is closed.");
   // A message that does not fit must not take its topic with it.
-  if (auto committed = commit(); !committed) return std::unexpected(committed.error());
-  if (auto added = file_->add_topic(topic); !added) return std::unexpected(added.error());
+  if (auto committed = commit(); !committed)
+    return std::unexpected(committed.error());
+  if (auto added = file_->add_topic(topic); !added)
+    return std::unexpected(added.error());
   topics_.emplace_back();
   metadata_.topics.push_back(topic);
   metadata_.topics.back().message_count = 0;
@@ -94,37 +118,47 @@ Result<TopicId> BagWriter::add_topic(const TopicInfo& topic) {
 
 bool BagWriter::is_to_be_split(std::int64_t time_ns, std::size_t bytes) const noexcept {
   const FileInfo& file = metadata_.files.back();
-  if (file.message_count + pending_.messages == 0) return false;  // one message is in each, however large it is
+  if (file.message_count + pending_.messages == 0)
+    return false;  // one message is in each, however large it is
   const SplitOptions& split = options_.split;
-  if (split.bytes > 0 && file_->bytes() + pending_.bytes + bytes + kMessageOverhead > split.bytes) return true;
+  if (split.bytes > 0 && file_->bytes() + pending_.bytes + bytes + kMessageOverhead > split.bytes)
+    return true;
   return split.time_ns > 0 && time_ns - file_begun_ns_ >= split.time_ns;
 }
 
 Result<void> BagWriter::append(TopicId id, std::int64_t time_ns, std::span<const std::byte> bytes) {
-  if (!file_) return refuse("The bag is closed.");
-  if (id >= topics_.size()) return refuse("Topic number {} was never added to the bag.", id);
+  if (!file_)
+    return refuse("The bag is closed.");
+  if (id >= topics_.size())
+    return refuse("Topic number {} was never added to the bag.", id);
   Topic& topic = topics_[id];
   if (time_ns < 0) {  // rosbag2 reads its times as unsigned and would refuse the whole bag
     ++topic.lost;
     return refuse("A message on '{}' has the time {} ns; a bag holds none before 1970.",
                   metadata_.topics[id].name, time_ns);
   }
-  if (metadata_.message_count + pending_.messages == 0) file_begun_ns_ = time_ns;
+  if (metadata_.message_count + pending_.messages == 0)
+    file_begun_ns_ = time_ns;
   Result<void> result;
-  if (is_to_be_split(time_ns, bytes.size()) && Clock::now() - last_split_refusal_ >= options_.refresh_period) {
+  if (is_to_be_split(time_ns, bytes.size()) &&
+      Clock::now() - last_split_refusal_ >= options_.refresh_period) {
     result = commit();
-    // Where no new file can be made, the one that is there goes on; what is to be written is not lost for it.
+    // Where no new file can be made, the one that is there goes on; what is to be written is not
+    // lost for it.
     if (auto opened = open_file(); !opened) {
       last_split_refusal_ = Clock::now();
-      if (result) result = opened;
+      if (result)
+        result = opened;
     } else {
       file_begun_ns_ = time_ns;
     }
-    if (auto written = write_metadata(Flush::kNo); !written && result) result = written;
+    if (auto written = write_metadata(Flush::kNo); !written && result)
+      result = written;
   }
   if (auto appended = file_->append(id, time_ns, bytes); !appended) {
     ++topic.lost;
-    if (!file_->pending()) lose_pending();
+    if (!file_->pending())
+      lose_pending();
     return appended;
   }
   ++topic.pending;
@@ -133,13 +167,15 @@ Result<void> BagWriter::append(TopicId id, std::int64_t time_ns, std::span<const
   pending_.first_ns = std::min(pending_.first_ns, time_ns);
   pending_.last_ns = std::max(pending_.last_ns, time_ns);
   if (file_->is_full())
-    if (auto committed = commit(); !committed) return committed;
+    if (auto committed = commit(); !committed)
+      return committed;
   return result;
 }
 
 Result<void> BagWriter::commit() {
   last_commit_ = Clock::now();
-  if (!file_ || !file_->pending()) return {};
+  if (!file_ || !file_->pending())
+    return {};
   if (auto committed = file_->commit(); !committed) {
     lose_pending();
     return committed;
@@ -151,35 +187,44 @@ Result<void> BagWriter::commit() {
 void BagWriter::count_committed() {
   for (std::size_t i = 0; i < topics_.size(); ++i)
     metadata_.topics[i].message_count += std::exchange(topics_[i].pending, 0);
-  const Extent committed{pending_.first_ns, pending_.last_ns - pending_.first_ns, pending_.messages};
+  const Extent committed{pending_.first_ns, pending_.last_ns - pending_.first_ns,
+                         pending_.messages};
   metadata_.add(committed);
   metadata_.files.back().add(committed);
   pending_ = {};
 }
 
 void BagWriter::lose_pending() {
-  for (auto& topic : topics_) topic.lost += std::exchange(topic.pending, 0);
+  for (auto& topic : topics_)
+    topic.lost += std::exchange(topic.pending, 0);
   pending_ = {};
 }
 
-Result<void> BagWriter::write_metadata(Flush flush) const { return write_atomically(folder_ / "metadata.yaml", metadata_yaml(metadata_), flush); }
+Result<void> BagWriter::write_metadata(Flush flush) const {
+  return write_atomically(folder_ / "metadata.yaml", metadata_yaml(metadata_), flush);
+}
 
 Result<void> BagWriter::refresh() {
   last_refresh_ = Clock::now();
-  if (!file_) return {};
-  // Each step is tried whatever became of the one before: metadata.yaml tells the truth also when the file is full.
+  if (!file_)
+    return {};
+  // Each step is tried whatever became of the one before: metadata.yaml tells the truth also when
+  // the file is full.
   const auto committed = commit();
   const auto refreshed = file_->refresh(metadata_);
   const auto yaml = write_metadata(Flush::kNo);
   for (const auto* step : {&committed, &refreshed, &yaml})
-    if (!*step) return *step;
+    if (!*step)
+      return *step;
   return {};
 }
 
 Result<void> BagWriter::tick() {
   const auto now = Clock::now();
-  if (now - last_refresh_ >= options_.refresh_period) return refresh();
-  if (now - last_commit_ >= options_.commit_period) return commit();
+  if (now - last_refresh_ >= options_.refresh_period)
+    return refresh();
+  if (now - last_commit_ >= options_.commit_period)
+    return commit();
   return {};
 }
 
@@ -204,7 +249,8 @@ Result<void> BagWriter::report(const RecordingReport& report) {
                               {"dropped", topic.dropped},
                               {"lost", topic.lost}});
   for (std::size_t i = 0; i < metadata_.topics.size() && i < json["topics"].size(); ++i) {
-    if (metadata_.topics[i].type_hash.empty()) continue;
+    if (metadata_.topics[i].type_hash.empty())
+      continue;
     json["topics"][i]["type"] = metadata_.topics[i].type;
     json["topics"][i]["type_hash"] = metadata_.topics[i].type_hash;
   }
@@ -215,13 +261,15 @@ Result<void> BagWriter::report(const RecordingReport& report) {
 }
 
 Result<void> BagWriter::close() {
-  if (!file_) return {};
+  if (!file_)
+    return {};
   // Each step is tried whatever became of the one before.
   auto result = commit();
   const auto closed = file_->close(metadata_, Flush::kYes);
   const auto yaml = write_metadata(Flush::kYes);
   for (const auto* step : {&closed, &yaml})
-    if (!*step && result) result = *step;
+    if (!*step && result)
+      result = *step;
   file_.reset();
   return result;
 }

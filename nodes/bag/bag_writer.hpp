@@ -1,10 +1,11 @@
 #pragma once
-/// Writes a rosbag2 folder: metadata.yaml (version 5) and <name>_0.db3 (sqlite3, schema 3) or <name>_0.mcap, then _1 and so on where it is split;
-/// readable by Humble and Jazzy.
+/// Writes a rosbag2 folder: metadata.yaml (version 5) and <name>_0.db3 (sqlite3, schema 3) or
+/// <name>_0.mcap, then _1 and so on where it is split; readable by Humble and Jazzy.
 ///
-/// Nothing is flushed to the disk before the bag is closed, as in rosbag2's own default: flushes of 0.3 to 1.2 s were seen on a disk that two rings
-/// shared, as long as a hung logger. So a kill of any process loses 0.2 s at most, but a loss of power while recording may cost the bag; a closed one
-/// is on the disk.
+/// Nothing is flushed to the disk before the bag is closed, as in rosbag2's own default: flushes of
+/// 0.3 to 1.2 s were seen on a disk that two rings shared, as long as a hung logger. So a kill of
+/// any process loses 0.2 s at most, but a loss of power while recording may cost the bag; a closed
+/// one is on the disk.
 #include <chrono>
 #include <filesystem>
 #include <limits>
@@ -15,10 +16,12 @@
 
 namespace voxtouch::bag {
 
-/// When a bag goes on in a new file: each bound holds that is not 0. A topic stands in every file, its messages in the one that was open.
+/// When a bag goes on in a new file: each bound holds that is not 0. A topic stands in every file,
+/// its messages in the one that was open.
 struct SplitOptions {
-  std::uint64_t bytes = 0;   ///< no message goes into a file that is about as large
-  std::int64_t time_ns = 0;  ///< none goes into one that was begun as much earlier, in the bag's time
+  std::uint64_t bytes = 0;  ///< no message goes into a file that is about as large
+  std::int64_t time_ns =
+      0;  ///< none goes into one that was begun as much earlier, in the bag's time
 };
 
 struct WriterOptions {
@@ -30,25 +33,28 @@ struct WriterOptions {
   SplitOptions split = {};
 };
 
-/// Not thread-safe. Blocks for the disk: never call it from a DDS listener; BagRecorder is for that.
+/// Not thread-safe. Blocks for the disk: never call it from a DDS listener; BagRecorder is for
+/// that.
 class BagWriter final : public BagSink {
  public:
-  /// Makes `folder` (parents as well), the empty bag and its metadata. Errors: anything is there already,
-  /// which is then untouched; the disk refuses.
-  static Result<BagWriter> create(const std::filesystem::path& folder, const WriterOptions& options = {});
+  /// Makes `folder` (parents as well), the empty bag and its metadata. Errors: anything is there
+  /// already, which is then untouched; the disk refuses.
+  static Result<BagWriter> create(const std::filesystem::path& folder,
+                                  const WriterOptions& options = {});
   BagWriter(BagWriter&&) = default;
   BagWriter& operator=(BagWriter&&) = delete;
   ~BagWriter() override;  ///< closes; its errors go unseen, so close() first
 
   Result<TopicId> add_topic(const TopicInfo& topic) override;
-  Result<void> append(TopicId topic, std::int64_t time_ns, std::span<const std::byte> bytes) override;
+  Result<void> append(TopicId topic, std::int64_t time_ns,
+                      std::span<const std::byte> bytes) override;
   Result<void> tick() override;
   void fill_counts(std::vector<TopicReport>& topics) const override;
   Result<void> report(const RecordingReport& report) override;
   Result<void> close() override;
 
-  Result<void> commit();                                              ///< at once
-  Result<void> refresh();                                             ///< commit, metadata.yaml, and what the file has, at once
+  Result<void> commit();   ///< at once
+  Result<void> refresh();  ///< commit, metadata.yaml, and what the file has, at once
   const BagMetadata& metadata() const noexcept { return metadata_; }  ///< of what is committed
 
  private:
@@ -56,7 +62,9 @@ class BagWriter final : public BagSink {
     std::uint64_t pending = 0, lost = 0;  // pending: not committed yet
   };
   using Clock = std::chrono::steady_clock;
-  BagWriter(std::filesystem::path folder, const WriterOptions& options) : folder_(std::move(folder)), options_(options) {}
+  BagWriter(std::filesystem::path folder, const WriterOptions& options)
+      : folder_(std::move(folder)),
+        options_(options) {}
   /// The next one, with all topics; the one before is closed.
   Result<void> open_file();
   Result<std::unique_ptr<BagFile>> make_file(const std::string& name) const;
@@ -75,7 +83,8 @@ class BagWriter final : public BagSink {
     std::int64_t first_ns = std::numeric_limits<std::int64_t>::max(), last_ns = 0;
     std::uint64_t messages = 0, bytes = 0;
   } pending_;
-  Clock::time_point last_commit_ = Clock::now(), last_refresh_ = last_commit_, last_split_refusal_{};
+  Clock::time_point last_commit_ = Clock::now(), last_refresh_ = last_commit_,
+                    last_split_refusal_{};
 };
 
 }  // namespace voxtouch::bag

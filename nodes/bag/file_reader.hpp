@@ -1,5 +1,6 @@
 #pragma once
-/// One file of a bag that is read. There is one for each storage; BagReader puts the files of a bag together.
+/// One file of a bag that is read. There is one for each storage; BagReader puts the files of a bag
+/// together.
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -29,8 +30,10 @@ class FileReader {
  public:
   virtual ~FileReader() = default;
   const std::vector<TopicInfo>& topics() const noexcept { return topics_; }
-  /// Messages recorded from `from_ns` on and before `to_ns`, by time and then by id; false where f wanted no more. Errors: a damaged file.
-  virtual Result<bool> for_each_between(std::int64_t from_ns, std::int64_t to_ns, const TakeMessage& f) const = 0;
+  /// Messages recorded from `from_ns` on and before `to_ns`, by time and then by id; false where f
+  /// wanted no more. Errors: a damaged file.
+  virtual Result<bool> for_each_between(std::int64_t from_ns, std::int64_t to_ns,
+                                        const TakeMessage& f) const = 0;
   /// Of the first and of the last message; nothing where there is none.
   virtual Result<std::optional<std::pair<std::int64_t, std::int64_t>>> times() const = 0;
 

@@ -15,24 +15,30 @@ namespace {
 bool write_all(int file, std::string_view text) {
   while (!text.empty()) {
     const ssize_t n = ::write(file, text.data(), text.size());
-    if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) return false;
+    if (n < 0 && errno == EINTR)
+      continue;
+    if (n <= 0)
+      return false;
     text.remove_prefix(static_cast<std::size_t>(n));
   }
   return true;
 }
 
-/// Puts `temporary` in the place of `path`. A rename over a file makes ext4 write the new one to the disk first, 0.4 s where the disk is busy;
-/// an exchange of the two names does not, and a reader sees the old text or the new one just the same.
+/// Puts `temporary` in the place of `path`. A rename over a file makes ext4 write the new one to
+/// the disk first, 0.4 s where the disk is busy; an exchange of the two names does not, and a
+/// reader sees the old text or the new one just the same.
 bool replace(const std::string& temporary, const std::filesystem::path& path, Flush flush) {
-  if (flush == Flush::kNo && ::renameat2(AT_FDCWD, temporary.c_str(), AT_FDCWD, path.c_str(), RENAME_EXCHANGE) == 0)
+  if (flush == Flush::kNo &&
+      ::renameat2(AT_FDCWD, temporary.c_str(), AT_FDCWD, path.c_str(), RENAME_EXCHANGE) == 0)
     return ::unlink(temporary.c_str()) == 0;
-  return ::rename(temporary.c_str(), path.c_str()) == 0;  // the first of its name, or a file system without exchange
+  return ::rename(temporary.c_str(), path.c_str()) ==
+         0;  // the first of its name, or a file system without exchange
 }
 
 }  // namespace
 
-Result<void> write_atomically(const std::filesystem::path& path, std::string_view text, Flush flush) {
+Result<void> write_atomically(const std::filesystem::path& path, std::string_view text,
+                              Flush flush) {
   const std::string temporary = path.string() + ".tmp";
   const int file = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
   bool good = file >= 0 && write_all(file, text) && (flush == Flush::kNo || ::fsync(file) == 0);
@@ -45,7 +51,8 @@ Result<void> write_atomically(const std::filesystem::path& path, std::string_vie
     good = false;
     error = errno;
   }
-  if (good) return {};
+  if (good)
+    return {};
   ::unlink(temporary.c_str());
   return refuse("'{}' cannot be written: {}. Make room or choose another folder.", path.string(),
                 std::strerror(error));

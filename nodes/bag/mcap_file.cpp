@@ -1,10 +1,12 @@
-/// A bag's file in MCAP, as rosbag2_storage_mcap writes it: profile ros2, schemas embedded, chunks compressed by zstd with message indexes; at the
-/// end chunk indexes, statistics and the bag's metadata.
+/// A bag's file in MCAP, as rosbag2_storage_mcap writes it: profile ros2, schemas embedded, chunks
+/// compressed by zstd with message indexes; at the end chunk indexes, statistics and the bag's
+/// metadata.
 ///
-/// The file is a whole MCAP at every instant but in the middle of a write: each commit is one write of a chunk, the end of the data and a footer
-/// without a summary, over the footer before. So what a kill leaves behind opens with any reader of MCAP, which then looks through the chunks instead of
-/// their index. A kill within a write (0.1 ms each 200 ms) leaves a file without its footer: BagReader reads it up to its last whole chunk, for others
-/// `mcap recover` mends it.
+/// The file is a whole MCAP at every instant but in the middle of a write: each commit is one write
+/// of a chunk, the end of the data and a footer without a summary, over the footer before. So what
+/// a kill leaves behind opens with any reader of MCAP, which then looks through the chunks instead
+/// of their index. A kill within a write (0.1 ms each 200 ms) leaves a file without its footer:
+/// BagReader reads it up to its last whole chunk, for others `mcap recover` mends it.
 #include <fcntl.h>
 #include <unistd.h>
 #include <zlib.h>
@@ -31,10 +33,12 @@ using mcap::Bytes;
 using mcap::Op;
 
 constexpr int kZstdLevel = 1;
-constexpr std::size_t kChunkBytes = std::size_t{1} << 20;  // as a chunk is at most, but for one large message
+constexpr std::size_t kChunkBytes = std::size_t{1}
+                                    << 20;  // as a chunk is at most, but for one large message
 
 std::uint32_t crc_of(std::span<const std::byte> bytes) {
-  return static_cast<std::uint32_t>(::crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
+  return static_cast<std::uint32_t>(
+      ::crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
 }
 
 void put_header(Bytes& out) {
@@ -57,7 +61,8 @@ void put_schema(Bytes& out, std::uint16_t id, const TopicInfo& topic) {
 void put_map(Bytes& out, const std::map<std::string, std::string>& map) {
   const std::size_t at = out.size();
   out.number(std::uint32_t{0});
-  for (const auto& [key, value] : map) out.text(key), out.text(value);
+  for (const auto& [key, value] : map)
+    out.text(key), out.text(value);
   out.patch(at, static_cast<std::uint32_t>(out.size() - at - 4));
 }
 
@@ -68,7 +73,8 @@ void put_channel(Bytes& out, std::uint16_t id, std::uint16_t schema, const Topic
   out.text(topic.name);
   out.text(topic.serialization_format);
   std::map<std::string, std::string> told{{"offered_qos_profiles", topic.offered_qos}};
-  if (!topic.type_hash.empty()) told.emplace("topic_type_hash", topic.type_hash);
+  if (!topic.type_hash.empty())
+    told.emplace("topic_type_hash", topic.type_hash);
   put_map(out, told);
   out.end(at);
 }
@@ -93,19 +99,26 @@ void put_end_without_summary(Bytes& out) {
 class McapFile final : public BagFile {
  public:
   McapFile(std::filesystem::path path, int file, std::uint64_t max_bytes)
-      : path_(std::move(path)), file_(file), max_bytes_(max_bytes), zstd_(ZSTD_createCCtx()) {}
+      : path_(std::move(path)),
+        file_(file),
+        max_bytes_(max_bytes),
+        zstd_(ZSTD_createCCtx()) {}
   McapFile(const McapFile&) = delete;
   McapFile& operator=(const McapFile&) = delete;
   ~McapFile() override {
-    if (file_ >= 0) ::close(file_);
+    if (file_ >= 0)
+      ::close(file_);
     ZSTD_freeCCtx(zstd_);
   }
 
   Result<void> begin() {
-    if (zstd_ == nullptr) return refuse("'{}' cannot be written: there is no memory for its compression.", path_.string());
+    if (zstd_ == nullptr)
+      return refuse("'{}' cannot be written: there is no memory for its compression.",
+                    path_.string());
     Bytes out;
     put_header(out);
-    // Jazzy takes QoS texts for its newest form where no metadata says otherwise. That of the end, with counts, comes after it.
+    // Jazzy takes QoS texts for its newest form where no metadata says otherwise. That of the end,
+    // with counts, comes after it.
     BagMetadata metadata;
     metadata.storage_identifier = names_of(Storage::kMcap).name;
     put_metadata(out, metadata);
@@ -113,20 +126,27 @@ class McapFile final : public BagFile {
   }
 
   Result<void> add_topic(const TopicInfo& topic) override {
-    if (topics_.size() >= std::numeric_limits<std::uint16_t>::max()) return refuse("'{}' cannot hold more than {} topics.", path_.string(), topics_.size());
-    const auto known = std::ranges::find(topics_, topic.type, [](const Topic& one) { return one.info.type; });
+    if (topics_.size() >= std::numeric_limits<std::uint16_t>::max())
+      return refuse("'{}' cannot hold more than {} topics.", path_.string(), topics_.size());
+    const auto known =
+        std::ranges::find(topics_, topic.type, [](const Topic& one) { return one.info.type; });
     const bool is_new = known == topics_.end();
-    const auto schema = static_cast<std::uint16_t>(is_new ? schemas_ + 1 : known->schema);  // 0 is none
+    const auto schema =
+        static_cast<std::uint16_t>(is_new ? schemas_ + 1 : known->schema);  // 0 is none
     Bytes out;
-    if (is_new) put_schema(out, schema, topic);
+    if (is_new)
+      put_schema(out, schema, topic);
     put_channel(out, channel_of(topics_.size()), schema, topic);
-    if (auto written = write(out); !written) return written;
-    if (is_new) ++schemas_;
+    if (auto written = write(out); !written)
+      return written;
+    if (is_new)
+      ++schemas_;
     topics_.push_back({topic, schema});
     return {};
   }
 
-  Result<void> append(TopicId topic, std::int64_t time_ns, std::span<const std::byte> bytes) override {
+  Result<void> append(TopicId topic, std::int64_t time_ns,
+                      std::span<const std::byte> bytes) override {
     const auto publish_time = static_cast<std::uint64_t>(time_ns);
     const std::uint64_t log_time = std::max(publish_time, mcap::kLogTimeOfZero);
     index_[topic].push_back({log_time, messages_.size()});
@@ -144,7 +164,8 @@ class McapFile final : public BagFile {
   bool is_full() const noexcept override { return messages_.size() >= kChunkBytes; }
 
   Result<void> commit() override {
-    if (index_.empty()) return {};
+    if (index_.empty())
+      return {};
     const auto written = write_chunk();
     messages_.clear();
     index_.clear();
@@ -162,9 +183,12 @@ class McapFile final : public BagFile {
     put_data_end(out);
     put_summary(out, metadata_at, metadata_size);
     // Where there is no room for it, the file stays as it was: whole, without a summary.
-    if (auto ended = write_over_end(out); !ended && result) result = ended;
-    if (flush == Flush::kYes && ::fsync(file_) != 0 && result) result = refused("flushed");
-    if (::close(std::exchange(file_, -1)) != 0 && result) result = refused("closed");
+    if (auto ended = write_over_end(out); !ended && result)
+      result = ended;
+    if (flush == Flush::kYes && ::fsync(file_) != 0 && result)
+      result = refused("flushed");
+    if (::close(std::exchange(file_, -1)) != 0 && result)
+      result = refused("closed");
     return result;
   }
 
@@ -181,22 +205,29 @@ class McapFile final : public BagFile {
   };
   struct Chunk {
     std::uint64_t start, end, at, size, index_size, compressed, uncompressed;
-    std::vector<std::pair<std::uint16_t, std::uint64_t>> indexes;  // channel, and where its index stands in the file
+    std::vector<std::pair<std::uint16_t, std::uint64_t>>
+        indexes;  // channel, and where its index stands in the file
   };
 
-  static std::uint16_t channel_of(std::size_t topic) noexcept { return static_cast<std::uint16_t>(topic + 1); }  // 0 is none to some readers
+  static std::uint16_t channel_of(std::size_t topic) noexcept {
+    return static_cast<std::uint16_t>(topic + 1);
+  }  // 0 is none to some readers
   std::unexpected<BagError> refused(std::string_view what) const {
-    return refuse("'{}' cannot be {}: {}. Make room or choose another folder.", path_.string(), what, std::strerror(errno));
+    return refuse("'{}' cannot be {}: {}. Make room or choose another folder.", path_.string(),
+                  what, std::strerror(errno));
   }
 
   /// `out`, at the end of the data. Error: the file is as before.
   Result<void> write_over_end(const Bytes& out) {
     auto written = write_at(end_of_data_, out.view());
-    if (written) return {};
+    if (written)
+      return {};
     (void)::ftruncate(file_, static_cast<off_t>(end_of_data_));
     Bytes end;
     put_end_without_summary(end);
-    (void)write_at(end_of_data_, end.view());  // what was freed just now is enough for it, unless others were quicker
+    (void)write_at(
+        end_of_data_,
+        end.view());  // what was freed just now is enough for it, unless others were quicker
     return written;
   }
   /// Data, and a new end behind them, in one write.
@@ -204,15 +235,19 @@ class McapFile final : public BagFile {
     const std::size_t size = out.size();
     put_end_without_summary(out);
     auto written = write_over_end(out);
-    if (written) end_of_data_ += size;
+    if (written)
+      end_of_data_ += size;
     return written;
   }
   Result<void> write_at(std::uint64_t at, std::span<const std::byte> bytes) const {
-    if (max_bytes_ > 0 && at + bytes.size() > max_bytes_) return refuse("'{}' is full: it may have {} bytes.", path_.string(), max_bytes_);
+    if (max_bytes_ > 0 && at + bytes.size() > max_bytes_)
+      return refuse("'{}' is full: it may have {} bytes.", path_.string(), max_bytes_);
     while (!bytes.empty()) {
       const ssize_t n = ::pwrite(file_, bytes.data(), bytes.size(), static_cast<off_t>(at));
-      if (n < 0 && errno == EINTR) continue;
-      if (n <= 0) return refused("written");
+      if (n < 0 && errno == EINTR)
+        continue;
+      if (n <= 0)
+        return refused("written");
       bytes = bytes.subspan(static_cast<std::size_t>(n));
       at += static_cast<std::uint64_t>(n);
     }
@@ -222,12 +257,22 @@ class McapFile final : public BagFile {
   Result<void> write_chunk() {
     const std::size_t bound = ZSTD_compressBound(messages_.size());
     compressed_.resize(bound);
-    const std::size_t compressed = ZSTD_compressCCtx(zstd_, compressed_.data(), bound, messages_.view().data(), messages_.size(), kZstdLevel);
-    if (ZSTD_isError(compressed)) return refuse("'{}' cannot be written: {}.", path_.string(), ZSTD_getErrorName(compressed));
-    Chunk chunk{.start = std::numeric_limits<std::uint64_t>::max(), .end = 0, .at = end_of_data_, .size = 0, .index_size = 0, .compressed = compressed,
-                .uncompressed = messages_.size(), .indexes = {}};
+    const std::size_t compressed = ZSTD_compressCCtx(
+        zstd_, compressed_.data(), bound, messages_.view().data(), messages_.size(), kZstdLevel);
+    if (ZSTD_isError(compressed))
+      return refuse("'{}' cannot be written: {}.", path_.string(), ZSTD_getErrorName(compressed));
+    Chunk chunk{.start = std::numeric_limits<std::uint64_t>::max(),
+                .end = 0,
+                .at = end_of_data_,
+                .size = 0,
+                .index_size = 0,
+                .compressed = compressed,
+                .uncompressed = messages_.size(),
+                .indexes = {}};
     for (const auto& [topic, entries] : index_)
-      for (const IndexEntry& entry : entries) chunk.start = std::min(chunk.start, entry.time_ns), chunk.end = std::max(chunk.end, entry.time_ns);
+      for (const IndexEntry& entry : entries)
+        chunk.start = std::min(chunk.start, entry.time_ns),
+        chunk.end = std::max(chunk.end, entry.time_ns);
     Bytes out;
     const auto at = out.begin(Op::kChunk);
     out.number(chunk.start);
@@ -244,12 +289,15 @@ class McapFile final : public BagFile {
       const auto index = out.begin(Op::kMessageIndex);
       out.number(channel_of(topic));
       out.number(static_cast<std::uint32_t>(entries.size() * 16));
-      for (const IndexEntry& entry : entries) out.number(entry.time_ns), out.number(entry.offset);
+      for (const IndexEntry& entry : entries)
+        out.number(entry.time_ns), out.number(entry.offset);
       out.end(index);
     }
     chunk.index_size = out.size() - chunk.size;
-    if (auto written = write(out); !written) return written;
-    for (const auto& [topic, entries] : index_) topics_[topic].messages += entries.size();
+    if (auto written = write(out); !written)
+      return written;
+    for (const auto& [topic, entries] : index_)
+      topics_[topic].messages += entries.size();
     chunks_.push_back(std::move(chunk));
     return {};
   }
@@ -262,8 +310,10 @@ class McapFile final : public BagFile {
   }
   void put_statistics(Bytes& out) const {
     std::uint64_t messages = 0, start = std::numeric_limits<std::uint64_t>::max(), end = 0;
-    for (const Topic& topic : topics_) messages += topic.messages;
-    for (const Chunk& chunk : chunks_) start = std::min(start, chunk.start), end = std::max(end, chunk.end);
+    for (const Topic& topic : topics_)
+      messages += topic.messages;
+    for (const Chunk& chunk : chunks_)
+      start = std::min(start, chunk.start), end = std::max(end, chunk.end);
     const auto at = out.begin(Op::kStatistics);
     out.number(messages);
     out.number(static_cast<std::uint16_t>(schemas_));
@@ -274,14 +324,17 @@ class McapFile final : public BagFile {
     out.number(messages > 0 ? start : 0);
     out.number(end);
     out.number(static_cast<std::uint32_t>(topics_.size() * 10));
-    for (std::size_t i = 0; i < topics_.size(); ++i) out.number(channel_of(i)), out.number(topics_[i].messages);
+    for (std::size_t i = 0; i < topics_.size(); ++i)
+      out.number(channel_of(i)), out.number(topics_[i].messages);
     out.end(at);
   }
   static void put_chunk_index(Bytes& out, const Chunk& chunk) {
     const auto at = out.begin(Op::kChunkIndex);
-    for (const std::uint64_t value : {chunk.start, chunk.end, chunk.at, chunk.size}) out.number(value);
+    for (const std::uint64_t value : {chunk.start, chunk.end, chunk.at, chunk.size})
+      out.number(value);
     out.number(static_cast<std::uint32_t>(chunk.indexes.size() * 10));
-    for (const auto& [channel, place] : chunk.indexes) out.number(channel), out.number(place);
+    for (const auto& [channel, place] : chunk.indexes)
+      out.number(channel), out.number(place);
     out.number(chunk.index_size);
     out.text("zstd");
     out.number(chunk.compressed);
@@ -296,24 +349,29 @@ class McapFile final : public BagFile {
   };
 
   /// The summary's groups of records.
-  std::vector<Group> put_groups(Bytes& out, std::uint64_t metadata_at, std::size_t metadata_size) const {
+  std::vector<Group> put_groups(Bytes& out, std::uint64_t metadata_at,
+                                std::size_t metadata_size) const {
     std::vector<Group> groups;
     const auto group = [&](Op op, const auto& put) {
       const std::size_t from = out.size();
       put();
-      if (out.size() > from) groups.push_back({op, end_of_data_ + from, out.size() - from});
+      if (out.size() > from)
+        groups.push_back({op, end_of_data_ + from, out.size() - from});
     };
     group(Op::kSchema, [&] {
       std::uint32_t put = 0;
       for (const Topic& topic : topics_)
-        if (topic.schema > put) put_schema(out, topic.schema, topic.info), put = topic.schema;
+        if (topic.schema > put)
+          put_schema(out, topic.schema, topic.info), put = topic.schema;
     });
     group(Op::kChannel, [&] {
-      for (std::size_t i = 0; i < topics_.size(); ++i) put_channel(out, channel_of(i), topics_[i].schema, topics_[i].info);
+      for (std::size_t i = 0; i < topics_.size(); ++i)
+        put_channel(out, channel_of(i), topics_[i].schema, topics_[i].info);
     });
     group(Op::kStatistics, [&] { put_statistics(out); });
     group(Op::kChunkIndex, [&] {
-      for (const Chunk& chunk : chunks_) put_chunk_index(out, chunk);
+      for (const Chunk& chunk : chunks_)
+        put_chunk_index(out, chunk);
     });
     group(Op::kMetadataIndex, [&] {
       const auto at = out.begin(Op::kMetadataIndex);
@@ -325,7 +383,8 @@ class McapFile final : public BagFile {
     return groups;
   }
 
-  /// The summary, the offsets of its groups, the footer: `out` stands at the end of the data already.
+  /// The summary, the offsets of its groups, the footer: `out` stands at the end of the data
+  /// already.
   void put_summary(Bytes& out, std::uint64_t metadata_at, std::size_t metadata_size) const {
     const std::size_t begin = out.size();
     const std::uint64_t start = end_of_data_ + begin;
@@ -340,7 +399,8 @@ class McapFile final : public BagFile {
     }
     out.begin(Op::kFooter);
     const std::size_t footer = out.size() - mcap::kRecordHead;
-    out.patch(footer + 1, std::uint64_t{mcap::kFooterSize - mcap::kRecordHead});  // which the checksum covers
+    out.patch(footer + 1,
+              std::uint64_t{mcap::kFooterSize - mcap::kRecordHead});  // which the checksum covers
     out.number(start);
     out.number(offsets);
     out.number(crc_of(out.view().subspan(begin)));
@@ -354,7 +414,8 @@ class McapFile final : public BagFile {
   std::vector<char> compressed_;
   std::vector<Topic> topics_;
   std::uint32_t schemas_ = 0;
-  std::uint64_t end_of_data_ = 0;  // of the file; behind it stands the end of a file without a summary
+  std::uint64_t end_of_data_ =
+      0;  // of the file; behind it stands the end of a file without a summary
   std::vector<Chunk> chunks_;
   // Of the chunk that is filled:
   Bytes messages_;
@@ -363,11 +424,15 @@ class McapFile final : public BagFile {
 
 }  // namespace
 
-Result<std::unique_ptr<BagFile>> make_mcap_file(const std::filesystem::path& path, std::uint64_t max_bytes) {
+Result<std::unique_ptr<BagFile>> make_mcap_file(const std::filesystem::path& path,
+                                                std::uint64_t max_bytes) {
   const int descriptor = ::open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
-  if (descriptor < 0) return refuse("'{}' cannot be made: {}. Choose another folder.", path.string(), std::strerror(errno));
+  if (descriptor < 0)
+    return refuse("'{}' cannot be made: {}. Choose another folder.", path.string(),
+                  std::strerror(errno));
   auto file = std::make_unique<McapFile>(path, descriptor, max_bytes);
-  if (auto begun = file->begin(); !begun) return std::unexpected(begun.error());
+  if (auto begun = file->begin(); !begun)
+    return std::unexpected(begun.error());
   return file;
 }
 

@@ -1,5 +1,6 @@
-/// Reads MCAP files, ours and those of rosbag2_storage_mcap: chunks in zstd or uncompressed, or messages without chunks, with a summary or, where a
-/// kill left none, by looking through the whole file up to its last whole record.
+/// Reads MCAP files, ours and those of rosbag2_storage_mcap: chunks in zstd or uncompressed, or
+/// messages without chunks, with a summary or, where a kill left none, by looking through the whole
+/// file up to its last whole record.
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -25,9 +26,11 @@ namespace {
 using mcap::Cursor;
 using mcap::Op;
 
-constexpr std::uint64_t kMaxChunkBytes = std::uint64_t{1} << 30;      // uncompressed; what claims more is damaged
+constexpr std::uint64_t kMaxChunkBytes = std::uint64_t{1}
+                                         << 30;  // uncompressed; what claims more is damaged
 constexpr std::uint64_t kMaxDescriptionBytes = std::uint64_t{1} << 28;  // of a summary, of a schema
-constexpr std::uint64_t kLooseBytes = std::uint64_t{1} << 20;         // messages without a chunk are taken together up to this size
+constexpr std::uint64_t kLooseBytes =
+    std::uint64_t{1} << 20;  // messages without a chunk are taken together up to this size
 
 class Descriptor {
  public:
@@ -35,7 +38,8 @@ class Descriptor {
   Descriptor(Descriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
   Descriptor& operator=(Descriptor&&) = delete;
   ~Descriptor() {
-    if (number_ >= 0) ::close(number_);
+    if (number_ >= 0)
+      ::close(number_);
   }
   int get() const noexcept { return number_; }
 
@@ -47,13 +51,16 @@ class Descriptor {
 struct Buffer {
   std::unique_ptr<std::byte[]> data;
   std::size_t size = 0;
-  explicit Buffer(std::uint64_t wanted) : data(std::make_unique_for_overwrite<std::byte[]>(static_cast<std::size_t>(wanted))), size(static_cast<std::size_t>(wanted)) {}
+  explicit Buffer(std::uint64_t wanted)
+      : data(std::make_unique_for_overwrite<std::byte[]>(static_cast<std::size_t>(wanted))),
+        size(static_cast<std::size_t>(wanted)) {}
   std::span<const std::byte> view() const noexcept { return {data.get(), size}; }
 };
 
 /// Messages that are read at once: a chunk, or some that stand in none.
 struct Piece {
-  std::uint64_t at = 0, size = 0;    ///< in the file; of a chunk's record, or of all messages' records
+  std::uint64_t at = 0,
+                size = 0;  ///< in the file; of a chunk's record, or of all messages' records
   std::uint64_t start = 0, end = 0;  ///< log times
   bool loose = false;
   std::int64_t number = 0;  ///< in the order of the file
@@ -71,84 +78,116 @@ struct DecodedPiece {
 };
 
 std::int64_t time_of(std::uint64_t log_time, std::uint64_t publish_time) noexcept {
-  if (log_time == mcap::kLogTimeOfZero && publish_time == 0) return 0;
-  return static_cast<std::int64_t>(std::min<std::uint64_t>(log_time, std::numeric_limits<std::int64_t>::max()));
+  if (log_time == mcap::kLogTimeOfZero && publish_time == 0)
+    return 0;
+  return static_cast<std::int64_t>(
+      std::min<std::uint64_t>(log_time, std::numeric_limits<std::int64_t>::max()));
 }
 /// As early as a message of this log time may be.
 std::int64_t earliest(std::uint64_t log_time) noexcept { return time_of(log_time, 0); }
 
 class McapReader final : public FileReader {
  public:
-  McapReader(std::filesystem::path path, Descriptor file, std::uint64_t size) : path_(std::move(path)), file_(std::move(file)), size_(size) {}
+  McapReader(std::filesystem::path path, Descriptor file, std::uint64_t size)
+      : path_(std::move(path)),
+        file_(std::move(file)),
+        size_(size) {}
 
   Result<void> open() {
     Buffer head(std::min<std::uint64_t>(size_, mcap::kMagic.size() + mcap::kRecordHead));
-    if (auto read = read_at(0, head); !read) return read;
+    if (auto read = read_at(0, head); !read)
+      return read;
     Cursor cursor(head.view());
     const auto magic = cursor.take(mcap::kMagic.size());
-    if (!std::ranges::equal(magic, std::as_bytes(std::span(mcap::kMagic)))) return damaged("it does not begin as an MCAP does");
-    if (static_cast<Op>(cursor.number<std::uint8_t>()) != Op::kHeader) return damaged("it has no header");
+    if (!std::ranges::equal(magic, std::as_bytes(std::span(mcap::kMagic))))
+      return damaged("it does not begin as an MCAP does");
+    if (static_cast<Op>(cursor.number<std::uint8_t>()) != Op::kHeader)
+      return damaged("it has no header");
     data_start_ = head.size + cursor.number<std::uint64_t>();
     if (!read_summary()) {
       topics_.clear(), topic_of_.clear(), schemas_.clear(), pieces_.clear();
-      if (auto looked = look_through(); !looked) return looked;
+      if (auto looked = look_through(); !looked)
+        return looked;
     }
     std::ranges::sort(pieces_, {}, &Piece::at);
-    for (std::int64_t number = 0; Piece& piece : pieces_) piece.number = number++;
+    for (std::int64_t number = 0; Piece & piece : pieces_)
+      piece.number = number++;
     std::ranges::stable_sort(pieces_, {}, &Piece::start);
     return {};
   }
 
-  Result<bool> for_each_between(std::int64_t from_ns, std::int64_t to_ns, const TakeMessage& f) const override {
+  Result<bool> for_each_between(std::int64_t from_ns, std::int64_t to_ns,
+                                const TakeMessage& f) const override {
     struct Place {
       std::shared_ptr<const DecodedPiece> piece;
       std::size_t at;
       const Entry& entry() const noexcept { return piece->entries[at]; }
     };
-    const auto later = [](const Place& a, const Place& b) { return a.entry().order() > b.entry().order(); };
+    const auto later = [](const Place& a, const Place& b) {
+      return a.entry().order() > b.entry().order();
+    };
     std::priority_queue<Place, std::vector<Place>, decltype(later)> places(later);
     auto next = pieces_.begin();
     while (true) {
       // A piece that begins after the next message holds none before it.
-      while (next != pieces_.end() && earliest(next->start) < to_ns && (places.empty() || earliest(next->start) <= places.top().entry().time_ns)) {
+      while (next != pieces_.end() && earliest(next->start) < to_ns &&
+             (places.empty() || earliest(next->start) <= places.top().entry().time_ns)) {
         const auto ordinal = next++ - pieces_.begin();
-        if (static_cast<std::int64_t>(std::min<std::uint64_t>(pieces_[static_cast<std::size_t>(ordinal)].end, std::numeric_limits<std::int64_t>::max())) < from_ns) continue;
+        if (static_cast<std::int64_t>(
+                std::min<std::uint64_t>(pieces_[static_cast<std::size_t>(ordinal)].end,
+                                        std::numeric_limits<std::int64_t>::max())) < from_ns)
+          continue;
         auto piece = decoded(static_cast<std::size_t>(ordinal));
-        if (!piece) return std::unexpected(piece.error());
-        const auto first = std::ranges::lower_bound((*piece)->entries, from_ns, {}, &Entry::time_ns);
-        if (first != (*piece)->entries.end()) places.push({*piece, static_cast<std::size_t>(first - (*piece)->entries.begin())});
+        if (!piece)
+          return std::unexpected(piece.error());
+        const auto first =
+            std::ranges::lower_bound((*piece)->entries, from_ns, {}, &Entry::time_ns);
+        if (first != (*piece)->entries.end())
+          places.push({*piece, static_cast<std::size_t>(first - (*piece)->entries.begin())});
       }
-      if (places.empty() && (next == pieces_.end() || earliest(next->start) >= to_ns)) return true;
-      if (places.empty()) continue;
+      if (places.empty() && (next == pieces_.end() || earliest(next->start) >= to_ns))
+        return true;
+      if (places.empty())
+        continue;
       Place place = places.top();
       places.pop();
       const Entry& entry = place.entry();
-      if (entry.time_ns >= to_ns) continue;
-      if (!f({entry.topic, entry.time_ns, entry.id, entry.bytes})) return false;
-      if (++place.at < place.piece->entries.size()) places.push(std::move(place));
+      if (entry.time_ns >= to_ns)
+        continue;
+      if (!f({entry.topic, entry.time_ns, entry.id, entry.bytes}))
+        return false;
+      if (++place.at < place.piece->entries.size())
+        places.push(std::move(place));
     }
   }
 
   Result<std::optional<std::pair<std::int64_t, std::int64_t>>> times() const override {
     std::optional<std::pair<std::int64_t, std::int64_t>> all;
     for (const Piece& piece : pieces_) {
-      if (piece.end == 0) continue;  // a chunk without messages
+      if (piece.end == 0)
+        continue;  // a chunk without messages
       const std::pair own{earliest(piece.start), earliest(piece.end)};
-      all = all ? std::pair{std::min(all->first, own.first), std::max(all->second, own.second)} : own;
+      all =
+          all ? std::pair{std::min(all->first, own.first), std::max(all->second, own.second)} : own;
     }
     return all;
   }
 
  private:
   std::unexpected<BagError> damaged(std::string_view how) const {
-    return refuse("'{}' is damaged, or no MCAP: {}. `mcap recover` saves what is whole.", path_.string(), how);
+    return refuse("'{}' is damaged, or no MCAP: {}. `mcap recover` saves what is whole.",
+                  path_.string(), how);
   }
   Result<void> read_at(std::uint64_t at, Buffer& into) const {
     for (std::size_t done = 0; done < into.size;) {
-      const ssize_t n = ::pread(file_.get(), into.data.get() + done, into.size - done, static_cast<off_t>(at + done));
-      if (n < 0 && errno == EINTR) continue;
-      if (n < 0) return refuse("'{}' cannot be read: {}.", path_.string(), std::strerror(errno));
-      if (n == 0) return damaged("it ends too soon");
+      const ssize_t n = ::pread(file_.get(), into.data.get() + done, into.size - done,
+                                static_cast<off_t>(at + done));
+      if (n < 0 && errno == EINTR)
+        continue;
+      if (n < 0)
+        return refuse("'{}' cannot be read: {}.", path_.string(), std::strerror(errno));
+      if (n == 0)
+        return damaged("it ends too soon");
       done += static_cast<std::size_t>(n);
     }
     return {};
@@ -162,51 +201,67 @@ class McapReader final : public FileReader {
       TopicInfo& schema = schemas_[id];
       schema.type = in.text();
       const bool known = in.text() == "ros2msg";
-      if (const auto text = in.text(); known) schema.definition = text;
+      if (const auto text = in.text(); known)
+        schema.definition = text;
     } else if (record.op == Op::kChannel && !topic_of_.contains(id)) {
       TopicInfo topic = schemas_[in.number<std::uint16_t>()];
       topic.name = in.text();
       topic.serialization_format = in.text();
       for (Cursor map(in.take(in.number<std::uint32_t>())); !map.empty();) {
         const auto key = map.text(), value = map.text();
-        if (key == "offered_qos_profiles") topic.offered_qos = value;
-        if (key == "topic_type_hash") topic.type_hash = value;
+        if (key == "offered_qos_profiles")
+          topic.offered_qos = value;
+        if (key == "topic_type_hash")
+          topic.type_hash = value;
       }
-      if (!in.good()) return;
+      if (!in.good())
+        return;
       const auto known = std::ranges::find(topics_, topic.name, &TopicInfo::name);
       topic_of_[id] = static_cast<std::size_t>(known - topics_.begin());
-      if (known == topics_.end()) topics_.push_back(std::move(topic));
+      if (known == topics_.end())
+        topics_.push_back(std::move(topic));
     }
   }
 
   /// False where there is none that can be used.
   bool read_summary() {
     const std::size_t tail_size = mcap::kFooterSize + mcap::kMagic.size();
-    if (size_ < data_start_ + tail_size) return false;
+    if (size_ < data_start_ + tail_size)
+      return false;
     Buffer tail(tail_size);
-    if (!read_at(size_ - tail_size, tail)) return false;
+    if (!read_at(size_ - tail_size, tail))
+      return false;
     Cursor cursor(tail.view());
     const auto footer = mcap::next_record(cursor);
-    if (!footer || footer->op != Op::kFooter || !std::ranges::equal(cursor.rest(), std::as_bytes(std::span(mcap::kMagic)))) return false;
+    if (!footer || footer->op != Op::kFooter ||
+        !std::ranges::equal(cursor.rest(), std::as_bytes(std::span(mcap::kMagic))))
+      return false;
     Cursor in(footer->content);
     const auto start = in.number<std::uint64_t>();
     in.number<std::uint64_t>();
     const auto crc = in.number<std::uint32_t>();
     const std::uint64_t end = size_ - tail_size;
-    if (!in.good() || start < data_start_ || start >= end || end - start > kMaxDescriptionBytes) return false;
+    if (!in.good() || start < data_start_ || start >= end || end - start > kMaxDescriptionBytes)
+      return false;
     Buffer summary(end - start + mcap::kFooterSize - 4);  // what the checksum covers
-    if (!read_at(start, summary)) return false;
-    if (crc != 0 && ::crc32_z(0, reinterpret_cast<const Bytef*>(summary.data.get()), summary.size) != crc) return false;
+    if (!read_at(start, summary))
+      return false;
+    if (crc != 0 &&
+        ::crc32_z(0, reinterpret_cast<const Bytef*>(summary.data.get()), summary.size) != crc)
+      return false;
     Cursor records(summary.view().first(static_cast<std::size_t>(end - start)));
     std::uint64_t messages = 0;
     while (const auto record = mcap::next_record(records)) {
       Cursor content(record->content);
-      if (record->op == Op::kStatistics) messages = content.number<std::uint64_t>();
+      if (record->op == Op::kStatistics)
+        messages = content.number<std::uint64_t>();
       if (record->op == Op::kChunkIndex) {
         Piece piece;
         piece.start = content.number<std::uint64_t>(), piece.end = content.number<std::uint64_t>();
         piece.at = content.number<std::uint64_t>(), piece.size = content.number<std::uint64_t>();
-        if (!content.good() || piece.at < data_start_ || piece.size > size_ || piece.at > size_ - piece.size) return false;
+        if (!content.good() || piece.at < data_start_ || piece.size > size_ ||
+            piece.at > size_ - piece.size)
+          return false;
         pieces_.push_back(piece);
       }
       take_description(*record);
@@ -218,40 +273,56 @@ class McapReader final : public FileReader {
     std::uint64_t at = data_start_;
     Piece loose;
     const auto put_loose = [&] {
-      if (loose.size > 0) pieces_.push_back(loose);
+      if (loose.size > 0)
+        pieces_.push_back(loose);
       loose = {};
     };
     while (at + mcap::kRecordHead <= size_) {
       Buffer head(std::min<std::uint64_t>(size_ - at, mcap::kRecordHead + mcap::kMessageHead));
-      if (auto read = read_at(at, head); !read) return read;
+      if (auto read = read_at(at, head); !read)
+        return read;
       Cursor in(head.view());
       const auto op = static_cast<Op>(in.number<std::uint8_t>());
       const auto length = in.number<std::uint64_t>();
-      if (length > size_ - at - mcap::kRecordHead) break;  // the last one is not whole
+      if (length > size_ - at - mcap::kRecordHead)
+        break;  // the last one is not whole
       const std::uint64_t size = mcap::kRecordHead + length;
-      if (op == Op::kDataEnd || op == Op::kFooter || static_cast<std::uint8_t>(op) == 0) break;
+      if (op == Op::kDataEnd || op == Op::kFooter || static_cast<std::uint8_t>(op) == 0)
+        break;
       if (op == Op::kSchema || op == Op::kChannel) {
-        if (length > kMaxDescriptionBytes) return damaged("a description is too long");
+        if (length > kMaxDescriptionBytes)
+          return damaged("a description is too long");
         Buffer content(length);
-        if (auto read = read_at(at + mcap::kRecordHead, content); !read) return read;
+        if (auto read = read_at(at + mcap::kRecordHead, content); !read)
+          return read;
         take_description({op, content.view()});
       } else if (op == Op::kChunk) {
         put_loose();
-        Piece piece{.at = at, .size = size, .start = in.number<std::uint64_t>(), .end = in.number<std::uint64_t>(), .loose = false};
+        Piece piece{.at = at,
+                    .size = size,
+                    .start = in.number<std::uint64_t>(),
+                    .end = in.number<std::uint64_t>(),
+                    .loose = false};
         const auto content = contents(piece);  // schemas and channels may stand in it
-        if (!content && pieces_.empty()) return std::unexpected(content.error());
-        if (!content) break;  // nothing behind a damaged chunk can be trusted
+        if (!content && pieces_.empty())
+          return std::unexpected(content.error());
+        if (!content)
+          break;  // nothing behind a damaged chunk can be trusted
         Cursor records(content->view());
         bool any = false;
-        while (const auto record = mcap::next_record(records)) take_description(*record), any = any || record->op == Op::kMessage;
-        if (any) pieces_.push_back(piece);
+        while (const auto record = mcap::next_record(records))
+          take_description(*record), any = any || record->op == Op::kMessage;
+        if (any)
+          pieces_.push_back(piece);
       } else if (op == Op::kMessage && length >= mcap::kMessageHead) {
         in.take(2 + 4);
         const auto time = in.number<std::uint64_t>();
-        if (loose.size == 0) loose = {.at = at, .size = 0, .start = time, .end = time, .loose = true};
+        if (loose.size == 0)
+          loose = {.at = at, .size = 0, .start = time, .end = time, .loose = true};
         loose.start = std::min(loose.start, time), loose.end = std::max(loose.end, time);
         loose.size = at + size - loose.at;  // with what stands between
-        if (loose.size >= kLooseBytes) put_loose();
+        if (loose.size >= kLooseBytes)
+          put_loose();
       }
       at += size;
     }
@@ -261,56 +332,75 @@ class McapReader final : public FileReader {
 
   /// The records of a piece, uncompressed.
   Result<Buffer> contents(const Piece& piece) const {
-    if (piece.size > kMaxChunkBytes) return damaged("a chunk is too large");
+    if (piece.size > kMaxChunkBytes)
+      return damaged("a chunk is too large");
     Buffer raw(piece.size);
-    if (auto read = read_at(piece.at, raw); !read) return std::unexpected(read.error());
-    if (piece.loose) return raw;
+    if (auto read = read_at(piece.at, raw); !read)
+      return std::unexpected(read.error());
+    if (piece.loose)
+      return raw;
     Cursor cursor(raw.view());
     const auto record = mcap::next_record(cursor);
-    if (!record || record->op != Op::kChunk) return damaged("no chunk stands where its index says");
+    if (!record || record->op != Op::kChunk)
+      return damaged("no chunk stands where its index says");
     Cursor in(record->content);
     in.take(8 + 8);
     const auto size = in.number<std::uint64_t>();
     const auto crc = in.number<std::uint32_t>();
     const auto compression = in.text();
     const auto packed = in.take(in.number<std::uint64_t>());
-    if (!in.good() || size > kMaxChunkBytes) return damaged("a chunk is not whole");
+    if (!in.good() || size > kMaxChunkBytes)
+      return damaged("a chunk is not whole");
     Buffer out(size);
     if (compression.empty()) {
-      if (packed.size() != size) return damaged("a chunk is not whole");
+      if (packed.size() != size)
+        return damaged("a chunk is not whole");
       std::ranges::copy(packed, out.data.get());
     } else if (compression == "zstd") {
-      const std::size_t got = ZSTD_decompress(out.data.get(), out.size, packed.data(), packed.size());
-      if (ZSTD_isError(got) || got != size) return damaged("a chunk cannot be uncompressed");
+      const std::size_t got =
+          ZSTD_decompress(out.data.get(), out.size, packed.data(), packed.size());
+      if (ZSTD_isError(got) || got != size)
+        return damaged("a chunk cannot be uncompressed");
     } else {
-      return refuse("'{}' is compressed by {}, and zstd alone is read. `mcap compress --compression zstd` makes one that is.", path_.string(), compression);
+      return refuse(
+          "'{}' is compressed by {}, and zstd alone is read. `mcap compress --compression zstd` "
+          "makes one that is.",
+          path_.string(), compression);
     }
-    if (crc != 0 && ::crc32_z(0, reinterpret_cast<const Bytef*>(out.data.get()), out.size) != crc) return damaged("a chunk does not have its checksum");
+    if (crc != 0 && ::crc32_z(0, reinterpret_cast<const Bytef*>(out.data.get()), out.size) != crc)
+      return damaged("a chunk does not have its checksum");
     return out;
   }
 
   /// The last few stay: a player asks for the same chunk again and again.
   Result<std::shared_ptr<const DecodedPiece>> decoded(std::size_t ordinal) const {
     const auto kept = std::ranges::find(kept_, ordinal, [](const auto& one) { return one.first; });
-    if (kept != kept_.end()) return kept->second;
+    if (kept != kept_.end())
+      return kept->second;
     auto bytes = contents(pieces_[ordinal]);
-    if (!bytes) return std::unexpected(bytes.error());
+    if (!bytes)
+      return std::unexpected(bytes.error());
     auto piece = std::make_shared<DecodedPiece>();
     piece->bytes = std::move(*bytes);
     Cursor records(piece->bytes.view());
-    // Where they stand in the file is the order of arrival. Of kMaxChunkBytes each may hold less than 2^32.
-    for (std::int64_t n = pieces_[ordinal].number << 32; const auto record = mcap::next_record(records); ++n) {
-      if (record->op != Op::kMessage) continue;
+    // Where they stand in the file is the order of arrival. Of kMaxChunkBytes each may hold less
+    // than 2^32.
+    for (std::int64_t n = pieces_[ordinal].number << 32;
+         const auto record = mcap::next_record(records); ++n) {
+      if (record->op != Op::kMessage)
+        continue;
       Cursor in(record->content);
       const auto topic = topic_of_.find(in.number<std::uint16_t>());
       in.number<std::uint32_t>();
       const auto log_time = in.number<std::uint64_t>(), publish_time = in.number<std::uint64_t>();
-      if (!in.good() || topic == topic_of_.end()) continue;
+      if (!in.good() || topic == topic_of_.end())
+        continue;
       piece->entries.push_back({time_of(log_time, publish_time), n, topic->second, in.rest()});
     }
     std::ranges::sort(piece->entries, {}, &Entry::order);
     kept_.emplace_front(ordinal, piece);
-    if (kept_.size() > kKept) kept_.pop_back();
+    if (kept_.size() > kKept)
+      kept_.pop_back();
     return piece;
   }
 
@@ -329,15 +419,19 @@ class McapReader final : public FileReader {
 bool is_mcap(const std::filesystem::path& path) {
   const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
   char magic[8] = {};
-  return file.get() >= 0 && ::pread(file.get(), magic, sizeof magic, 0) == sizeof magic && std::string_view(magic, sizeof magic) == mcap::kMagic;
+  return file.get() >= 0 && ::pread(file.get(), magic, sizeof magic, 0) == sizeof magic &&
+         std::string_view(magic, sizeof magic) == mcap::kMagic;
 }
 
 Result<std::unique_ptr<FileReader>> open_mcap_file(const std::filesystem::path& path) {
   Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
   struct stat about {};
-  if (file.get() < 0 || ::fstat(file.get(), &about) != 0) return refuse("'{}' cannot be read: {}.", path.string(), std::strerror(errno));
-  auto reader = std::make_unique<McapReader>(path, std::move(file), static_cast<std::uint64_t>(about.st_size));
-  if (auto opened = reader->open(); !opened) return std::unexpected(opened.error());
+  if (file.get() < 0 || ::fstat(file.get(), &about) != 0)
+    return refuse("'{}' cannot be read: {}.", path.string(), std::strerror(errno));
+  auto reader = std::make_unique<McapReader>(path, std::move(file),
+                                             static_cast<std::uint64_t>(about.st_size));
+  if (auto opened = reader->open(); !opened)
+    return std::unexpected(opened.error());
   return reader;
 }
 

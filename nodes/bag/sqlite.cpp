@@ -4,10 +4,13 @@
 
 namespace voxtouch::bag {
 
-void Statement::bind(int index, std::int64_t value) noexcept { sqlite3_bind_int64(statement_.get(), index, value); }
+void Statement::bind(int index, std::int64_t value) noexcept {
+  sqlite3_bind_int64(statement_.get(), index, value);
+}
 
 void Statement::bind(int index, std::string_view text) noexcept {
-  sqlite3_bind_text64(statement_.get(), index, text.data(), text.size(), SQLITE_TRANSIENT, SQLITE_UTF8);
+  sqlite3_bind_text64(statement_.get(), index, text.data(), text.size(), SQLITE_TRANSIENT,
+                      SQLITE_UTF8);
 }
 
 void Statement::bind(int index, std::span<const std::byte> bytes) noexcept {
@@ -19,11 +22,14 @@ void Statement::bind(int index, std::span<const std::byte> bytes) noexcept {
 int Statement::step() noexcept { return sqlite3_step(statement_.get()); }
 void Statement::reset() noexcept { sqlite3_reset(statement_.get()); }
 
-std::int64_t Statement::integer(int column) const noexcept { return sqlite3_column_int64(statement_.get(), column); }
+std::int64_t Statement::integer(int column) const noexcept {
+  return sqlite3_column_int64(statement_.get(), column);
+}
 
 std::string Statement::text(int column) const {
   const auto* text = reinterpret_cast<const char*>(sqlite3_column_text(statement_.get(), column));
-  if (text == nullptr) return {};
+  if (text == nullptr)
+    return {};
   return {text, static_cast<std::size_t>(sqlite3_column_bytes(statement_.get(), column))};
 }
 
@@ -40,14 +46,16 @@ Result<Database> Database::open(const std::filesystem::path& file, Mode mode) {
   const int flags = mode == Mode::kReadOnly ? SQLITE_OPEN_READONLY : kCreateFlags;
   const int code = sqlite3_open_v2(file.c_str(), &handle, flags | SQLITE_OPEN_NOMUTEX, nullptr);
   database.handle_.reset(handle);
-  if (code != SQLITE_OK) return std::unexpected(database.error("open"));
+  if (code != SQLITE_OK)
+    return std::unexpected(database.error("open"));
   sqlite3_busy_timeout(handle, 1000);
   return database;
 }
 
 Result<Statement> Database::prepare(std::string_view sql) const {
   sqlite3_stmt* raw = nullptr;
-  if (sqlite3_prepare_v2(handle_.get(), sql.data(), static_cast<int>(sql.size()), &raw, nullptr) != SQLITE_OK)
+  if (sqlite3_prepare_v2(handle_.get(), sql.data(), static_cast<int>(sql.size()), &raw, nullptr) !=
+      SQLITE_OK)
     return std::unexpected(error("prepare a statement for"));
   Statement statement;
   statement.statement_.reset(raw);
@@ -62,10 +70,13 @@ Result<void> Database::run(const std::string& sql) const {
 
 Result<std::string> Database::value(std::string_view sql) const {
   auto statement = prepare(sql);
-  if (!statement) return std::unexpected(statement.error());
+  if (!statement)
+    return std::unexpected(statement.error());
   const int code = statement->step();
-  if (code == SQLITE_ROW) return statement->text(0);
-  if (code == SQLITE_DONE) return std::string();
+  if (code == SQLITE_ROW)
+    return statement->text(0);
+  if (code == SQLITE_DONE)
+    return std::string();
   return std::unexpected(error("read"));
 }
 
@@ -73,10 +84,14 @@ BagError Database::error(std::string_view doing) const {
   const int code = handle_ ? sqlite3_extended_errcode(handle_.get()) : SQLITE_NOMEM;
   const char* text = handle_ ? sqlite3_errmsg(handle_.get()) : "out of memory";
   std::string_view advice = "Check that the file is there and not damaged.";
-  if ((code & 0xff) == SQLITE_FULL || (code & 0xff) == SQLITE_IOERR) advice = "Make room on the disk.";
-  if ((code & 0xff) == SQLITE_READONLY || (code & 0xff) == SQLITE_PERM) advice = "Check the rights on the folder.";
-  if ((code & 0xff) == SQLITE_BUSY) advice = "Close the program that has it open.";
-  return {fmt::format("sqlite cannot {} '{}': {} (code {}). {}", doing, file_.string(), text, code, advice)};
+  if ((code & 0xff) == SQLITE_FULL || (code & 0xff) == SQLITE_IOERR)
+    advice = "Make room on the disk.";
+  if ((code & 0xff) == SQLITE_READONLY || (code & 0xff) == SQLITE_PERM)
+    advice = "Check the rights on the folder.";
+  if ((code & 0xff) == SQLITE_BUSY)
+    advice = "Close the program that has it open.";
+  return {fmt::format("sqlite cannot {} '{}': {} (code {}). {}", doing, file_.string(), text, code,
+                      advice)};
 }
 
 }  // namespace voxtouch::bag

@@ -14,8 +14,8 @@
 
 namespace voxtouch::bag {
 
-/// A prepared statement. Column and parameter numbers as sqlite counts them: columns from 0, parameters from
-/// 1.
+/// A prepared statement. Column and parameter numbers as sqlite counts them: columns from 0,
+/// parameters from 1.
 class Statement {
  public:
   void bind(int index, std::int64_t value) noexcept;

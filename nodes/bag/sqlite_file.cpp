@@ -1,10 +1,12 @@
 /// A bag's file in sqlite3, schema 3, as Humble writes it and Jazzy reads it.
 ///
-/// Journal: write-ahead log while recording, as rosbag2's own resilient profile has it. Reason: rosbag2 opens bags read-only, and a read-only
-/// connection cannot undo the rollback journal that a kill in the middle of a transaction leaves behind (of 25 killed writers each, journal
-/// mode DELETE left 4 that opened, TRUNCATE 2, WAL 25), but it reads a write-ahead log. So after a kill the folder holds <name>_0.db3-wal (and
-/// -shm) besides the .db3: keep them together; the .db3 alone lacks what was committed since the last checkpoint (refresh). Closing folds the
-/// log in and turns the journal back, so that a closed bag is one file that opens on read-only media too.
+/// Journal: write-ahead log while recording, as rosbag2's own resilient profile has it. Reason:
+/// rosbag2 opens bags read-only, and a read-only connection cannot undo the rollback journal that a
+/// kill in the middle of a transaction leaves behind (of 25 killed writers each, journal mode
+/// DELETE left 4 that opened, TRUNCATE 2, WAL 25), but it reads a write-ahead log. So after a kill
+/// the folder holds <name>_0.db3-wal (and -shm) besides the .db3: keep them together; the .db3
+/// alone lacks what was committed since the last checkpoint (refresh). Closing folds the log in and
+/// turns the journal back, so that a closed bag is one file that opens on read-only media too.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -36,42 +38,60 @@ COMMIT;
 
 class SqliteFile final : public BagFile {
  public:
-  SqliteFile(std::filesystem::path path, Database database) : path_(std::move(path)), database_(std::make_unique<Database>(std::move(database))) {}
+  SqliteFile(std::filesystem::path path, Database database)
+      : path_(std::move(path)),
+        database_(std::make_unique<Database>(std::move(database))) {}
 
   Result<void> create_tables(std::uint64_t max_bytes) {
     auto mode = database_->value("PRAGMA journal_mode=WAL");
-    if (!mode) return std::unexpected(mode.error());
+    if (!mode)
+      return std::unexpected(mode.error());
     if (*mode != "wal")
-      return refuse("The file system of '{}' cannot share a write-ahead log (journal mode stays {}). Record to a local disk.", path_.string(), *mode);
+      return refuse(
+          "The file system of '{}' cannot share a write-ahead log (journal mode stays {}). Record "
+          "to a local disk.",
+          path_.string(), *mode);
     // Nothing is flushed to the disk before the bag is closed: see BagWriter.
-    if (auto set = database_->run("PRAGMA synchronous=OFF"); !set) return set;
+    if (auto set = database_->run("PRAGMA synchronous=OFF"); !set)
+      return set;
     if (max_bytes > 0) {
-      const auto pages = std::max<std::int64_t>(static_cast<std::int64_t>(max_bytes) / kPageBytes, 1);
-      if (auto set = database_->run(fmt::format("PRAGMA max_page_count={}", pages)); !set) return set;
+      const auto pages =
+          std::max<std::int64_t>(static_cast<std::int64_t>(max_bytes) / kPageBytes, 1);
+      if (auto set = database_->run(fmt::format("PRAGMA max_page_count={}", pages)); !set)
+        return set;
     }
-    if (auto made = database_->run(kSchema); !made) return made;
-    auto insert = database_->prepare("INSERT INTO messages (timestamp, topic_id, data) VALUES (?, ?, ?)");
-    if (!insert) return std::unexpected(insert.error());
+    if (auto made = database_->run(kSchema); !made)
+      return made;
+    auto insert =
+        database_->prepare("INSERT INTO messages (timestamp, topic_id, data) VALUES (?, ?, ?)");
+    if (!insert)
+      return std::unexpected(insert.error());
     insert_ = std::move(*insert);
     note_size();
     return {};
   }
 
   Result<void> add_topic(const TopicInfo& topic) override {
-    auto insert = database_->prepare("INSERT INTO topics (name, type, serialization_format, offered_qos_profiles) VALUES (?, ?, ?, ?)");
-    if (!insert) return std::unexpected(insert.error());
+    auto insert = database_->prepare(
+        "INSERT INTO topics (name, type, serialization_format, offered_qos_profiles) VALUES (?, ?, "
+        "?, ?)");
+    if (!insert)
+      return std::unexpected(insert.error());
     insert->bind(1, topic.name);
     insert->bind(2, topic.type);
     insert->bind(3, topic.serialization_format);
     insert->bind(4, topic.offered_qos);
-    if (insert->step() != SQLITE_DONE) return std::unexpected(database_->error("add a topic to"));
+    if (insert->step() != SQLITE_DONE)
+      return std::unexpected(database_->error("add a topic to"));
     rows_.push_back(database_->last_row());
     return {};
   }
 
-  Result<void> append(TopicId topic, std::int64_t time_ns, std::span<const std::byte> bytes) override {
+  Result<void> append(TopicId topic, std::int64_t time_ns,
+                      std::span<const std::byte> bytes) override {
     if (!in_transaction_) {
-      if (auto begun = database_->run("BEGIN"); !begun) return begun;
+      if (auto begun = database_->run("BEGIN"); !begun)
+        return begun;
       in_transaction_ = true;
     }
     insert_->bind(1, time_ns);
@@ -79,21 +99,26 @@ class SqliteFile final : public BagFile {
     insert_->bind(3, bytes);
     const bool good = insert_->step() == SQLITE_DONE;
     std::optional<BagError> error;
-    if (!good) error = database_->error("write to");
+    if (!good)
+      error = database_->error("write to");
     insert_->reset();
-    if (good) return {};
-    if (database_->autocommit()) in_transaction_ = false;  // sqlite undid the whole transaction
+    if (good)
+      return {};
+    if (database_->autocommit())
+      in_transaction_ = false;  // sqlite undid the whole transaction
     return std::unexpected(*error);
   }
 
   bool pending() const noexcept override { return in_transaction_; }
 
   Result<void> commit() override {
-    if (!in_transaction_) return {};
+    if (!in_transaction_)
+      return {};
     in_transaction_ = false;
     if (auto committed = database_->run("COMMIT"); !committed) {
       BagError error = committed.error();
-      if (!database_->autocommit()) (void)database_->run("ROLLBACK");
+      if (!database_->autocommit())
+        (void)database_->run("ROLLBACK");
       return std::unexpected(error);
     }
     note_size();
@@ -110,17 +135,22 @@ class SqliteFile final : public BagFile {
   Result<void> close(const BagMetadata& metadata, Flush flush) override {
     auto result = commit();
     const auto then = [&](const Result<void>& step) {
-      if (!step && result) result = step;
+      if (!step && result)
+        result = step;
     };
     // sqlite changes how it flushes between transactions only.
-    if (flush == Flush::kYes) then(database_->run("PRAGMA synchronous=FULL"));
+    if (flush == Flush::kYes)
+      then(database_->run("PRAGMA synchronous=FULL"));
     then(refresh(metadata));
     insert_.reset();
     const auto mode = database_->value("PRAGMA journal_mode=DELETE");
-    if (!mode) then(std::unexpected(mode.error()));
+    if (!mode)
+      then(std::unexpected(mode.error()));
     if (mode && *mode != "delete")
-      then(refuse("The bag '{}' is complete, but another program has it open, so its -wal file stays; keep the two together.",
-                  path_.parent_path().string()));
+      then(
+          refuse("The bag '{}' is complete, but another program has it open, so its -wal file "
+                 "stays; keep the two together.",
+                 path_.parent_path().string()));
     database_.reset();
     return result;
   }
@@ -130,15 +160,19 @@ class SqliteFile final : public BagFile {
  private:
   // The row inside the database: without it Jazzy takes the QoS texts for its newest form.
   Result<void> write_metadata_row(const BagMetadata& metadata) {
-    auto insert = database_->prepare("INSERT OR REPLACE INTO metadata (id, metadata_version, metadata) VALUES (1, 5, ?)");
-    if (!insert) return std::unexpected(insert.error());
+    auto insert = database_->prepare(
+        "INSERT OR REPLACE INTO metadata (id, metadata_version, metadata) VALUES (1, 5, ?)");
+    if (!insert)
+      return std::unexpected(insert.error());
     insert->bind(1, metadata_yaml(metadata, false));
-    if (insert->step() != SQLITE_DONE) return std::unexpected(database_->error("write the metadata of"));
+    if (insert->step() != SQLITE_DONE)
+      return std::unexpected(database_->error("write the metadata of"));
     return {};
   }
   void note_size() {
     auto pages = database_->prepare("PRAGMA page_count");
-    if (pages && pages->step() == SQLITE_ROW) bytes_ = static_cast<std::uint64_t>(pages->integer(0) * kPageBytes);
+    if (pages && pages->step() == SQLITE_ROW)
+      bytes_ = static_cast<std::uint64_t>(pages->integer(0) * kPageBytes);
   }
 
   std::filesystem::path path_;
@@ -151,11 +185,14 @@ class SqliteFile final : public BagFile {
 
 }  // namespace
 
-Result<std::unique_ptr<BagFile>> make_sqlite_file(const std::filesystem::path& path, std::uint64_t max_bytes) {
+Result<std::unique_ptr<BagFile>> make_sqlite_file(const std::filesystem::path& path,
+                                                  std::uint64_t max_bytes) {
   auto database = Database::open(path, Database::Mode::kCreate);
-  if (!database) return std::unexpected(database.error());
+  if (!database)
+    return std::unexpected(database.error());
   auto file = std::make_unique<SqliteFile>(path, std::move(*database));
-  if (auto made = file->create_tables(max_bytes); !made) return std::unexpected(made.error());
+  if (auto made = file->create_tables(max_bytes); !made)
+    return std::unexpected(made.error());
   return file;
 }
 

@@ -6,15 +6,19 @@
 namespace voxtouch::bus {
 namespace {
 
-Entity make_topic(const Participant& participant, const qos::Topic& row, std::string_view rig, const msg::AnyType& type) {
+Entity make_topic(const Participant& participant, const qos::Topic& row, std::string_view rig,
+                  const msg::AnyType& type) {
   const std::string name = qos::dds_name(row, rig);
   if (type.ros_name != row.type)
-    throw Error("topic " + name + " carries " + std::string(row.type) + ", not " + std::string(type.ros_name));
-  return Entity(dds_create_topic(participant.get(), type.descriptor, name.c_str(), nullptr, nullptr),
-                "topic " + name + " could not be made");
+    throw Error("topic " + name + " carries " + std::string(row.type) + ", not " +
+                std::string(type.ros_name));
+  return Entity(
+      dds_create_topic(participant.get(), type.descriptor, name.c_str(), nullptr, nullptr),
+      "topic " + name + " could not be made");
 }
 
-qos::Qos qos_of(const qos::Topic& row, const qos::Profile& profile, qos::Endpoint endpoint, const msg::AnyType& type) {
+qos::Qos qos_of(const qos::Topic& row, const qos::Profile& profile, qos::Endpoint endpoint,
+                const msg::AnyType& type) {
   qos::Qos qos = qos::make_qos(profile, endpoint, row.rate_hz > 0 ? 1.0 / row.rate_hz : 0.0);
   announce(qos.get(), type);
   return qos;
@@ -58,8 +62,9 @@ void announce(dds_qos_t* qos, const msg::AnyType& type) {
   dds_qset_userdata(qos, hash.data(), hash.size());
 }
 
-EndpointEntities make_writer(const Participant& participant, const qos::Topic& row, std::string_view rig,
-                             const qos::Profile& profile, const msg::AnyType& type) {
+EndpointEntities make_writer(const Participant& participant, const qos::Topic& row,
+                             std::string_view rig, const qos::Profile& profile,
+                             const msg::AnyType& type) {
   Entity topic = make_topic(participant, row, rig, type);
   const qos::Qos qos = qos_of(row, profile, qos::Endpoint::kWriter, type);
   Entity writer(dds_create_writer(participant.get(), topic.get(), qos.get(), nullptr),
@@ -68,8 +73,9 @@ EndpointEntities make_writer(const Participant& participant, const qos::Topic& r
   return {std::move(topic), std::move(writer), std::move(entry)};
 }
 
-EndpointEntities make_reader(const Participant& participant, const qos::Topic& row, std::string_view rig,
-                             const qos::Profile& profile, const msg::AnyType& type, Following* following) {
+EndpointEntities make_reader(const Participant& participant, const qos::Topic& row,
+                             std::string_view rig, const qos::Profile& profile,
+                             const msg::AnyType& type, Following* following) {
   Entity topic = make_topic(participant, row, rig, type);
   if (following) {
     const dds_topic_filter filter = following->filter();
@@ -79,7 +85,8 @@ EndpointEntities make_reader(const Participant& participant, const qos::Topic& r
   const qos::Qos qos = qos_of(row, profile, qos::Endpoint::kReader, type);
   Entity reader(dds_create_reader(participant.get(), topic.get(), qos.get(), nullptr),
                 "a reader on " + qos::dds_name(row, rig) + " could not be made");
-  if (following) following->attach(reader.get());
+  if (following)
+    following->attach(reader.get());
   GraphEntry entry = participant.enter(reader.get(), qos::Endpoint::kReader);
   return {std::move(topic), std::move(reader), std::move(entry)};
 }
@@ -111,7 +118,8 @@ Guid participant_of_writer(dds_entity_t reader, dds_instance_handle_t writer) {
 
 bool writer_is_matched(dds_entity_t reader, dds_instance_handle_t writer) {
   dds_builtintopic_endpoint_t* peer = dds_get_matched_publication_data(reader, writer);
-  if (peer) dds_builtintopic_free_endpoint(peer);
+  if (peer)
+    dds_builtintopic_free_endpoint(peer);
   return peer != nullptr;
 }
 

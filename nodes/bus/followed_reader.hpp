@@ -7,23 +7,26 @@
 
 namespace voxtouch::bus {
 
-/// For fixed-size types. In real time its history holds one sample, the newest of the writer that is followed; in lockstep all of them,
-/// in order.
+/// For fixed-size types. In real time its history holds one sample, the newest of the writer that
+/// is followed; in lockstep all of them, in order.
 template <class T>
 class FollowedReader {
  public:
   FollowedReader() = default;
-  FollowedReader(const Participant& participant, const qos::Topic& row, std::string_view rig, const qos::Profile& profile)
+  FollowedReader(const Participant& participant, const qos::Topic& row, std::string_view rig,
+                 const qos::Profile& profile)
       : following_(std::make_unique<Following>(Following::WhileNobody::kTakeNothing)),
         reader_(participant, row, rig, profile, following_.get()) {}
 
-  /// The oldest waiting sample of the writer that is followed. Real-time safe apart from what DDS itself does; looks at
-  /// kMaxTakes samples at most, what is left comes next time.
+  /// The oldest waiting sample of the writer that is followed. Real-time safe apart from what DDS
+  /// itself does; looks at kMaxTakes samples at most, what is left comes next time.
   bool take(T& sample, dds_instance_handle_t* writer = nullptr) noexcept {
     dds_instance_handle_t from = 0;
     for (int i = 0; i < kMaxTakes && reader_.take(sample, &from); ++i) {
-      if (!following_->admits(from)) continue;  // it was stored before another writer was followed
-      if (writer) *writer = from;
+      if (!following_->admits(from))
+        continue;  // it was stored before another writer was followed
+      if (writer)
+        *writer = from;
       return true;
     }
     return false;

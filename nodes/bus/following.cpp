@@ -12,20 +12,24 @@ bool admit(const dds_sample_info_t* info, void* following) {
 }
 
 void on_matched(dds_entity_t, const dds_subscription_matched_status_t status, void* following) {
-  if (status.current_count_change < 0) static_cast<Following*>(following)->see_go(status.last_publication_handle);
+  if (status.current_count_change < 0)
+    static_cast<Following*>(following)->see_go(status.last_publication_handle);
 }
 
 }  // namespace
 
 void Following::attach(dds_entity_t reader) {
   reader_ = reader;
-  const std::unique_ptr<dds_listener_t, decltype(&dds_delete_listener)> listener(dds_create_listener(this), dds_delete_listener);
+  const std::unique_ptr<dds_listener_t, decltype(&dds_delete_listener)> listener(
+      dds_create_listener(this), dds_delete_listener);
   dds_lset_subscription_matched(listener.get(), on_matched);
-  if (dds_set_listener(reader, listener.get()) != DDS_RETCODE_OK) throw Error("a reader could not be told to watch who goes");
+  if (dds_set_listener(reader, listener.get()) != DDS_RETCODE_OK)
+    throw Error("a reader could not be told to watch who goes");
 }
 
 void Following::see_go(dds_instance_handle_t writer) noexcept {
-  if (writer == writer_.load(std::memory_order_acquire)) has_gone_.store(true, std::memory_order_release);
+  if (writer == writer_.load(std::memory_order_acquire))
+    has_gone_.store(true, std::memory_order_release);
 }
 
 dds_topic_filter Following::filter() noexcept {
@@ -38,13 +42,19 @@ dds_topic_filter Following::filter() noexcept {
 
 bool Following::admits(dds_instance_handle_t writer) noexcept {
   const dds_instance_handle_t followed = writer_.load(std::memory_order_acquire);
-  // What is latched comes once. Of a participant that is found anew, after a cut of the network, it may come before `follow` knows its new writer.
-  const bool nobody = followed == 0 || (rule_ == WhileNobody::kTakeAll && has_gone_.load(std::memory_order_acquire) && followed != writer);
+  // What is latched comes once. Of a participant that is found anew, after a cut of the network, it
+  // may come before `follow` knows its new writer.
+  const bool nobody =
+      followed == 0 || (rule_ == WhileNobody::kTakeAll &&
+                        has_gone_.load(std::memory_order_acquire) && followed != writer);
   if (nobody)
     return rule_ == WhileNobody::kTakeAll &&
-           std::none_of(unwanted_.begin(), unwanted_.end(), [&](const auto& one) { return one.load() == writer; });
-  if (followed == writer || also_.load(std::memory_order_acquire) == writer) return true;
-  if (passed_over_.load(std::memory_order_acquire) == writer) return false;
+           std::none_of(unwanted_.begin(), unwanted_.end(),
+                        [&](const auto& one) { return one.load() == writer; });
+  if (followed == writer || also_.load(std::memory_order_acquire) == writer)
+    return true;
+  if (passed_over_.load(std::memory_order_acquire) == writer)
+    return false;
   refused_.fetch_add(1, std::memory_order_relaxed);
   last_refused_[writer % last_refused_.size()].store(writer, std::memory_order_relaxed);
   return false;
@@ -57,7 +67,8 @@ void Following::refuse(dds_instance_handle_t writer) noexcept {
 dds_instance_handle_t Following::writer_of(const Guid& participant) const {
   dds_instance_handle_t found = 0;
   for (const dds_instance_handle_t writer : matched_writer_handles(reader_))
-    if (participant_of_writer(reader_, writer) == participant) found = writer;
+    if (participant_of_writer(reader_, writer) == participant)
+      found = writer;
   return found;
 }
 
@@ -66,7 +77,8 @@ bool Following::follow(const Guid& participant) {
   switching_.store(false, std::memory_order_release);
   writer_.store(found, std::memory_order_release);
   has_gone_.store(false, std::memory_order_release);
-  if (found != 0 && !has_writer()) has_gone_.store(true, std::memory_order_release);  // since it was looked for
+  if (found != 0 && !has_writer())
+    has_gone_.store(true, std::memory_order_release);  // since it was looked for
   return found != 0;
 }
 
@@ -76,17 +88,21 @@ bool Following::keep_also(const Guid& participant) {
   return found != 0;
 }
 
-void Following::pass_over(const Guid& participant) { passed_over_.store(writer_of(participant), std::memory_order_release); }
+void Following::pass_over(const Guid& participant) {
+  passed_over_.store(writer_of(participant), std::memory_order_release);
+}
 
 void Following::follow_awaited() noexcept {
   switching_.store(false, std::memory_order_release);
-  also_.store(writer_.exchange(also_.load(std::memory_order_acquire), std::memory_order_acq_rel), std::memory_order_release);
+  also_.store(writer_.exchange(also_.load(std::memory_order_acquire), std::memory_order_acq_rel),
+              std::memory_order_release);
   has_gone_.store(false, std::memory_order_release);
 }
 
 bool Following::has_matched(const Guid& participant) const {
   for (const Guid& other : matched_writers(reader_))
-    if (other == participant) return true;
+    if (other == participant)
+      return true;
   return false;
 }
 
@@ -98,7 +114,8 @@ bool Following::has_writer() const {
 std::vector<Guid> Following::take_refused() {
   std::vector<Guid> participants;
   for (auto& slot : last_refused_)
-    if (const dds_instance_handle_t writer = slot.exchange(0, std::memory_order_relaxed); writer != 0)
+    if (const dds_instance_handle_t writer = slot.exchange(0, std::memory_order_relaxed);
+        writer != 0)
       if (const Guid participant = participant_of_writer(reader_, writer); participant != Guid{})
         participants.push_back(participant);
   return participants;

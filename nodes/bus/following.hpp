@@ -1,6 +1,6 @@
 #pragma once
-/// Whose samples a reader takes in: those of one writer. DDS asks before it stores a sample, so what others write, however fast, takes
-/// no place in the reader's history and wakes nobody.
+/// Whose samples a reader takes in: those of one writer. DDS asks before it stores a sample, so
+/// what others write, however fast, takes no place in the reader's history and wakes nobody.
 #include <array>
 #include <atomic>
 #include <vector>
@@ -9,29 +9,36 @@
 
 namespace voxtouch::bus {
 
-/// `follow` and all that allocates: one slow thread. `writer`: any thread, real-time safe. Its address stays: the reader keeps it.
+/// `follow` and all that allocates: one slow thread. `writer`: any thread, real-time safe. Its
+/// address stays: the reader keeps it.
 class Following {
  public:
   enum class WhileNobody : bool {
     kTakeNothing,  ///< streams: a sample of nobody in particular is of no use
-    kTakeAll,      ///< latched values, which come before it is known whose is needed; also while the one that is followed has gone
+    kTakeAll,  ///< latched values, which come before it is known whose is needed; also while the
+               ///< one that is followed has gone
   };
   explicit Following(WhileNobody rule) noexcept : rule_(rule) {}
   Following(const Following&) = delete;
   Following& operator=(const Following&) = delete;
 
-  /// From now on the writer of `participant`. False, and nobody is followed, where this reader has matched none of it.
+  /// From now on the writer of `participant`. False, and nobody is followed, where this reader has
+  /// matched none of it.
   bool follow(const Guid& participant);
   void follow_nobody() noexcept { writer_.store(0, std::memory_order_release); }
-  /// Takes in what `participant` writes as well, beside the one that is followed: a latched reader keeps its last value, and shows it once it is
-  /// to follow it. False, and nobody stands by, where this reader has matched none of it.
+  /// Takes in what `participant` writes as well, beside the one that is followed: a latched reader
+  /// keeps its last value, and shows it once it is to follow it. False, and nobody stands by, where
+  /// this reader has matched none of it.
   bool keep_also(const Guid& participant);
   void keep_nobody_also() noexcept { also_.store(0, std::memory_order_release); }
-  /// Follows the one that `keep_also` named as soon as there is a value of it; a latched reader does it, in `take`.
+  /// Follows the one that `keep_also` named as soon as there is a value of it; a latched reader
+  /// does it, in `take`.
   void follow_kept() noexcept { switching_.store(true, std::memory_order_release); }
-  /// What `participant` writes is left out here, and neither counted nor named: another reader of this node takes it.
+  /// What `participant` writes is left out here, and neither counted nor named: another reader of
+  /// this node takes it.
   void pass_over(const Guid& participant);
-  /// Nothing of `writer` is taken while nobody is followed, for one that sends what cannot be ours. The last 16 are remembered.
+  /// Nothing of `writer` is taken while nobody is followed, for one that sends what cannot be ours.
+  /// The last 16 are remembered.
   void refuse(dds_instance_handle_t writer) noexcept;
   /// Its publication handle; 0: nobody's.
   dds_instance_handle_t writer() const noexcept { return writer_.load(std::memory_order_acquire); }
@@ -42,7 +49,8 @@ class Following {
   bool has_writer() const;
   /// Samples of others that came while somebody was followed; any thread.
   std::uint64_t refused() const noexcept { return refused_.load(std::memory_order_relaxed); }
-  /// Participants of some of those that were refused since the last call; those that have gone are not among them.
+  /// Participants of some of those that were refused since the last call; those that have gone are
+  /// not among them.
   std::vector<Guid> take_refused();
 
   // Of the reader.
@@ -55,7 +63,9 @@ class Following {
   /// Whether a sample of `writer` is to be taken; counts. Real-time safe.
   bool admits(dds_instance_handle_t writer) noexcept;
   /// Whose value is waited for, to follow it; 0: nobody's.
-  dds_instance_handle_t awaited() const noexcept { return switching_.load(std::memory_order_acquire) ? also_.load(std::memory_order_acquire) : 0; }
+  dds_instance_handle_t awaited() const noexcept {
+    return switching_.load(std::memory_order_acquire) ? also_.load(std::memory_order_acquire) : 0;
+  }
   /// The awaited one is followed from here on, and what the other still writes is kept.
   void follow_awaited() noexcept;
 
@@ -65,11 +75,13 @@ class Following {
   dds_entity_t reader_ = 0;
   std::atomic<dds_instance_handle_t> writer_{0}, also_{0}, passed_over_{0};
   std::atomic<bool> switching_{false};
-  std::atomic<bool> has_gone_{false};  ///< the writer that is followed has gone, and `follow` has not been called since
+  std::atomic<bool> has_gone_{
+      false};  ///< the writer that is followed has gone, and `follow` has not been called since
   std::atomic<std::uint64_t> refused_{0};
   std::array<std::atomic<dds_instance_handle_t>, 16> unwanted_{};
   std::size_t unwanted_count_ = 0;
-  std::array<std::atomic<dds_instance_handle_t>, 8> last_refused_{};  ///< the handle's low bits choose the slot
+  std::array<std::atomic<dds_instance_handle_t>, 8>
+      last_refused_{};  ///< the handle's low bits choose the slot
 };
 
 }  // namespace voxtouch::bus

@@ -39,19 +39,27 @@ void lend(Sequence& sequence, std::vector<Element>& elements) {
 template <class Gid>
 std::vector<Gid> to_gids(const std::set<Guid>& guids) {
   std::vector<Gid> gids;
-  for (const Guid& guid : guids) gids.push_back(to_gid<Gid>(guid));
+  for (const Guid& guid : guids)
+    gids.push_back(to_gid<Gid>(guid));
   return gids;
 }
 
 }  // namespace
 
-Graph::Graph(dds_entity_t participant, RosNode node) : node_(std::move(node)), participant_(guid_of(participant)) {
+Graph::Graph(dds_entity_t participant, RosNode node)
+    : node_(std::move(node)),
+      participant_(guid_of(participant)) {
   dds_topic_descriptor_t type =
-      *(node_.graph == RosGraph::kHumble ? msg::Type<HumbleInfo>::descriptor : msg::Type<IronInfo>::descriptor);
-  type.m_typename = msg::Type<IronInfo>::descriptor->m_typename;  // Humble gives its layout the same name
-  topic_ = Entity(dds_create_topic(participant, &type, "ros_discovery_info", nullptr, nullptr), "the ROS graph's topic could not be made");
-  const qos::Qos qos = qos::make_qos(qos::profile(qos::ProfileId::kLatched), qos::Endpoint::kWriter, 0.0);
-  writer_ = Entity(dds_create_writer(participant, topic_.get(), qos.get(), nullptr), "the ROS graph's writer could not be made");
+      *(node_.graph == RosGraph::kHumble ? msg::Type<HumbleInfo>::descriptor
+                                         : msg::Type<IronInfo>::descriptor);
+  type.m_typename =
+      msg::Type<IronInfo>::descriptor->m_typename;  // Humble gives its layout the same name
+  topic_ = Entity(dds_create_topic(participant, &type, "ros_discovery_info", nullptr, nullptr),
+                  "the ROS graph's topic could not be made");
+  const qos::Qos qos =
+      qos::make_qos(qos::profile(qos::ProfileId::kLatched), qos::Endpoint::kWriter, 0.0);
+  writer_ = Entity(dds_create_writer(participant, topic_.get(), qos.get(), nullptr),
+                   "the ROS graph's writer could not be made");
   write();
 }
 
@@ -67,7 +75,9 @@ void Graph::remove(const Guid& endpoint, qos::Endpoint kind) {
   write();
 }
 
-void Graph::write() const { node_.graph == RosGraph::kHumble ? write_as<HumbleInfo>() : write_as<IronInfo>(); }
+void Graph::write() const {
+  node_.graph == RosGraph::kHumble ? write_as<HumbleInfo>() : write_as<IronInfo>();
+}
 
 template <class Info>
 void Graph::write_as() const {
@@ -87,7 +97,9 @@ void Graph::write_as() const {
 }
 
 GraphEntry::GraphEntry(std::shared_ptr<Graph> graph, dds_entity_t endpoint, qos::Endpoint kind)
-    : graph_(std::move(graph)), endpoint_(guid_of(endpoint)), kind_(kind) {
+    : graph_(std::move(graph)),
+      endpoint_(guid_of(endpoint)),
+      kind_(kind) {
   graph_->add(endpoint_, kind_);
 }
 

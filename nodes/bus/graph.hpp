@@ -1,6 +1,7 @@
 #pragma once
-/// What ROS 2 tools show of a participant: its node's name, and which endpoints are the node's (`ros2 node list`, `ros2 node info`).
-/// Every participant that is a node writes it on `ros_discovery_info`, anew whenever an endpoint comes or goes.
+/// What ROS 2 tools show of a participant: its node's name, and which endpoints are the node's
+/// (`ros2 node list`, `ros2 node info`). Every participant that is a node writes it on
+/// `ros_discovery_info`, anew whenever an endpoint comes or goes.
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -17,7 +18,8 @@ namespace voxtouch::bus {
 /// DDS GUID of a participant or an endpoint, as bytes.
 using Guid = std::array<std::uint8_t, 16>;
 
-/// The two layouts of that message: a GID has 24 bytes in Humble, 16 in every later ROS 2. A domain holds one of them.
+/// The two layouts of that message: a GID has 24 bytes in Humble, 16 in every later ROS 2. A domain
+/// holds one of them.
 enum class RosGraph : std::uint8_t { kHumble, kIron };
 
 struct RosNode {
@@ -53,11 +55,13 @@ class GraphEntry {
   GraphEntry(std::shared_ptr<Graph> graph, dds_entity_t endpoint, qos::Endpoint kind);
   GraphEntry(GraphEntry&& other) noexcept = default;
   GraphEntry& operator=(GraphEntry&& other) noexcept {
-    std::swap(graph_, other.graph_), std::swap(endpoint_, other.endpoint_), std::swap(kind_, other.kind_);
+    std::swap(graph_, other.graph_), std::swap(endpoint_, other.endpoint_),
+        std::swap(kind_, other.kind_);
     return *this;
   }
   ~GraphEntry() {
-    if (graph_) graph_->remove(endpoint_, kind_);
+    if (graph_)
+      graph_->remove(endpoint_, kind_);
   }
 
  private:

@@ -1,5 +1,6 @@
 #pragma once
-/// A reader of a latched control topic: it keeps the last value of each of several writers until it is known whose is needed.
+/// A reader of a latched control topic: it keeps the last value of each of several writers until it
+/// is known whose is needed.
 #include <algorithm>
 #include <memory>
 #include <vector>
@@ -20,27 +21,36 @@ class LatchedReader {
         // As latched, but the history, which all writers share, has room for many.
         reader_(participant, row, rig, qos::profile(qos::ProfileId::kStatus), following_.get()) {}
 
-  /// Calls f(const T&) where the writer that is followed has a value that f has not seen of it, the newest if several have come.
-  /// True if so. The same value written again is none. Looks at kMaxTakes samples at most.
+  /// Calls f(const T&) where the writer that is followed has a value that f has not seen of it, the
+  /// newest if several have come. True if so. The same value written again is none. Looks at
+  /// kMaxTakes samples at most.
   template <class F>
   bool take(F&& f) {
     receive();
-    if (const dds_instance_handle_t awaited = following_->awaited(); awaited != 0 && find(awaited) != kept_.end()) following_->follow_awaited();
+    if (const dds_instance_handle_t awaited = following_->awaited();
+        awaited != 0 && find(awaited) != kept_.end())
+      following_->follow_awaited();
     const dds_instance_handle_t writer = following_->writer();
-    if (writer != last_writer_) shown_.clear();
+    if (writer != last_writer_)
+      shown_.clear();
     last_writer_ = writer;
-    if (writer == 0) return false;
+    if (writer == 0)
+      return false;
     const auto kept = find(writer);
-    if (kept == kept_.end() || kept->bytes == shown_) return false;
+    if (kept == kept_.end() || kept->bytes == shown_)
+      return false;
     shown_ = kept->bytes;
     T value{};
     const bool whole = ddsi_serdata_to_sample(kept->data.get(), &value, nullptr, nullptr);
-    if (whole) f(static_cast<const T&>(value));
+    if (whole)
+      f(static_cast<const T&>(value));
     dds_sample_free(&value, msg::Type<T>::descriptor, DDS_FREE_CONTENTS);
     return whole;
   }
   /// The writer that is followed has had its value taken: what runs is his.
-  bool current() const noexcept { return last_writer_ != 0 && last_writer_ == following_->writer() && !shown_.empty(); }
+  bool current() const noexcept {
+    return last_writer_ != 0 && last_writer_ == following_->writer() && !shown_.empty();
+  }
 
   Following& following() const noexcept { return *following_; }
   std::vector<Guid> matched() const { return reader_.matched(); }
@@ -59,27 +69,33 @@ class LatchedReader {
   };
 
   typename std::vector<Kept>::iterator find(dds_instance_handle_t writer) {
-    return std::find_if(kept_.begin(), kept_.end(), [&](const Kept& k) { return k.writer == writer; });
+    return std::find_if(kept_.begin(), kept_.end(),
+                        [&](const Kept& k) { return k.writer == writer; });
   }
 
   void receive() {
     for (int i = 0; i < kMaxTakes; ++i) {
       ddsi_serdata* one[1] = {nullptr};
       dds_sample_info_t info;
-      if (dds_takecdr(reader_.get(), one, 1, &info, DDS_ANY_STATE) != 1) return;
+      if (dds_takecdr(reader_.get(), one, 1, &info, DDS_ANY_STATE) != 1)
+        return;
       Serdata data(one[0]);
-      if (info.valid_data && following_->admits(info.publication_handle)) keep(info.publication_handle, std::move(data));
+      if (info.valid_data && following_->admits(info.publication_handle))
+        keep(info.publication_handle, std::move(data));
     }
   }
 
   void keep(dds_instance_handle_t writer, Serdata data) {
     const std::size_t size = ddsi_serdata_size(data.get());
-    if (size > kMaxBytes) return;
+    if (size > kMaxBytes)
+      return;
     auto place = find(writer);
     if (place == kept_.end() && kept_.size() == kMaxWriters)
-      std::erase_if(kept_, [this](const Kept& k) { return !writer_is_matched(reader_.get(), k.writer); });
+      std::erase_if(kept_,
+                    [this](const Kept& k) { return !writer_is_matched(reader_.get(), k.writer); });
     if (place = find(writer); place == kept_.end()) {
-      if (kept_.size() >= kMaxWriters) return;
+      if (kept_.size() >= kMaxWriters)
+        return;
       place = kept_.insert(kept_.end(), Kept{writer, nullptr, {}});
     }
     place->bytes.resize(size);

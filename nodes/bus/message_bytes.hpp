@@ -1,5 +1,6 @@
 #pragma once
-/// Messages out of the bytes of a bag, without a participant: Cyclone DDS's own reader, which a type's description is enough for.
+/// Messages out of the bytes of a bag, without a participant: Cyclone DDS's own reader, which a
+/// type's description is enough for.
 #include <dds/dds.h>
 #include <dds/ddsi/ddsi_cdrstream.h>
 
@@ -13,27 +14,33 @@ namespace voxtouch::bus {
 
 constexpr std::size_t kCdrHeader = 4;
 
-/// The ring's streams are of fixed size and without padding: their CDR is the struct. False where the bytes are none.
+/// The ring's streams are of fixed size and without padding: their CDR is the struct. False where
+/// the bytes are none.
 template <class T>
 bool read_stream(std::span<const std::byte> bytes, T& message) {
-  if (bytes.size() != sizeof message + kCdrHeader) return false;
+  if (bytes.size() != sizeof message + kCdrHeader)
+    return false;
   std::memcpy(&message, bytes.data() + kCdrHeader, sizeof message);
   return true;
 }
 
-/// Calls f(const T&) for a message with texts; false, and no call, where the bytes are none. Allocates.
+/// Calls f(const T&) for a message with texts; false, and no call, where the bytes are none.
+/// Allocates.
 template <class T, class F>
 bool read_message(std::span<const std::byte> bytes, F&& f) {
-  if (bytes.size() < kCdrHeader) return false;
+  if (bytes.size() < kCdrHeader)
+    return false;
   const auto encoding = std::to_integer<unsigned>(bytes[1]);
-  if (bytes[0] != std::byte{0} || encoding > 1) return false;  // plain CDR, big or little endian: what ROS 2 and Cyclone write
+  if (bytes[0] != std::byte{0} || encoding > 1)
+    return false;  // plain CDR, big or little endian: what ROS 2 and Cyclone write
   const auto* ops = msg::Type<T>::descriptor->m_ops;
   std::vector<char> body(bytes.size() - kCdrHeader + 8);  // DDS reads in words: room behind the end
   std::memcpy(body.data(), bytes.data() + kCdrHeader, bytes.size() - kCdrHeader);
   std::uint32_t end = 0;
   const auto size = static_cast<std::uint32_t>(bytes.size() - kCdrHeader);
   constexpr std::uint32_t kPlain = 1;  // XCDR version 1
-  if (!dds_stream_normalize_data(body.data(), &end, size, encoding == 0, kPlain, ops)) return false;
+  if (!dds_stream_normalize_data(body.data(), &end, size, encoding == 0, kPlain, ops))
+    return false;
   dds_istream_t in;
   dds_istream_init(&in, size, body.data(), kPlain);
   T message{};

@@ -31,13 +31,16 @@ Addresses all_addresses() {
 }
 
 std::uint32_t ipv4_of(const ifaddrs& entry) {
-  if (!entry.ifa_addr || entry.ifa_addr->sa_family != AF_INET) return 0;
+  if (!entry.ifa_addr || entry.ifa_addr->sa_family != AF_INET)
+    return 0;
   sockaddr_in address{};
   std::memcpy(&address, entry.ifa_addr, sizeof address);
   return address.sin_addr.s_addr;
 }
 
-void fill(std::string& text, std::string_view slot, std::string_view value) { text.replace(text.find(slot), slot.size(), value); }
+void fill(std::string& text, std::string_view slot, std::string_view value) {
+  text.replace(text.find(slot), slot.size(), value);
+}
 
 /// Multicast is said to work: Linux does not say so of loopback, where it does.
 std::string card_xml(std::string_view key, std::string_view value) {
@@ -45,10 +48,13 @@ std::string card_xml(std::string_view key, std::string_view value) {
 }
 
 std::string cards_xml(std::string_view interface_name) {
-  if (interface_name != kThisHost) return fmt::format("<Interfaces>{}</Interfaces>", card_xml("name", interface_name));
+  if (interface_name != kThisHost)
+    return fmt::format("<Interfaces>{}</Interfaces>", card_xml("name", interface_name));
   std::string xml;
-  for (const Card& card : cards_of_this_host(network_cards())) xml += card_xml("address", to_text(card.address));
-  return fmt::format("<Interfaces>{}</Interfaces><MulticastTimeToLive>0</MulticastTimeToLive>", xml);
+  for (const Card& card : cards_of_this_host(network_cards()))
+    xml += card_xml("address", to_text(card.address));
+  return fmt::format("<Interfaces>{}</Interfaces><MulticastTimeToLive>0</MulticastTimeToLive>",
+                     xml);
 }
 
 }  // namespace
@@ -63,9 +69,12 @@ std::vector<Card> network_cards() {
   const Addresses list = all_addresses();
   for (const ifaddrs* entry = list.get(); entry; entry = entry->ifa_next) {
     const std::uint32_t address = ipv4_of(*entry);
-    const bool is_known = std::ranges::any_of(cards, [&](const Card& card) { return card.name == entry->ifa_name; });
-    if (address == 0 || is_known || (entry->ifa_flags & IFF_UP) == 0) continue;
-    cards.push_back({entry->ifa_name, address, (entry->ifa_flags & IFF_LOOPBACK) != 0, (entry->ifa_flags & IFF_MULTICAST) != 0});
+    const bool is_known =
+        std::ranges::any_of(cards, [&](const Card& card) { return card.name == entry->ifa_name; });
+    if (address == 0 || is_known || (entry->ifa_flags & IFF_UP) == 0)
+      continue;
+    cards.push_back({entry->ifa_name, address, (entry->ifa_flags & IFF_LOOPBACK) != 0,
+                     (entry->ifa_flags & IFF_MULTICAST) != 0});
   }
   return cards;
 }
@@ -73,38 +82,51 @@ std::vector<Card> network_cards() {
 std::vector<Card> cards_of_this_host(const std::vector<Card>& cards) {
   constexpr std::size_t kMaxCards = 4;  // MAX_XMIT_CONNS of Cyclone DDS
   std::vector<Card> chosen;
-  std::ranges::copy_if(cards, std::back_inserter(chosen), [](const Card& card) { return card.is_loopback; });
+  std::ranges::copy_if(cards, std::back_inserter(chosen),
+                       [](const Card& card) { return card.is_loopback; });
   for (const Card& card : cards)
-    if (!card.is_loopback && card.is_multicast && chosen.size() < kMaxCards) chosen.push_back(card);
+    if (!card.is_loopback && card.is_multicast && chosen.size() < kMaxCards)
+      chosen.push_back(card);
   return chosen;
 }
 
 bool names_cards(std::string_view configuration) {
   constexpr std::string_view kCard = "<NetworkInterface", kFile = "file://";
-  if (configuration.contains(kCard)) return true;
+  if (configuration.contains(kCard))
+    return true;
   while (!configuration.empty()) {
     std::string_view part = configuration.substr(0, configuration.find(','));
     configuration.remove_prefix(std::min(configuration.size(), part.size() + 1));
-    if (part.starts_with(kFile)) part.remove_prefix(kFile.size());
+    if (part.starts_with(kFile))
+      part.remove_prefix(kFile.size());
     std::error_code error;
-    if (part.empty() || part.starts_with('<') || !std::filesystem::is_regular_file(part, error)) continue;
+    if (part.empty() || part.starts_with('<') || !std::filesystem::is_regular_file(part, error))
+      continue;
     std::ifstream file{std::string(part)};
-    if (std::string(std::istreambuf_iterator<char>(file), {}).contains(kCard)) return true;
+    if (std::string(std::istreambuf_iterator<char>(file), {}).contains(kCard))
+      return true;
   }
   return false;
 }
 
-Network network_of(std::string_view interface_name, const std::vector<std::string>& peers, std::string_view added) {
+Network network_of(std::string_view interface_name, const std::vector<std::string>& peers,
+                   std::string_view added) {
   const bool own_cards = !names_cards(added), is_closed = own_cards && interface_name == kThisHost;
   if (is_closed && !peers.empty())
-    throw Error(fmt::format("--discovery-peer {} is another host, and --interface {} hears none: name the network card that leads there",
-                            peers.front(), kThisHost));
+    throw Error(
+        fmt::format("--discovery-peer {} is another host, and --interface {} hears none: name the "
+                    "network card that leads there",
+                    peers.front(), kThisHost));
   std::string xml(qos::kNetworkXml), peers_xml;
-  for (const std::string& peer : peers) peers_xml += fmt::format(R"(<Peer address="{}"/>)", peer);
-  // Hosts that are asked are asked at every index up to the last. Without them a high one costs nothing; 119 are a domain's ports.
+  for (const std::string& peer : peers)
+    peers_xml += fmt::format(R"(<Peer address="{}"/>)", peer);
+  // Hosts that are asked are asked at every index up to the last. Without them a high one costs
+  // nothing; 119 are a domain's ports.
   fill(xml, "@CARDS@", own_cards ? cards_xml(interface_name) : "");
   fill(xml, "@LAST_INDEX@", peers.empty() ? "119" : "32");
-  fill(xml, "@PEERS@", peers.empty() ? "" : fmt::format(R"(<Peers>{}<Peer address="localhost"/></Peers>)", peers_xml));
+  fill(xml, "@PEERS@",
+       peers.empty() ? ""
+                     : fmt::format(R"(<Peers>{}<Peer address="localhost"/></Peers>)", peers_xml));
   return {added.empty() ? xml : fmt::format("{},{}", xml, added), is_closed};
 }
 
@@ -115,8 +137,9 @@ std::vector<int> udp_sockets() {
     const int fd = std::stoi(entry.path().filename().string());
     int family = 0, kind = 0;
     socklen_t size = sizeof family;
-    if (getsockopt(fd, SOL_SOCKET, SO_DOMAIN, &family, &size) == 0 && getsockopt(fd, SOL_SOCKET, SO_TYPE, &kind, &size) == 0 &&
-        family == AF_INET && kind == SOCK_DGRAM)
+    if (getsockopt(fd, SOL_SOCKET, SO_DOMAIN, &family, &size) == 0 &&
+        getsockopt(fd, SOL_SOCKET, SO_TYPE, &kind, &size) == 0 && family == AF_INET &&
+        kind == SOCK_DGRAM)
       sockets.push_back(fd);
   }
   return sockets;
@@ -124,54 +147,77 @@ std::vector<int> udp_sockets() {
 
 namespace {
 
-/// Whether a socket of the kernel's list of UDP sockets (proc(5), net/udp) has one of these ports and is none of these inodes.
-bool has_port(std::istream& list, std::uint32_t first, std::uint32_t last, const std::vector<ino_t>& own) {
+/// Whether a socket of the kernel's list of UDP sockets (proc(5), net/udp) has one of these ports
+/// and is none of these inodes.
+bool has_port(std::istream& list, std::uint32_t first, std::uint32_t last,
+              const std::vector<ino_t>& own) {
   std::string line;
   std::getline(list, line);  // what the columns are
   while (std::getline(list, line)) {
     unsigned port = 0;
     unsigned long long inode = 0;
-    if (std::sscanf(line.c_str(), " %*u: %*[0-9A-F]:%x %*s %*s %*s %*s %*s %*u %*u %llu", &port, &inode) != 2) return true;  // no such list
-    if (port >= first && port <= last && std::ranges::find(own, inode) == own.end()) return true;
+    if (std::sscanf(line.c_str(), " %*u: %*[0-9A-F]:%x %*s %*s %*s %*s %*s %*u %*u %llu", &port,
+                    &inode) != 2)
+      return true;  // no such list
+    if (port >= first && port <= last && std::ranges::find(own, inode) == own.end())
+      return true;
   }
   return false;
 }
 
 }  // namespace
 
-bool is_alone_in_domain(std::uint32_t domain, std::string_view interface_name, const std::vector<std::string>& peers, std::string_view added,
+bool is_alone_in_domain(std::uint32_t domain, std::string_view interface_name,
+                        const std::vector<std::string>& peers, std::string_view added,
                         const std::vector<int>& own) {
   constexpr std::uint32_t kBase = 7400, kOfADomain = 250;  // DDSI-RTPS 2.5, 9.6.2.3
-  const auto is_loopback = [&](const Card& card) { return card.is_loopback && card.name == interface_name; };
-  if (!added.empty() || !peers.empty() || (interface_name != kThisHost && std::ranges::none_of(network_cards(), is_loopback))) return false;
+  const auto is_loopback = [&](const Card& card) {
+    return card.is_loopback && card.name == interface_name;
+  };
+  if (!added.empty() || !peers.empty() ||
+      (interface_name != kThisHost && std::ranges::none_of(network_cards(), is_loopback)))
+    return false;
   std::vector<ino_t> inodes;
   for (const int socket : own)
-    if (struct stat status {}; fstat(socket, &status) == 0) inodes.push_back(status.st_ino);
+    if (struct stat status{}; fstat(socket, &status) == 0)
+      inodes.push_back(status.st_ino);
   const std::uint32_t first = kBase + kOfADomain * domain;
-  std::ifstream ipv4("/proc/self/net/udp"), ipv6("/proc/self/net/udp6");  // the latter takes datagrams of both; it may be switched off
-  return ipv4 && !has_port(ipv4, first, first + kOfADomain - 1, inodes) && (!ipv6 || !has_port(ipv6, first, first + kOfADomain - 1, inodes));
+  std::ifstream ipv4("/proc/self/net/udp"),
+      ipv6("/proc/self/net/udp6");  // the latter takes datagrams of both; it may be switched off
+  return ipv4 && !has_port(ipv4, first, first + kOfADomain - 1, inodes) &&
+         (!ipv6 || !has_port(ipv6, first, first + kOfADomain - 1, inodes));
 }
 
 void close_to_other_hosts(const std::vector<int>& sockets) {
   std::vector<std::uint32_t> own;  // in this machine's byte order, as the kernel's filter compares
   const Addresses list = all_addresses();
   for (const ifaddrs* entry = list.get(); entry; entry = entry->ifa_next)
-    if (const std::uint32_t address = ntohl(ipv4_of(*entry)); address != 0 && address >> 24U != 127U) own.push_back(address);
+    if (const std::uint32_t address = ntohl(ipv4_of(*entry));
+        address != 0 && address >> 24U != 127U)
+      own.push_back(address);
   constexpr std::size_t kMaxAddresses = 200;  // a jump of the filter goes 255 instructions far
   own.resize(std::min(own.size(), kMaxAddresses));
 
-  constexpr std::uint32_t kSource = static_cast<std::uint32_t>(SKF_NET_OFF) + 12;  // of the IPv4 header
-  const auto to_accept = [&](std::size_t compared) { return static_cast<std::uint8_t>(own.size() - compared + 1); };
-  std::vector<sock_filter> program{BPF_STMT(BPF_LD | BPF_W | BPF_ABS, kSource), BPF_STMT(BPF_ALU | BPF_AND | BPF_K, 0xff000000U),
-                                   BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, 0x7f000000U, static_cast<std::uint8_t>(own.size() + 2), 0),
+  constexpr std::uint32_t kSource =
+      static_cast<std::uint32_t>(SKF_NET_OFF) + 12;  // of the IPv4 header
+  const auto to_accept = [&](std::size_t compared) {
+    return static_cast<std::uint8_t>(own.size() - compared + 1);
+  };
+  std::vector<sock_filter> program{BPF_STMT(BPF_LD | BPF_W | BPF_ABS, kSource),
+                                   BPF_STMT(BPF_ALU | BPF_AND | BPF_K, 0xff000000U),
+                                   BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, 0x7f000000U,
+                                            static_cast<std::uint8_t>(own.size() + 2), 0),
                                    BPF_STMT(BPF_LD | BPF_W | BPF_ABS, kSource)};
-  for (std::size_t n = 0; n < own.size(); ++n) program.push_back(BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, own[n], to_accept(n + 1), 0));
+  for (std::size_t n = 0; n < own.size(); ++n)
+    program.push_back(BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, own[n], to_accept(n + 1), 0));
   program.push_back(BPF_STMT(BPF_RET | BPF_K, 0));
   program.push_back(BPF_STMT(BPF_RET | BPF_K, 0xffffffffU));
   const sock_fprog filter{static_cast<unsigned short>(program.size()), program.data()};
   for (const int socket : sockets)
     if (setsockopt(socket, SOL_SOCKET, SO_ATTACH_FILTER, &filter, sizeof filter) != 0)
-      throw Error(fmt::format("DDS could not be closed to other machines ({}); --interface lo keeps to loopback", std::strerror(errno)));
+      throw Error(fmt::format(
+          "DDS could not be closed to other machines ({}); --interface lo keeps to loopback",
+          std::strerror(errno)));
 }
 
 }  // namespace voxtouch::bus

@@ -1,5 +1,6 @@
 #pragma once
-/// Where a DDS domain lives: on which network cards, which other hosts it asks, and who may be heard.
+/// Where a DDS domain lives: on which network cards, which other hosts it asks, and who may be
+/// heard.
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -7,8 +8,9 @@
 
 namespace voxtouch::bus {
 
-/// Stands for an interface: this machine over loopback and its network cards, closed to other machines. ROS 2 tools, which listen on
-/// a card or on loopback, find the ring so, whatever their settings are.
+/// Stands for an interface: this machine over loopback and its network cards, closed to other
+/// machines. ROS 2 tools, which listen on a card or on loopback, find the ring so, whatever their
+/// settings are.
 inline constexpr std::string_view kThisHost = "host";
 
 /// A network card with its first IPv4 address (in network order).
@@ -24,7 +26,8 @@ std::string to_text(std::uint32_t address);
 /// The cards that are up, in the system's order, which is that in which DDS looks for one.
 std::vector<Card> network_cards();
 
-/// Loopback and the first three cards that can do multicast: more DDS does not take, and one without would switch multicast off for all.
+/// Loopback and the first three cards that can do multicast: more DDS does not take, and one
+/// without would switch multicast off for all.
 std::vector<Card> cards_of_this_host(const std::vector<Card>& cards);
 
 struct Network {
@@ -32,10 +35,12 @@ struct Network {
   bool is_closed = false;     ///< to other machines
 };
 
-/// The built-in settings, and behind them what CYCLONEDDS_URI says (`added`), which overrides where both say something. Where that
-/// names network cards, those hold instead of `interface_name`. `peers` are other hosts to ask, also where multicast does not work.
-/// Throws Error where peers are to be asked from a network that is closed to them.
-Network network_of(std::string_view interface_name, const std::vector<std::string>& peers, std::string_view added);
+/// The built-in settings, and behind them what CYCLONEDDS_URI says (`added`), which overrides where
+/// both say something. Where that names network cards, those hold instead of `interface_name`.
+/// `peers` are other hosts to ask, also where multicast does not work. Throws Error where peers are
+/// to be asked from a network that is closed to them.
+Network network_of(std::string_view interface_name, const std::vector<std::string>& peers,
+                   std::string_view added);
 
 /// Whether this text (XML and names of files, as in CYCLONEDDS_URI) names network cards.
 bool names_cards(std::string_view configuration);
@@ -43,13 +48,17 @@ bool names_cards(std::string_view configuration);
 /// UDP sockets of this process, also those that it inherited.
 std::vector<int> udp_sockets();
 
-/// Whether nobody else of this machine takes part in the domain, and nobody of another one can be heard: by the kernel's list of sockets, for each
-/// participant has a port of its domain from before it says anything until it has gone. `own` sockets do not count. False as well where the list
-/// does not tell: a network card or hosts to ask lead to other machines, CYCLONEDDS_URI (`added`) may have moved the ports, no list can be read.
-bool is_alone_in_domain(std::uint32_t domain, std::string_view interface_name, const std::vector<std::string>& peers, std::string_view added,
+/// Whether nobody else of this machine takes part in the domain, and nobody of another one can be
+/// heard: by the kernel's list of sockets, for each participant has a port of its domain from
+/// before it says anything until it has gone. `own` sockets do not count. False as well where the
+/// list does not tell: a network card or hosts to ask lead to other machines, CYCLONEDDS_URI
+/// (`added`) may have moved the ports, no list can be read.
+bool is_alone_in_domain(std::uint32_t domain, std::string_view interface_name,
+                        const std::vector<std::string>& peers, std::string_view added,
                         const std::vector<int>& own);
 
-/// From now on these sockets receive what comes from an address of this machine and nothing else. Throws Error.
+/// From now on these sockets receive what comes from an address of this machine and nothing else.
+/// Throws Error.
 void close_to_other_hosts(const std::vector<int>& sockets);
 
 }  // namespace voxtouch::bus

@@ -12,15 +12,19 @@
 namespace voxtouch::bus {
 
 struct ParticipantOptions {
-  std::uint32_t domain = 0;              ///< as ROS_DOMAIN_ID
-  std::string network_interface = "host";     ///< kThisHost, or a network card; cards that CYCLONEDDS_URI names hold instead
-  std::string name = "voxtouch";              ///< seen by DDS tools
-  std::vector<std::string> discovery_peers{};  ///< other hosts to ask, where multicast does not reach them
-  RosNode node{};                              ///< what ROS 2 tools show it as; without a name: not at all
-  std::vector<std::pair<std::string, std::string>> security{};  ///< properties of DDS Security (nodes/security); none: plain
+  std::uint32_t domain = 0;  ///< as ROS_DOMAIN_ID
+  std::string network_interface =
+      "host";  ///< kThisHost, or a network card; cards that CYCLONEDDS_URI names hold instead
+  std::string name = "voxtouch";  ///< seen by DDS tools
+  std::vector<std::string>
+      discovery_peers{};  ///< other hosts to ask, where multicast does not reach them
+  RosNode node{};         ///< what ROS 2 tools show it as; without a name: not at all
+  std::vector<std::pair<std::string, std::string>>
+      security{};  ///< properties of DDS Security (nodes/security); none: plain
 };
 
-/// Announces itself as ROS 2 does (USER_DATA "enclave=/;"). Threads of Cyclone DDS inherit the caller's scheduling: set it first.
+/// Announces itself as ROS 2 does (USER_DATA "enclave=/;"). Threads of Cyclone DDS inherit the
+/// caller's scheduling: set it first.
 class Participant {
  public:
   /// Throws Error, naming the interface and the domain.
@@ -29,7 +33,9 @@ class Participant {
   dds_entity_t get() const noexcept { return entity_.get(); }
   const Guid& guid() const noexcept { return guid_; }
   /// Shows an endpoint of this participant to ROS 2 tools, while the entry lives.
-  GraphEntry enter(dds_entity_t endpoint, qos::Endpoint kind) const { return graph_ ? GraphEntry(graph_, endpoint, kind) : GraphEntry(); }
+  GraphEntry enter(dds_entity_t endpoint, qos::Endpoint kind) const {
+    return graph_ ? GraphEntry(graph_, endpoint, kind) : GraphEntry();
+  }
 
  private:
   Entity entity_;

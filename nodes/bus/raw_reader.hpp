@@ -14,11 +14,14 @@ namespace voxtouch::bus {
 class RawReader {
  public:
   /// Matches writers of `type` by its name, with type information and without. Throws Error.
-  RawReader(dds_entity_t participant, const std::string& topic, const dds_topic_descriptor_t& type, const dds_qos_t* qos);
+  RawReader(dds_entity_t participant, const std::string& topic, const dds_topic_descriptor_t& type,
+            const dds_qos_t* qos);
 
-  /// Calls f(std::span<const std::byte>), or with the writer's instance handle behind it, for each waiting message, oldest first: encapsulation header and CDR as the writer sent
-  /// them, alive until f returns. From a machine of the other byte order they come in this one's; what is none of the type never
-  /// comes. DDS keeps no time of arrival. Does not block; f must not throw. Returns how many.
+  /// Calls f(std::span<const std::byte>), or with the writer's instance handle behind it, for each
+  /// waiting message, oldest first: encapsulation header and CDR as the writer sent them, alive
+  /// until f returns. From a machine of the other byte order they come in this one's; what is none
+  /// of the type never comes. DDS keeps no time of arrival. Does not block; f must not throw.
+  /// Returns how many.
   template <class F>
   std::size_t take(F&& f) {
     constexpr std::uint32_t kBatch = 64;
@@ -30,9 +33,11 @@ class RawReader {
       n = dds_takecdr(reader_.get(), taken.data(), kBatch, info.data(), DDS_ANY_STATE);
       for (std::size_t i = 0; static_cast<dds_return_t>(i) < n; ++i) {
         const Serdata data(taken[i]);
-        if (!info[i].valid_data) continue;  // only a writer that came or went
+        if (!info[i].valid_data)
+          continue;  // only a writer that came or went
         ddsrt_iovec_t bytes{};
-        ddsi_serdata* const lent = ddsi_serdata_to_ser_ref(data.get(), 0, ddsi_serdata_size(data.get()), &bytes);
+        ddsi_serdata* const lent =
+            ddsi_serdata_to_ser_ref(data.get(), 0, ddsi_serdata_size(data.get()), &bytes);
         const std::span message(static_cast<const std::byte*>(bytes.iov_base), bytes.iov_len);
         if constexpr (std::is_invocable_v<F, std::span<const std::byte>, dds_instance_handle_t>)
           f(message, info[i].publication_handle);

@@ -13,27 +13,32 @@ template <class T>
 class Reader {
  public:
   Reader() = default;
-  Reader(const Participant& participant, const qos::Topic& row, std::string_view rig, const qos::Profile& profile,
-         Following* following = nullptr)
+  Reader(const Participant& participant, const qos::Topic& row, std::string_view rig,
+         const qos::Profile& profile, Following* following = nullptr)
       : entities_(make_reader(participant, row, rig, profile, msg::kAnyType<T>, following)),
         unread_(dds_create_readcondition(entities_.endpoint.get(), DDS_ANY_STATE),
                 "a read condition could not be made") {}
 
-  /// Takes the oldest waiting sample, if there is one, into `sample`; `writer` (if given) gets the handle of its writer. Only for
-  /// fixed-size types. Real-time safe apart from what DDS itself does.
+  /// Takes the oldest waiting sample, if there is one, into `sample`; `writer` (if given) gets the
+  /// handle of its writer. Only for fixed-size types. Real-time safe apart from what DDS itself
+  /// does.
   bool take(T& sample, dds_instance_handle_t* writer = nullptr) noexcept {
-    assert(msg::Type<T>::descriptor->m_flagset & DDS_TOPIC_FIXED_SIZE && "strings and sequences would never be freed: take_each");
+    assert(msg::Type<T>::descriptor->m_flagset & DDS_TOPIC_FIXED_SIZE &&
+           "strings and sequences would never be freed: take_each");
     void* slot[1] = {&sample};
     dds_sample_info_t info;
     while (dds_take(entities_.endpoint.get(), slot, &info, 1, 1) == 1) {
-      if (!info.valid_data) continue;  // only a writer that came or went
-      if (writer) *writer = info.publication_handle;
+      if (!info.valid_data)
+        continue;  // only a writer that came or went
+      if (writer)
+        *writer = info.publication_handle;
       return true;
     }
     return false;
   }
-  /// Calls f(const T&), f(const T&, handle of its writer), or f(const T&, const dds_sample_info_t&), for each waiting sample, oldest first, for `most` at most; for types
-  /// with strings and sequences, which DDS lends. Returns how many.
+  /// Calls f(const T&), f(const T&, handle of its writer), or f(const T&, const
+  /// dds_sample_info_t&), for each waiting sample, oldest first, for `most` at most; for types with
+  /// strings and sequences, which DDS lends. Returns how many.
   template <class F>
   int take_each(F&& f, int most = std::numeric_limits<int>::max()) {
     int count = 0;
@@ -41,7 +46,8 @@ class Reader {
       void* lent[1] = {nullptr};
       dds_sample_info_t info;
       const auto n = dds_take(entities_.endpoint.get(), lent, &info, 1, 1);
-      if (n <= 0) return count;
+      if (n <= 0)
+        return count;
       if (info.valid_data) {
         if constexpr (std::is_invocable_v<F, const T&, dds_instance_handle_t>)
           f(*static_cast<const T*>(lent[0]), info.publication_handle);
@@ -56,7 +62,9 @@ class Reader {
     return count;
   }
   std::vector<Guid> matched() const { return matched_writers(entities_.endpoint.get()); }
-  std::vector<dds_instance_handle_t> writer_handles() const { return matched_writer_handles(entities_.endpoint.get()); }
+  std::vector<dds_instance_handle_t> writer_handles() const {
+    return matched_writer_handles(entities_.endpoint.get());
+  }
   /// How many writers there are; real-time safe, as the next.
   std::uint32_t matched_count() const noexcept {
     dds_subscription_matched_status_t status{};

@@ -1,5 +1,6 @@
 #pragma once
-/// A ROS 2 service in the wire form of rmw_cyclonedds: requests and replies are messages, each behind its client's number and its own.
+/// A ROS 2 service in the wire form of rmw_cyclonedds: requests and replies are messages, each
+/// behind its client's number and its own.
 #include <cstdint>
 #include <deque>
 #include <functional>
@@ -14,7 +15,7 @@ namespace voxtouch::bus {
 
 /// Who asked, and which of its requests it was.
 struct Caller {
-  std::uint64_t client = 0;          ///< as it calls itself
+  std::uint64_t client = 0;  ///< as it calls itself
   std::int64_t request = 0;
   dds_instance_handle_t writer = 0;  ///< of its requests
 };
@@ -22,12 +23,15 @@ struct Caller {
 /// The endpoints of one service, whatever its type. Not for the loop: allocates.
 class ServiceEndpoints {
  public:
-  /// `fits` is asked about each request before DDS stores it, in a thread of DDS: one that does not fit is never answered. Throws Error.
-  ServiceEndpoints(const Participant& participant, const qos::Service& row, std::string_view rig, std::string_view node, const msg::AnyType& request,
-                   const msg::AnyType& response, bool (*fits)(const void*));
+  /// `fits` is asked about each request before DDS stores it, in a thread of DDS: one that does not
+  /// fit is never answered. Throws Error.
+  ServiceEndpoints(const Participant& participant, const qos::Service& row, std::string_view rig,
+                   std::string_view node, const msg::AnyType& request, const msg::AnyType& response,
+                   bool (*fits)(const void*));
 
-  /// Sends by `send`, as soon as the client's reader of replies is known here: DDS may tell of it a moment after the request. One
-  /// that is not known within 100 ms gets none, and of more than kMaxWaiting the oldest.
+  /// Sends by `send`, as soon as the client's reader of replies is known here: DDS may tell of it a
+  /// moment after the request. One that is not known within 100 ms gets none, and of more than
+  /// kMaxWaiting the oldest.
   void reply(const Caller& caller, std::function<void(dds_entity_t writer)> send);
   /// Sends what has waited; often, while `waits`.
   void send_waiting();
@@ -59,13 +63,17 @@ class ServiceServer {
 
   /// `kFits` says of a request whether its texts and lists are no longer than ours ever are.
   template <bool (*kFits)(const Request&)>
-  static ServiceServer make(const Participant& participant, const qos::Service& row, std::string_view rig, std::string_view node) {
-    if (row.type != Service::ros_name) throw Error("service " + std::string(row.path) + " is a " + std::string(row.type));
-    return ServiceServer({participant, row, rig, node, Service::request, Service::response,
-                          [](const void* request) { return kFits(*static_cast<const Request*>(request)); }});
+  static ServiceServer make(const Participant& participant, const qos::Service& row,
+                            std::string_view rig, std::string_view node) {
+    if (row.type != Service::ros_name)
+      throw Error("service " + std::string(row.path) + " is a " + std::string(row.type));
+    return ServiceServer(
+        {participant, row, rig, node, Service::request, Service::response,
+         [](const void* request) { return kFits(*static_cast<const Request*>(request)); }});
   }
 
-  /// Calls f(const Request&, const Caller&) for each waiting request, oldest first, for `most` at most. Does not block.
+  /// Calls f(const Request&, const Caller&) for each waiting request, oldest first, for `most` at
+  /// most. Does not block.
   template <class F>
   int take(F&& f, int most) {
     int count = 0;
@@ -73,7 +81,8 @@ class ServiceServer {
       void* lent[1] = {nullptr};
       dds_sample_info_t info;
       const auto n = dds_take(endpoints_.reader(), lent, &info, 1, 1);
-      if (n <= 0) return count;
+      if (n <= 0)
+        return count;
       if (info.valid_data) {
         const auto& request = *static_cast<const Request*>(lent[0]);
         f(request, Caller{request.client_guid, request.request_number, info.publication_handle});
@@ -83,7 +92,8 @@ class ServiceServer {
     }
     return count;
   }
-  /// `fill(Response&, send)` fills in what is answered and calls `send()` while what it has lent lives, now or later.
+  /// `fill(Response&, send)` fills in what is answered and calls `send()` while what it has lent
+  /// lives, now or later.
   template <class Fill>
   void reply(const Caller& caller, Fill fill) {
     endpoints_.reply(caller, [caller, fill = std::move(fill)](dds_entity_t writer) {

@@ -8,7 +8,8 @@ WaitSet::WaitSet(const Participant& participant)
 void WaitSet::attach(dds_entity_t condition) {
   const dds_return_t code = dds_waitset_attach(entity_.get(), condition, 0);
   if (code != DDS_RETCODE_OK)
-    throw Error(std::string("a reader could not be attached to a wait set (DDS says: ") + dds_strretcode(-code) + ")");
+    throw Error(std::string("a reader could not be attached to a wait set (DDS says: ") +
+                dds_strretcode(-code) + ")");
 }
 
 bool WaitSet::wait(dds_duration_t timeout) noexcept {

@@ -1,5 +1,6 @@
 #pragma once
-/// The wire form of a type, as Cyclone DDS itself writes and reads it, without a network between: what bags hold.
+/// The wire form of a type, as Cyclone DDS itself writes and reads it, without a network between:
+/// what bags hold.
 #include <dds/dds.h>
 
 #include <stdexcept>
@@ -17,7 +18,8 @@ class WireForm {
   /// DDS hands a type's serialiser out only behind a message: one is written and taken.
   explicit WireForm(dds_entity_t participant) {
     const std::string name = "wire_form/" + std::string(msg::Type<T>::ros_name);
-    const dds_entity_t topic = dds_create_topic(participant, msg::Type<T>::descriptor, name.c_str(), nullptr, nullptr);
+    const dds_entity_t topic =
+        dds_create_topic(participant, msg::Type<T>::descriptor, name.c_str(), nullptr, nullptr);
     const dds_entity_t reader = dds_create_reader(participant, topic, nullptr, nullptr);
     const dds_entity_t writer = dds_create_writer(participant, topic, nullptr, nullptr);
     const T none{};
@@ -29,7 +31,8 @@ class WireForm {
     }
     sample_.reset(taken[0]);
     dds_delete(writer), dds_delete(reader);
-    if (!sample_) throw std::runtime_error("DDS does not take a " + name);
+    if (!sample_)
+      throw std::runtime_error("DDS does not take a " + name);
   }
 
   /// Encapsulation header and CDR.
@@ -39,16 +42,20 @@ class WireForm {
     ddsi_serdata_to_ser(data.get(), 0, out.size(), out.data());
     return out;
   }
-  /// Calls f(const T&) where a reader of T would get `cdr` (header and body) as a message; false where DDS drops it.
+  /// Calls f(const T&) where a reader of T would get `cdr` (header and body) as a message; false
+  /// where DDS drops it.
   template <class F>
   bool read(std::string_view cdr, F&& f) const {
-    if (cdr.size() < 4) return false;  // no header: asked before DDS is
+    if (cdr.size() < 4)
+      return false;  // no header: asked before DDS is
     const ddsrt_iovec_t part{const_cast<char*>(cdr.data()), cdr.size()};
     const Serdata data(ddsi_serdata_from_ser_iov(sample_->type, SDK_DATA, 1, &part, cdr.size()));
-    if (!data) return false;
+    if (!data)
+      return false;
     T message{};
     const bool whole = ddsi_serdata_to_sample(data.get(), &message, nullptr, nullptr);
-    if (whole) f(static_cast<const T&>(message));
+    if (whole)
+      f(static_cast<const T&>(message));
     dds_sample_free(&message, msg::Type<T>::descriptor, DDS_FREE_CONTENTS);
     return whole;
   }

@@ -9,18 +9,22 @@ template <class T>
 class Writer {
  public:
   Writer() = default;
-  Writer(const Participant& participant, const qos::Topic& row, std::string_view rig, const qos::Profile& profile)
+  Writer(const Participant& participant, const qos::Topic& row, std::string_view rig,
+         const qos::Profile& profile)
       : entities_(make_writer(participant, row, rig, profile, msg::kAnyType<T>)) {}
 
   /// False if DDS did not take the sample (a bounded history stayed full for 100 ms).
-  bool write(const T& sample) noexcept { return dds_write(entities_.endpoint.get(), &sample) == DDS_RETCODE_OK; }
-  /// For lockstep, where nothing may be lost: asks again while a reader keeps the history full, until `give_up`, which is asked ten
-  /// times a second.
+  bool write(const T& sample) noexcept {
+    return dds_write(entities_.endpoint.get(), &sample) == DDS_RETCODE_OK;
+  }
+  /// For lockstep, where nothing may be lost: asks again while a reader keeps the history full,
+  /// until `give_up`, which is asked ten times a second.
   template <class GiveUp>
   bool write_until(const T& sample, GiveUp give_up) noexcept {
     for (;;) {
       const dds_return_t taken = dds_write(entities_.endpoint.get(), &sample);
-      if (taken != DDS_RETCODE_TIMEOUT || give_up()) return taken == DDS_RETCODE_OK;
+      if (taken != DDS_RETCODE_TIMEOUT || give_up())
+        return taken == DDS_RETCODE_OK;
     }
   }
   /// Waits until every matched reliable reader has acknowledged everything; false on time-out.

@@ -37,16 +37,20 @@ struct Files {
 };
 
 /// Makes the folder too.
-Files write_files(const BuildOptions& o, const voxmap::Voxmap& voxmap, const std::vector<pointshell::ShellPoint>& points) {
+Files write_files(const BuildOptions& o, const voxmap::Voxmap& voxmap,
+                  const std::vector<pointshell::ShellPoint>& points) {
   std::error_code refused;
   std::filesystem::create_directories(o.out, refused);
   if (refused)
     throw std::runtime_error(
-        fmt::format("{} could not be made ({}); choose another folder with --out", o.out.string(), refused.message()));
+        fmt::format("{} could not be made ({}); choose another folder with --out", o.out.string(),
+                    refused.message()));
   const std::string stem = o.mesh.stem().string();
-  const Files files{o.out / (stem + "_surface.csv"), o.out / (stem + "_interior.csv"), o.out / (stem + "_shell.ply")};
+  const Files files{o.out / (stem + "_surface.csv"), o.out / (stem + "_interior.csv"),
+                    o.out / (stem + "_shell.ply")};
   write_file(files.surface, [&](std::ostream& out) { pointshell::write_surface_csv(out, points); });
-  write_file(files.interior, [&](std::ostream& out) { pointshell::write_interior_csv(out, voxmap); });
+  write_file(files.interior,
+             [&](std::ostream& out) { pointshell::write_interior_csv(out, voxmap); });
   write_file(files.shell, [&](std::ostream& out) { pointshell::write_shell_ply(out, points); });
   return files;
 }
@@ -57,18 +61,23 @@ int build(const BuildOptions& o) {
   mesh::ImportOptions options;
   options.scale = o.scale;
   options.voxel_size_m = o.voxel_m;
-  const mesh::ImportedMesh imported = mesh::import_mesh(o.mesh, options, mesh_import::mesh_process());
+  const mesh::ImportedMesh imported =
+      mesh::import_mesh(o.mesh, options, mesh_import::mesh_process());
   std::vector<std::string> warnings = imported.warnings;
-  for (const std::string& sentence : imported.report.sentences()) warnings.push_back(sentence);
-  for (const std::string& warning : warnings) say("warning: " + warning);
+  for (const std::string& sentence : imported.report.sentences())
+    warnings.push_back(sentence);
+  for (const std::string& warning : warnings)
+    say("warning: " + warning);
 
   voxmap::Grid grid = voxmap::default_grid(imported.mesh, o.voxel_m);
-  if (!o.origin.empty()) grid.origin = Vec3(o.origin[0], o.origin[1], o.origin[2]);
+  if (!o.origin.empty())
+    grid.origin = Vec3(o.origin[0], o.origin[1], o.origin[2]);
   say(fmt::format("voxmap of {} triangles at {} m", imported.mesh.triangles.size(), o.voxel_m));
   const ParallelFor parallel_for = runtime::threaded_for();
   const voxmap::Voxmap voxmap = voxmap::voxelise(imported.mesh, grid, parallel_for);
   say(fmt::format("pointshell of {} surface voxels", voxmap.surface_count()));
-  const std::vector<pointshell::ShellPoint> points = pointshell::shell_points(imported.mesh, grid, parallel_for);
+  const std::vector<pointshell::ShellPoint> points =
+      pointshell::shell_points(imported.mesh, grid, parallel_for);
   const Files files = write_files(o, voxmap, points);
   if (o.json) {
     nlohmann::ordered_json j;
@@ -86,9 +95,11 @@ int build(const BuildOptions& o) {
     j["warnings"] = warnings;
     log::print_result("{}\n", j.dump(2));
   } else {
-    log::print_result("{} surface and {} interior voxels, {} kB; grid origin {} {} {} m\n  {}\n  {}\n  {}\n",
-               voxmap.surface_count(), voxmap.interior_count(), voxmap.bytes() / 1024, grid.origin.x(), grid.origin.y(),
-               grid.origin.z(), files.surface.string(), files.interior.string(), files.shell.string());
+    log::print_result(
+        "{} surface and {} interior voxels, {} kB; grid origin {} {} {} m\n  {}\n  {}\n  {}\n",
+        voxmap.surface_count(), voxmap.interior_count(), voxmap.bytes() / 1024, grid.origin.x(),
+        grid.origin.y(), grid.origin.z(), files.surface.string(), files.interior.string(),
+        files.shell.string());
   }
   return 0;
 }
@@ -97,16 +108,21 @@ int build(const BuildOptions& o) {
 
 void add_build(CLI::App& app, Action& action) {
   auto o = std::make_shared<BuildOptions>();
-  CLI::App* verb = app.add_subcommand("build",
-                                      "Voxels and pointshell of a mesh as files: <mesh>_surface.csv, "
-                                      "<mesh>_interior.csv, <mesh>_shell.ply (points with\n"
-                                      "normals and areas, for MeshLab or CloudCompare)");
+  CLI::App* verb =
+      app.add_subcommand("build",
+                         "Voxels and pointshell of a mesh as files: <mesh>_surface.csv, "
+                         "<mesh>_interior.csv, <mesh>_shell.ply (points with\n"
+                         "normals and areas, for MeshLab or CloudCompare)");
   verb->add_option("MESH", o->mesh, "OBJ, STL, PLY, glTF/GLB or COLLADA")->required();
-  verb->add_option("--voxel", o->voxel_m, "Voxel edge [m]")->required()->check(runtime::require_positive);
-  verb->add_option("--origin", o->origin, "Origin of the grid X,Y,Z [m]; default: one voxel before the mesh")
+  verb->add_option("--voxel", o->voxel_m, "Voxel edge [m]")
+      ->required()
+      ->check(runtime::require_positive);
+  verb->add_option("--origin", o->origin,
+                   "Origin of the grid X,Y,Z [m]; default: one voxel before the mesh")
       ->delimiter(',')
       ->expected(3);
-  verb->add_option("--scale", o->scale, "Metres for one unit of the file, such as 0.001 for millimetres")
+  verb->add_option("--scale", o->scale,
+                   "Metres for one unit of the file, such as 0.001 for millimetres")
       ->capture_default_str()
       ->check(runtime::require_positive);
   verb->add_option("--out", o->out, "Folder for the files")->required();

@@ -19,14 +19,19 @@ int change(const ChangeOptions& o) {
   nlohmann::ordered_json answers = nlohmann::ordered_json::array();
   const auto heard = [&](const runtime::ChangeAnswer& answer) {
     answers.push_back({{"done", answer.sentence}, {"from_sample", answer.from_sample}});
-    if (!o.json) log::print_result("{}\n", answer.sentence);
+    if (!o.json)
+      log::print_result("{}\n", answer.sentence);
   };
   const std::string problem =
-      runtime::ChangeAsker(participant, o.node).ask(o, heard, [](const std::string& sentence) { log::tell("{}\n", sentence); });
+      runtime::ChangeAsker(participant, o.node).ask(o, heard, [](const std::string& sentence) {
+        log::tell("{}\n", sentence);
+      });
   if (o.json) {
-    nlohmann::ordered_json j{
-        {"ok", problem.empty()}, {"answers", answers}, {"problems", nlohmann::ordered_json::array()}};
-    if (!problem.empty()) j["problems"].push_back(problem);
+    nlohmann::ordered_json j{{"ok", problem.empty()},
+                             {"answers", answers},
+                             {"problems", nlohmann::ordered_json::array()}};
+    if (!problem.empty())
+      j["problems"].push_back(problem);
     log::print_result("{}\n", j.dump(2));
   } else if (!problem.empty()) {
     log::tell("error: {}\n", problem);
@@ -40,33 +45,42 @@ void add_change(CLI::App& app, Action& action) {
   auto o = std::make_shared<ChangeOptions>();
   CLI::App* verb = app.add_subcommand(
       "change",
-      "Changes a ring while it runs, without a step of force: switches an effect, sets its gain or its parameters "
+      "Changes a ring while it runs, without a step of force: switches an effect, sets its gain or "
+      "its parameters "
       "(each goes to\n"
-      "its new value in 0.1 s), or builds the scene anew beside the loop and fades over to it in 0.2 s. Prints what "
+      "its new value in 0.1 s), or builds the scene anew beside the loop and fades over to it in "
+      "0.2 s. Prints what "
       "was done or\n"
       "why not; exit status 1 where it was refused or nobody answers within 2 s.\n"
       "  voxtouch change viscosity off\n"
       "  voxtouch change viscosity gain 0.5\n"
       "  voxtouch change viscosity damping_ns_per_m=2\n"
       "  voxtouch change --reload                                     the scene file, read again\n"
-      "  voxtouch change --reload --voxel-size 0.001 --model field    with another voxel size and contact model\n"
-      "An effect is named by its kind, from the second of a kind on with its number (viscosity, viscosity2). After "
+      "  voxtouch change --reload --voxel-size 0.001 --model field    with another voxel size and "
+      "contact model\n"
+      "An effect is named by its kind, from the second of a kind on with its number (viscosity, "
+      "viscosity2). After "
       "--reload an\n"
-      "effect that the file still asks for in the same words keeps what was changed. Meshes, voxel size, contact and "
+      "effect that the file still asks for in the same words keeps what was changed. Meshes, voxel "
+      "size, contact and "
       "effects may\n"
-      "change in the file; another device or coupling section needs a restart and is refused; motions stay as they "
+      "change in the file; another device or coupling section needs a restart and is refused; "
+      "motions stay as they "
       "were.");
-  verb->add_option("WORDS", o->words, "EFFECT on|off, EFFECT gain X, or EFFECT PARAMETER=VALUE[,V,V] ...")
+  verb->add_option("WORDS", o->words,
+                   "EFFECT on|off, EFFECT gain X, or EFFECT PARAMETER=VALUE[,V,V] ...")
       ->option_text("EFFECT ...");
-  verb->add_flag("--reload", o->reload, "Reads the scene file again, builds it beside the loop and swaps it in");
-  verb->add_option("--voxel-size", o->voxel_size_m, "With --reload: voxel edge [m] instead of the file's")
+  verb->add_flag("--reload", o->reload,
+                 "Reads the scene file again, builds it beside the loop and swaps it in");
+  verb->add_option("--voxel-size", o->voxel_size_m,
+                   "With --reload: voxel edge [m] instead of the file's")
       ->check(runtime::require_positive);
   verb->add_option("--model", o->model, "With --reload: contact model instead of the file's")
       ->check(CLI::IsMember({"original", "adapted", "field"}));
-  verb->add_option(
-          "--from-sample", o->from_sample,
-          "Sequence number of the first device sample that the change holds for; a run in lockstep then gives the same "
-          "bits\neach time. Refused where it has passed. Default: the next one")
+  verb->add_option("--from-sample", o->from_sample,
+                   "Sequence number of the first device sample that the change holds for; a run in "
+                   "lockstep then gives the same "
+                   "bits\neach time. Refused where it has passed. Default: the next one")
       ->check(runtime::require_whole);
   runtime::add_rig_options(*verb, o->node);
   verb->add_flag("--json", o->json, "One JSON object on stdout; all else goes to stderr");

@@ -25,23 +25,29 @@ std::string told_of_new(const KeysOptions& o) {
   return fmt::format(
       "Keys of rig {} are in {} and hold for {} days.\n"
       "  one host:       voxtouch up SCENE --security {}\n"
-      "  several hosts:  copy ca.cert.pem, governance.p7s and crl.pem to a folder on each, and the folders of the roles that run there:\n"
+      "  several hosts:  copy ca.cert.pem, governance.p7s and crl.pem to a folder on each, and the "
+      "folders of the roles that run there:\n"
       "                  {}; up is `voxtouch up`, tool every other verb\n"
-      "  never copied:   {}, which signs all of it: who has it can be any node. Keep it and this folder where no node runs.\n",
+      "  never copied:   {}, which signs all of it: who has it can be any node. Keep it and this "
+      "folder where no node runs.\n",
       o.rig, folder, o.days, folder, fmt::join(security::roles(), ", "), security::kAuthorityKey);
 }
 
 int keys(const KeysOptions& o) {
   if (!o.revoked.empty()) {
     security::revoke_keys(o.folder, o.revoked);
-    log::print_result("The certificate of {} is revoked. Copy {} to the folder of every host and start the ring again there: it is read at the start.\n", o.revoked,
-                      (o.folder / "crl.pem").string());
+    log::print_result(
+        "The certificate of {} is revoked. Copy {} to the folder of every host and start the ring "
+        "again there: it is read at the start.\n",
+        o.revoked, (o.folder / "crl.pem").string());
   }
   if (!o.renewed.empty()) {
     const std::string rig = security::renew_keys(o.folder, o.renewed, o.days);
-    log::print_result("New keys of {} of rig {} hold for {} days. Copy governance.p7s and the folder of the role from {} to its host, and start what runs there "
-                      "again. The certificate of before holds until its end where it was not revoked.\n",
-                      o.renewed, rig, o.days, o.folder.string());
+    log::print_result(
+        "New keys of {} of rig {} hold for {} days. Copy governance.p7s and the folder of the role "
+        "from {} to its host, and start what runs there "
+        "again. The certificate of before holds until its end where it was not revoked.\n",
+        o.renewed, rig, o.days, o.folder.string());
   }
   if (o.revoked.empty() && o.renewed.empty()) {
     security::make_keys(o.folder, o.rig, o.days);
@@ -54,25 +60,40 @@ int keys(const KeysOptions& o) {
 
 void add_keys(CLI::App& app, Action& action) {
   auto o = std::make_shared<KeysOptions>();
-  CLI::App* verb = app.add_subcommand(
-      "keys",
-      "Makes what DDS Security needs for one rig: an authority, for each role a private key, a certificate and signed permissions, and the\n"
-      "rules for all. A ring that is started with --security DIR takes nobody in who has none of these certificates, lets each role write\n"
-      "its own topics alone, and encrypts who is there and every message.\n"
-      "  voxtouch keys --out keys                                    makes the folder; nothing is overwritten\n"
-      "  voxtouch up cup --security keys                             every verb and node has --security\n"
-      "  voxtouch keys --out keys --renew coupling                   a new key and certificate, before the old one expires\n"
-      "  voxtouch keys --out keys --revoke coupling --renew coupling when a host was lost: its certificate is taken by nobody any more\n"
-      "What a host needs is said when the folder is made. Certificates and crl.pem are read when a node starts.");
+  CLI::App* verb =
+      app.add_subcommand("keys",
+                         "Makes what DDS Security needs for one rig: an authority, for each role a "
+                         "private key, a certificate and signed permissions, and the\n"
+                         "rules for all. A ring that is started with --security DIR takes nobody "
+                         "in who has none of these certificates, lets each role write\n"
+                         "its own topics alone, and encrypts who is there and every message.\n"
+                         "  voxtouch keys --out keys                                    makes the "
+                         "folder; nothing is overwritten\n"
+                         "  voxtouch up cup --security keys                             every verb "
+                         "and node has --security\n"
+                         "  voxtouch keys --out keys --renew coupling                   a new key "
+                         "and certificate, before the old one expires\n"
+                         "  voxtouch keys --out keys --revoke coupling --renew coupling when a "
+                         "host was lost: its certificate is taken by nobody any more\n"
+                         "What a host needs is said when the folder is made. Certificates and "
+                         "crl.pem are read when a node starts.");
   std::vector<std::string> one_or_all = security::roles();
   one_or_all.emplace_back("all");
   verb->add_option("--out", o->folder, "Folder of the keys")->required()->option_text("DIR");
-  verb->add_option("--rig", o->rig, "Rig whose topics the keys are for")->capture_default_str()->check(runtime::check_rig);
-  verb->add_option("--days", o->days, "How long certificates hold; the authority holds ten times as long")->capture_default_str()->check(CLI::Range(1, 3650));
-  verb->add_option("--renew", o->renewed, fmt::format("Makes a new key, certificate and permissions: {}", fmt::join(one_or_all, ", ")))
+  verb->add_option("--rig", o->rig, "Rig whose topics the keys are for")
+      ->capture_default_str()
+      ->check(runtime::check_rig);
+  verb->add_option("--days", o->days,
+                   "How long certificates hold; the authority holds ten times as long")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 3650));
+  verb->add_option("--renew", o->renewed,
+                   fmt::format("Makes a new key, certificate and permissions: {}",
+                               fmt::join(one_or_all, ", ")))
       ->check(CLI::IsMember(one_or_all))
       ->option_text("ROLE");
-  verb->add_option("--revoke", o->revoked, "Puts the certificate that this role has now into crl.pem")
+  verb->add_option("--revoke", o->revoked,
+                   "Puts the certificate that this role has now into crl.pem")
       ->check(CLI::IsMember(security::roles()))
       ->option_text("ROLE");
   verb->callback([o, &action] { action = [o] { return keys(*o); }; });

@@ -10,7 +10,8 @@ namespace voxtouch::cli {
 namespace {
 
 bool is_file(const std::string& device) {
-  return !device.starts_with(devices::kDescribedPrefix) && !devices::is_recording(device) && (device.ends_with(".yaml") || device.ends_with(".yml"));
+  return !device.starts_with(devices::kDescribedPrefix) && !devices::is_recording(device) &&
+         (device.ends_with(".yaml") || device.ends_with(".yml"));
 }
 
 }  // namespace
@@ -26,7 +27,8 @@ coupling::design::DeviceModel find_device(const std::string& device) {
     options.recorded = device_node::recorded_hand(device, {});
     return coupling::design::model_of(devices::describe_device(device, options));
   }
-  if (const std::string assumed = scene::assumed_sentence(*file); !assumed.empty()) log::tell("note: {}\n", assumed);
+  if (const std::string assumed = scene::assumed_sentence(*file); !assumed.empty())
+    log::tell("note: {}\n", assumed);
   return coupling::design::model_of(file->description);
 }
 

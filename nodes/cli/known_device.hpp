@@ -6,8 +6,9 @@
 
 namespace voxtouch::cli {
 
-/// `sim:FILE`, a file alone, and `sim:NAME` of one that is shipped are the same here; what the file leaves out is told.
-/// Throws with the known names for one that is not there, and with the place in the file for a file that will not do.
+/// `sim:FILE`, a file alone, and `sim:NAME` of one that is shipped are the same here; what the file
+/// leaves out is told. Throws with the known names for one that is not there, and with the place in
+/// the file for a file that will not do.
 coupling::design::DeviceModel find_device(const std::string& device);
 
 /// As `up --device` takes it: a file alone gets its `sim:`.

@@ -15,8 +15,10 @@ std::string processor_name() {
   std::ifstream in("/proc/cpuinfo");
   for (std::string line; std::getline(in, line);) {
     const std::size_t colon = line.find(':');
-    if (colon == std::string::npos || colon + 2 >= line.size()) continue;
-    if (line.starts_with("model name") || line.starts_with("Model\t") || line.starts_with("Hardware"))
+    if (colon == std::string::npos || colon + 2 >= line.size())
+      continue;
+    if (line.starts_with("model name") || line.starts_with("Model\t") ||
+        line.starts_with("Hardware"))
       return line.substr(colon + 2);
   }
   return "unknown";

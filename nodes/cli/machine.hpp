@@ -15,7 +15,8 @@ struct Machine {
 Machine this_machine();
 /// Load average over the last minute; negative where the system does not say.
 double load_average();
-/// Processor time of the calling thread so far [s]: what a frame costs, whatever else the machine does.
+/// Processor time of the calling thread so far [s]: what a frame costs, whatever else the machine
+/// does.
 double thread_cpu_s();
 
 }  // namespace voxtouch::cli

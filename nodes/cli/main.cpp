@@ -16,10 +16,12 @@ using namespace voxtouch;
 int fail(const CLI::App& verb, const std::exception& error) {
   log::tell("error: {}\n", error.what());
   const CLI::Option* const json = verb.get_option_no_throw("--json");
-  if (!json || json->count() == 0 || log::has_results()) return 1;
+  if (!json || json->count() == 0 || log::has_results())
+    return 1;
   try {
     const nlohmann::ordered_json result{{"ok", false}, {"problems", {error.what()}}};
-    log::print_result("{}\n", result.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+    log::print_result("{}\n",
+                      result.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
     log::finish_results();
   } catch (const std::exception& unheard) {
     log::tell("error: {}\n", unheard.what());
@@ -32,14 +34,16 @@ int fail(const CLI::App& verb, const std::exception& error) {
 int main(int argc, char** argv) {
   log::guard_standard_streams();
   CLI::App app(
-      "voxtouch lets a person feel a mesh scene through a force-feedback device, over a ring of DDS processes.\n"
+      "voxtouch lets a person feel a mesh scene through a force-feedback device, over a ring of "
+      "DDS processes.\n"
       "Try: voxtouch up deploy/scenes/cup.yaml --device sim-phantom --motion slide --duration 10");
   app.require_subcommand(1);
   app.set_version_flag("--version", std::string(version()));
   cli::Action action;
-  for (const auto add : {cli::add_up, cli::add_new, cli::add_build, cli::add_probe, cli::add_design, cli::add_accuracy, cli::add_plan,
-                         cli::add_schema, cli::add_change, cli::add_types, cli::add_view, cli::add_report, cli::add_replay, cli::add_status, cli::add_recover,
-                         cli::add_doctor, cli::add_keys})
+  for (const auto add : {cli::add_up, cli::add_new, cli::add_build, cli::add_probe, cli::add_design,
+                         cli::add_accuracy, cli::add_plan, cli::add_schema, cli::add_change,
+                         cli::add_types, cli::add_view, cli::add_report, cli::add_replay,
+                         cli::add_status, cli::add_recover, cli::add_doctor, cli::add_keys})
     add(app, action);
   try {
     runtime::parse(app, argc, argv);

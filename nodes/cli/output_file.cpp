@@ -9,30 +9,36 @@ namespace {
 
 [[noreturn]] void refuse(const std::filesystem::path& file) {
   throw std::runtime_error(fmt::format(
-      "{} could not be written: is its folder there, is there room, and may you write there?", file.string()));
+      "{} could not be written: is its folder there, is there room, and may you write there?",
+      file.string()));
 }
 
 }  // namespace
 
-OutputFile::OutputFile(std::filesystem::path file) : file_(std::move(file)), fresh_(file_.string() + ".part") {
+OutputFile::OutputFile(std::filesystem::path file)
+    : file_(std::move(file)),
+      fresh_(file_.string() + ".part") {
   out_.open(fresh_, std::ios::binary);
   const bool failed = !out_ || std::filesystem::is_directory(file_);
   out_.close();
   out_.clear();
   std::error_code ignored;
   std::filesystem::remove(fresh_, ignored);
-  if (failed) refuse(file_);
+  if (failed)
+    refuse(file_);
 }
 
 OutputFile::~OutputFile() {
-  if (!out_.is_open()) return;
+  if (!out_.is_open())
+    return;
   out_.close();
   std::error_code ignored;
   std::filesystem::remove(fresh_, ignored);
 }
 
 std::ostream& OutputFile::stream() {
-  if (!out_.is_open()) out_.open(fresh_, std::ios::binary);
+  if (!out_.is_open())
+    out_.open(fresh_, std::ios::binary);
   return out_;
 }
 
@@ -40,7 +46,8 @@ void OutputFile::keep(const std::string& text) {
   stream() << text;
   out_.close();
   std::error_code failed;
-  if (out_) std::filesystem::rename(fresh_, file_, failed);
+  if (out_)
+    std::filesystem::rename(fresh_, file_, failed);
   if (!out_ || failed) {
     std::filesystem::remove(fresh_, failed);
     refuse(file_);

@@ -17,7 +17,8 @@
 namespace voxtouch::cli {
 namespace {
 
-/// Debian's own, whose matplotlib python3-matplotlib is; another python3 before it on PATH may have none.
+/// Debian's own, whose matplotlib python3-matplotlib is; another python3 before it on PATH may have
+/// none.
 constexpr const char* kDebianPython = "/usr/bin/python3";
 
 /// What the tool says on the way, which is no part of what it says in the end.
@@ -25,57 +26,80 @@ constexpr std::string_view kProgress = "progress ";
 
 /// The last of these words in what has been said so far; empty where there is none.
 std::string last_progress(std::string_view said) {
-  const std::size_t at = said.rfind(kProgress), end = said.find('\n', at == said.npos ? said.size() : at);
-  return end == said.npos ? "" : std::string(said.substr(at + kProgress.size(), end - at - kProgress.size()));
+  const std::size_t at = said.rfind(kProgress),
+                    end = said.find('\n', at == said.npos ? said.size() : at);
+  return end == said.npos
+             ? ""
+             : std::string(said.substr(at + kProgress.size(), end - at - kProgress.size()));
 }
 
 std::string without_progress(const std::string& text) {
   std::string out;
   for (std::size_t at = 0; at < text.size();) {
     const std::size_t end = std::min(text.find('\n', at), text.size() - 1);
-    if (const std::string line = text.substr(at, end + 1 - at); !line.starts_with(kProgress)) out += line;
+    if (const std::string line = text.substr(at, end + 1 - at); !line.starts_with(kProgress))
+      out += line;
     at = end + 1;
   }
-  while (!out.empty() && out.back() == '\n') out.pop_back();
+  while (!out.empty() && out.back() == '\n')
+    out.pop_back();
   return out;
 }
 
 using Patience = std::optional<std::chrono::milliseconds>;
 
 /// Runs the tool with `input`, to its end or as long as there is patience; what it said.
-std::optional<std::string> run_tool(const std::vector<std::string>& arguments, const std::string& input, Patience patience = std::nullopt) {
+std::optional<std::string> run_tool(const std::vector<std::string>& arguments,
+                                    const std::string& input, Patience patience = std::nullopt) {
   const std::filesystem::path tool = program_folder() / "voxtouch_plot";
   if (!std::filesystem::exists(tool))
-    throw std::runtime_error(fmt::format("{} is not there, which draws pictures: build or install anew", tool.string()));
+    throw std::runtime_error(
+        fmt::format("{} is not there, which draws pictures: build or install anew", tool.string()));
   const auto tell = log::tell_each_second("report");
-  ChildProgram program{{::access(kDebianPython, X_OK) == 0 ? kDebianPython : "python3", tool.string()}, input, patience, [&](std::string_view said) {
-    if (const std::string share = last_progress(said); !share.empty()) tell(share + " %");
-  }};
+  ChildProgram program{
+      {::access(kDebianPython, X_OK) == 0 ? kDebianPython : "python3", tool.string()},
+      input,
+      patience,
+      [&](std::string_view said) {
+        if (const std::string share = last_progress(said); !share.empty())
+          tell(share + " %");
+      }};
   program.words.insert(program.words.end(), arguments.begin(), arguments.end());
   std::optional<Ended> ended;
   try {
     ended = run_program(program);
   } catch (const std::runtime_error& error) {
-    throw std::runtime_error(fmt::format("Pictures are drawn by Python 3 with matplotlib: install python3 and python3-matplotlib (deploy/setup does). {}", error.what()));
+    throw std::runtime_error(
+        fmt::format("Pictures are drawn by Python 3 with matplotlib: install python3 and "
+                    "python3-matplotlib (deploy/setup does). {}",
+                    error.what()));
   }
-  if (!ended) return std::nullopt;
+  if (!ended)
+    return std::nullopt;
   const std::string said = without_progress(ended->said);
-  if (WIFSIGNALED(ended->status)) throw std::runtime_error(fmt::format("voxtouch_plot was ended by signal {}. {}", WTERMSIG(ended->status), said));
-  if (ended->status != 0) throw std::runtime_error(said.empty() ? "voxtouch_plot failed without a word" : said);
+  if (WIFSIGNALED(ended->status))
+    throw std::runtime_error(
+        fmt::format("voxtouch_plot was ended by signal {}. {}", WTERMSIG(ended->status), said));
+  if (ended->status != 0)
+    throw std::runtime_error(said.empty() ? "voxtouch_plot failed without a word" : said);
   return said;
 }
 
 }  // namespace
 
-void check_picture(const std::filesystem::path& picture) { run_tool({"check", "--", picture.string()}, ""); }
+void check_picture(const std::filesystem::path& picture) {
+  run_tool({"check", "--", picture.string()}, "");
+}
 
-std::string draw_picture(const std::string& kind, const std::string& json, const std::filesystem::path& picture) {
+std::string draw_picture(const std::string& kind, const std::string& json,
+                         const std::filesystem::path& picture) {
   return *run_tool({kind, "--", "-", picture.string()}, json);
 }
 
 std::optional<std::string> write_report(const Report& report, Patience patience) {
   std::vector<std::string> words{"report", "--progress", "--rig=" + report.rig};
-  if (!report.beside.empty()) words.push_back("--beside=" + report.beside.string());
+  if (!report.beside.empty())
+    words.push_back("--beside=" + report.beside.string());
   words.insert(words.end(), {"--", report.bag.string(), report.page.string()});
   return run_tool(words, "", patience);
 }

@@ -1,5 +1,6 @@
 #pragma once
-/// Pictures: drawn by voxtouch_plot (deploy/tools/plot.py), a Python program that stands beside this one, in a process of its own.
+/// Pictures: drawn by voxtouch_plot (deploy/tools/plot.py), a Python program that stands beside
+/// this one, in a process of its own.
 #include <chrono>
 #include <filesystem>
 #include <optional>
@@ -7,13 +8,16 @@
 
 namespace voxtouch::cli {
 
-/// Throws std::runtime_error, a sentence, where no picture could be drawn at `picture`: Python, matplotlib or the folder is missing, or
-/// the name ends in something else than .png, .svg or .pdf. Before a long run, so that it is told then and not after it.
+/// Throws std::runtime_error, a sentence, where no picture could be drawn at `picture`: Python,
+/// matplotlib or the folder is missing, or the name ends in something else than .png, .svg or .pdf.
+/// Before a long run, so that it is told then and not after it.
 void check_picture(const std::filesystem::path& picture);
 
-/// Draws `json`, what the verb `kind` (accuracy, design) prints with --json. Gives the tool's sentence on what the picture shows; throws
-/// std::runtime_error, a sentence, where it was not drawn.
-std::string draw_picture(const std::string& kind, const std::string& json, const std::filesystem::path& picture);
+/// Draws `json`, what the verb `kind` (accuracy, design) prints with --json. Gives the tool's
+/// sentence on what the picture shows; throws std::runtime_error, a sentence, where it was not
+/// drawn.
+std::string draw_picture(const std::string& kind, const std::string& json,
+                         const std::filesystem::path& picture);
 
 /// The page of a recorded run, or of two side by side.
 struct Report {
@@ -22,9 +26,11 @@ struct Report {
   std::string rig{};               ///< empty: the one that the bag holds
 };
 
-/// Writes it, and tells on stderr how far it is once that takes longer than a second. Gives the tool's sentence. Throws
-/// std::runtime_error, a sentence, where it was not written. Where it takes longer than `patience`, nothing is given and the tool goes on by itself, also when this program has
-/// ended; a page is under its name only when it is whole.
-std::optional<std::string> write_report(const Report& report, std::optional<std::chrono::milliseconds> patience = std::nullopt);
+/// Writes it, and tells on stderr how far it is once that takes longer than a second. Gives the
+/// tool's sentence. Throws std::runtime_error, a sentence, where it was not written. Where it takes
+/// longer than `patience`, nothing is given and the tool goes on by itself, also when this program
+/// has ended; a page is under its name only when it is whole.
+std::optional<std::string> write_report(
+    const Report& report, std::optional<std::chrono::milliseconds> patience = std::nullopt);
 
 }  // namespace voxtouch::cli

@@ -2,8 +2,8 @@
 #include <chrono>
 #include <thread>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "core/types/number.hpp"
@@ -32,19 +32,24 @@ struct Lock {
 class Recovery {
  public:
   explicit Recovery(const RecoverOptions& o)
-      : participant_(o.node.participant("recover")), registry_(participant_, o.node.rig),
+      : participant_(o.node.participant("recover")),
+        registry_(participant_, o.node.rig),
         words_(participant_, qos::kRecover, o.node.rig, qos::profile(qos::ProfileId::kEvent)) {}
 
   /// Whether a node of the rig has been heard; waits a second at most.
   bool hears_somebody() {
-    return wait([this] { return !registry_.reports().empty() && !locks().empty(); }, std::chrono::seconds(1)) || !registry_.reports().empty();
+    return wait([this] { return !registry_.reports().empty() && !locks().empty(); },
+                std::chrono::seconds(1)) ||
+           !registry_.reports().empty();
   }
   std::vector<Lock> locks() const {
     std::vector<Lock> all;
     for (const runtime::NodeReport& report : registry_.reports())
-      if (const auto number = report.values.find(faults::ForceLock::kNumber); number != report.values.end()) {
+      if (const auto number = report.values.find(faults::ForceLock::kNumber);
+          number != report.values.end()) {
         const auto reason = report.values.find(faults::ForceLock::kReason);
-        all.push_back({report.node, number->second, reason == report.values.end() ? "" : reason->second, report.session_id});
+        all.push_back({report.node, number->second,
+                       reason == report.values.end() ? "" : reason->second, report.session_id});
       }
     return all;
   }
@@ -53,17 +58,23 @@ class Recovery {
     (void)wait([this] { return words_.matched_count() > 0; }, std::chrono::seconds(1));
     const auto number = parse_number<std::uint64_t>(lock.number);
     words_.write(msg::Recover{lock.session, number.value_or(0)});
-    return wait([&] {
-      return std::ranges::none_of(locks(), [&](const Lock& now) { return now.node == lock.node && now.number == lock.number; });
-    }, std::chrono::seconds(2));
+    return wait(
+        [&] {
+          return std::ranges::none_of(locks(), [&](const Lock& now) {
+            return now.node == lock.node && now.number == lock.number;
+          });
+        },
+        std::chrono::seconds(2));
   }
 
  private:
   template <class F>
   bool wait(F&& holds, std::chrono::milliseconds patience) {
-    for (const auto until = Clock::now() + patience; Clock::now() < until; std::this_thread::sleep_for(std::chrono::milliseconds(20))) {
+    for (const auto until = Clock::now() + patience; Clock::now() < until;
+         std::this_thread::sleep_for(std::chrono::milliseconds(20))) {
       registry_.update();
-      if (holds()) return true;
+      if (holds())
+        return true;
     }
     return false;
   }
@@ -77,21 +88,32 @@ int recover(const RecoverOptions& o) {
   Recovery recovery(o);
   std::vector<std::string> problems;
   nlohmann::ordered_json opened = nlohmann::ordered_json::array();
-  if (!recovery.hears_somebody()) problems.push_back(fmt::format("no node of rig '{}' is heard on domain {}", o.node.rig, o.node.domain));
+  if (!recovery.hears_somebody())
+    problems.push_back(
+        fmt::format("no node of rig '{}' is heard on domain {}", o.node.rig, o.node.domain));
   const std::vector<Lock> locks = recovery.locks();
-  if (problems.empty() && locks.empty()) problems.push_back("nothing is locked: the nodes of rig '" + o.node.rig + "' say in voxtouch status what they do");
+  if (problems.empty() && locks.empty())
+    problems.push_back("nothing is locked: the nodes of rig '" + o.node.rig +
+                       "' say in voxtouch status what they do");
   for (const Lock& lock : locks) {
     if (!recovery.open(lock)) {
-      problems.push_back(fmt::format("the {} is still locked two seconds later: {}", lock.node, lock.reason));
+      problems.push_back(
+          fmt::format("the {} is still locked two seconds later: {}", lock.node, lock.reason));
       continue;
     }
     opened.push_back({{"node", lock.node}, {"reason", lock.reason}});
-    if (!o.json) log::print_result("the {} was locked because {}; force ramps in again\n", lock.node, lock.reason);
+    if (!o.json)
+      log::print_result("the {} was locked because {}; force ramps in again\n", lock.node,
+                        lock.reason);
   }
   if (o.json)
-    log::print_result("{}\n", nlohmann::ordered_json{{"ok", problems.empty()}, {"opened", opened}, {"problems", problems}}.dump(2));
+    log::print_result(
+        "{}\n",
+        nlohmann::ordered_json{{"ok", problems.empty()}, {"opened", opened}, {"problems", problems}}
+            .dump(2));
   else
-    for (const std::string& problem : problems) log::tell("error: {}\n", problem);
+    for (const std::string& problem : problems)
+      log::tell("error: {}\n", problem);
   return problems.empty() ? 0 : 1;
 }
 
@@ -99,14 +121,17 @@ int recover(const RecoverOptions& o) {
 
 void add_recover(CLI::App& app, Action& action) {
   auto o = std::make_shared<RecoverOptions>();
-  CLI::App* verb = app.add_subcommand(
-      "recover",
-      "Lets a device or a coupling give force again that has locked itself at zero: after an unstable contact, after a tenth of a second's\n"
-      "commands above the device's limit, or where the driver refused a command that the force guard had let through. Find the cause first\n"
-      "(voxtouch status, the fault records beside the bag) and let go of the device; then the force ramps in again. Exit status 1 where\n"
-      "nothing is locked or nobody answers.\n"
-      "  voxtouch recover\n"
-      "  voxtouch recover --rig left");
+  CLI::App* verb =
+      app.add_subcommand("recover",
+                         "Lets a device or a coupling give force again that has locked itself at "
+                         "zero: after an unstable contact, after a tenth of a second's\n"
+                         "commands above the device's limit, or where the driver refused a command "
+                         "that the force guard had let through. Find the cause first\n"
+                         "(voxtouch status, the fault records beside the bag) and let go of the "
+                         "device; then the force ramps in again. Exit status 1 where\n"
+                         "nothing is locked or nobody answers.\n"
+                         "  voxtouch recover\n"
+                         "  voxtouch recover --rig left");
   runtime::add_rig_options(*verb, o->node);
   verb->add_flag("--json", o->json, "One JSON object on stdout; all else goes to stderr");
   verb->callback([o, &action] { action = [o] { return recover(*o); }; });

@@ -8,8 +8,8 @@
 #include <memory>
 #include <stdexcept>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include "nodes/cli/child_program.hpp"
 #include "nodes/cli/plot_tool.hpp"
@@ -35,7 +35,10 @@ class OwnFolder {
  public:
   OwnFolder() {
     std::string name = (std::filesystem::temp_directory_path() / "voxtouch_replay_XXXXXX").string();
-    if (!::mkdtemp(name.data())) throw std::runtime_error(fmt::format("no folder can be made in {}: {}", std::filesystem::temp_directory_path().string(), std::strerror(errno)));
+    if (!::mkdtemp(name.data()))
+      throw std::runtime_error(fmt::format("no folder can be made in {}: {}",
+                                           std::filesystem::temp_directory_path().string(),
+                                           std::strerror(errno)));
     path = name;
   }
   ~OwnFolder() {
@@ -48,9 +51,13 @@ class OwnFolder {
 };
 
 std::filesystem::path program_of(const std::filesystem::path& build) {
-  for (const std::filesystem::path& program : {build / "bin" / "voxtouch", build / "voxtouch", build})
-    if (std::filesystem::is_regular_file(program)) return std::filesystem::absolute(program);
-  throw std::runtime_error(fmt::format("{} has no program 'voxtouch': --against takes a build's folder, or the program itself", build.string()));
+  for (const std::filesystem::path& program :
+       {build / "bin" / "voxtouch", build / "voxtouch", build})
+    if (std::filesystem::is_regular_file(program))
+      return std::filesystem::absolute(program);
+  throw std::runtime_error(fmt::format(
+      "{} has no program 'voxtouch': --against takes a build's folder, or the program itself",
+      build.string()));
 }
 
 std::string last_line(const std::string& said) { return said.substr(said.rfind('\n') + 1); }
@@ -58,18 +65,29 @@ std::string last_line(const std::string& said) { return said.substr(said.rfind('
 /// What the other build makes of the recording, as a bag.
 void replay_by_other(const ReplayVerb& o, const std::filesystem::path& made) {
   const std::string program = program_of(o.against).string();
-  ChildProgram child{.words = {program, "replay", o.options.bag.string(), "--write", made.string()}};
-  if (!o.options.scene.empty()) child.words.insert(child.words.end(), {"--scene", o.options.scene.string()});
-  if (!o.options.rig.empty()) child.words.insert(child.words.end(), {"--rig", o.options.rig});
-  child.listen = [tell = log::tell_each_second("replay"), &program](std::string_view) mutable { tell(program + " replays"); };
+  ChildProgram child{
+      .words = {program, "replay", o.options.bag.string(), "--write", made.string()}};
+  if (!o.options.scene.empty())
+    child.words.insert(child.words.end(), {"--scene", o.options.scene.string()});
+  if (!o.options.rig.empty())
+    child.words.insert(child.words.end(), {"--rig", o.options.rig});
+  child.listen = [tell = log::tell_each_second("replay"), &program](std::string_view) mutable {
+    tell(program + " replays");
+  };
   const Ended ended = *run_program(child);
-  if (WIFSIGNALED(ended.status)) throw std::runtime_error(fmt::format("{} was ended by signal {} while it replayed. {}", program, WTERMSIG(ended.status), last_line(ended.said)));
-  if (!std::filesystem::exists(made / "metadata.yaml"))  // its exit status tells what it thinks of the recording
-    throw std::runtime_error(fmt::format("{} made nothing of the recording (a build from before `replay --write` cannot): {}", program, last_line(ended.said)));
+  if (WIFSIGNALED(ended.status))
+    throw std::runtime_error(fmt::format("{} was ended by signal {} while it replayed. {}", program,
+                                         WTERMSIG(ended.status), last_line(ended.said)));
+  if (!std::filesystem::exists(
+          made / "metadata.yaml"))  // its exit status tells what it thinks of the recording
+    throw std::runtime_error(fmt::format(
+        "{} made nothing of the recording (a build from before `replay --write` cannot): {}",
+        program, last_line(ended.said)));
 }
 
 replay::Replayed replay_once(const ReplayVerb& o) {
-  if (o.against.empty()) return replay::replay(o.options);
+  if (o.against.empty())
+    return replay::replay(o.options);
   const OwnFolder folder;
   replay::ReplayOptions options = o.options;
   options.bag = folder.path / "made";
@@ -80,16 +98,21 @@ replay::Replayed replay_once(const ReplayVerb& o) {
 }
 
 int replay_bag(ReplayVerb o) {
-  if (!o.picture.empty()) check_picture(o.picture);
+  if (!o.picture.empty())
+    check_picture(o.picture);
   o.options.curves = !o.picture.empty(), o.options.answers = !o.answers.empty();
   const auto begun = std::chrono::steady_clock::now();
   const replay::Replayed replayed = replay_once(o);
-  const double took_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+  const double took_s =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
   log::tell("replayed {:.1f} s in {:.1f} s\n", replayed.duration_s, took_s);
-  if (!o.answers.empty()) replay::write_replayed(o.options.bag, replayed.rig, replayed.answers, o.answers);
-  if (!o.picture.empty()) log::tell("{}\n", draw_picture("replay", replay::to_plot(replayed).dump(), o.picture));
+  if (!o.answers.empty())
+    replay::write_replayed(o.options.bag, replayed.rig, replayed.answers, o.answers);
+  if (!o.picture.empty())
+    log::tell("{}\n", draw_picture("replay", replay::to_plot(replayed).dump(), o.picture));
   if (o.json)
-    log::print_result("{}\n", replay::to_json(replayed).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+    log::print_result("{}\n", replay::to_json(replayed).dump(
+                                  2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
   else
     log::print_result("{}", replay::to_text(replayed));
   return replayed.equal() && replayed.contact.compared + replayed.command.compared > 0 ? 0 : 1;
@@ -99,24 +122,40 @@ int replay_bag(ReplayVerb o) {
 
 void add_replay(CLI::App& app, Action& action) {
   auto o = std::make_shared<ReplayVerb>();
-  CLI::App* verb = app.add_subcommand(
-      "replay",
-      "Takes the device samples of a bag through rendering and coupling once more, offline and as fast as it goes, and holds each contact and\n"
-      "each command against the recorded one, bit by bit. Exit status 0 where all is equal, 1 where something differs or the bag cannot be\n"
-      "replayed.\n"
-      "  voxtouch replay BAG                                   what this build makes of a recorded run\n"
-      "  voxtouch replay BAG --scene mine.yaml --plot out.png  what a change of the scene does to the recorded hand\n"
-      "  voxtouch replay BAG --against ../before/build         what this build makes of it otherwise than another one\n"
-      "The hand does not feel what is replayed: it moves as it was recorded.");
-  verb->add_option("BAG", o->options.bag, "A bag's folder, or one of its files")->required()->check(CLI::ExistingPath);
-  verb->add_option("--scene", o->options.scene, "This scene instead of the one that the bag names: a file, or the name of one that comes with voxtouch")
+  CLI::App* verb =
+      app.add_subcommand("replay",
+                         "Takes the device samples of a bag through rendering and coupling once "
+                         "more, offline and as fast as it goes, and holds each contact and\n"
+                         "each command against the recorded one, bit by bit. Exit status 0 where "
+                         "all is equal, 1 where something differs or the bag cannot be\n"
+                         "replayed.\n"
+                         "  voxtouch replay BAG                                   what this build "
+                         "makes of a recorded run\n"
+                         "  voxtouch replay BAG --scene mine.yaml --plot out.png  what a change of "
+                         "the scene does to the recorded hand\n"
+                         "  voxtouch replay BAG --against ../before/build         what this build "
+                         "makes of it otherwise than another one\n"
+                         "The hand does not feel what is replayed: it moves as it was recorded.");
+  verb->add_option("BAG", o->options.bag, "A bag's folder, or one of its files")
+      ->required()
+      ->check(CLI::ExistingPath);
+  verb->add_option("--scene", o->options.scene,
+                   "This scene instead of the one that the bag names: a file, or the name of one "
+                   "that comes with voxtouch")
       ->transform(runtime::scene_argument());
-  verb->add_option("--rig", o->options.rig, "Rig, where a bag holds several; default: the one that is there");
-  auto* write = verb->add_option("--write", o->answers, "Folder for a copy of the bag in which this build's contacts and commands stand in the place of the recorded ones; it must not exist");
-  verb->add_option("--against", o->against, "Another build, its folder or its program: what it makes of the recorded hand is compared instead of what was recorded")
+  verb->add_option("--rig", o->options.rig,
+                   "Rig, where a bag holds several; default: the one that is there");
+  auto* write =
+      verb->add_option("--write", o->answers,
+                       "Folder for a copy of the bag in which this build's contacts and commands "
+                       "stand in the place of the recorded ones; it must not exist");
+  verb->add_option("--against", o->against,
+                   "Another build, its folder or its program: what it makes of the recorded hand "
+                   "is compared instead of what was recorded")
       ->check(CLI::ExistingPath)
       ->excludes(write);
-  verb->add_option("--plot", o->picture, "Draws recorded and replayed forces over time: .png, .svg or .pdf");
+  verb->add_option("--plot", o->picture,
+                   "Draws recorded and replayed forces over time: .png, .svg or .pdf");
   scene_build::add_cache_options(*verb, o->options.cache);
   verb->add_flag("--json", o->json, "One JSON object on stdout; all else goes to stderr");
   verb->callback([o, &action] {
@@ -124,7 +163,10 @@ void add_replay(CLI::App& app, Action& action) {
       try {
         return replay_bag(*o);
       } catch (const std::exception& error) {
-        if (o->json) log::print_result("{}\n", nlohmann::ordered_json{{"ok", false}, {"problems", {error.what()}}}.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+        if (o->json)
+          log::print_result(
+              "{}\n", nlohmann::ordered_json{{"ok", false}, {"problems", {error.what()}}}.dump(
+                          2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
         throw;
       }
     };

@@ -26,8 +26,11 @@ struct StatusOptions {
 /// Rigs are found by the topics of their nodes' statuses.
 class Rigs {
  public:
-  explicit Rigs(const StatusOptions& o) : participant_(o.node.participant("status")), discovery_(participant_.get()) {
-    if (o.one_rig) add(o.node.rig);
+  explicit Rigs(const StatusOptions& o)
+      : participant_(o.node.participant("status")),
+        discovery_(participant_.get()) {
+    if (o.one_rig)
+      add(o.node.rig);
     one_rig_ = o.one_rig;
   }
 
@@ -35,7 +38,9 @@ class Rigs {
     discovery_.take([this](const dds_builtintopic_endpoint_t& writer) {
       const std::string name = writer.topic_name, tail = "/" + std::string(qos::kNodeStatus.path);
       constexpr std::string_view kRos = "rt/";
-      if (one_rig_ || !name.starts_with(kRos) || !name.ends_with(tail) || name.size() <= kRos.size() + tail.size()) return;
+      if (one_rig_ || !name.starts_with(kRos) || !name.ends_with(tail) ||
+          name.size() <= kRos.size() + tail.size())
+        return;
       add(name.substr(kRos.size(), name.size() - kRos.size() - tail.size()));
     });
     for (auto& [name, rig] : rigs_) {
@@ -48,7 +53,8 @@ class Rigs {
   std::map<std::string, std::vector<view::NodeRow>> rows() const {
     std::map<std::string, std::vector<view::NodeRow>> all;
     for (const auto& [name, rig] : rigs_)
-      if (auto rows = rig.nodes.rows(runtime::monotonic_ns()); !rows.empty()) all[name] = std::move(rows);
+      if (auto rows = rig.nodes.rows(runtime::monotonic_ns()); !rows.empty())
+        all[name] = std::move(rows);
     return all;
   }
 
@@ -70,27 +76,37 @@ class Rigs {
 
 using Rows = std::map<std::string, std::vector<view::NodeRow>>;
 
-bool is_well(const view::NodeRow& row) { return row.state != "failed" && row.state != "hangs" && row.state != "gone"; }
+bool is_well(const view::NodeRow& row) {
+  return row.state != "failed" && row.state != "hangs" && row.state != "gone";
+}
 bool is_well(const Rows& rigs) {
-  return std::ranges::all_of(rigs, [](const auto& rig) { return std::ranges::all_of(rig.second, [](const auto& row) { return is_well(row); }); });
+  return std::ranges::all_of(rigs, [](const auto& rig) {
+    return std::ranges::all_of(rig.second, [](const auto& row) { return is_well(row); });
+  });
 }
 
 std::string to_text(const Rows& rigs, std::uint32_t domain) {
-  if (rigs.empty()) return fmt::format("no node is heard on domain {}\n", domain);
+  if (rigs.empty())
+    return fmt::format("no node is heard on domain {}\n", domain);
   std::string text;
   for (const auto& [name, rows] : rigs) {
-    text += fmt::format("rig {}, domain {}\n  {:<10} {:<9} {:>16} {:>9}  {}\n", name, domain, "node", "state", "rate", "answered", "last sentence");
+    text += fmt::format("rig {}, domain {}\n  {:<10} {:<9} {:>16} {:>9}  {}\n", name, domain,
+                        "node", "state", "rate", "answered", "last sentence");
     for (const view::NodeRow& row : rows)
-      text += fmt::format("  {:<10} {:<9} {:>16} {:>9}  {}\n", row.report.node, row.state,
-                          row.rate_hz ? fmt::format("{:.0f} {}/s", *row.rate_hz, row.counted) : "-",
-                          row.answered_share ? fmt::format("{:.1f} %", 100.0 * *row.answered_share) : "-", row.report.message);
+      text += fmt::format(
+          "  {:<10} {:<9} {:>16} {:>9}  {}\n", row.report.node, row.state,
+          row.rate_hz ? fmt::format("{:.0f} {}/s", *row.rate_hz, row.counted) : "-",
+          row.answered_share ? fmt::format("{:.1f} %", 100.0 * *row.answered_share) : "-",
+          row.report.message);
   }
   return text;
 }
 
 std::string to_json(const Rows& rigs, std::uint32_t domain) {
-  nlohmann::ordered_json j{{"ok", is_well(rigs)}, {"domain", domain}, {"rigs", nlohmann::ordered_json::object()}};
-  for (const auto& [name, rows] : rigs) j["rigs"][name] = view::to_json(rows);
+  nlohmann::ordered_json j{
+      {"ok", is_well(rigs)}, {"domain", domain}, {"rigs", nlohmann::ordered_json::object()}};
+  for (const auto& [name, rows] : rigs)
+    j["rigs"][name] = view::to_json(rows);
   return j.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
@@ -107,8 +123,10 @@ int status(const StatusOptions& o) {
     if (now_ns - told_ns >= (o.watch ? kEachNs : kOnceNs)) {
       told_ns = now_ns;
       const Rows rows = rigs.rows();
-      log::print_result("{}\n", o.json ? to_json(rows, o.node.domain) : to_text(rows, o.node.domain));
-      if (!o.watch) return !rows.empty() && is_well(rows) ? 0 : 1;
+      log::print_result("{}\n",
+                        o.json ? to_json(rows, o.node.domain) : to_text(rows, o.node.domain));
+      if (!o.watch)
+        return !rows.empty() && is_well(rows) ? 0 : 1;
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
   }
@@ -119,14 +137,16 @@ int status(const StatusOptions& o) {
 
 void add_status(CLI::App& app, Action& action) {
   auto o = std::make_shared<StatusOptions>();
-  CLI::App* verb = app.add_subcommand(
-      "status",
-      "Tells which nodes of which rigs run on this network: state, rate, the share of samples that were answered in the last second, and\n"
-      "each node's last sentence. Looks for 2.5 s; exit status 1 where no node is heard, or one that is has failed or hangs. Of one that hung\n"
-      "before, the others tell.\n"
-      "  voxtouch status                 once, all rigs of the domain\n"
-      "  voxtouch status --watch         once a second until Ctrl-C\n"
-      "  voxtouch status --rig left --json");
+  CLI::App* verb =
+      app.add_subcommand("status",
+                         "Tells which nodes of which rigs run on this network: state, rate, the "
+                         "share of samples that were answered in the last second, and\n"
+                         "each node's last sentence. Looks for 2.5 s; exit status 1 where no node "
+                         "is heard, or one that is has failed or hangs. Of one that hung\n"
+                         "before, the others tell.\n"
+                         "  voxtouch status                 once, all rigs of the domain\n"
+                         "  voxtouch status --watch         once a second until Ctrl-C\n"
+                         "  voxtouch status --rig left --json");
   runtime::add_rig_options(*verb, o->node);
   verb->add_flag("--watch", o->watch, "Tells it once a second until Ctrl-C");
   verb->add_flag("--json", o->json, "One JSON object on stdout, with --watch one each second");

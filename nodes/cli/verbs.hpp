@@ -1,5 +1,6 @@
 #pragma once
-/// The verbs of `voxtouch`. Each adds itself to the command line and sets `action` when it was chosen.
+/// The verbs of `voxtouch`. Each adds itself to the command line and sets `action` when it was
+/// chosen.
 #include <functional>
 
 namespace CLI {
@@ -14,7 +15,8 @@ using Action = std::function<int()>;
 /// Adds a verb with its options to `app`.
 using AddVerb = void(CLI::App& app, Action& action);
 
-AddVerb add_up, add_new, add_build, add_probe, add_design, add_accuracy, add_plan, add_schema, add_change, add_types, add_view, add_report,
-    add_replay, add_status, add_recover, add_doctor, add_keys;
+AddVerb add_up, add_new, add_build, add_probe, add_design, add_accuracy, add_plan, add_schema,
+    add_change, add_types, add_view, add_report, add_replay, add_status, add_recover, add_doctor,
+    add_keys;
 
 }  // namespace voxtouch::cli

@@ -9,7 +9,8 @@ namespace voxtouch::coupling_node {
 
 struct Options : runtime::NodeOptions {
   runtime::StandbyOptions standby;
-  std::filesystem::path fault_records;  ///< folder for what was seen before a fault; empty: nothing is kept
+  std::filesystem::path
+      fault_records;  ///< folder for what was seen before a fault; empty: nothing is kept
 };
 
 /// Answers every contact until `stop`. Throws while starting only.

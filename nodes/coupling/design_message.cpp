@@ -7,27 +7,36 @@
 namespace voxtouch::coupling_node {
 namespace {
 
-std::vector<std::string> notes_on(const fitting::FittedCoupling& fitted, double sample_time_s, const std::string& external) {
+std::vector<std::string> notes_on(const fitting::FittedCoupling& fitted, double sample_time_s,
+                                  const std::string& external) {
   std::vector<std::string> notes;
-  if (!external.empty()) notes.push_back(effects::no_certificate_sentence(external));
+  if (!external.empty())
+    notes.push_back(effects::no_certificate_sentence(external));
   if (!fitted.designed)
-    notes.push_back(fitted.design.status == coupling::design::DesignStatus::kInfeasible
-                        ? "set by hand in the scene; the designer does not vouch for it: the reasons say why"
-                        : "set by hand in the scene; the designer's certificates hold for it");
-  for (const std::string& more : {coupling::design::describe_slow_velocity(fitted.design.spec), coupling::design::describe_bound(fitted.design.spec)})
-    if (!more.empty()) notes.push_back("injected damping " + more);
+    notes.push_back(
+        fitted.design.status == coupling::design::DesignStatus::kInfeasible
+            ? "set by hand in the scene; the designer does not vouch for it: the reasons say why"
+            : "set by hand in the scene; the designer's certificates hold for it");
+  for (const std::string& more : {coupling::design::describe_slow_velocity(fitted.design.spec),
+                                  coupling::design::describe_bound(fitted.design.spec)})
+    if (!more.empty())
+      notes.push_back("injected damping " + more);
   if (const std::string& forbids = fitted.design.floors.out_of_reach; !forbids.empty())
-    notes.push_back(fmt::format("a damping ratio of {:.2g} released and {:.2g} held is out of reach: {}", fitted.design.floors.released,
-                                fitted.design.floors.held, forbids));
-  if (!fitted.refusal.empty()) notes.push_back(fitted.refusal);
-  for (const coupling::CouplingIssue& issue : coupling::validate(fitted.spec, {}, sample_time_s)) notes.push_back(issue.sentence);
+    notes.push_back(
+        fmt::format("a damping ratio of {:.2g} released and {:.2g} held is out of reach: {}",
+                    fitted.design.floors.released, fitted.design.floors.held, forbids));
+  if (!fitted.refusal.empty())
+    notes.push_back(fitted.refusal);
+  for (const coupling::CouplingIssue& issue : coupling::validate(fitted.spec, {}, sample_time_s))
+    notes.push_back(issue.sentence);
   return notes;
 }
 
 }  // namespace
 
 std::string status_word(const fitting::FittedCoupling& fitted) {
-  return fitted.designed ? std::string(coupling::design::name_of(fitted.design.status)) : "configured";
+  return fitted.designed ? std::string(coupling::design::name_of(fitted.design.status))
+                         : "configured";
 }
 
 msg::CouplingDesign design_numbers(const fitting::FittedCoupling& fitted, double sample_time_s) {
@@ -65,8 +74,8 @@ msg::CouplingDesign design_numbers(const fitting::FittedCoupling& fitted, double
   return m;
 }
 
-void publish_design(bus::Writer<msg::CouplingDesign>& writer, const fitting::FittedCoupling& fitted, std::uint64_t session,
-                    double sample_time_s, const std::string& external) {
+void publish_design(bus::Writer<msg::CouplingDesign>& writer, const fitting::FittedCoupling& fitted,
+                    std::uint64_t session, double sample_time_s, const std::string& external) {
   const coupling::design::Design& design = fitted.design;
   const std::string status = status_word(fitted);
   const std::vector<std::string> notes = notes_on(fitted, sample_time_s, external);

@@ -12,7 +12,7 @@ std::string status_word(const fitting::FittedCoupling& fitted);
 msg::CouplingDesign design_numbers(const fitting::FittedCoupling& fitted, double sample_time_s);
 
 /// `external`: name of the effect that no certificate covers; empty: there is none.
-void publish_design(bus::Writer<msg::CouplingDesign>& writer, const fitting::FittedCoupling& fitted, std::uint64_t session,
-                    double sample_time_s, const std::string& external);
+void publish_design(bus::Writer<msg::CouplingDesign>& writer, const fitting::FittedCoupling& fitted,
+                    std::uint64_t session, double sample_time_s, const std::string& external);
 
 }  // namespace voxtouch::coupling_node

@@ -11,12 +11,13 @@ namespace {
 fitting::DeviceDemand demand_in(const msg::ScenePlan& plan) {
   return {.least_stiffness_n_per_m = plan.least_stiffness_n_per_m,
           .stiffest = plan.stiffest,
-          .damping = {plan.effects_damping_ns_per_m, plan.largest_damping_ns_per_m, plan.largest_damping,
-                      plan.largest_damping_place},
-          .turning = {plan.effects_damping_nms_per_rad, plan.largest_damping_nms_per_rad, plan.largest_turning_damping,
-                      plan.largest_turning_damping_place},
+          .damping = {plan.effects_damping_ns_per_m, plan.largest_damping_ns_per_m,
+                      plan.largest_damping, plan.largest_damping_place},
+          .turning = {plan.effects_damping_nms_per_rad, plan.largest_damping_nms_per_rad,
+                      plan.largest_turning_damping, plan.largest_turning_damping_place},
           .torque = plan.torque_effect,
-          .external = {plan.external_force_n, plan.external_torque_nm, plan.external_effect, plan.external_place}};
+          .external = {plan.external_force_n, plan.external_torque_nm, plan.external_effect,
+                       plan.external_place}};
 }
 
 }  // namespace
@@ -28,8 +29,9 @@ void Fitting::set_device(const DeviceDescription& device, std::uint64_t session)
 }
 
 void Fitting::set_plan(const msg::ScenePlan& plan) {
-  const rendering::StiffnessBounds bounds{{plan.one_point_stiffness_n_per_m, plan.all_points_stiffness_n_per_m},
-                         {plan.one_point_stiffness_nm_per_rad, plan.all_points_stiffness_nm_per_rad}};
+  const rendering::StiffnessBounds bounds{
+      {plan.one_point_stiffness_n_per_m, plan.all_points_stiffness_n_per_m},
+      {plan.one_point_stiffness_nm_per_rad, plan.all_points_stiffness_nm_per_rad}};
   outdated_ |= plan_session_ != plan.session_id || bounds != bounds_;
   bounds_ = bounds;
   demand_ = demand_in(plan);
@@ -62,11 +64,13 @@ void Fitting::begin() {
 }
 
 std::optional<fitting::FittedCoupling> Fitting::poll() {
-  if (!under_way_.valid() || under_way_.wait_for(std::chrono::seconds(0)) != std::future_status::ready)
+  if (!under_way_.valid() ||
+      under_way_.wait_for(std::chrono::seconds(0)) != std::future_status::ready)
     return std::nullopt;
   fitting::FittedCoupling fitted = under_way_.get();
   fitted.refusal = judge(fitted);
-  if (again_) begin();
+  if (again_)
+    begin();
   return fitted;
 }
 

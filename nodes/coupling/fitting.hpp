@@ -1,5 +1,6 @@
 #pragma once
-/// Which coupling runs: fitted to device, scene and contact when a session begins, and again when device or contact change.
+/// Which coupling runs: fitted to device, scene and contact when a session begins, and again when
+/// device or contact change.
 #include <cstdint>
 #include <future>
 #include <optional>
@@ -28,15 +29,18 @@ class Fitting {
 
   /// Takes up to some tenths of a second.
   fitting::FittedCoupling fit();
-  /// The same in a thread of ordinary priority, while the ring runs. A request that comes during a fit is made after it.
+  /// The same in a thread of ordinary priority, while the ring runs. A request that comes during a
+  /// fit is made after it.
   void begin();
   /// The result of `begin`, once, judged for what has come meanwhile; never waits.
   std::optional<fitting::FittedCoupling> poll();
-  /// Why `fitted` must not run (any more) on the device and for the effects as they were last told; empty: it may.
+  /// Why `fitted` must not run (any more) on the device and for the effects as they were last told;
+  /// empty: it may.
   std::string judge(const fitting::FittedCoupling& fitted) const;
 
   const coupling::design::DeviceModel& device() const noexcept { return device_; }
-  /// Name of the effect that no certificate covers, as the plan was last told; empty: there is none.
+  /// Name of the effect that no certificate covers, as the plan was last told; empty: there is
+  /// none.
   const std::string& external() const noexcept { return demand_.external.name; }
 
  private:

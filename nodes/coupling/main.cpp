@@ -9,7 +9,8 @@ int coupling(int argc, char** argv) {
   return voxtouch::runtime::node_main(
       argc, argv,
       {.name = "coupling",
-       .about = "voxtouch coupling node: shapes the contact wrench so that device, hand and contact stay stable "
+       .about = "voxtouch coupling node: shapes the contact wrench so that device, hand and "
+                "contact stay stable "
                 "together, and commands the\n"
                 "device."},
       options,

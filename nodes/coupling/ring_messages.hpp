@@ -1,5 +1,6 @@
 #pragma once
-/// Between the ring's messages and the coupling. Field by field; what is not usable the coupling itself finds out. Real-time safe.
+/// Between the ring's messages and the coupling. Field by field; what is not usable the coupling
+/// itself finds out. Real-time safe.
 #include <cmath>
 #include <cstdint>
 
@@ -30,9 +31,11 @@ inline std::uint32_t status_bits(const coupling::CouplingOutput& out) noexcept {
          (out.passivity ? kStatusPassivity : 0U) | (out.bounded ? kStatusBounded : 0U);
 }
 
-/// The answer to the sample of `contact`: `out`, whose force is `wrench_D` there, good for `valid_s`.
-inline msg::ForceCommand force_command(const msg::ContactState& contact, const coupling::CouplingOutput& out,
-                                       const Wrench& wrench_D, double valid_s) noexcept {
+/// The answer to the sample of `contact`: `out`, whose force is `wrench_D` there, good for
+/// `valid_s`.
+inline msg::ForceCommand force_command(const msg::ContactState& contact,
+                                       const coupling::CouplingOutput& out, const Wrench& wrench_D,
+                                       double valid_s) noexcept {
   msg::ForceCommand m{};
   m.session_id = contact.session_id;
   m.sequence_number = contact.sequence_number;

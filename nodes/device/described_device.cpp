@@ -21,14 +21,17 @@ constexpr std::size_t kShown = 256;  ///< of a name that is none, in the message
 std::vector<std::string> shipped_devices() { return shipped_files("devices"); }
 
 std::optional<scene::DeviceFile> described_device(const std::string& device) {
-  if (!device.starts_with(devices::kDescribedPrefix)) return std::nullopt;
+  if (!device.starts_with(devices::kDescribedPrefix))
+    return std::nullopt;
   const std::string name = device.substr(devices::kDescribedPrefix.size());
   std::error_code error;
-  if (std::filesystem::exists(name, error)) return scene::load_device_file(name);
+  if (std::filesystem::exists(name, error))
+    return scene::load_device_file(name);
   const std::vector<std::string> names = shipped_devices();
   if (!std::ranges::binary_search(names, name))
-    throw std::runtime_error(fmt::format("'{}' is no file, and no device file of this name comes with voxtouch. These do: {}",
-                                         name.substr(0, kShown), fmt::join(names, ", ")));
+    throw std::runtime_error(fmt::format(
+        "'{}' is no file, and no device file of this name comes with voxtouch. These do: {}",
+        name.substr(0, kShown), fmt::join(names, ", ")));
   return scene::load_device_file(shipped_file("devices", name));
 }
 

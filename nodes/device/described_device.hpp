@@ -1,5 +1,6 @@
 #pragma once
-/// Devices on a command line that a file describes: `sim:FILE`, or `sim:NAME` for a file that comes with voxtouch.
+/// Devices on a command line that a file describes: `sim:FILE`, or `sim:NAME` for a file that comes
+/// with voxtouch.
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,8 +12,9 @@ namespace voxtouch::device_node {
 /// Names of the device files that come with voxtouch, sorted; empty where their folder is missing.
 std::vector<std::string> shipped_devices();
 
-/// The file behind `sim:...`, read; nothing for a device by name. Throws scene::SceneError for a file that will not do, and
-/// std::runtime_error, which lists the shipped names, for one that is not there.
+/// The file behind `sim:...`, read; nothing for a device by name. Throws scene::SceneError for a
+/// file that will not do, and std::runtime_error, which lists the shipped names, for one that is
+/// not there.
 std::optional<scene::DeviceFile> described_device(const std::string& device);
 
 /// Its description alone, for devices::DeviceOptions.

@@ -17,26 +17,42 @@ constexpr std::int64_t kPollNs = 50'000'000;
 
 const char* reason_of(devices::DeviceError error) noexcept {
   switch (error) {
-    case devices::DeviceError::kTimeout: return "the device gave no sample in time";
-    case devices::DeviceError::kDisconnected: return "the device went away";
+    case devices::DeviceError::kTimeout:
+      return "the device gave no sample in time";
+    case devices::DeviceError::kDisconnected:
+      return "the device went away";
     case devices::DeviceError::kNotFinite:
-    case devices::DeviceError::kLimit: return "the driver refused a command";
-    case devices::DeviceError::kProtocol: return "the device broke its protocol";
-    case devices::DeviceError::kRecoverable: return "the device dropped its force";
-    case devices::DeviceError::kFault: return "the device stopped with a fault";
+    case devices::DeviceError::kLimit:
+      return "the driver refused a command";
+    case devices::DeviceError::kProtocol:
+      return "the device broke its protocol";
+    case devices::DeviceError::kRecoverable:
+      return "the device dropped its force";
+    case devices::DeviceError::kFault:
+      return "the device stopped with a fault";
   }
   return "the device failed";
 }
 
 }  // namespace
 
-DeviceLoop::DeviceLoop(const Settings& settings, devices::Driver& driver, bus::Writer<msg::DeviceState>& states,
-                       runtime::PairReader<msg::ForceCommand>& commands, bus::WaitSet& wait_set, Progress& progress,
-                       Requests& requests, Faults& faults)
-    : settings_(settings), driver_(driver), states_(states), commands_(commands), wait_set_(wait_set),
-      progress_(progress), requests_(requests), faults_(faults), guard_(devices::guard_config(driver.description())), gate_(settings.session_id),
+DeviceLoop::DeviceLoop(const Settings& settings, devices::Driver& driver,
+                       bus::Writer<msg::DeviceState>& states,
+                       runtime::PairReader<msg::ForceCommand>& commands, bus::WaitSet& wait_set,
+                       Progress& progress, Requests& requests, Faults& faults)
+    : settings_(settings),
+      driver_(driver),
+      states_(states),
+      commands_(commands),
+      wait_set_(wait_set),
+      progress_(progress),
+      requests_(requests),
+      faults_(faults),
+      guard_(devices::guard_config(driver.description())),
+      gate_(settings.session_id),
       period_ns_(std::llround(1e9 / driver.description().rate_hz)),
-      longest_gap_ns_(std::llround(1e9 * (guard_.config().hold_periods * guard_.config().period_s + guard_.config().fade_s))) {
+      longest_gap_ns_(std::llround(1e9 * (guard_.config().hold_periods * guard_.config().period_s +
+                                          guard_.config().fade_s))) {
   commands_.begin_session(settings.session_id);
 }
 
@@ -45,7 +61,8 @@ End DeviceLoop::run(const std::atomic<bool>& stop) noexcept {
   deadline_ns_ = runtime::monotonic_ns();
   progress_.started_ns.store(deadline_ns_, kRelaxed);
   End end = End::kNone;
-  while (end == End::kNone) end = cycle(stop);
+  while (end == End::kNone)
+    end = cycle(stop);
   guard_.stop();
   driver_.stop();
   progress_.deadline_misses.store(commands_.deadlines_missed(), kRelaxed);
@@ -56,16 +73,21 @@ End DeviceLoop::run(const std::atomic<bool>& stop) noexcept {
 }
 
 End DeviceLoop::asked_to_end(const std::atomic<bool>& stop) const noexcept {
-  if (stop.load(kRelaxed)) return End::kStopped;
-  if (settings_.max_samples && sequence_ == settings_.max_samples) return End::kFinished;
-  if (requests_.rig_claimed.load(kRelaxed)) return End::kRigClaimed;
-  if (settings_.lockstep && requests_.peer_gone.load(kRelaxed)) return End::kPeerGone;
+  if (stop.load(kRelaxed))
+    return End::kStopped;
+  if (settings_.max_samples && sequence_ == settings_.max_samples)
+    return End::kFinished;
+  if (requests_.rig_claimed.load(kRelaxed))
+    return End::kRigClaimed;
+  if (settings_.lockstep && requests_.peer_gone.load(kRelaxed))
+    return End::kPeerGone;
   return End::kNone;
 }
 
 End DeviceLoop::cycle(const std::atomic<bool>& stop) noexcept {
   progress_.heartbeat.beat();
-  if (const End asked = asked_to_end(stop); asked != End::kNone) return asked;
+  if (const End asked = asked_to_end(stop); asked != End::kNone)
+    return asked;
 
   const auto sample = driver_.read(std::chrono::microseconds(10 * period_ns_ / 1000));
   if (!sample) {
@@ -75,8 +97,8 @@ End DeviceLoop::cycle(const std::atomic<bool>& stop) noexcept {
   }
   if (!driver_.simulated()) {
     count_skipped(sample->time_ns);
-    deadline_ns_ =
-        runtime::monotonic_ns() - period_ns_ / 4;  // its clock paces: the command is due before its next sample
+    deadline_ns_ = runtime::monotonic_ns() -
+                   period_ns_ / 4;  // its clock paces: the command is due before its next sample
   }
   if (!publish(*sample, stop))
     return stop.load(kRelaxed)                  ? End::kStopped
@@ -85,7 +107,8 @@ End DeviceLoop::cycle(const std::atomic<bool>& stop) noexcept {
 
   End end = End::kNone;
   const auto command = settings_.lockstep ? wait_in_lockstep(stop, end) : wait_in_real_time();
-  if (end != End::kNone) return end;
+  if (end != End::kNone)
+    return end;
 
   ++sequence_;
   progress_.samples.store(sequence_, kRelaxed);
@@ -94,7 +117,8 @@ End DeviceLoop::cycle(const std::atomic<bool>& stop) noexcept {
     let_go();
     return End::kNone;
   }
-  if (progress_.lock.opened()) guard_.restart();
+  if (progress_.lock.opened())
+    guard_.restart();
   if (progress_.lock.engaged()) {
     let_go();
     return End::kNone;
@@ -102,24 +126,31 @@ End DeviceLoop::cycle(const std::atomic<bool>& stop) noexcept {
   return give(command, sample->time_ns);
 }
 
-End DeviceLoop::give(const std::optional<devices::GuardInput>& command, std::int64_t sample_ns) noexcept {
+End DeviceLoop::give(const std::optional<devices::GuardInput>& command,
+                     std::int64_t sample_ns) noexcept {
   const devices::GuardCounts before = guard_.counts();
   const Wrench force = guard_.pass(command, sample_ns + settings_.epoch_ns);
   record(force, before);
   const auto written = driver_.write(force);
   note(written ? force : Wrench{});
   progress_.in_trouble.store(!written, kRelaxed);
-  if (written) accepts_force_ = true;
+  if (written)
+    accepts_force_ = true;
   return written ? End::kNone : on_device_error(written.error());
 }
 
-/// Only a device that has gone or needs a person ends the session. All else costs force, not the session: zero now, ramped in anew.
+/// Only a device that has gone or needs a person ends the session. All else costs force, not the
+/// session: zero now, ramped in anew.
 End DeviceLoop::on_device_error(devices::DeviceError error) noexcept {
   progress_.last_error.store(error, kRelaxed);
-  if (accepts_force_) faults_.keep(reason_of(error));
-  if (error == devices::DeviceError::kDisconnected) return End::kDeviceGone;
-  if (error == devices::DeviceError::kFault) return End::kDeviceFault;
-  // The guard lets nothing through that the driver has to refuse: one of the two is wrong, and nobody knows which.
+  if (accepts_force_)
+    faults_.keep(reason_of(error));
+  if (error == devices::DeviceError::kDisconnected)
+    return End::kDeviceGone;
+  if (error == devices::DeviceError::kFault)
+    return End::kDeviceFault;
+  // The guard lets nothing through that the driver has to refuse: one of the two is wrong, and
+  // nobody knows which.
   if (error == devices::DeviceError::kNotFinite || error == devices::DeviceError::kLimit)
     progress_.lock.engage("the driver refused a command that the force guard had let through");
   let_go();
@@ -133,21 +164,28 @@ void DeviceLoop::let_go() noexcept {
   guard_.restart();
   progress_.force_n.store(0.0, kRelaxed);
   progress_.zero_force_samples.fetch_add(1, kRelaxed);
-  if (std::exchange(accepts_force_, false)) progress_.interruptions.fetch_add(1, kRelaxed);
+  if (std::exchange(accepts_force_, false))
+    progress_.interruptions.fetch_add(1, kRelaxed);
 }
 
-/// Whether this process was kept from its work for longer than a command is held and faded. By our clock: that of a simulated device
-/// stands still with the process, and what it pushed with then must not go on.
+/// Whether this process was kept from its work for longer than a command is held and faded. By our
+/// clock: that of a simulated device stands still with the process, and what it pushed with then
+/// must not go on.
 bool DeviceLoop::stood_still() noexcept {
-  if (settings_.lockstep) return false;
-  const std::int64_t now_ns = runtime::monotonic_ns(), last_ns = std::exchange(last_cycle_ns_, now_ns);
+  if (settings_.lockstep)
+    return false;
+  const std::int64_t now_ns = runtime::monotonic_ns(),
+                     last_ns = std::exchange(last_cycle_ns_, now_ns);
   const std::int64_t gap_ns = last_ns ? now_ns - last_ns : 0;
-  if (gap_ns <= longest_gap_ns_) return false;
-  if (gap_ns > progress_.longest_gap_ns.load(kRelaxed)) progress_.longest_gap_ns.store(gap_ns, kRelaxed);
+  if (gap_ns <= longest_gap_ns_)
+    return false;
+  if (gap_ns > progress_.longest_gap_ns.load(kRelaxed))
+    progress_.longest_gap_ns.store(gap_ns, kRelaxed);
   return true;
 }
 
-bool DeviceLoop::publish(const devices::DeviceSample& sample, const std::atomic<bool>& stop) noexcept {
+bool DeviceLoop::publish(const devices::DeviceSample& sample,
+                         const std::atomic<bool>& stop) noexcept {
   msg::DeviceState state{};
   state.session_id = settings_.session_id;
   state.sequence_number = sequence_;
@@ -168,7 +206,8 @@ bool DeviceLoop::publish(const devices::DeviceSample& sample, const std::atomic<
                 (trusted ? 0U : msg::device_state::kFlagPoseHeld);
   seen_.state = state, seen_.answered = false;
   published_ns_[sequence_ % published_ns_.size()] = runtime::monotonic_ns();
-  if (!settings_.lockstep) return states_.write(state), true;  // best effort: a full socket is a lost sample, not an end
+  if (!settings_.lockstep)
+    return states_.write(state), true;  // best effort: a full socket is a lost sample, not an end
   return states_.write_until(state, [&] {
     progress_.heartbeat.beat();
     return stop.load(kRelaxed) || requests_.peer_gone.load(kRelaxed);
@@ -180,32 +219,43 @@ std::optional<devices::GuardInput> DeviceLoop::take_commands() noexcept {
   msg::ForceCommand command;
   dds_instance_handle_t writer = 0;
   for (int i = 0; i < commands_.kMaxTakes && commands_.take(command, &writer, sequence_); ++i) {
-    // The gate's own rule is the second line: it lets go only of a writer that is not followed any more.
-    if (gate_.writer() && *gate_.writer() != commands_.writer()) gate_.release_writer();
-    const devices::GateVerdict verdict = gate_.accept(writer, command.session_id, command.sequence_number, sequence_);
+    // The gate's own rule is the second line: it lets go only of a writer that is not followed any
+    // more.
+    if (gate_.writer() && *gate_.writer() != commands_.writer())
+      gate_.release_writer();
+    const devices::GateVerdict verdict =
+        gate_.accept(writer, command.session_id, command.sequence_number, sequence_);
     guard_.count(verdict);
-    if (verdict != devices::GateVerdict::kAccepted) continue;
+    if (verdict != devices::GateVerdict::kAccepted)
+      continue;
     if (progress_.first_answered.load(kRelaxed) == Progress::kNone)
       progress_.first_answered.store(command.sequence_number, kRelaxed);
     if (sequence_ - command.sequence_number < published_ns_.size())
-      progress_.latency.record(runtime::monotonic_ns() - published_ns_[command.sequence_number % published_ns_.size()]);
+      progress_.latency.record(runtime::monotonic_ns() -
+                               published_ns_[command.sequence_number % published_ns_.size()]);
     seen_.command = command, seen_.answered = true;
     newest = devices::GuardInput{runtime::from_msg(command.wrench), command.valid_until_ns};
   }
   return newest;
 }
 
-std::optional<devices::GuardInput> DeviceLoop::wait_in_lockstep(const std::atomic<bool>& stop, End& end) noexcept {
+std::optional<devices::GuardInput> DeviceLoop::wait_in_lockstep(const std::atomic<bool>& stop,
+                                                                End& end) noexcept {
   const std::int64_t give_up_ns = runtime::monotonic_ns() + settings_.peer_timeout_ns;
   for (;;) {
     wait_set_.wait(kPollNs);
     progress_.heartbeat.beat();
     const auto command = take_commands();
-    if (command && gate_.last_sequence() == sequence_) return command;
-    if (stop.load(kRelaxed)) end = End::kStopped;
-    if (requests_.peer_gone.load(kRelaxed)) end = End::kPeerGone;
-    if (runtime::monotonic_ns() > give_up_ns) end = End::kPeerSilent;
-    if (end != End::kNone) return std::nullopt;
+    if (command && gate_.last_sequence() == sequence_)
+      return command;
+    if (stop.load(kRelaxed))
+      end = End::kStopped;
+    if (requests_.peer_gone.load(kRelaxed))
+      end = End::kPeerGone;
+    if (runtime::monotonic_ns() > give_up_ns)
+      end = End::kPeerSilent;
+    if (end != End::kNone)
+      return std::nullopt;
   }
 }
 
@@ -213,20 +263,26 @@ std::optional<devices::GuardInput> DeviceLoop::wait_in_real_time() noexcept {
   std::optional<devices::GuardInput> newest;
   next_period();
   for (std::int64_t left; (left = deadline_ns_ - runtime::monotonic_ns()) > 0;) {
-    if (gate_.last_sequence() == sequence_) break;  // answered: nothing more to wait for
-    if (!wait_set_.wait(left)) break;
-    if (const auto command = take_commands()) newest = command;
+    if (gate_.last_sequence() == sequence_)
+      break;  // answered: nothing more to wait for
+    if (!wait_set_.wait(left))
+      break;
+    if (const auto command = take_commands())
+      newest = command;
   }
-  if (driver_.simulated()) runtime::sleep_until(deadline_ns_);
+  if (driver_.simulated())
+    runtime::sleep_until(deadline_ns_);
   return newest;
 }
 
 /// Of a device that paces itself its own stamps tell which samples nobody fetched.
 void DeviceLoop::count_skipped(std::int64_t sample_ns) noexcept {
   const std::int64_t last = std::exchange(last_sample_ns_, sample_ns);
-  if (sequence_ == 0 || !accepts_force_) return;  // while it gets ready, or again ready, it may pause
+  if (sequence_ == 0 || !accepts_force_)
+    return;  // while it gets ready, or again ready, it may pause
   const std::int64_t periods = (sample_ns - last + period_ns_ / 2) / period_ns_;
-  if (periods > 1) progress_.overruns.fetch_add(static_cast<std::uint64_t>(periods - 1), kRelaxed);
+  if (periods > 1)
+    progress_.overruns.fetch_add(static_cast<std::uint64_t>(periods - 1), kRelaxed);
 }
 
 void DeviceLoop::next_period() noexcept {
@@ -244,20 +300,26 @@ void DeviceLoop::record(const Wrench& given, const devices::GuardCounts& before)
   seen_.given.wrench = runtime::to_msg(given);
   faults_.push(seen_);
   const devices::GuardCounts& now = guard_.counts();
-  if (now.refused_not_finite != before.refused_not_finite) faults_.keep("a command was no number");
-  const bool cut = now.clamped_force != before.clamped_force || now.clamped_torque != before.clamped_torque;
-  if (cut) faults_.keep("a command was above the device's limit");
+  if (now.refused_not_finite != before.refused_not_finite)
+    faults_.keep("a command was no number");
+  const bool cut =
+      now.clamped_force != before.clamped_force || now.clamped_torque != before.clamped_torque;
+  if (cut)
+    faults_.keep("a command was above the device's limit");
   lock_where_cut(cut);
-  if (now.faded != before.faded) faults_.keep("commands stopped coming and the force faded");
-  if (requests_.coupling_fault.exchange(false, kRelaxed)) faults_.keep_too("a fault that the coupling saw");
+  if (now.faded != before.faded)
+    faults_.keep("commands stopped coming and the force faded");
+  if (requests_.coupling_fault.exchange(false, kRelaxed))
+    faults_.keep_too("a fault that the coupling saw");
 }
 
-/// One command above the limit is cut and counted. Where it is more than a tenth of about a second's, what the hand feels is the limit and no
-/// contact any more.
+/// One command above the limit is cut and counted. Where it is more than a tenth of about a
+/// second's, what the hand feels is the limit and no contact any more.
 void DeviceLoop::lock_where_cut(bool cut) noexcept {
   const double second = 1e9 / static_cast<double>(period_ns_);
   cut_samples_ += (cut ? 1.0 : 0.0) - cut_samples_ / second;
-  if (cut_samples_ < 0.1 * second) return;
+  if (cut_samples_ < 0.1 * second)
+    return;
   cut_samples_ = 0.0;
   progress_.lock.engage("more than a tenth of a second's commands were above the device's limit");
 }
@@ -265,8 +327,10 @@ void DeviceLoop::lock_where_cut(bool cut) noexcept {
 void DeviceLoop::note(const Wrench& force) noexcept {
   const double magnitude = force.force.norm();
   progress_.force_n.store(magnitude, kRelaxed);
-  if (magnitude > progress_.recent_max_force_n.load(kRelaxed)) progress_.recent_max_force_n.store(magnitude, kRelaxed);
-  if (magnitude > progress_.max_force_n.load(kRelaxed)) progress_.max_force_n.store(magnitude, kRelaxed);
+  if (magnitude > progress_.recent_max_force_n.load(kRelaxed))
+    progress_.recent_max_force_n.store(magnitude, kRelaxed);
+  if (magnitude > progress_.max_force_n.load(kRelaxed))
+    progress_.max_force_n.store(magnitude, kRelaxed);
   const devices::GuardCounts& counts = guard_.counts();
   progress_.refused.store(counts.refused(), kRelaxed);
   progress_.refused_late.store(counts.refused_stale, kRelaxed);
@@ -274,18 +338,21 @@ void DeviceLoop::note(const Wrench& force) noexcept {
   progress_.faded.store(counts.faded, kRelaxed);
 }
 
-std::unique_ptr<Faults> make_faults(const std::filesystem::path& folder, const std::string& rig, double rate_hz) {
+std::unique_ptr<Faults> make_faults(const std::filesystem::path& folder, const std::string& rig,
+                                    double rate_hz) {
   const std::string ns = "/" + rig + "/";
   auto faults = std::make_unique<Faults>(
       folder, faults::FaultContext{"device", rig, {}},
-      std::vector{faults::topic_of<msg::DeviceState>(ns + "device/state"), faults::topic_of<msg::ForceCommand>(ns + "coupling/command"),
+      std::vector{faults::topic_of<msg::DeviceState>(ns + "device/state"),
+                  faults::topic_of<msg::ForceCommand>(ns + "coupling/command"),
                   faults::topic_of<msg::ForceCommand>(ns + "device/given")},
       [](const std::vector<SampleSeen>& rows) {
         std::vector<faults::FaultMessage> messages;
         for (const SampleSeen& row : rows) {
           const std::int64_t time_ns = row.state.sample_time_ns;
           messages.push_back(faults::message_of(0, time_ns, row.state));
-          if (row.answered) messages.push_back(faults::message_of(1, time_ns, row.command));
+          if (row.answered)
+            messages.push_back(faults::message_of(1, time_ns, row.command));
           messages.push_back(faults::message_of(2, time_ns, row.given));
         }
         return messages;

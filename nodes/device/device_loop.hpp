@@ -1,12 +1,14 @@
 #pragma once
-/// One cycle a sample: read, publish, wait for the command, guard, write. Real-time safe after construction. A simulated device is paced
-/// here, at absolute deadlines; a real one paces by its own clock, in `read`, and gets its command as soon as it is there.
-/// Commands are those of the one writer that the reader follows; the housekeeping decides whose it is, and the reader itself where that one has
-/// a standby, which takes over when it has left out samples.
+/// One cycle a sample: read, publish, wait for the command, guard, write. Real-time safe after
+/// construction. A simulated device is paced here, at absolute deadlines; a real one paces by its
+/// own clock, in `read`, and gets its command as soon as it is there. Commands are those of the one
+/// writer that the reader follows; the housekeeping decides whose it is, and the reader itself
+/// where that one has a standby, which takes over when it has left out samples.
 ///
-/// What bounds each loop. `run`: it is the session, each cycle looks at `stop`. `read`: ten periods. `take_commands`: kMaxTakes
-/// commands, of which the history in real time holds one. `wait_in_real_time`: the sample's own period. `wait_in_lockstep`: peer_timeout,
-/// in steps of 50 ms that look at `stop`. No lock is taken.
+/// What bounds each loop. `run`: it is the session, each cycle looks at `stop`. `read`: ten
+/// periods. `take_commands`: kMaxTakes commands, of which the history in real time holds one.
+/// `wait_in_real_time`: the sample's own period. `wait_in_lockstep`: peer_timeout, in steps of 50
+/// ms that look at `stop`. No lock is taken.
 #include <array>
 #include <atomic>
 
@@ -38,22 +40,28 @@ enum class End : std::uint32_t {
 
 /// What other threads may read while the loop runs.
 struct Progress {
-  std::atomic<std::uint64_t> samples{0}, overruns{0}, refused{0}, refused_late{0}, clamped{0}, faded{0};
-  /// Times that a device which had taken force gave no samples or took none any more, without ending the session. However long it
-  /// lasts it is one; waiting at the start, until the device is ready, is none.
+  std::atomic<std::uint64_t> samples{0}, overruns{0}, refused{0}, refused_late{0}, clamped{0},
+      faded{0};
+  /// Times that a device which had taken force gave no samples or took none any more, without
+  /// ending the session. However long it lasts it is one; waiting at the start, until the device is
+  /// ready, is none.
   std::atomic<std::uint64_t> interruptions{0};
   std::atomic<std::uint64_t> zero_force_samples{
       0};  ///< reads and writes that failed, of interruptions and of waiting: zero force each
-  std::atomic<devices::DeviceError> last_error{devices::DeviceError::kTimeout};  ///< means something where zero_force_samples is not 0
-  std::atomic<std::uint64_t> untrusted_poses{0};                    ///< samples whose pose was not to be trusted
-  std::atomic<bool> in_trouble{false};  ///< the last read or write failed: the device is at zero force
+  std::atomic<devices::DeviceError> last_error{
+      devices::DeviceError::kTimeout};  ///< means something where zero_force_samples is not 0
+  std::atomic<std::uint64_t> untrusted_poses{0};  ///< samples whose pose was not to be trusted
+  std::atomic<bool> in_trouble{
+      false};  ///< the last read or write failed: the device is at zero force
   std::atomic<std::uint64_t> deadline_misses{
       0};  ///< set at the end: a reader goes on counting once nobody writes any more
   std::atomic<double> max_force_n{0.0}, force_n{0.0};
   std::atomic<double> recent_max_force_n{0.0};  ///< since whoever shows it last took it out
   static constexpr std::uint64_t kNone = ~std::uint64_t{0};
-  std::atomic<std::uint64_t> first_answered{kNone};  ///< number of the first sample that was answered
-  std::atomic<std::int64_t> longest_gap_ns{0};       ///< between two cycles, of those that let the force go
+  std::atomic<std::uint64_t> first_answered{
+      kNone};  ///< number of the first sample that was answered
+  std::atomic<std::int64_t> longest_gap_ns{
+      0};  ///< between two cycles, of those that let the force go
   runtime::Heartbeat heartbeat;
   std::atomic<std::int64_t> started_ns{0}, ended_ns{0};  ///< monotonic
   std::atomic<End> end{End::kNone};
@@ -69,14 +77,17 @@ struct SampleSeen {
   bool answered = false;
 };
 using Faults = faults::FaultRecorder<SampleSeen>;
-/// Writes to FOLDER (none: records nothing); the topics are those of the ring, and `device/given` beside them.
-std::unique_ptr<Faults> make_faults(const std::filesystem::path& folder, const std::string& rig, double rate_hz);
+/// Writes to FOLDER (none: records nothing); the topics are those of the ring, and `device/given`
+/// beside them.
+std::unique_ptr<Faults> make_faults(const std::filesystem::path& folder, const std::string& rig,
+                                    double rate_hz);
 
 /// Asked by other threads of the loop.
 struct Requests {
-  std::atomic<bool> peer_gone{false};       ///< lockstep: a node that takes part has gone
-  std::atomic<bool> rig_claimed{false};     ///< another device of this rig was there first
-  std::atomic<bool> coupling_fault{false};  ///< the coupling has kept what it saw: so does this node
+  std::atomic<bool> peer_gone{false};    ///< lockstep: a node that takes part has gone
+  std::atomic<bool> rig_claimed{false};  ///< another device of this rig was there first
+  std::atomic<bool> coupling_fault{
+      false};  ///< the coupling has kept what it saw: so does this node
 };
 
 class DeviceLoop {
@@ -84,12 +95,15 @@ class DeviceLoop {
   struct Settings {
     std::uint64_t session_id = 0;
     bool lockstep = false;
-    std::int64_t epoch_ns = 0;  ///< added to the driver's clock: stamps are absolute in real time, from 0 in lockstep
+    std::int64_t epoch_ns =
+        0;  ///< added to the driver's clock: stamps are absolute in real time, from 0 in lockstep
     std::uint64_t max_samples = 0;  ///< 0: no end
     std::int64_t peer_timeout_ns = 5'000'000'000;
   };
-  DeviceLoop(const Settings& settings, devices::Driver& driver, bus::Writer<msg::DeviceState>& states,
-             runtime::PairReader<msg::ForceCommand>& commands, bus::WaitSet& wait_set, Progress& progress, Requests& requests, Faults& faults);
+  DeviceLoop(const Settings& settings, devices::Driver& driver,
+             bus::Writer<msg::DeviceState>& states,
+             runtime::PairReader<msg::ForceCommand>& commands, bus::WaitSet& wait_set,
+             Progress& progress, Requests& requests, Faults& faults);
 
   /// Runs to the end; leaves the driver stopped.
   End run(const std::atomic<bool>& stop) noexcept;
@@ -105,7 +119,8 @@ class DeviceLoop {
   void next_period() noexcept;
   void count_skipped(std::int64_t sample_ns) noexcept;
   bool publish(const devices::DeviceSample& sample, const std::atomic<bool>& stop) noexcept;
-  std::optional<devices::GuardInput> wait_in_lockstep(const std::atomic<bool>& stop, End& end) noexcept;
+  std::optional<devices::GuardInput> wait_in_lockstep(const std::atomic<bool>& stop,
+                                                      End& end) noexcept;
   std::optional<devices::GuardInput> wait_in_real_time() noexcept;
   std::optional<devices::GuardInput> take_commands() noexcept;
   void note(const Wrench& force) noexcept;

@@ -11,12 +11,16 @@
 namespace voxtouch::device_node {
 
 void add_hand_options(CLI::App& app, HandChoice& choice) {
-  app.add_option("--hand", choice.grip,
-                 fmt::format("How the simulated hand holds the device: {} (default: as the device is usually held)",
-                             fmt::join(hand::grip_names(), ", ")));
-  app.add_option("--let-go-at", choice.let_go_at_s, "Device time at which the simulated hand opens [s]")
+  app.add_option(
+      "--hand", choice.grip,
+      fmt::format(
+          "How the simulated hand holds the device: {} (default: as the device is usually held)",
+          fmt::join(hand::grip_names(), ", ")));
+  app.add_option("--let-go-at", choice.let_go_at_s,
+                 "Device time at which the simulated hand opens [s]")
       ->check(runtime::require_positive);
-  app.add_option("--grip-harder-at", choice.grip_harder_at_s, "Device time at which it grips harder [s]")
+  app.add_option("--grip-harder-at", choice.grip_harder_at_s,
+                 "Device time at which it grips harder [s]")
       ->check(runtime::require_positive);
   app.add_option("--grip-factor", choice.grip_factor, "How much stiffer it holds then")
       ->capture_default_str()
@@ -25,15 +29,16 @@ void add_hand_options(CLI::App& app, HandChoice& choice) {
 }
 
 std::optional<sim::OperatorConfig> choose_hand(const std::string& device, const HandChoice& choice,
-                                                const devices::DeviceOptions& options) {
+                                               const devices::DeviceOptions& options) {
   constexpr double kNever = std::numeric_limits<double>::infinity();
-  if (choice.grip.empty() && choice.let_go_at_s == kNever && choice.grip_harder_at_s == kNever) return std::nullopt;
+  if (choice.grip.empty() && choice.let_go_at_s == kNever && choice.grip_harder_at_s == kNever)
+    return std::nullopt;
   sim::OperatorConfig hand = devices::usual_hand(device, options);
   if (!choice.grip.empty()) {
     const std::optional<sim::OperatorConfig> named = hand::grip(choice.grip);
     if (!named)
-      throw devices::DeviceOpenError(
-          fmt::format("there is no hand '{}'; --hand takes {}", choice.grip, fmt::join(hand::grip_names(), ", ")));
+      throw devices::DeviceOpenError(fmt::format("there is no hand '{}'; --hand takes {}",
+                                                 choice.grip, fmt::join(hand::grip_names(), ", ")));
     const bool carries = hand.carries_tool;
     hand = *named;
     hand.carries_tool = carries;
@@ -47,16 +52,19 @@ std::optional<sim::OperatorConfig> choose_hand(const std::string& device, const 
 void append_arguments(const HandChoice& choice, std::vector<std::string>& arguments) {
   const HandChoice usual;
   const auto number = [&](const char* name, double value, double default_value) {
-    if (value != default_value) arguments.insert(arguments.end(), {name, fmt::format("{}", value)});
+    if (value != default_value)
+      arguments.insert(arguments.end(), {name, fmt::format("{}", value)});
   };
-  if (!choice.grip.empty()) arguments.insert(arguments.end(), {"--hand", choice.grip});
+  if (!choice.grip.empty())
+    arguments.insert(arguments.end(), {"--hand", choice.grip});
   number("--let-go-at", choice.let_go_at_s, usual.let_go_at_s);
   number("--grip-harder-at", choice.grip_harder_at_s, usual.grip_harder_at_s);
   number("--grip-factor", choice.grip_factor, usual.grip_factor);
 }
 
 std::string to_text(const HandChoice& choice) {
-  return fmt::format("{}/{}/{}/{}", choice.grip, choice.let_go_at_s, choice.grip_harder_at_s, choice.grip_factor);
+  return fmt::format("{}/{}/{}/{}", choice.grip, choice.let_go_at_s, choice.grip_harder_at_s,
+                     choice.grip_factor);
 }
 
 }  // namespace voxtouch::device_node

@@ -26,9 +26,10 @@ void add_hand_options(CLI::App& app, HandChoice& choice);
 /// The arguments that give the same choice to another process.
 void append_arguments(const HandChoice& choice, std::vector<std::string>& arguments);
 
-/// The hand that was chosen for a device that opens with these options; absent where nothing was chosen. Throws DeviceOpenError for an unknown grip.
+/// The hand that was chosen for a device that opens with these options; absent where nothing was
+/// chosen. Throws DeviceOpenError for an unknown grip.
 std::optional<sim::OperatorConfig> choose_hand(const std::string& device, const HandChoice& choice,
-                                                const devices::DeviceOptions& options);
+                                               const devices::DeviceOptions& options);
 
 /// Words that differ where the hands differ, for the identity of a recorded run.
 std::string to_text(const HandChoice& choice);

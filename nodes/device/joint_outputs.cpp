@@ -9,10 +9,15 @@
 
 namespace voxtouch::device_node {
 
-JointOutputs::JointOutputs(const bus::Participant& participant, const std::string& rig, const arm::ArmDescription& arm, qos::TimeMode mode)
-    : urdf_(arm::to_urdf(arm)), mode_(mode), states_(participant, qos::kJointStates, rig, qos::profile(qos::kJointStates.profile)),
-      description_(participant, qos::kRobotDescription, rig, qos::profile(qos::kRobotDescription.profile)) {
-  for (const arm::ArmJoint& joint : arm.joints) names_.emplace_back(joint.name);
+JointOutputs::JointOutputs(const bus::Participant& participant, const std::string& rig,
+                           const arm::ArmDescription& arm, qos::TimeMode mode)
+    : urdf_(arm::to_urdf(arm)),
+      mode_(mode),
+      states_(participant, qos::kJointStates, rig, qos::profile(qos::kJointStates.profile)),
+      description_(participant, qos::kRobotDescription, rig,
+                   qos::profile(qos::kRobotDescription.profile)) {
+  for (const arm::ArmJoint& joint : arm.joints)
+    names_.emplace_back(joint.name);
   thread_ = std::thread([this] {
     runtime::ordinary_priority();
     run();
@@ -25,7 +30,8 @@ JointOutputs::~JointOutputs() {
 }
 
 void JointOutputs::show(std::span<const double> joints, std::int64_t sample_ns) noexcept {
-  if (!regular_.is_due(runtime::monotonic_ns())) return;
+  if (!regular_.is_due(runtime::monotonic_ns()))
+    return;
   Moment moment{.stamp_ns = mode_ == qos::TimeMode::kRealTime ? runtime::realtime_ns() : sample_ns};
   moment.count = static_cast<std::uint32_t>(std::min(joints.size(), kMaxJoints));
   std::copy_n(joints.begin(), moment.count, moment.at.begin());
@@ -40,7 +46,8 @@ void JointOutputs::run() {
       is_described = description_.write({runtime::lend(urdf_)});
     }
     for (; const Moment* next = due_.front(); due_.pop())
-      if (states_.matched_count() > 0) write(*next);
+      if (states_.matched_count() > 0)
+        write(*next);
     at_ns = runtime::next_deadline(at_ns, runtime::monotonic_ns(), kPeriodNs).at_ns;
     runtime::sleep_until(at_ns);
   }

@@ -1,5 +1,6 @@
 #pragma once
-/// Joints of an arm, for ROS tools: /joint_states, and the arm itself as /robot_description. Written only while somebody reads them.
+/// Joints of an arm, for ROS tools: /joint_states, and the arm itself as /robot_description.
+/// Written only while somebody reads them.
 #include <array>
 #include <atomic>
 #include <cstdint>
@@ -18,7 +19,8 @@ namespace voxtouch::device_node {
 
 class JointOutputs {
  public:
-  JointOutputs(const bus::Participant& participant, const std::string& rig, const arm::ArmDescription& arm, qos::TimeMode mode);
+  JointOutputs(const bus::Participant& participant, const std::string& rig,
+               const arm::ArmDescription& arm, qos::TimeMode mode);
   ~JointOutputs();
   JointOutputs(const JointOutputs&) = delete;
   JointOutputs& operator=(const JointOutputs&) = delete;
@@ -50,18 +52,26 @@ class JointOutputs {
 /// A driver whose joints are shown; all else is the driver's own.
 class ShownDriver final : public devices::Driver {
  public:
-  ShownDriver(std::unique_ptr<devices::Driver> driver, JointOutputs& outputs) : driver_(std::move(driver)), outputs_(outputs) {}
+  ShownDriver(std::unique_ptr<devices::Driver> driver, JointOutputs& outputs)
+      : driver_(std::move(driver)),
+        outputs_(outputs) {}
   const DeviceDescription& description() const noexcept override { return driver_->description(); }
-  devices::DeviceResult<devices::DeviceSample> read(std::chrono::microseconds timeout) noexcept override {
+  devices::DeviceResult<devices::DeviceSample> read(
+      std::chrono::microseconds timeout) noexcept override {
     auto sample = driver_->read(timeout);
-    if (sample && sample->pose_valid) outputs_.show(driver_->joints(), sample->time_ns);
+    if (sample && sample->pose_valid)
+      outputs_.show(driver_->joints(), sample->time_ns);
     return sample;
   }
-  devices::DeviceResult<void> write(const Wrench& command) noexcept override { return driver_->write(command); }
+  devices::DeviceResult<void> write(const Wrench& command) noexcept override {
+    return driver_->write(command);
+  }
   void stop() noexcept override { driver_->stop(); }
   bool simulated() const noexcept override { return driver_->simulated(); }
   std::string trouble() const override { return driver_->trouble(); }
-  const arm::ArmDescription* arm_description() const noexcept override { return driver_->arm_description(); }
+  const arm::ArmDescription* arm_description() const noexcept override {
+    return driver_->arm_description();
+  }
   std::span<const double> joints() const noexcept override { return driver_->joints(); }
 
  private:

@@ -8,7 +8,8 @@ namespace voxtouch::device_node {
 /// Fed by the housekeeping, every 20 ms or so. Not for the loop: allocates.
 class LastSecond {
  public:
-  /// `samples` and `answered` count since the start; `largest_n`: of the forces since the last look.
+  /// `samples` and `answered` count since the start; `largest_n`: of the forces since the last
+  /// look.
   void look(std::int64_t now_ns, std::uint64_t samples, std::uint64_t answered, double largest_n);
   /// Of the last second [N].
   double largest_force_n() const;

@@ -8,11 +8,11 @@ int device(int argc, char** argv) {
   return voxtouch::runtime::node_main(
       argc, argv,
       {.name = "device",
-       .about = "voxtouch device node: reads a haptic device (or simulates one with a hand on it), publishes its "
+       .about = "voxtouch device node: reads a haptic device (or simulates one with a hand on it), "
+                "publishes its "
                 "state, and gives it the\n"
                 "commanded force through the force guard. Ends with the device at zero force."},
-      options,
-      [&](CLI::App& app) { voxtouch::device_node::add_device_options(app, options); },
+      options, [&](CLI::App& app) { voxtouch::device_node::add_device_options(app, options); },
       [&](const std::atomic<bool>& stop) { return voxtouch::device_node::run(options, stop); });
 }
 

@@ -27,7 +27,8 @@ struct FaultMessage {
   std::vector<std::byte> bytes;
 };
 
-/// The ring's streams are of fixed size and without padding: their CDR is the struct behind four bytes that say "little endian".
+/// The ring's streams are of fixed size and without padding: their CDR is the struct behind four
+/// bytes that say "little endian".
 template <class T>
 FaultMessage message_of(std::size_t topic, std::int64_t time_ns, const T& message) {
   constexpr std::array kLittleEndian{std::byte{0}, std::byte{1}, std::byte{0}, std::byte{0}};
@@ -41,9 +42,11 @@ struct FaultContext {
   std::string node, rig, reason;
 };
 
-/// Makes FOLDER/NODE_N, the next N that is not there, with the messages and fault.json, and says where. Throws a sentence where the disk
-/// refuses. Blocks for the disk.
-std::filesystem::path write_fault_bag(const std::filesystem::path& folder, const FaultContext& context, const std::vector<FaultTopic>& topics,
+/// Makes FOLDER/NODE_N, the next N that is not there, with the messages and fault.json, and says
+/// where. Throws a sentence where the disk refuses. Blocks for the disk.
+std::filesystem::path write_fault_bag(const std::filesystem::path& folder,
+                                      const FaultContext& context,
+                                      const std::vector<FaultTopic>& topics,
                                       const std::vector<FaultMessage>& messages);
 
 /// A sentence for each record in FOLDER, by name; nothing where it is not there.

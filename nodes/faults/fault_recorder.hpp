@@ -22,7 +22,8 @@ class App;
 namespace voxtouch::faults {
 
 inline constexpr double kRecordedS = 2.0;
-/// A ring that fails over and over must not fill the disk: more faults than this are counted, and not written.
+/// A ring that fails over and over must not fill the disk: more faults than this are counted, and
+/// not written.
 inline constexpr std::uint64_t kMaxRecords = 8;
 
 /// --fault-records DIR.
@@ -31,7 +32,8 @@ void add_option(CLI::App& app, std::filesystem::path& folder);
 /// Whether another node has recorded a fault since the last look.
 class OthersFaults {
  public:
-  /// True where the report counts more faults than the last one did; before the first one, than none.
+  /// True where the report counts more faults than the last one did; before the first one, than
+  /// none.
   bool see(const runtime::NodeReport& report) {
     const auto figure = report.figures.find(kFigure);
     const double now = figure == report.figures.end() ? 0.0 : figure->second.value;
@@ -43,38 +45,50 @@ class OthersFaults {
   double last_ = 0.0;
 };
 
-/// The loop pushes and keeps; a thread of ordinary priority writes. Without a folder it does nothing and takes no memory.
+/// The loop pushes and keeps; a thread of ordinary priority writes. Without a folder it does
+/// nothing and takes no memory.
 template <class Row>
 class FaultRecorder {
  public:
   /// How the rows become messages; called by the thread that writes.
   using Messages = std::function<std::vector<FaultMessage>(const std::vector<Row>&)>;
 
-  FaultRecorder(std::filesystem::path folder, FaultContext context, std::vector<FaultTopic> topics, Messages messages)
-      : folder_(std::move(folder)), context_(std::move(context)), topics_(std::move(topics)), messages_(std::move(messages)) {
-    if (!folder_.empty()) thread_ = std::jthread([this](const std::stop_token& stop) { write_as_they_come(stop); });
+  FaultRecorder(std::filesystem::path folder, FaultContext context, std::vector<FaultTopic> topics,
+                Messages messages)
+      : folder_(std::move(folder)),
+        context_(std::move(context)),
+        topics_(std::move(topics)),
+        messages_(std::move(messages)) {
+    if (!folder_.empty())
+      thread_ = std::jthread([this](const std::stop_token& stop) { write_as_they_come(stop); });
   }
 
   /// Memory for the rows of kRecordedS; not for the loop.
   void reserve(double rate_hz) {
-    if (!folder_.empty()) rows_.reserve(static_cast<std::size_t>(std::ceil(kRecordedS * rate_hz)));
+    if (!folder_.empty())
+      rows_.reserve(static_cast<std::size_t>(std::ceil(kRecordedS * rate_hz)));
   }
   /// Real-time safe. `reason`: a text that lives as long as the program, for "before ...".
   void push(const Row& row) noexcept { rows_.push(row); }
   void keep(const char* reason) noexcept {
-    if (rows_.keep(reason)) faults_.fetch_add(1, std::memory_order_relaxed);
+    if (rows_.keep(reason))
+      faults_.fetch_add(1, std::memory_order_relaxed);
   }
-  /// For a fault that another node has told of: likewise, and not told on. Not where this node has just kept its own.
+  /// For a fault that another node has told of: likewise, and not told on. Not where this node has
+  /// just kept its own.
   void keep_too(const char* reason) noexcept {
-    if (rows_.share_new() > 0.25) rows_.keep(reason);
+    if (rows_.share_new() > 0.25)
+      rows_.keep(reason);
   }
 
   /// Any thread but the loop's: how many faults there were, and where the last one is.
   void report_to(runtime::NodeReport& report) const {
     report.figures[OthersFaults::kFigure] = {faults_.load(std::memory_order_relaxed), "records"};
     const std::lock_guard lock(mutex_);
-    if (!last_.empty()) report.values["fault_record"] = last_;
-    if (!trouble_.empty()) report.values["fault_record_trouble"] = trouble_;
+    if (!last_.empty())
+      report.values["fault_record"] = last_;
+    if (!trouble_.empty())
+      report.values["fault_record_trouble"] = trouble_;
   }
 
  private:
@@ -83,12 +97,14 @@ class FaultRecorder {
     for (bool last = false; !last;) {
       last = stop.stop_requested();  // what the loop kept as it ended is written too
       rows_.take([this](const char* reason, const std::vector<Row>& rows) { write(reason, rows); });
-      if (!last) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+      if (!last)
+        std::this_thread::sleep_for(std::chrono::milliseconds(20));
     }
   }
 
   void write(const char* reason, const std::vector<Row>& rows) {
-    if (++written_ > kMaxRecords) return;
+    if (++written_ > kMaxRecords)
+      return;
     context_.reason = reason;
     std::string where, trouble;
     try {
@@ -99,7 +115,8 @@ class FaultRecorder {
       log::tell("warning: {}: {}\n", context_.node, trouble);
     }
     const std::lock_guard lock(mutex_);
-    if (!where.empty()) last_ = std::move(where);
+    if (!where.empty())
+      last_ = std::move(where);
     trouble_ = std::move(trouble);
   }
 

@@ -27,9 +27,11 @@ ForceLock::ForceLock() {
 }
 
 void ForceLock::engage(const char* reason) noexcept {
-  if (engaged()) return;
+  if (engaged())
+    return;
   std::uint64_t number = 0;
-  while (number == 0) number = next(state_);
+  while (number == 0)
+    number = next(state_);
   reason_.store(reason, kRelaxed);
   asked_.store(0, kRelaxed);
   count_.fetch_add(1, kRelaxed);
@@ -38,7 +40,8 @@ void ForceLock::engage(const char* reason) noexcept {
 
 bool ForceLock::opened() noexcept {
   const std::uint64_t number = number_.load(kRelaxed);
-  if (number == 0 || asked_.load(std::memory_order_acquire) != number) return false;
+  if (number == 0 || asked_.load(std::memory_order_acquire) != number)
+    return false;
   number_.store(0, std::memory_order_release);
   return true;
 }
@@ -46,11 +49,14 @@ bool ForceLock::opened() noexcept {
 void ForceLock::report_to(runtime::NodeReport& report, bool runs) const {
   report.figures[kCount] = {count_.load(kRelaxed), "times"};
   const std::uint64_t number = number_.load(std::memory_order_acquire);
-  if (number == 0 || !runs) return;
+  if (number == 0 || !runs)
+    return;
   const char* reason = reason_.load(kRelaxed);
   report.values[kNumber] = fmt::to_string(number);
   report.values[kReason] = reason;
-  report.message = fmt::format("locked at zero force: {}. Find the cause, let go of the device, then run voxtouch recover", reason);
+  report.message = fmt::format(
+      "locked at zero force: {}. Find the cause, let go of the device, then run voxtouch recover",
+      reason);
 }
 
 LockKeeper::LockKeeper(const bus::Participant& participant, const std::string& rig)
@@ -60,7 +66,8 @@ void LockKeeper::listen(std::uint64_t session, ForceLock& lock) {
   constexpr int kMaxWords = 16;
   msg::Recover word;
   for (int n = 0; n < kMaxWords && words_.take(word); ++n)
-    if (word.session_id == session) lock.open(word.lock);
+    if (word.session_id == session)
+      lock.open(word.lock);
 }
 
 }  // namespace voxtouch::faults

@@ -9,13 +9,15 @@
 
 namespace voxtouch::faults {
 
-/// The loop engages it and asks whether it is open again; the housekeeping tells of it and hands on the person's word. Each time that it is
-/// engaged it has another number, so that a word for one lock opens no other, and one that was recorded opens none.
+/// The loop engages it and asks whether it is open again; the housekeeping tells of it and hands on
+/// the person's word. Each time that it is engaged it has another number, so that a word for one
+/// lock opens no other, and one that was recorded opens none.
 class ForceLock {
  public:
   ForceLock();
 
-  /// The loop's thread; real-time safe. `reason`: a sentence without its end, that lives as long as the program.
+  /// The loop's thread; real-time safe. `reason`: a sentence without its end, that lives as long as
+  /// the program.
   void engage(const char* reason) noexcept;
   bool engaged() const noexcept { return number_.load(std::memory_order_acquire) != 0; }
   /// True once, where a person has opened the lock that is engaged.
@@ -23,7 +25,8 @@ class ForceLock {
 
   /// Another thread. A number that is not the engaged lock's changes nothing.
   void open(std::uint64_t number) noexcept { asked_.store(number, std::memory_order_release); }
-  /// What a status says of it. While the node runs, the sentence that a person has to read is its message, whatever else there was to say.
+  /// What a status says of it. While the node runs, the sentence that a person has to read is its
+  /// message, whatever else there was to say.
   void report_to(runtime::NodeReport& report, bool runs = true) const;
 
   static constexpr char kNumber[] = "lock", kReason[] = "locked_because", kCount[] = "locks";

@@ -5,7 +5,8 @@
 
 namespace voxtouch::log {
 
-/// The first few of each second are said, the others counted; the count is told with the first text of a later second. Any thread.
+/// The first few of each second are said, the others counted; the count is told with the first text
+/// of a later second. Any thread.
 class FewASecond {
  public:
   struct Verdict {

@@ -9,8 +9,10 @@ namespace {
 
 bool is_control(std::string_view character) {
   const auto first = static_cast<std::uint8_t>(character[0]);
-  if (character.size() == 1) return (first < 0x20 && first != '\n' && first != '\t') || first == 0x7F;
-  return character.size() == 2 && first == 0xC2 && static_cast<std::uint8_t>(character[1]) < 0xA0;  // U+0080 to U+009F
+  if (character.size() == 1)
+    return (first < 0x20 && first != '\n' && first != '\t') || first == 0x7F;
+  return character.size() == 2 && first == 0xC2 &&
+         static_cast<std::uint8_t>(character[1]) < 0xA0;  // U+0080 to U+009F
 }
 
 }  // namespace

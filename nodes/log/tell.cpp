@@ -25,7 +25,8 @@ namespace {
 std::atomic<std::uint64_t> posted{0}, handled{0}, lost{0};
 std::atomic<bool> results_begun{false};
 
-/// False where the stream takes no more. Waits as long as it takes: only the writing thread calls it.
+/// False where the stream takes no more. Waits as long as it takes: only the writing thread calls
+/// it.
 bool write_all(std::string_view text) noexcept {
   while (!text.empty()) {
     const ssize_t n = ::write(STDERR_FILENO, text.data(), text.size());
@@ -33,7 +34,8 @@ bool write_all(std::string_view text) noexcept {
       text.remove_prefix(static_cast<std::size_t>(n));
     } else if (n < 0 && errno == EAGAIN) {  // somebody made it non-blocking
       pollfd stream{STDERR_FILENO, POLLOUT, 0};
-      if (::poll(&stream, 1, -1) < 0 || (stream.revents & (POLLERR | POLLNVAL))) return false;
+      if (::poll(&stream, 1, -1) < 0 || (stream.revents & (POLLERR | POLLNVAL)))
+        return false;
     } else if (n == 0 || errno != EINTR) {
       return false;
     }
@@ -41,13 +43,15 @@ bool write_all(std::string_view text) noexcept {
   return true;
 }
 
-/// Not spdlog's own sinks: those write through stdio, whose lock `exit` takes, and would wait for a writer that waits for ever.
+/// Not spdlog's own sinks: those write through stdio, whose lock `exit` takes, and would wait for a
+/// writer that waits for ever.
 class StderrSink final : public spdlog::sinks::sink {
  public:
   explicit StderrSink(std::weak_ptr<spdlog::details::thread_pool> pool) : pool_(std::move(pool)) {}
   void log(const spdlog::details::log_msg& message) override {
     tell_of_gap();
-    if (!write_all({message.payload.data(), message.payload.size()})) lost.fetch_add(1);
+    if (!write_all({message.payload.data(), message.payload.size()}))
+      lost.fetch_add(1);
     handled.fetch_add(1, std::memory_order_release);
   }
   void flush() override {}
@@ -58,8 +62,10 @@ class StderrSink final : public spdlog::sinks::sink {
   void tell_of_gap() {
     const auto pool = pool_.lock();
     const std::size_t overrun = pool ? pool->overrun_counter() : 0;
-    if (overrun == told_overrun_) return;
-    write_all(fmt::format("({} lines are missing here: nobody took them in time)\n", overrun - told_overrun_));
+    if (overrun == told_overrun_)
+      return;
+    write_all(fmt::format("({} lines are missing here: nobody took them in time)\n",
+                          overrun - told_overrun_));
     told_overrun_ = overrun;
   }
   std::weak_ptr<spdlog::details::thread_pool> pool_;
@@ -69,7 +75,9 @@ class StderrSink final : public spdlog::sinks::sink {
 void enter_writing_thread() {
   sigset_t all;
   sigfillset(&all);
-  pthread_sigmask(SIG_SETMASK, &all, nullptr);  // none of the signals of a write (SIGPIPE, SIGXFSZ, SIGTTOU) may end or stop us
+  pthread_sigmask(
+      SIG_SETMASK, &all,
+      nullptr);  // none of the signals of a write (SIGPIPE, SIGXFSZ, SIGTTOU) may end or stop us
   const sched_param ordinary{};
   sched_setscheduler(0, SCHED_OTHER, &ordinary);  // the creator may run under SCHED_FIFO
 }
@@ -77,8 +85,9 @@ void enter_writing_thread() {
 struct Log {
   std::shared_ptr<spdlog::details::thread_pool> pool =
       std::make_shared<spdlog::details::thread_pool>(kLinesKept, 1, enter_writing_thread);
-  std::shared_ptr<spdlog::async_logger> logger = std::make_shared<spdlog::async_logger>(
-      "stderr", std::make_shared<StderrSink>(pool), pool, spdlog::async_overflow_policy::overrun_oldest);
+  std::shared_ptr<spdlog::async_logger> logger =
+      std::make_shared<spdlog::async_logger>("stderr", std::make_shared<StderrSink>(pool), pool,
+                                             spdlog::async_overflow_policy::overrun_oldest);
   Log() {
     logger->set_error_handler([](const std::string&) { count(); });
     std::atexit([] { finish_telling(); });
@@ -86,7 +95,8 @@ struct Log {
   static void count() { lost.fetch_add(1), handled.fetch_add(1); }
 };
 
-/// Made with the first text and never destroyed: its thread may be held by a stream for ever, and `exit` must not wait for it.
+/// Made with the first text and never destroyed: its thread may be held by a stream for ever, and
+/// `exit` must not wait for it.
 Log& the_log() {
   static Log* const log = new Log;
   return *log;
@@ -101,8 +111,10 @@ namespace log_parts {
 void post(std::string_view text) noexcept {
   try {
     Log& log = the_log();
-    const std::string cut = text.size() <= kMaxTextBytes ? "" : std::string(text.substr(0, kMaxTextBytes)) + "...\n";
-    if (!cut.empty()) text = cut;
+    const std::string cut =
+        text.size() <= kMaxTextBytes ? "" : std::string(text.substr(0, kMaxTextBytes)) + "...\n";
+    if (!cut.empty())
+      text = cut;
     posted.fetch_add(1);
     log.logger->log(spdlog::level::info, spdlog::string_view_t(text.data(), text.size()));
   } catch (...) {
@@ -115,17 +127,19 @@ void count_lost() noexcept { lost.fetch_add(1); }
 void put(std::string_view text) {
   finish_telling();
   results_begun = true;
-  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size()) finish_results();
+  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size())
+    finish_results();
 }
 
 }  // namespace log_parts
 
 bool stderr_is_journal() noexcept {
-  const char* const named = std::getenv("JOURNAL_STREAM");  // device:inode, which a child with another stderr inherits too
+  const char* const named = std::getenv(
+      "JOURNAL_STREAM");  // device:inode, which a child with another stderr inherits too
   struct stat stream {};
   unsigned long long device = 0, inode = 0;
-  return named && std::sscanf(named, "%llu:%llu", &device, &inode) == 2 && fstat(STDERR_FILENO, &stream) == 0 && stream.st_dev == device &&
-         stream.st_ino == inode;
+  return named && std::sscanf(named, "%llu:%llu", &device, &inode) == 2 &&
+         fstat(STDERR_FILENO, &stream) == 0 && stream.st_dev == device && stream.st_ino == inode;
 }
 
 std::uint64_t texts_lost() noexcept {
@@ -138,11 +152,14 @@ std::uint64_t texts_lost() noexcept {
 
 void finish_telling(std::chrono::milliseconds patience) noexcept {
   try {
-    static std::atomic<std::uint64_t> stuck_at{~std::uint64_t{0}};  // `handled` when patience ended: it is not spent twice on one text
+    static std::atomic<std::uint64_t> stuck_at{
+        ~std::uint64_t{0}};  // `handled` when patience ended: it is not spent twice on one text
     const std::uint64_t wanted = posted.load();
     const auto until = std::chrono::steady_clock::now() + patience;
-    while (wanted > 0 && handled.load(std::memory_order_acquire) + overrun() < wanted && handled.load() != stuck_at.load()) {
-      if (std::chrono::steady_clock::now() >= until) return stuck_at.store(handled.load());
+    while (wanted > 0 && handled.load(std::memory_order_acquire) + overrun() < wanted &&
+           handled.load() != stuck_at.load()) {
+      if (std::chrono::steady_clock::now() >= until)
+        return stuck_at.store(handled.load());
       std::this_thread::sleep_for(std::chrono::microseconds(200));
     }
   } catch (...) {  // no memory: nothing was said
@@ -158,7 +175,8 @@ void finish_results() {
 
 void guard_standard_streams() noexcept {
   for (int fd = 0; fd <= STDERR_FILENO; ++fd)
-    if (::fcntl(fd, F_GETFD) < 0 && errno == EBADF) (void)!::open("/dev/null", O_RDONLY);  // takes the lowest free number
+    if (::fcntl(fd, F_GETFD) < 0 && errno == EBADF)
+      (void)!::open("/dev/null", O_RDONLY);  // takes the lowest free number
   ::signal(SIGXFSZ, SIG_IGN);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
-/// What programs say to people on stderr, and what they hand over on stdout. The device goes on whether or not anybody reads.
+/// What programs say to people on stderr, and what they hand over on stdout. The device goes on
+/// whether or not anybody reads.
 #include <chrono>
 #include <cstdint>
 #include <string>
@@ -12,7 +13,8 @@
 namespace voxtouch::log {
 namespace log_parts {
 
-/// Strings may come from a file or a message: made printable. The format itself is ours and stays as it is.
+/// Strings may come from a file or a message: made printable. The format itself is ours and stays
+/// as it is.
 template <class T>
 decltype(auto) shown(const T& value) {
   if constexpr (std::is_convertible_v<const T&, std::string_view>)
@@ -33,9 +35,10 @@ void put(std::string_view text);
 
 }  // namespace log_parts
 
-/// Says a text on stderr. Never throws, and never waits for the stream: a thread of ordinary priority writes. Of what a stream does
-/// not take (full disk, closed, a pipe or a terminal that nobody reads) the newest kLinesKept texts are kept and the others are
-/// counted. Not for real-time threads: it allocates and locks.
+/// Says a text on stderr. Never throws, and never waits for the stream: a thread of ordinary
+/// priority writes. Of what a stream does not take (full disk, closed, a pipe or a terminal that
+/// nobody reads) the newest kLinesKept texts are kept and the others are counted. Not for real-time
+/// threads: it allocates and locks.
 template <class... Args>
 void tell(fmt::format_string<Args...> format, Args&&... args) noexcept {
   try {
@@ -45,22 +48,25 @@ void tell(fmt::format_string<Args...> format, Args&&... args) noexcept {
   }
 }
 
-inline constexpr std::size_t kLinesKept = 1024;          ///< texts that wait for a slow stream
-inline constexpr std::size_t kMaxTextBytes = 16 * 1024;  ///< [bytes]; the rest of a longer text is cut off
+inline constexpr std::size_t kLinesKept = 1024;  ///< texts that wait for a slow stream
+inline constexpr std::size_t kMaxTextBytes =
+    16 * 1024;  ///< [bytes]; the rest of a longer text is cut off
 /// How long the end of a process waits for a stream that takes nothing.
 inline constexpr std::chrono::milliseconds kStopTimeout{500};
 
-/// Whether stderr is systemd's journal, which keeps what it gets: told there is what changes, and not how fast it goes on.
+/// Whether stderr is systemd's journal, which keeps what it gets: told there is what changes, and
+/// not how fast it goes on.
 bool stderr_is_journal() noexcept;
 
 /// Texts of this process that no stream took, so far.
 std::uint64_t texts_lost() noexcept;
 
-/// Waits until everything said so far is written or lost, `patience` at most. `exit` does it by itself; whoever calls `_Exit` must.
+/// Waits until everything said so far is written or lost, `patience` at most. `exit` does it by
+/// itself; whoever calls `_Exit` must.
 void finish_telling(std::chrono::milliseconds patience = kStopTimeout) noexcept;
 
-/// Writes a result on stdout, after what was told before it. Waits for whoever reads; throws std::runtime_error where it cannot be
-/// written, since a result that nobody gets is a failure.
+/// Writes a result on stdout, after what was told before it. Waits for whoever reads; throws
+/// std::runtime_error where it cannot be written, since a result that nobody gets is a failure.
 template <class... Args>
 void print_result(fmt::format_string<Args...> format, Args&&... args) {
   log_parts::put(log_parts::formatted(format, log_parts::shown(args)...));
@@ -71,8 +77,9 @@ bool has_results() noexcept;
 /// Before a program that has printed results ends well; throws as `print_result`.
 void finish_results();
 
-/// First in every main. A standard stream that is closed becomes one that takes nothing: else the next file or socket opened would
-/// get its number and be written into. A file at its size limit is an error, not a signal.
+/// First in every main. A standard stream that is closed becomes one that takes nothing: else the
+/// next file or socket opened would get its number and be written into. A file at its size limit is
+/// an error, not a signal.
 void guard_standard_streams() noexcept;
 
 }  // namespace voxtouch::log

@@ -20,23 +20,31 @@ namespace {
 
 constexpr std::int64_t kMaxStopNs = 1'000'000'000;
 
-std::unique_ptr<bag::BagSink> open_bag(const std::filesystem::path& folder, const RecordFormat& format) {
+std::unique_ptr<bag::BagSink> open_bag(const std::filesystem::path& folder,
+                                       const RecordFormat& format) {
   constexpr double kMax = 9e18;  // as whole numbers
-  auto writer = bag::BagWriter::create(folder, {.storage = format.storage,
-                                                .split = {.bytes = static_cast<std::uint64_t>(std::min(format.split_mb * 1e6, kMax)),
-                                                          .time_ns = static_cast<std::int64_t>(std::min(format.split_s * 1e9, kMax))}});
-  if (!writer) throw std::runtime_error(writer.error().sentence);
+  auto writer = bag::BagWriter::create(
+      folder,
+      {.storage = format.storage,
+       .split = {.bytes = static_cast<std::uint64_t>(std::min(format.split_mb * 1e6, kMax)),
+                 .time_ns = static_cast<std::int64_t>(std::min(format.split_s * 1e9, kMax))}});
+  if (!writer)
+    throw std::runtime_error(writer.error().sentence);
   return std::make_unique<bag::BagWriter>(std::move(*writer));
 }
 
 class LoggerNode {
  public:
   explicit LoggerNode(const Options& options)
-      : options_(options), participant_(options.participant("logger")),
+      : options_(options),
+        participant_(options.participant("logger")),
         descriptions_(participant_, qos::kDeviceDescription, options.rig),
-        wait_set_(participant_), recorder_(open_bag(options.bag, options.format), {.lockstep = options.lockstep}),
+        wait_set_(participant_),
+        recorder_(open_bag(options.bag, options.format), {.lockstep = options.lockstep}),
         topics_(participant_, options, options.topics, recorder_, wait_set_),
-        device_("device", {&descriptions_.following()}), rendering_("rendering", topics_.of_rendering()), links_(topics_.links()) {
+        device_("device", {&descriptions_.following()}),
+        rendering_("rendering", topics_.of_rendering()),
+        links_(topics_.links()) {
     wait_set_.attach(descriptions_.condition());
   }
 
@@ -44,7 +52,9 @@ class LoggerNode {
     {
       runtime::Housekeeping housekeeping(
           participant_, "logger", options_,
-          [this](runtime::NodeRegistry& registry, runtime::NodeReport& report) { look(registry, report); },
+          [this](runtime::NodeRegistry& registry, runtime::NodeReport& report) {
+            look(registry, report);
+          },
           {{"its loop", [this] { return heartbeat_.sign(); }},
            {"its disk", [this] { return recorder_.disk_steps() + closing_.sign(); }}});
       record(stop, housekeeping);
@@ -56,10 +66,14 @@ class LoggerNode {
       final_ = recorder_.stop();
       session_.stop();  // what is final is in place
     }
-    for (const std::string& error : final_.errors) log::tell("error: logger: {}\n", error);
+    for (const std::string& error : final_.errors)
+      log::tell("error: logger: {}\n", error);
     for (const bag::TopicReport& t : final_.topics)
       if (t.dropped + t.lost > 0)
-        log::tell("warning: logger: {} of {} messages of {} are not in the bag: the disk was too slow or full\n", t.dropped + t.lost, t.received, t.name);
+        log::tell(
+            "warning: logger: {} of {} messages of {} are not in the bag: the disk was too slow or "
+            "full\n",
+            t.dropped + t.lost, t.received, t.name);
     return lost_messages(final_) == 0 && final_.errors.empty() && !lost_peer_ ? 0 : 1;
   }
 
@@ -77,17 +91,20 @@ class LoggerNode {
       topics_.drain();
       if (const std::int64_t now = runtime::monotonic_ns(); now - last_discovery > 50'000'000) {
         last_discovery = now;
-        for (const std::string& sentence : topics_.discover()) log::tell("warning: logger: {}\n", sentence);
+        for (const std::string& sentence : topics_.discover())
+          log::tell("warning: logger: {}\n", sentence);
       }
     }
   }
 
-  /// Whatever the others wrote before they stopped has been acknowledged by our readers: it is here, or on its way (best effort).
-  /// Not for ever: others may go on writing, a ring that this logger only listens to or a robot whose topics it was told.
-  /// Quiet is counted in waits and not by the clock: a machine that lets this process wait lets DDS's threads in it wait as well.
+  /// Whatever the others wrote before they stopped has been acknowledged by our readers: it is
+  /// here, or on its way (best effort). Not for ever: others may go on writing, a ring that this
+  /// logger only listens to or a robot whose topics it was told. Quiet is counted in waits and not
+  /// by the clock: a machine that lets this process wait lets DDS's threads in it wait as well.
   void record_what_is_on_its_way() {
     const std::int64_t end = runtime::monotonic_ns() + kMaxStopNs;
-    for (int quiet = 0; quiet < 5 && runtime::monotonic_ns() < end; quiet = wait_set_.wait(20'000'000) ? 0 : quiet + 1) {
+    for (int quiet = 0; quiet < 5 && runtime::monotonic_ns() < end;
+         quiet = wait_set_.wait(20'000'000) ? 0 : quiet + 1) {
       heartbeat_.beat();
       descriptions_.take([](const msg::DeviceDescription&) {});
       topics_.drain();
@@ -119,22 +136,28 @@ class LoggerNode {
 
   /// Of two that play it both are entitled: the one that stands by writes no record before it acts.
   void look_for_rendering(const runtime::NodeRegistry& registry, runtime::NodeReport& report) {
-    if (device_.bound()) rendering_.update(registry, device_.session());
+    if (device_.bound())
+      rendering_.update(registry, device_.session());
     RoleRecords& records = topics_.records();
     const auto& acting = rendering_.participant();
-    if (acting) records.entitle(*acting);
+    if (acting)
+      records.entitle(*acting);
     const runtime::NodeReport* said = acting ? registry.report_of(*acting) : nullptr;
-    if (const auto standby = said ? runtime::named_standby(*said).participant : std::nullopt) records.entitle(*standby);
+    if (const auto standby = said ? runtime::named_standby(*said).participant : std::nullopt)
+      records.entitle(*standby);
     records.looked(acting.has_value());
     const std::uint64_t refused = records.refused();
     report.figures["records"] = {records.settled(), "messages"};
     report.figures["refused_records"] = {refused, "messages"};
-    if (refused == 0) return;
+    if (refused == 0)
+      return;
     std::string names;
     for (const bus::Guid& writer : records.refused_writers())
-      names += (names.empty() ? "" : " and ") + (writer == bus::Guid{} ? "somebody who has gone" : registry.name_of(writer));
-    report.message += fmt::format("; {} records that {} wrote are not in the bag: only the rendering's are, and {}", refused, names,
-                                  acting ? "that is " + registry.name_of(*acting) : "none is known");
+      names += (names.empty() ? "" : " and ") +
+               (writer == bus::Guid{} ? "somebody who has gone" : registry.name_of(writer));
+    report.message += fmt::format(
+        "; {} records that {} wrote are not in the bag: only the rendering's are, and {}", refused,
+        names, acting ? "that is " + registry.name_of(*acting) : "none is known");
   }
 
   const Options& options_;
@@ -143,7 +166,8 @@ class LoggerNode {
   bus::WaitSet wait_set_;
   bag::BagRecorder recorder_;
   RecordedTopics topics_;
-  runtime::RoleBinding device_;     ///< whose session this is; what is recorded is all that is on the wire, but for records that a replay follows
+  runtime::RoleBinding device_;  ///< whose session this is; what is recorded is all that is on the
+                                 ///< wire, but for records that a replay follows
   runtime::RoleBinding rendering_;  ///< whose records those are
   std::vector<runtime::Link> links_;
   bag::RecordingReport final_;
@@ -156,7 +180,8 @@ class LoggerNode {
 }  // namespace
 
 int run(const Options& options, const std::atomic<bool>& stop) {
-  if (!runtime::may_begin(stop)) return 0;
+  if (!runtime::may_begin(stop))
+    return 0;
   LoggerNode node(options);
   return node.run(stop);
 }

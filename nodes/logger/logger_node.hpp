@@ -21,12 +21,13 @@ void add_format_options(CLI::App& app, RecordFormat& format);
 std::vector<std::string> to_arguments(const RecordFormat& format);
 
 struct Options : runtime::NodeOptions {
-  std::filesystem::path bag;        ///< folder to make; it must not exist
+  std::filesystem::path bag;  ///< folder to make; it must not exist
   RecordFormat format;
   std::vector<std::string> topics;  ///< further DDS topics, "rt/..."; "rt/*" for all
 };
 
-/// Records until `stop`, then writes out what is queued. 0 if nothing was lost. Throws while starting only.
+/// Records until `stop`, then writes out what is queued. 0 if nothing was lost. Throws while
+/// starting only.
 int run(const Options& options, const std::atomic<bool>& stop);
 
 }  // namespace voxtouch::logger

@@ -1,7 +1,7 @@
 #include <map>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include "nodes/logger/logger_node.hpp"
 
@@ -9,20 +9,29 @@ namespace voxtouch::logger {
 
 void add_format_options(CLI::App& app, RecordFormat& format) {
   std::map<std::string, bag::Storage> names;
-  for (const bag::StorageName& one : bag::kStorages) names.emplace(one.name, one.storage);
+  for (const bag::StorageName& one : bag::kStorages)
+    names.emplace(one.name, one.storage);
   app.add_option("--record-format", format.storage,
-                 "How the bag is stored: sqlite3 (default); or mcap, compressed and with the types of its messages, so that Foxglove and others read it as it is")
+                 "How the bag is stored: sqlite3 (default); or mcap, compressed and with the types "
+                 "of its messages, so that Foxglove and others read it as it is")
       ->transform(CLI::CheckedTransformer(names))
       ->option_text("sqlite3|mcap");
-  app.add_option("--record-split-mb", format.split_mb, "The bag goes on in another file before one is larger than this [MB]")->check(runtime::require_positive);
-  app.add_option("--record-split-s", format.split_s, "The bag goes on in another file when one covers this time [s]")->check(runtime::require_positive);
+  app.add_option("--record-split-mb", format.split_mb,
+                 "The bag goes on in another file before one is larger than this [MB]")
+      ->check(runtime::require_positive);
+  app.add_option("--record-split-s", format.split_s,
+                 "The bag goes on in another file when one covers this time [s]")
+      ->check(runtime::require_positive);
 }
 
 std::vector<std::string> to_arguments(const RecordFormat& format) {
   std::vector<std::string> out;
-  if (format.storage != RecordFormat{}.storage) out.insert(out.end(), {"--record-format", std::string(bag::names_of(format.storage).name)});
-  if (format.split_mb > 0.0) out.insert(out.end(), {"--record-split-mb", fmt::to_string(format.split_mb)});
-  if (format.split_s > 0.0) out.insert(out.end(), {"--record-split-s", fmt::to_string(format.split_s)});
+  if (format.storage != RecordFormat{}.storage)
+    out.insert(out.end(), {"--record-format", std::string(bag::names_of(format.storage).name)});
+  if (format.split_mb > 0.0)
+    out.insert(out.end(), {"--record-split-mb", fmt::to_string(format.split_mb)});
+  if (format.split_s > 0.0)
+    out.insert(out.end(), {"--record-split-s", fmt::to_string(format.split_s)});
   return out;
 }
 

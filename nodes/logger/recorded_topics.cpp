@@ -12,62 +12,86 @@
 namespace voxtouch::logger {
 namespace {
 
-/// The ring's messages begin with session, sequence, sample time: eight bytes each after the 4-byte encapsulation.
+/// The ring's messages begin with session, sequence, sample time: eight bytes each after the 4-byte
+/// encapsulation.
 constexpr std::size_t kSessionOffset = 4, kSampleTimeOffset = 4 + 16;
 constexpr std::string_view kRosPrefix = "rt";  ///< of every topic of ROS 2 on DDS, before the slash
 
 constexpr const msg::AnyType* type_of(const qos::Topic& row) {
   return std::ranges::find(msg::kAllTypes, row.type, &msg::AnyType::ros_name);
 }
-static_assert(std::ranges::none_of(qos::kTopics, [](const qos::Topic& row) { return type_of(row) == std::end(msg::kAllTypes); }));
+static_assert(std::ranges::none_of(qos::kTopics, [](const qos::Topic& row) {
+  return type_of(row) == std::end(msg::kAllTypes);
+}));
 
 /// Who plays the rendering writes each of these.
-constexpr std::string_view kOfRendering[] = {qos::kContactState.path, qos::kScenePlan.path, qos::kEffectMade.path};
+constexpr std::string_view kOfRendering[] = {qos::kContactState.path, qos::kScenePlan.path,
+                                             qos::kEffectMade.path};
 /// What a replay follows: the rendering's alone.
-constexpr std::string_view kRecordsOfRendering[] = {qos::kEffectMade.path, qos::kExternalSample.path};
+constexpr std::string_view kRecordsOfRendering[] = {qos::kEffectMade.path,
+                                                    qos::kExternalSample.path};
 
 }  // namespace
 
-RecordedTopics::RecordedTopics(const bus::Participant& participant, const runtime::NodeOptions& options,
-                               std::vector<std::string> wanted, bag::BagRecorder& recorder, bus::WaitSet& wait_set)
-    : participant_(participant), options_(options), wanted_(std::move(wanted)), recorder_(recorder),
-      wait_set_(wait_set), discovery_(participant.get()) {
+RecordedTopics::RecordedTopics(const bus::Participant& participant,
+                               const runtime::NodeOptions& options, std::vector<std::string> wanted,
+                               bag::BagRecorder& recorder, bus::WaitSet& wait_set)
+    : participant_(participant),
+      options_(options),
+      wanted_(std::move(wanted)),
+      recorder_(recorder),
+      wait_set_(wait_set),
+      discovery_(participant.get()) {
   for (const qos::Topic& row : qos::kTopics) {
-    if (!(row.readers & qos::kLogger)) continue;
+    if (!(row.readers & qos::kLogger))
+      continue;
     const qos::Profile& profile = qos::profile_in(row, options.mode());
-    const qos::Qos offered = qos::make_qos(profile, qos::Endpoint::kWriter, row.rate_hz > 0 ? 1.0 / row.rate_hz : 0.0);
+    const qos::Qos offered =
+        qos::make_qos(profile, qos::Endpoint::kWriter, row.rate_hz > 0 ? 1.0 / row.rate_hz : 0.0);
     // In lockstep nothing may be lost: a full reader holds the writer up.
-    const qos::Qos asked = profile.id == qos::ProfileId::kLockstep ? qos::make_qos(profile, qos::Endpoint::kReader, 0.0)
-                                                                   : recording_qos(offered.get());
-    const bool from_outside = row.path == qos::kEffectChange.path;  // whoever asks knows no sample's time
-    const bool flows = !from_outside && (row.profile == qos::ProfileId::kStream || row.profile == qos::ProfileId::kEvent);
+    const qos::Qos asked = profile.id == qos::ProfileId::kLockstep
+                               ? qos::make_qos(profile, qos::Endpoint::kReader, 0.0)
+                               : recording_qos(offered.get());
+    const bool from_outside =
+        row.path == qos::kEffectChange.path;  // whoever asks knows no sample's time
+    const bool flows = !from_outside && (row.profile == qos::ProfileId::kStream ||
+                                         row.profile == qos::ProfileId::kEvent);
     const std::lock_guard lock(numbers_mutex_);
     Entry& entry = add(qos::dds_name(row, options.rig), *type_of(row), asked, offered.get(),
-                       flows                                                                                                    ? Stamp::kSampleTime
-                       : from_outside || row.profile == qos::ProfileId::kStatus || row.profile == qos::ProfileId::kRecord ? Stamp::kNewest
-                                                                                                                           : Stamp::kZero);
-    if (row.profile == qos::ProfileId::kStream) entry.stream = qos::figure_name(row);
-    entry.of_role = std::ranges::find(kRecordsOfRendering, row.path) != std::end(kRecordsOfRendering);
-    if (std::ranges::find(kOfRendering, row.path) == std::end(kOfRendering)) continue;
+                       flows ? Stamp::kSampleTime
+                       : from_outside || row.profile == qos::ProfileId::kStatus ||
+                               row.profile == qos::ProfileId::kRecord
+                           ? Stamp::kNewest
+                           : Stamp::kZero);
+    if (row.profile == qos::ProfileId::kStream)
+      entry.stream = qos::figure_name(row);
+    entry.of_role =
+        std::ranges::find(kRecordsOfRendering, row.path) != std::end(kRecordsOfRendering);
+    if (std::ranges::find(kOfRendering, row.path) == std::end(kOfRendering))
+      continue;
     entry.following = std::make_unique<bus::Following>(bus::Following::WhileNobody::kTakeAll);
     entry.following->attach(entry.reader.get());
   }
 }
 
-RecordedTopics::Entry& RecordedTopics::add(const std::string& name, const msg::AnyType& type, const qos::Qos& qos, const dds_qos_t* offered,
+RecordedTopics::Entry& RecordedTopics::add(const std::string& name, const msg::AnyType& type,
+                                           const qos::Qos& qos, const dds_qos_t* offered,
                                            Stamp stamp) {
   bus::announce(qos.get(), type);
   bus::RawReader reader(participant_.get(), name, *type.descriptor, qos.get());
   bus::GraphEntry shown = participant_.enter(reader.get(), qos::Endpoint::kReader);
-  const auto id = recorder_.add_topic({.name = name.substr(kRosPrefix.size()),
-                                       .type = std::string(type.ros_name),
-                                       .offered_qos = offered_qos_text(offered),
-                                       .type_hash = std::string(type.hash),
-                                       .definition = std::string(msg::definition_of(type.ros_name))});
-  if (!id) throw bus::Error(id.error().sentence);
+  const auto id =
+      recorder_.add_topic({.name = name.substr(kRosPrefix.size()),
+                           .type = std::string(type.ros_name),
+                           .offered_qos = offered_qos_text(offered),
+                           .type_hash = std::string(type.hash),
+                           .definition = std::string(msg::definition_of(type.ros_name))});
+  if (!id)
+    throw bus::Error(id.error().sentence);
   wait_set_.attach(reader.condition());
   known_.insert(name);
-  return entries_.emplace_back(Entry{name, nullptr, std::move(reader), std::move(shown), *id, stamp});
+  return entries_.emplace_back(
+      Entry{name, nullptr, std::move(reader), std::move(shown), *id, stamp});
 }
 
 bool RecordedTopics::wants(const std::string& topic) const {
@@ -79,13 +103,19 @@ bool RecordedTopics::wants(const std::string& topic) const {
 std::vector<std::string> RecordedTopics::discover() {
   std::vector<std::string> sentences;
   for (Entry& entry : entries_)
-    if (entry.of_role) look_for_writers(entry);
+    if (entry.of_role)
+      look_for_writers(entry);
   discovery_.take([&](const dds_builtintopic_endpoint_t& writer) {
     const std::string name = writer.topic_name, type_name = writer.type_name;
-    if (!name.starts_with("rt/") || !wants(name) || !known_.insert(name).second) return;
-    const auto type = std::ranges::find_if(msg::kAllTypes, [&](const msg::AnyType& t) { return type_name == t.descriptor->m_typename; });
+    if (!name.starts_with("rt/") || !wants(name) || !known_.insert(name).second)
+      return;
+    const auto type = std::ranges::find_if(msg::kAllTypes, [&](const msg::AnyType& t) {
+      return type_name == t.descriptor->m_typename;
+    });
     if (type == std::end(msg::kAllTypes)) {
-      sentences.push_back(fmt::format("topic {} is not recorded: its type {} is none of those compiled in, which idl lists", name, type_name));
+      sentences.push_back(fmt::format(
+          "topic {} is not recorded: its type {} is none of those compiled in, which idl lists",
+          name, type_name));
       return;
     }
     try {
@@ -99,7 +129,8 @@ std::vector<std::string> RecordedTopics::discover() {
 }
 
 std::int64_t RecordedTopics::time_of(const Entry& entry, std::span<const std::byte> bytes) {
-  if (!options_.lockstep) return runtime::realtime_ns();  // of the take, as ros2 bag: DDS keeps none of the arrival
+  if (!options_.lockstep)
+    return runtime::realtime_ns();  // of the take, as ros2 bag: DDS keeps none of the arrival
   if (entry.stamp == Stamp::kSampleTime && bytes.size() >= kSampleTimeOffset + 8) {
     std::int64_t time_ns = 0;
     std::memcpy(&time_ns, bytes.data() + kSampleTimeOffset, sizeof time_ns);
@@ -114,9 +145,12 @@ std::size_t RecordedTopics::drain() {
   for (Entry& entry : entries_)
     count += entry.reader.take([&](std::span<const std::byte> bytes, dds_instance_handle_t writer) {
       const std::int64_t time_ns = time_of(entry, bytes);
-      if (entry.of_role) return records_.take(writer_of(entry, writer), {entry.id, time_ns, {bytes.begin(), bytes.end()}});
+      if (entry.of_role)
+        return records_.take(writer_of(entry, writer),
+                             {entry.id, time_ns, {bytes.begin(), bytes.end()}});
       const auto pushed = recorder_.push(entry.id, time_ns, bytes);
-      if (pushed == bag::PushResult::kQueued && !entry.stream.empty()) note(entry, bytes);
+      if (pushed == bag::PushResult::kQueued && !entry.stream.empty())
+        note(entry, bytes);
     });
   records_.settle([this](const RoleRecords::Record& record) { push(record); });
   return count;
@@ -127,34 +161,45 @@ void RecordedTopics::end() {
   records_.end();
 }
 
-void RecordedTopics::push(const RoleRecords::Record& record) { recorder_.push(record.topic, record.time_ns, record.bytes); }
+void RecordedTopics::push(const RoleRecords::Record& record) {
+  recorder_.push(record.topic, record.time_ns, record.bytes);
+}
 
 /// Who writes one record and goes is asked for in vain afterwards.
 void RecordedTopics::look_for_writers(Entry& entry) {
-  const std::vector<dds_instance_handle_t> matched = bus::matched_writer_handles(entry.reader.get());
+  const std::vector<dds_instance_handle_t> matched =
+      bus::matched_writer_handles(entry.reader.get());
   constexpr std::size_t kMaxWriters = 256;
-  if (entry.writers.size() > kMaxWriters) std::erase_if(entry.writers, [&](const auto& one) { return std::ranges::find(matched, one.first) == matched.end(); });
+  if (entry.writers.size() > kMaxWriters)
+    std::erase_if(entry.writers, [&](const auto& one) {
+      return std::ranges::find(matched, one.first) == matched.end();
+    });
   for (const dds_instance_handle_t writer : matched)
-    if (entry.writers.size() <= kMaxWriters) writer_of(entry, writer);
+    if (entry.writers.size() <= kMaxWriters)
+      writer_of(entry, writer);
 }
 
 bus::Guid RecordedTopics::writer_of(Entry& entry, dds_instance_handle_t writer) {
-  if (const auto known = entry.writers.find(writer); known != entry.writers.end()) return known->second;
+  if (const auto known = entry.writers.find(writer); known != entry.writers.end())
+    return known->second;
   const bus::Guid participant = bus::participant_of_writer(entry.reader.get(), writer);
-  if (participant != bus::Guid{}) entry.writers.emplace(writer, participant);
+  if (participant != bus::Guid{})
+    entry.writers.emplace(writer, participant);
   return participant;
 }
 
 std::vector<bus::Following*> RecordedTopics::of_rendering() const {
   std::vector<bus::Following*> all;
   for (const Entry& entry : entries_)
-    if (entry.following) all.push_back(entry.following.get());
+    if (entry.following)
+      all.push_back(entry.following.get());
   return all;
 }
 
 void RecordedTopics::note(Entry& entry, std::span<const std::byte> bytes) {
   std::uint64_t session = 0, sequence = 0;
-  if (bytes.size() < kSampleTimeOffset) return;
+  if (bytes.size() < kSampleTimeOffset)
+    return;
   std::memcpy(&session, bytes.data() + kSessionOffset, sizeof session);
   std::memcpy(&sequence, bytes.data() + kSessionOffset + sizeof session, sizeof sequence);
   const std::lock_guard lock(numbers_mutex_);
@@ -164,11 +209,13 @@ void RecordedTopics::note(Entry& entry, std::span<const std::byte> bytes) {
 void RecordedTopics::tell(std::uint64_t session, runtime::Figures& figures) const {
   const std::lock_guard lock(numbers_mutex_);
   for (const Entry& entry : entries_) {
-    if (entry.stream.empty()) continue;
+    if (entry.stream.empty())
+      continue;
     const SequenceCount::Count count = entry.numbers.of(session);
     figures[entry.stream + "_recorded"] = {count.samples, "samples"};
     figures[entry.stream + "_gaps"] = {count.gaps(), "samples"};
-    if (count.samples > 0) figures[entry.stream + "_first"] = {count.first, "sample number"};
+    if (count.samples > 0)
+      figures[entry.stream + "_first"] = {count.first, "sample number"};
   }
 }
 
@@ -176,8 +223,10 @@ std::vector<runtime::Link> RecordedTopics::links() const {
   std::vector<runtime::Link> links;
   for (const qos::Topic& row : qos::kTopics)
     for (const Entry& entry : entries_)
-      if (row.writers != qos::kEveryNode && !row.with_external && entry.name == qos::dds_name(row, options_.rig))
-        links.push_back({std::string(row.path), [handle = entry.reader.get()] { return bus::matched_writers(handle); },
+      if (row.writers != qos::kEveryNode && !row.with_external &&
+          entry.name == qos::dds_name(row, options_.rig))
+        links.push_back({std::string(row.path),
+                         [handle = entry.reader.get()] { return bus::matched_writers(handle); },
                          qos::names_of(row.writers)});
   return links;
 }

@@ -27,10 +27,11 @@ class RecordedTopics {
  public:
   /// Makes readers for every row of the table that is recorded. Throws bus::Error.
   RecordedTopics(const bus::Participant& participant, const runtime::NodeOptions& options,
-                 std::vector<std::string> wanted, bag::BagRecorder& recorder, bus::WaitSet& wait_set);
+                 std::vector<std::string> wanted, bag::BagRecorder& recorder,
+                 bus::WaitSet& wait_set);
 
-  /// Makes readers for wanted topics whose writers have appeared since. Returns sentences about what cannot be recorded: a topic
-  /// whose type is not compiled in is one.
+  /// Makes readers for wanted topics whose writers have appeared since. Returns sentences about
+  /// what cannot be recorded: a topic whose type is not compiled in is one.
   std::vector<std::string> discover();
   /// Takes all that is there into the recorder; how many samples that was.
   std::size_t drain();
@@ -50,7 +51,8 @@ class RecordedTopics {
   enum class Stamp { kSampleTime, kZero, kNewest };
   struct Entry {
     std::string name;
-    std::unique_ptr<bus::Following> following;  ///< who has matched the reader, which it outlives; where a role asks for it
+    std::unique_ptr<bus::Following>
+        following;  ///< who has matched the reader, which it outlives; where a role asks for it
     bus::RawReader reader;
     bus::GraphEntry shown;  ///< to ROS 2 tools
     bag::TopicId id;
@@ -58,9 +60,11 @@ class RecordedTopics {
     std::string stream{};     ///< "device_state"; empty where samples bear no number
     SequenceCount numbers{};  ///< under `numbers_mutex_`
     bool of_role = false;     ///< only what who plays the role writes is for the bag
-    std::map<dds_instance_handle_t, bus::Guid> writers{};  ///< those that have been seen, where it is `of_role`
+    std::map<dds_instance_handle_t, bus::Guid>
+        writers{};  ///< those that have been seen, where it is `of_role`
   };
-  Entry& add(const std::string& name, const msg::AnyType& type, const qos::Qos& qos, const dds_qos_t* offered, Stamp stamp);
+  Entry& add(const std::string& name, const msg::AnyType& type, const qos::Qos& qos,
+             const dds_qos_t* offered, Stamp stamp);
   bool wants(const std::string& topic) const;
   void note(Entry& entry, std::span<const std::byte> bytes);
   void push(const RoleRecords::Record& record);

@@ -10,7 +10,8 @@ std::string duration(dds_duration_t ns) {
   return fmt::format("\n    sec: {}\n    nsec: {}", ns / 1'000'000'000, ns % 1'000'000'000);
 }
 
-/// What decides whether a reader matches. A policy that the writer did not announce keeps DDS's default.
+/// What decides whether a reader matches. A policy that the writer did not announce keeps DDS's
+/// default.
 struct Match {
   dds_reliability_kind_t reliability = DDS_RELIABILITY_BEST_EFFORT;
   dds_durability_kind_t durability = DDS_DURABILITY_VOLATILE;
@@ -20,7 +21,8 @@ struct Match {
     dds_qget_durability(qos, &durability);
   }
   bool reliable() const { return reliability == DDS_RELIABILITY_RELIABLE; }
-  /// Also transient and persistent, for which rmw has no number: to a late reader they look the same.
+  /// Also transient and persistent, for which rmw has no number: to a late reader they look the
+  /// same.
   bool latched() const { return durability != DDS_DURABILITY_VOLATILE; }
 };
 
@@ -38,10 +40,12 @@ std::string offered_qos_text(const dds_qos_t* writer) {
   dds_qget_lifespan(writer, &lifespan);
   const bool keep_all = history == DDS_HISTORY_KEEP_ALL;
   return fmt::format(
-      "- history: {}\n  depth: {}\n  reliability: {}\n  durability: {}\n  deadline:{}\n  lifespan:{}\n  liveliness: {}\n"
+      "- history: {}\n  depth: {}\n  reliability: {}\n  durability: {}\n  deadline:{}\n  "
+      "lifespan:{}\n  liveliness: {}\n"
       "  liveliness_lease_duration:{}\n  avoid_ros_namespace_conventions: false",
-      keep_all ? 2 : 1, keep_all ? 0 : depth, match.reliable() ? 1 : 2, match.latched() ? 1 : 2, duration(deadline),
-      duration(lifespan), static_cast<int>(liveliness) + 1, duration(lease));  // numbers of rmw/types.h
+      keep_all ? 2 : 1, keep_all ? 0 : depth, match.reliable() ? 1 : 2, match.latched() ? 1 : 2,
+      duration(deadline), duration(lifespan), static_cast<int>(liveliness) + 1,
+      duration(lease));  // numbers of rmw/types.h
 }
 
 qos::Qos recording_qos(const dds_qos_t* writer) {

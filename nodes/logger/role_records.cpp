@@ -5,7 +5,8 @@
 namespace voxtouch::logger {
 namespace {
 
-constexpr std::size_t kMaxEntitled = 64;  ///< the newest; a ring does not change its rendering so often
+constexpr std::size_t kMaxEntitled =
+    64;  ///< the newest; a ring does not change its rendering so often
 constexpr std::size_t kMaxNamed = 16;
 /// The first may have begun before the record came.
 constexpr std::uint64_t kLooks = 2;
@@ -14,9 +15,11 @@ constexpr std::uint64_t kLooks = 2;
 
 void RoleRecords::entitle(const bus::Guid& participant) {
   const std::lock_guard lock(mutex_);
-  if (std::ranges::find(entitled_, participant) != entitled_.end()) return;
+  if (std::ranges::find(entitled_, participant) != entitled_.end())
+    return;
   entitled_.push_back(participant);
-  if (entitled_.size() > kMaxEntitled) entitled_.pop_front();
+  if (entitled_.size() > kMaxEntitled)
+    entitled_.pop_front();
 }
 
 void RoleRecords::looked(bool bound) {
@@ -28,7 +31,8 @@ void RoleRecords::looked(bool bound) {
 void RoleRecords::take(const bus::Guid& writer, Record record) {
   const std::lock_guard lock(mutex_);
   const std::size_t size = record.bytes.size();
-  if (kept_bytes_[writer] + size > kMaxOfOne || all_bytes_ + size > kMaxOfAll) return refuse(writer);
+  if (kept_bytes_[writer] + size > kMaxOfOne || all_bytes_ + size > kMaxOfAll)
+    return refuse(writer);
   kept_bytes_[writer] += size, all_bytes_ += size;
   kept_.push_back({writer, std::move(record), looks_ + kLooks});
 }
@@ -39,11 +43,14 @@ std::vector<RoleRecords::Record> RoleRecords::decided() {
   std::erase_if(kept_, [&](Kept& one) {
     const bool entitled = std::ranges::find(entitled_, one.writer) != entitled_.end();
     const bool foreign = !entitled && bound_ && looks_ >= one.decided_at;
-    if (!entitled && !foreign) return false;
+    if (!entitled && !foreign)
+      return false;
     const std::size_t size = one.record.bytes.size();
     kept_bytes_[one.writer] -= size, all_bytes_ -= size;
-    if (entitled) own.push_back(std::move(one.record)), ++settled_;
-    if (foreign) refuse(one.writer);
+    if (entitled)
+      own.push_back(std::move(one.record)), ++settled_;
+    if (foreign)
+      refuse(one.writer);
     return true;
   });
   std::erase_if(kept_bytes_, [](const auto& entry) { return entry.second == 0; });
@@ -52,13 +59,15 @@ std::vector<RoleRecords::Record> RoleRecords::decided() {
 
 void RoleRecords::end() {
   const std::lock_guard lock(mutex_);
-  for (const Kept& one : kept_) refuse(one.writer);
+  for (const Kept& one : kept_)
+    refuse(one.writer);
   kept_.clear(), kept_bytes_.clear(), all_bytes_ = 0;
 }
 
 void RoleRecords::refuse(const bus::Guid& writer) {
   ++refused_;
-  if (refused_writers_.size() < kMaxNamed) refused_writers_.insert(writer);
+  if (refused_writers_.size() < kMaxNamed)
+    refused_writers_.insert(writer);
 }
 
 std::uint64_t RoleRecords::settled() const {

@@ -1,5 +1,6 @@
 #pragma once
-/// Records that a replay follows: what the participant wrote that plays the role is for the bag, and what others wrote is not.
+/// Records that a replay follows: what the participant wrote that plays the role is for the bag,
+/// and what others wrote is not.
 #include <cstdint>
 #include <deque>
 #include <map>
@@ -12,9 +13,11 @@
 
 namespace voxtouch::logger {
 
-/// A record may come before it is known who plays the role: it is kept until then. One whose writer is not entitled is kept for two looks at the
-/// statuses, as the one that took over may be heard before the status is that names it. What is refused then is counted.
-/// `entitle` and `looked`: the housekeeping. `take`, `settle` and `end`: the thread that reads. Allocates; not for the loop of a ring.
+/// A record may come before it is known who plays the role: it is kept until then. One whose writer
+/// is not entitled is kept for two looks at the statuses, as the one that took over may be heard
+/// before the status is that names it. What is refused then is counted. `entitle` and `looked`: the
+/// housekeeping. `take`, `settle` and `end`: the thread that reads. Allocates; not for the loop of
+/// a ring.
 class RoleRecords {
  public:
   struct Record {
@@ -23,20 +26,24 @@ class RoleRecords {
     std::vector<std::byte> bytes{};
   };
 
-  /// Of one writer and of all that are kept [bytes]; what is beyond is refused. A change takes about 200, a value of the outside wrench 80.
+  /// Of one writer and of all that are kept [bytes]; what is beyond is refused. A change takes
+  /// about 200, a value of the outside wrench 80.
   static constexpr std::size_t kMaxOfOne = 1'000'000, kMaxOfAll = 16'000'000;
 
-  /// This participant plays the role, or is the standby that the acting one has named. What it wrote counts, also after it has gone.
+  /// This participant plays the role, or is the standby that the acting one has named. What it
+  /// wrote counts, also after it has gone.
   void entitle(const bus::Guid& participant);
   /// All that one look at the statuses tells has been said. `bound`: somebody plays the role.
   void looked(bool bound);
 
   /// `writer`: the participant that wrote it; all zero where it has gone before anybody knew it.
   void take(const bus::Guid& writer, Record record);
-  /// Calls push(const Record&) for each that is now known to be the role's, in the order that they came.
+  /// Calls push(const Record&) for each that is now known to be the role's, in the order that they
+  /// came.
   template <class Push>
   void settle(Push&& push) {
-    for (const Record& record : decided()) push(record);
+    for (const Record& record : decided())
+      push(record);
   }
   /// Nobody comes any more who might be entitled: what is still kept is refused.
   void end();

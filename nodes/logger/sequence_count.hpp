@@ -1,5 +1,6 @@
 #pragma once
-/// Which samples of a stream a recording holds, by their own numbers: what never came is missed too.
+/// Which samples of a stream a recording holds, by their own numbers: what never came is missed
+/// too.
 #include <cstdint>
 #include <map>
 
@@ -15,11 +16,16 @@ class SequenceCount {
 
   /// One that is to be written. Of what comes twice or late only the first counts.
   void add(std::uint64_t session, std::uint64_t sequence) {
-    const auto [found, made] = sessions_.size() < kMaxSessions ? sessions_.try_emplace(session) : std::pair{sessions_.find(session), false};
-    if (found == sessions_.end()) return;
+    const auto [found, made] = sessions_.size() < kMaxSessions
+                                   ? sessions_.try_emplace(session)
+                                   : std::pair{sessions_.find(session), false};
+    if (found == sessions_.end())
+      return;
     Count& count = found->second;
-    if (made) count.first = sequence;
-    if (!made && sequence < count.next) return;
+    if (made)
+      count.first = sequence;
+    if (!made && sequence < count.next)
+      return;
     count.next = sequence + 1;
     ++count.samples;
   }
@@ -30,7 +36,8 @@ class SequenceCount {
   }
 
  private:
-  static constexpr std::size_t kMaxSessions = 64;  ///< anybody may send any number: later ones are not counted
+  static constexpr std::size_t kMaxSessions =
+      64;  ///< anybody may send any number: later ones are not counted
   std::map<std::uint64_t, Count> sessions_;
 };
 

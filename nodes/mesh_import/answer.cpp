@@ -18,7 +18,8 @@ static_assert(sizeof(Vec3) == 3 * sizeof(double) && sizeof(Triangle) == 3 * size
 std::string with_parts(const Head& head, const mesh::TriangleMesh& mesh, const std::string& text) {
   std::string bytes(reinterpret_cast<const char*>(&head), sizeof head);
   bytes.append(reinterpret_cast<const char*>(mesh.vertices.data()), head.vertices * sizeof(Vec3));
-  bytes.append(reinterpret_cast<const char*>(mesh.triangles.data()), head.triangles * sizeof(Triangle));
+  bytes.append(reinterpret_cast<const char*>(mesh.triangles.data()),
+               head.triangles * sizeof(Triangle));
   return bytes + text;
 }
 
@@ -26,10 +27,17 @@ std::string with_parts(const Head& head, const mesh::TriangleMesh& mesh, const s
 
 std::string encode(const mesh::FileTriangles& read) {
   std::string text;
-  for (const std::string& warning : read.warnings) text += warning + '\n';
-  return with_parts({.vertices = read.mesh.vertices.size(), .triangles = read.mesh.triangles.size(), .text = text.size(),
-                     .points = read.points, .lines = read.lines, .uncut = read.uncut, .spacing = read.spacing,
-                     .largest = read.largest}, read.mesh, text);
+  for (const std::string& warning : read.warnings)
+    text += warning + '\n';
+  return with_parts({.vertices = read.mesh.vertices.size(),
+                     .triangles = read.mesh.triangles.size(),
+                     .text = text.size(),
+                     .points = read.points,
+                     .lines = read.lines,
+                     .uncut = read.uncut,
+                     .spacing = read.spacing,
+                     .largest = read.largest},
+                    read.mesh, text);
 }
 
 std::string encode_refusal(const std::string& sentence) {
@@ -43,21 +51,34 @@ mesh::FileTriangles decode(std::string_view answer) {
     std::copy_n(answer.data(), size, reinterpret_cast<char*>(to));
     answer.remove_prefix(size);
   };
-  if (answer.size() >= sizeof head) take(&head, 1);
+  if (answer.size() >= sizeof head)
+    take(&head, 1);
   // Each by itself first, so that their sum is one.
-  if (head.mark != Head{}.mark || std::max({head.text, head.vertices, head.triangles}) > answer.size() ||
-      answer.size() != head.vertices * sizeof(Vec3) + head.triangles * sizeof(Triangle) + head.text) {
+  if (head.mark != Head{}.mark ||
+      std::max({head.text, head.vertices, head.triangles}) > answer.size() ||
+      answer.size() !=
+          head.vertices * sizeof(Vec3) + head.triangles * sizeof(Triangle) + head.text) {
     throw std::runtime_error("it gave no whole answer");
   }
   std::string text(answer.substr(answer.size() - head.text));
-  if (head.refused != 0) throw mesh::MeshError(text);
-  mesh::FileTriangles read{.mesh = {std::vector<Vec3>(head.vertices), std::vector<Triangle>(head.triangles)}, .points = head.points,
-                     .lines = head.lines, .uncut = head.uncut, .spacing = head.spacing, .largest = head.largest, .warnings = {}};
+  if (head.refused != 0)
+    throw mesh::MeshError(text);
+  mesh::FileTriangles read{
+      .mesh = {std::vector<Vec3>(head.vertices), std::vector<Triangle>(head.triangles)},
+      .points = head.points,
+      .lines = head.lines,
+      .uncut = head.uncut,
+      .spacing = head.spacing,
+      .largest = head.largest,
+      .warnings = {}};
   take(read.mesh.vertices.data(), head.vertices), take(read.mesh.triangles.data(), head.triangles);
-  const bool finite = std::ranges::all_of(read.mesh.vertices, [](const Vec3& v) { return v.allFinite(); });
-  const bool there =
-      std::ranges::all_of(read.mesh.triangles, [&](const Triangle& t) { return std::ranges::max(t) < head.vertices; });
-  if (!finite || !there) throw std::runtime_error("it gave a vertex that is not finite, or a triangle without its vertex");
+  const bool finite =
+      std::ranges::all_of(read.mesh.vertices, [](const Vec3& v) { return v.allFinite(); });
+  const bool there = std::ranges::all_of(
+      read.mesh.triangles, [&](const Triangle& t) { return std::ranges::max(t) < head.vertices; });
+  if (!finite || !there)
+    throw std::runtime_error(
+        "it gave a vertex that is not finite, or a triangle without its vertex");
   for (std::size_t end; (end = text.find('\n')) != std::string::npos; text.erase(0, end + 1)) {
     read.warnings.push_back(text.substr(0, end));
   }

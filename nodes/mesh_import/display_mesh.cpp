@@ -17,13 +17,16 @@ void coarsen(DisplayMesh& mesh, std::size_t most) {
   const std::size_t vertices = mesh.positions.size() / 3, stride = 3 * sizeof(float);
   const std::vector<unsigned>& all = mesh.indices;
   std::vector<unsigned> fewer(all.size());
-  fewer.resize(meshopt_simplify(fewer.data(), all.data(), all.size(), mesh.positions.data(), vertices, stride, 3 * most, kAnyError));
+  fewer.resize(meshopt_simplify(fewer.data(), all.data(), all.size(), mesh.positions.data(),
+                                vertices, stride, 3 * most, kAnyError));
   if (fewer.size() > 6 * most) {  // its topology does not let it: then without regard to that
     fewer.resize(all.size());
-    fewer.resize(meshopt_simplifySloppy(fewer.data(), all.data(), all.size(), mesh.positions.data(), vertices, stride, 3 * most, kAnyError));
+    fewer.resize(meshopt_simplifySloppy(fewer.data(), all.data(), all.size(), mesh.positions.data(),
+                                        vertices, stride, 3 * most, kAnyError));
   }
   std::vector<float> used(mesh.positions.size());
-  used.resize(3 * meshopt_optimizeVertexFetch(used.data(), fewer.data(), fewer.size(), mesh.positions.data(), vertices, stride));
+  used.resize(3 * meshopt_optimizeVertexFetch(used.data(), fewer.data(), fewer.size(),
+                                              mesh.positions.data(), vertices, stride));
   mesh.positions = std::move(used), mesh.indices = std::move(fewer);
 }
 
@@ -31,11 +34,16 @@ DisplayMesh read_whole(const scene::MeshSpec& spec, double voxel_size_m) {
   DisplayMesh mesh;
   try {
     const mesh::TriangleMesh read =
-        mesh::import_mesh(spec.path, {.scale = spec.scale, .pose = spec.pose, .voxel_size_m = voxel_size_m}, mesh_process()).mesh;
+        mesh::import_mesh(spec.path,
+                          {.scale = spec.scale, .pose = spec.pose, .voxel_size_m = voxel_size_m},
+                          mesh_process())
+            .mesh;
     mesh.in_file = read.triangles.size();
     for (const Vec3& v : read.vertices)
-      for (const double x : {v.x(), v.y(), v.z()}) mesh.positions.push_back(static_cast<float>(x));
-    for (const auto& triangle : read.triangles) mesh.indices.insert(mesh.indices.end(), triangle.begin(), triangle.end());
+      for (const double x : {v.x(), v.y(), v.z()})
+        mesh.positions.push_back(static_cast<float>(x));
+    for (const auto& triangle : read.triangles)
+      mesh.indices.insert(mesh.indices.end(), triangle.begin(), triangle.end());
   } catch (const std::exception& error) {
     mesh.note = error.what();
   }
@@ -55,9 +63,11 @@ std::vector<std::size_t> shares_of(const std::vector<std::size_t>& counts, std::
   return shares;
 }
 
-std::vector<DisplayMesh> read_display_meshes(const scene::Scene& scene, const std::atomic<bool>& stop) {
+std::vector<DisplayMesh> read_display_meshes(const scene::Scene& scene,
+                                             const std::atomic<bool>& stop) {
   std::vector<const scene::MeshSpec*> specs;
-  for (const scene::MeshSpec& spec : scene.static_meshes) specs.push_back(&spec);
+  for (const scene::MeshSpec& spec : scene.static_meshes)
+    specs.push_back(&spec);
   specs.push_back(&scene.dynamic_mesh);
   std::vector<DisplayMesh> all;
   std::vector<std::size_t> counts;
@@ -67,10 +77,11 @@ std::vector<DisplayMesh> read_display_meshes(const scene::Scene& scene, const st
   }
   const std::vector<std::size_t> shares = shares_of(counts, kMaxDrawnTriangles);
   for (std::size_t n = 0; n < all.size() && !stop.load(); ++n) {
-    if (counts[n] <= shares[n]) continue;
+    if (counts[n] <= shares[n])
+      continue;
     coarsen(all[n], shares[n]);
-    all[n].note = fmt::format("{} is drawn with {} of its {} triangles; it is felt with all.", specs[n]->path.filename().string(),
-                              all[n].triangles(), counts[n]);
+    all[n].note = fmt::format("{} is drawn with {} of its {} triangles; it is felt with all.",
+                              specs[n]->path.filename().string(), all[n].triangles(), counts[n]);
   }
   return all;
 }

@@ -1,5 +1,5 @@
-/// voxtouch_import_mesh PATH MAX_TRIANGLES CPU_S MEMORY_MIB PARENT HOW: what mesh_process() starts. The mesh's bytes are behind
-/// kSharedFile, and the answer takes their place.
+/// voxtouch_import_mesh PATH MAX_TRIANGLES CPU_S MEMORY_MIB PARENT HOW: what mesh_process() starts.
+/// The mesh's bytes are behind kSharedFile, and the answer takes their place.
 #include <assimp/postprocess.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
@@ -26,10 +26,12 @@ void limit(decltype(RLIMIT_CPU) what, std::uint64_t most, std::uint64_t grace = 
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc == 2 && argv[1] == std::string_view("--version")) return std::puts(std::string(voxtouch::version()).c_str()) < 0 ? 1 : 0;
+  if (argc == 2 && argv[1] == std::string_view("--version"))
+    return std::puts(std::string(voxtouch::version()).c_str()) < 0 ? 1 : 0;
   const auto number = [argv](int n) { return std::strtoull(argv[n], nullptr, 10); };
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (argc != 7 || static_cast<unsigned long long>(::getppid()) != number(5)) return 2;  // gone before that could be heard
+  if (argc != 7 || static_cast<unsigned long long>(::getppid()) != number(5))
+    return 2;  // gone before that could be heard
   limit(RLIMIT_CPU, number(3), 1);
   limit(RLIMIT_CORE, 0);
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) && !defined(VOXTOUCH_SANITIZED)
@@ -45,8 +47,10 @@ int main(int argc, char** argv) {
       Assimp::Importer().ReadFile(argv[1], aiProcess_Triangulate);
       answer = voxtouch::mesh_import::encode({});
     } else {
-      voxtouch::mesh::FileTriangles read = voxtouch::mesh::read_triangles(argv[1], voxtouch::mesh::read_mesh_bytes(shared), options);
-      // An STL has each vertex six times. Whoever gets them welds, and finds the same with these as with all.
+      voxtouch::mesh::FileTriangles read =
+          voxtouch::mesh::read_triangles(argv[1], voxtouch::mesh::read_mesh_bytes(shared), options);
+      // An STL has each vertex six times. Whoever gets them welds, and finds the same with these as
+      // with all.
       read.mesh = voxtouch::mesh::weld(read.mesh, 0.0);
       answer = voxtouch::mesh_import::encode(read);
     }

@@ -2,30 +2,42 @@
 
 namespace voxtouch::rendering_node {
 
-void ChangeLine::report(ChangeReport::What what, const Change& change, std::uint64_t sample) noexcept {
+void ChangeLine::report(ChangeReport::What what, const Change& change,
+                        std::uint64_t sample) noexcept {
   reports_.push({what, change.ticket, sample, epoch_, change.scene, session_});
 }
 
 void ChangeLine::retire(rendering::LiveScene& live) noexcept {
-  // An update server that has not looked for long must not cost a scene's memory: it is asked for again when there is room.
-  if (reports_.room() == 0) return;
-  if (rendering::BuiltScene* scene = live.retired()) reports_.push({ChangeReport::What::kRetired, 0, 0, epoch_, scene, session_});
+  // An update server that has not looked for long must not cost a scene's memory: it is asked for
+  // again when there is room.
+  if (reports_.room() == 0)
+    return;
+  if (rendering::BuiltScene* scene = live.retired())
+    reports_.push({ChangeReport::What::kRetired, 0, 0, epoch_, scene, session_});
 }
 
 void ChangeLine::rest(rendering::LiveScene& live) noexcept {
-  if (!moving_ || reports_.room() == 0 || !live.effects().at_rest()) return;
+  if (!moving_ || reports_.room() == 0 || !live.effects().at_rest())
+    return;
   moving_ = false;
   reports_.push({ChangeReport::What::kAtRest, applied_, 0, epoch_, nullptr, session_});
 }
 
-/// None: it waits. What is not made takes the epoch with it, for what is behind it was judged as if it had been.
-std::optional<ChangeReport::What> ChangeLine::fate_of(const Change& change, const rendering::LiveScene& live, std::uint64_t next,
+/// None: it waits. What is not made takes the epoch with it, for what is behind it was judged as if
+/// it had been.
+std::optional<ChangeReport::What> ChangeLine::fate_of(const Change& change,
+                                                      const rendering::LiveScene& live,
+                                                      std::uint64_t next,
                                                       bool at_sample) const noexcept {
   using What = ChangeReport::What;
   const bool judged = session_ == 0 || good_for_.load(std::memory_order_acquire) == session_;
-  if (change.epoch != epoch_ || (change.session != 0 && change.session != session_)) return What::kDropped;
-  if (change.ticket <= cancelled_.load(std::memory_order_acquire)) return What::kDropped;
-  if (!judged || change.from_sample > next || (change.from_sample > 0 && !at_sample) || (change.scene && live.fading())) return {};
+  if (change.epoch != epoch_ || (change.session != 0 && change.session != session_))
+    return What::kDropped;
+  if (change.ticket <= cancelled_.load(std::memory_order_acquire))
+    return What::kDropped;
+  if (!judged || change.from_sample > next || (change.from_sample > 0 && !at_sample) ||
+      (change.scene && live.fading()))
+    return {};
   return change.from_sample > 0 && change.from_sample < next ? What::kLate : What::kApplied;
 }
 
@@ -38,18 +50,23 @@ void ChangeLine::make(const Change& change, rendering::LiveScene& live) noexcept
   applied_ = change.ticket;
 }
 
-void ChangeLine::apply_due(rendering::LiveScene& live, std::uint64_t next, bool at_sample) noexcept {
+void ChangeLine::apply_due(rendering::LiveScene& live, std::uint64_t next,
+                           bool at_sample) noexcept {
   retire(live);
   rest(live);
   while (const Change* change = changes_.front()) {
     const std::uint32_t count = 1 + change->following;
-    if (reports_.room() < 1 + count) return;
+    if (reports_.room() < 1 + count)
+      return;
     const std::optional<ChangeReport::What> fate = fate_of(*change, live, next, at_sample);
-    if (!fate) return;
-    if (*fate != ChangeReport::What::kApplied && change->epoch == epoch_) ++epoch_;
+    if (!fate)
+      return;
+    if (*fate != ChangeReport::What::kApplied && change->epoch == epoch_)
+      ++epoch_;
     for (std::uint32_t n = 0; n < count; ++n) {
       change = changes_.front();
-      if (*fate == ChangeReport::What::kApplied) make(*change, live);
+      if (*fate == ChangeReport::What::kApplied)
+        make(*change, live);
       report(*fate, *change, next);
       changes_.pop();
     }
@@ -57,7 +74,8 @@ void ChangeLine::apply_due(rendering::LiveScene& live, std::uint64_t next, bool 
 }
 
 void ChangeLine::begin_session(std::uint64_t session) noexcept {
-  if (session_ != 0 && changes_.front()) ++epoch_;
+  if (session_ != 0 && changes_.front())
+    ++epoch_;
   session_ = session;
   answering_.store(0, std::memory_order_seq_cst);
 }

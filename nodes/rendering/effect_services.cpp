@@ -44,31 +44,44 @@ msg::rcl_interfaces_SetParametersResult message_of(const Results::One& result) {
 
 }  // namespace
 
-EffectServices::EffectServices(const bus::Participant& participant, const std::string& rig, ChangeHandler handler)
-    : node_("/" + rig + "/rendering"), handler_(std::move(handler)),
-      change_(Server<msg::ChangeEffect>::make<change_fits>(participant, qos::kChangeEffect, rig, "rendering")),
-      list_(Server<msg::rcl_interfaces_ListParameters>::make<prefixes_fit>(participant, qos::kListParameters, rig, "rendering")),
-      get_(Server<msg::rcl_interfaces_GetParameters>::make<names_fit>(participant, qos::kGetParameters, rig, "rendering")),
-      types_(Server<msg::rcl_interfaces_GetParameterTypes>::make<names_fit>(participant, qos::kGetParameterTypes, rig, "rendering")),
-      describe_(Server<msg::rcl_interfaces_DescribeParameters>::make<names_fit>(participant, qos::kDescribeParameters, rig, "rendering")),
-      set_(Server<msg::rcl_interfaces_SetParameters>::make<parameters_fit>(participant, qos::kSetParameters, rig, "rendering")),
-      set_together_(Server<msg::rcl_interfaces_SetParametersAtomically>::make<parameters_fit>(participant, qos::kSetParametersAtomically, rig, "rendering")),
-      events_(participant, qos::kParameterEvents, rig, qos::profile(qos::kParameterEvents.profile)), told_(handler_.parameters()) {}
+EffectServices::EffectServices(const bus::Participant& participant, const std::string& rig,
+                               ChangeHandler handler)
+    : node_("/" + rig + "/rendering"),
+      handler_(std::move(handler)),
+      change_(Server<msg::ChangeEffect>::make<change_fits>(participant, qos::kChangeEffect, rig,
+                                                           "rendering")),
+      list_(Server<msg::rcl_interfaces_ListParameters>::make<prefixes_fit>(
+          participant, qos::kListParameters, rig, "rendering")),
+      get_(Server<msg::rcl_interfaces_GetParameters>::make<names_fit>(
+          participant, qos::kGetParameters, rig, "rendering")),
+      types_(Server<msg::rcl_interfaces_GetParameterTypes>::make<names_fit>(
+          participant, qos::kGetParameterTypes, rig, "rendering")),
+      describe_(Server<msg::rcl_interfaces_DescribeParameters>::make<names_fit>(
+          participant, qos::kDescribeParameters, rig, "rendering")),
+      set_(Server<msg::rcl_interfaces_SetParameters>::make<parameters_fit>(
+          participant, qos::kSetParameters, rig, "rendering")),
+      set_together_(Server<msg::rcl_interfaces_SetParametersAtomically>::make<parameters_fit>(
+          participant, qos::kSetParametersAtomically, rig, "rendering")),
+      events_(participant, qos::kParameterEvents, rig, qos::profile(qos::kParameterEvents.profile)),
+      told_(handler_.parameters()) {}
 
 void EffectServices::attach_to(bus::WaitSet& wait_set) {
-  for (const dds_entity_t condition : {change_.condition(), list_.condition(), get_.condition(), types_.condition(), describe_.condition(), set_.condition(),
-                                       set_together_.condition()})
+  for (const dds_entity_t condition :
+       {change_.condition(), list_.condition(), get_.condition(), types_.condition(),
+        describe_.condition(), set_.condition(), set_together_.condition()})
     wait_set.attach(condition);
 }
 
 bool EffectServices::waits() const noexcept {
-  return change_.waits() || list_.waits() || get_.waits() || types_.waits() || describe_.waits() || set_.waits() || set_together_.waits();
+  return change_.waits() || list_.waits() || get_.waits() || types_.waits() || describe_.waits() ||
+         set_.waits() || set_together_.waits();
 }
 
 /// Whether `count` more go into this second; the part that does is taken.
 bool EffectServices::admits(std::uint32_t count) {
   bool all = true;
-  for (std::uint32_t n = 0; n < std::max(count, 1U); ++n) all = admitted_.take(runtime::monotonic_ns()).say && all;
+  for (std::uint32_t n = 0; n < std::max(count, 1U); ++n)
+    all = admitted_.take(runtime::monotonic_ns()).say && all;
   return all;
 }
 
@@ -77,9 +90,11 @@ void EffectServices::each(Server<S>& server, F&& f) {
   server.send_waiting();
   server.take(
       [&](const typename S::Request& request, const bus::Caller& caller) {
-        if (!answers_) return;
+        if (!answers_)
+          return;
         std::uint32_t count = 1;
-        if constexpr (requires { request.parameters; }) count = request.parameters._length;
+        if constexpr (requires { request.parameters; })
+          count = request.parameters._length;
         if (admits(count))
           f(request, caller);
         else
@@ -91,7 +106,8 @@ void EffectServices::each(Server<S>& server, F&& f) {
 void EffectServices::serve(bool answers) {
   answers_ = answers;
   each(list_, [this](const auto& request, const bus::Caller& caller) {
-    ListedParameters listed = list_parameters(handler_.parameters(), texts_of(request.prefixes), request.depth);
+    ListedParameters listed =
+        list_parameters(handler_.parameters(), texts_of(request.prefixes), request.depth);
     list_.reply(caller, [listed = std::move(listed)](auto& response, const auto& send) {
       runtime::LentStrings names(listed.names), prefixes(listed.prefixes);
       names.into(response.result.names), prefixes.into(response.result.prefixes);
@@ -100,8 +116,10 @@ void EffectServices::serve(bool answers) {
   });
   serve_named();
   each(set_, [this](const auto& request, const bus::Caller& caller) { set(request, caller); });
-  each(set_together_, [this](const auto& request, const bus::Caller& caller) { set_together(request, caller); });
-  each(change_, [this](const auto& request, const bus::Caller& caller) { change(request, caller); });
+  each(set_together_,
+       [this](const auto& request, const bus::Caller& caller) { set_together(request, caller); });
+  each(change_,
+       [this](const auto& request, const bus::Caller& caller) { change(request, caller); });
 }
 
 template <class Names>
@@ -119,7 +137,8 @@ void EffectServices::serve_named() {
   each(get_, [this](const auto& request, const bus::Caller& caller) {
     get_.reply(caller, [found = named(request.names)](auto& response, const auto& send) {
       std::vector<msg::rcl_interfaces_ParameterValue> values;
-      for (const RosParameter& parameter : found) values.push_back(ParameterMessages::value(parameter.value));
+      for (const RosParameter& parameter : found)
+        values.push_back(ParameterMessages::value(parameter.value));
       lend(response.values, values);
       send();
     });
@@ -127,7 +146,8 @@ void EffectServices::serve_named() {
   each(types_, [this](const auto& request, const bus::Caller& caller) {
     types_.reply(caller, [found = named(request.names)](auto& response, const auto& send) {
       std::vector<std::uint8_t> types;
-      for (const RosParameter& parameter : found) types.push_back(type_of(parameter.value));
+      for (const RosParameter& parameter : found)
+        types.push_back(type_of(parameter.value));
       lend(response.types, types);
       send();
     });
@@ -136,29 +156,35 @@ void EffectServices::serve_named() {
     describe_.reply(caller, [found = named(request.names)](auto& response, const auto& send) {
       ParameterMessages messages;
       std::vector<msg::rcl_interfaces_ParameterDescriptor> descriptors;
-      for (const RosParameter& parameter : found) descriptors.push_back(messages.descriptor(parameter));
+      for (const RosParameter& parameter : found)
+        descriptors.push_back(messages.descriptor(parameter));
       lend(response.descriptors, descriptors);
       send();
     });
   });
 }
 
-void EffectServices::set(const msg::rcl_interfaces_SetParameters::Request& request, const bus::Caller& caller) {
+void EffectServices::set(const msg::rcl_interfaces_SetParameters::Request& request,
+                         const bus::Caller& caller) {
   const std::span asked = all_of(request.parameters);
-  const auto results = std::make_shared<Results>(Results{std::vector<Results::One>(asked.size()), asked.size()});
+  const auto results =
+      std::make_shared<Results>(Results{std::vector<Results::One>(asked.size()), asked.size()});
   const auto reply = [this, caller, results] {
     set_.reply(caller, [results](auto& response, const auto& send) {
       std::vector<msg::rcl_interfaces_SetParametersResult> messages;
-      for (const Results::One& one : results->all) messages.push_back(message_of(one));
+      for (const Results::One& one : results->all)
+        messages.push_back(message_of(one));
       lend(response.results, messages);
       send();
     });
   };
   const auto tell = [results, reply](std::size_t which, bool done, const std::string& sentence) {
     results->all[which] = {done, sentence};
-    if (--results->open == 0) reply();
+    if (--results->open == 0)
+      reply();
   };
-  if (asked.empty()) return reply();
+  if (asked.empty())
+    return reply();
   const std::vector<RosParameter> known = handler_.parameters();
   for (std::size_t n = 0; n < asked.size(); ++n) {
     const auto wanted = change_of(known, asked[n]);
@@ -167,11 +193,16 @@ void EffectServices::set(const msg::rcl_interfaces_SetParameters::Request& reque
       continue;
     }
     const msg::EffectChange message = wanted->message();
-    handler_.ask(std::span(&message, 1), false, [n, tell](std::size_t, bool done, std::uint64_t, const std::string& sentence) { tell(n, done, sentence); });
+    handler_.ask(std::span(&message, 1), false,
+                 [n, tell](std::size_t, bool done, std::uint64_t, const std::string& sentence) {
+                   tell(n, done, sentence);
+                 });
   }
 }
 
-void EffectServices::set_together(const msg::rcl_interfaces_SetParametersAtomically::Request& request, const bus::Caller& caller) {
+void EffectServices::set_together(
+    const msg::rcl_interfaces_SetParametersAtomically::Request& request,
+    const bus::Caller& caller) {
   const auto reply = [this, caller](Results::One result) {
     set_together_.reply(caller, [result = std::move(result)](auto& response, const auto& send) {
       response.result = message_of(result);
@@ -182,49 +213,65 @@ void EffectServices::set_together(const msg::rcl_interfaces_SetParametersAtomica
   std::vector<ParameterChange> changes;
   for (const auto& parameter : all_of(request.parameters)) {
     auto wanted = change_of(known, parameter);
-    if (!wanted) return reply({false, wanted.error()});
+    if (!wanted)
+      return reply({false, wanted.error()});
     changes.push_back(std::move(*wanted));
   }
-  if (changes.empty()) return reply({true, {}});
+  if (changes.empty())
+    return reply({true, {}});
   std::vector<msg::EffectChange> messages;
-  for (const ParameterChange& wanted : changes) messages.push_back(wanted.message());
+  for (const ParameterChange& wanted : changes)
+    messages.push_back(wanted.message());
   const auto open = std::make_shared<std::size_t>(messages.size());
-  handler_.ask(messages, true, [open, reply](std::size_t, bool done, std::uint64_t, const std::string& sentence) {
-    if (--*open == 0) reply({done, sentence});
-  });
+  handler_.ask(messages, true,
+               [open, reply](std::size_t, bool done, std::uint64_t, const std::string& sentence) {
+                 if (--*open == 0)
+                   reply({done, sentence});
+               });
 }
 
 void EffectServices::change(const msg::ChangeEffect::Request& request, const bus::Caller& caller) {
   msg::EffectChange message{};
-  message.session_id = request.session_id, message.from_sample = request.from_sample, message.action = request.action;
-  message.effect = request.effect, message.parameter = request.parameter, message.model = request.model;
+  message.session_id = request.session_id, message.from_sample = request.from_sample,
+  message.action = request.action;
+  message.effect = request.effect, message.parameter = request.parameter,
+  message.model = request.model;
   std::ranges::copy(request.value, message.value);
   message.voxel_size_m = request.voxel_size_m;
-  handler_.ask(std::span(&message, 1), false, [this, caller](std::size_t, bool done, std::uint64_t from_sample, const std::string& sentence) {
-    change_.reply(caller, [done, from_sample, sentence](auto& response, const auto& send) {
-      response.done = done, response.from_sample = from_sample;
-      response.sentence = runtime::lend(sentence);
-      send();
-    });
-  });
+  handler_.ask(std::span(&message, 1), false,
+               [this, caller](std::size_t, bool done, std::uint64_t from_sample,
+                              const std::string& sentence) {
+                 change_.reply(caller,
+                               [done, from_sample, sentence](auto& response, const auto& send) {
+                                 response.done = done, response.from_sample = from_sample;
+                                 response.sentence = runtime::lend(sentence);
+                                 send();
+                               });
+               });
 }
 
 void EffectServices::parameters_changed() {
   std::vector<RosParameter> before = std::exchange(told_, handler_.parameters());
-  if (!answers_ || events_.matched_count() == 0) return;  // of two that play one role the acting one tells
+  if (!answers_ || events_.matched_count() == 0)
+    return;  // of two that play one role the acting one tells
   std::vector<msg::rcl_interfaces_Parameter> came, changed, gone;
   for (const RosParameter& now : told_) {
     const RosParameter* const was = find_parameter(before, now.name);
-    if (!was) came.push_back(ParameterMessages::parameter(now));
-    if (was && was->value != now.value) changed.push_back(ParameterMessages::parameter(now));
+    if (!was)
+      came.push_back(ParameterMessages::parameter(now));
+    if (was && was->value != now.value)
+      changed.push_back(ParameterMessages::parameter(now));
   }
   for (const RosParameter& was : before)
-    if (!find_parameter(told_, was.name)) gone.push_back(ParameterMessages::parameter(was));
-  if (came.empty() && changed.empty() && gone.empty()) return;
+    if (!find_parameter(told_, was.name))
+      gone.push_back(ParameterMessages::parameter(was));
+  if (came.empty() && changed.empty() && gone.empty())
+    return;
   msg::rcl_interfaces_ParameterEvent event{};
   event.stamp = runtime::to_time(runtime::realtime_ns());
   event.node = runtime::lend(node_);
-  lend(event.new_parameters, came), lend(event.changed_parameters, changed), lend(event.deleted_parameters, gone);
+  lend(event.new_parameters, came), lend(event.changed_parameters, changed),
+      lend(event.deleted_parameters, gone);
   events_.write(event);
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-/// Services of the rendering: parameters in the form that ROS tools know, and EffectChange. They judge nothing: what is asked for goes the way
-/// of every change.
+/// Services of the rendering: parameters in the form that ROS tools know, and EffectChange. They
+/// judge nothing: what is asked for goes the way of every change.
 #include <atomic>
 #include <cstdint>
 #include <functional>
@@ -17,24 +17,31 @@
 namespace voxtouch::rendering_node {
 
 /// What became of one of several changes: `which` is its place among them.
-using ChangeTold = std::function<void(std::size_t which, bool done, std::uint64_t from_sample, const std::string& sentence)>;
+using ChangeTold = std::function<void(std::size_t which, bool done, std::uint64_t from_sample,
+                                      const std::string& sentence)>;
 
-/// The way of every change, as the services need it. Both are called from the thread that calls `serve`.
+/// The way of every change, as the services need it. Both are called from the thread that calls
+/// `serve`.
 struct ChangeHandler {
-  /// Each by itself, or `together` all in one sample or none. `told` is called once for each, at once or later.
-  std::function<void(std::span<const msg::EffectChange> changes, bool together, ChangeTold told)> ask;
+  /// Each by itself, or `together` all in one sample or none. `told` is called once for each, at
+  /// once or later.
+  std::function<void(std::span<const msg::EffectChange> changes, bool together, ChangeTold told)>
+      ask;
   std::function<std::vector<RosParameter>()> parameters;  ///< as they are set now
 };
 
-/// All in one thread of ordinary priority. What clients may send is bounded: kMaxPerSecond requests, of which each change asked for counts as one, each as
-/// request_limits.hpp allows. What is beyond is not answered and counted.
+/// All in one thread of ordinary priority. What clients may send is bounded: kMaxPerSecond
+/// requests, of which each change asked for counts as one, each as request_limits.hpp allows. What
+/// is beyond is not answered and counted.
 class EffectServices {
  public:
   static constexpr int kMaxPerSecond = 200;
 
-  EffectServices(const bus::Participant& participant, const std::string& rig, ChangeHandler handler);
+  EffectServices(const bus::Participant& participant, const std::string& rig,
+                 ChangeHandler handler);
   void attach_to(bus::WaitSet& wait_set);
-  /// Answers what has come, and what waited for its client. Does not block. Where not `answers` another rendering that acts does: what has come is dropped.
+  /// Answers what has come, and what waited for its client. Does not block. Where not `answers`
+  /// another rendering that acts does: what has come is dropped.
   void serve(bool answers);
   /// Replies wait for their client's reader: `serve` soon.
   bool waits() const noexcept;
@@ -55,7 +62,8 @@ class EffectServices {
   template <class Names>
   std::vector<RosParameter> named(const Names& names) const;
   void set(const msg::rcl_interfaces_SetParameters::Request& request, const bus::Caller& caller);
-  void set_together(const msg::rcl_interfaces_SetParametersAtomically::Request& request, const bus::Caller& caller);
+  void set_together(const msg::rcl_interfaces_SetParametersAtomically::Request& request,
+                    const bus::Caller& caller);
   void change(const msg::ChangeEffect::Request& request, const bus::Caller& caller);
 
   std::string node_;  ///< "/haptic/rendering"

@@ -15,42 +15,58 @@ namespace voxtouch::rendering_node {
 namespace {
 
 constexpr std::size_t kMaxOthers = 16;
-/// Between two looks at the topic: so a flood takes no more of the machine than the looks of this thread, and a value waits no longer.
+/// Between two looks at the topic: so a flood takes no more of the machine than the looks of this
+/// thread, and a value waits no longer.
 constexpr std::int64_t kBetweenTurnsNs = 500'000;
 
-const effects::EffectSpec& effect_of(const scene::Scene& scene) { return *effects::external_of(scene.effects); }
+const effects::EffectSpec& effect_of(const scene::Scene& scene) {
+  return *effects::external_of(scene.effects);
+}
 
 /// As ROS names it.
 std::string topic_of(const std::string& text, const std::string& rig) {
   return qos::dds_name(qos::external_topic(text), rig).substr(std::strlen("rt"));
 }
 
-bus::Reader<msg::geometry_msgs_WrenchStamped> reader_of(const bus::Participant& participant, const runtime::NodeOptions& options,
-                                                        const std::string& text, bus::Following* following) {
+bus::Reader<msg::geometry_msgs_WrenchStamped> reader_of(const bus::Participant& participant,
+                                                        const runtime::NodeOptions& options,
+                                                        const std::string& text,
+                                                        bus::Following* following) {
   const qos::Topic row = qos::external_topic(text);
   const std::string name = qos::dds_name(row, options.rig);
   for (const qos::Topic& own : qos::kTopics)
     if (own.path != qos::kExternalWrench.path && qos::dds_name(own, options.rig) == name)
-      throw bus::Error(fmt::format("the effect 'external' cannot follow {}, which the ring itself writes or reads; name another topic", name.substr(2)));
+      throw bus::Error(
+          fmt::format("the effect 'external' cannot follow {}, which the ring itself writes or "
+                      "reads; name another topic",
+                      name.substr(2)));
   if (!options.security.empty() && !text.empty())
-    throw bus::Error(fmt::format("the keys of --security give the rendering no right to read {}; leave `topic` out, and write {} with the tool's keys", text,
-                                 topic_of("", options.rig)));
+    throw bus::Error(
+        fmt::format("the keys of --security give the rendering no right to read {}; leave `topic` "
+                    "out, and write {} with the tool's keys",
+                    text, topic_of("", options.rig)));
   return {participant, row, options.rig, qos::profile(row.profile), following};
 }
 
-std::string names_of(const runtime::NodeRegistry& registry, const std::set<bus::Guid>& participants) {
+std::string names_of(const runtime::NodeRegistry& registry,
+                     const std::set<bus::Guid>& participants) {
   std::string all;
-  for (const bus::Guid& participant : participants) all += (all.empty() ? "" : " and ") + registry.name_of(participant);
+  for (const bus::Guid& participant : participants)
+    all += (all.empty() ? "" : " and ") + registry.name_of(participant);
   return all;
 }
 
 }  // namespace
 
-ExternalSource::ExternalSource(const bus::Participant& participant, const runtime::NodeOptions& options, const scene::Scene& scene)
-    : topic_(topic_of(effect_of(scene).text, options.rig)), device_frame_(options.rig + "/device"),
-      device_in_world_(scene.device.pose_WD.orientation), about_(effects::no_certificate_sentence(effect_of(scene).name)),
+ExternalSource::ExternalSource(const bus::Participant& participant,
+                               const runtime::NodeOptions& options, const scene::Scene& scene)
+    : topic_(topic_of(effect_of(scene).text, options.rig)),
+      device_frame_(options.rig + "/device"),
+      device_in_world_(scene.device.pose_WD.orientation),
+      about_(effects::no_certificate_sentence(effect_of(scene).name)),
       following_(std::make_unique<bus::Following>(bus::Following::WhileNobody::kTakeNothing)),
-      reader_(reader_of(participant, options, effect_of(scene).text, following_.get())), wait_set_(participant) {
+      reader_(reader_of(participant, options, effect_of(scene).text, following_.get())),
+      wait_set_(participant) {
   wait_set_.attach(reader_.condition());
   thread_ = std::thread([this] { run(); });
 }
@@ -67,14 +83,16 @@ void ExternalSource::run() {
     wait_set_.wait(20'000'000);
     reader_.take_each(
         [this](const msg::geometry_msgs_WrenchStamped& message, dds_instance_handle_t writer) {
-          if (following_->admits(writer)) receive(message);  // else it was stored before another writer was followed
+          if (following_->admits(writer))
+            receive(message);  // else it was stored before another writer was followed
         },
         kMaxTakes);
     runtime::sleep_until(runtime::monotonic_ns() + kBetweenTurnsNs);
   }
 }
 
-/// The writer's stamp is of a clock that nobody knows here: what counts is the sample that sees the value first.
+/// The writer's stamp is of a clock that nobody knows here: what counts is the sample that sees the
+/// value first.
 void ExternalSource::receive(const msg::geometry_msgs_WrenchStamped& message) {
   const std::string_view frame = message.header.frame_id ? message.header.frame_id : "";
   const bool of_device = frame == device_frame_;
@@ -87,14 +105,17 @@ void ExternalSource::receive(const msg::geometry_msgs_WrenchStamped& message) {
     return;
   }
   Wrench wrench = runtime::from_msg(message.wrench);
-  if (!wrench.finite()) return void(not_finite_.fetch_add(1, kRelaxed));
-  if (of_device) wrench = {device_in_world_ * wrench.force, device_in_world_ * wrench.torque};
+  if (!wrench.finite())
+    return void(not_finite_.fetch_add(1, kRelaxed));
+  if (of_device)
+    wrench = {device_in_world_ * wrench.force, device_in_world_ * wrench.torque};
   newest_.put({wrench, session_.load(std::memory_order_acquire), runtime::monotonic_ns()});
 }
 
 std::optional<Wrench> ExternalSource::take(std::uint64_t session) noexcept {
   Arrived arrived;
-  if (!newest_.take(arrived) || arrived.session != session) return std::nullopt;
+  if (!newest_.take(arrived) || arrived.session != session)
+    return std::nullopt;
   const std::int64_t now_ns = runtime::monotonic_ns();
   if (now_ns - arrived.at_ns > kMaxWaitNs) {
     late_.fetch_add(1, kRelaxed);
@@ -109,29 +130,37 @@ void ExternalSource::look() {
   if (session != bound_for_ || (bound_ && !following_->has_writer())) {
     following_->follow_nobody();
     bound_.reset();
-    if (session != bound_for_) others_.clear();
+    if (session != bound_for_)
+      others_.clear();
     bound_for_ = session;
   }
   const std::vector<bus::Guid> all = reader_.matched();
   const std::set<bus::Guid> matched(all.begin(), all.end());
-  if (!bound_) look_for_writer(matched);
+  if (!bound_)
+    look_for_writer(matched);
   for (const bus::Guid& other : following_->take_refused())
-    if (others_.size() < kMaxOthers) others_.insert(other);
+    if (others_.size() < kMaxOthers)
+      others_.insert(other);
   if (bound_) {
     for (const bus::Guid& other : matched)
-      if (others_.size() < kMaxOthers) others_.insert(other);
+      if (others_.size() < kMaxOthers)
+        others_.insert(other);
     others_.erase(*bound_);
   }
   std::erase_if(others_, [&](const bus::Guid& other) { return !matched.contains(other); });
   FrameText text{};
-  if (bad_frame_.take(text)) frame_ = effects::quotable(text.data());
+  if (bad_frame_.take(text))
+    frame_ = effects::quotable(text.data());
 }
 
 void ExternalSource::look_for_writer(const std::set<bus::Guid>& matched) {
   rivals_.clear();
-  if (bound_for_ == 0) return;
-  if (matched.size() > 1) rivals_ = matched;
-  if (matched.size() == 1 && following_->follow(*matched.begin())) bound_ = *matched.begin();
+  if (bound_for_ == 0)
+    return;
+  if (matched.size() > 1)
+    rivals_ = matched;
+  if (matched.size() == 1 && following_->follow(*matched.begin()))
+    bound_ = *matched.begin();
 }
 
 void ExternalSource::report_to(const runtime::NodeRegistry& registry, runtime::NodeReport& report) {
@@ -148,12 +177,16 @@ void ExternalSource::report_to(const runtime::NodeRegistry& registry, runtime::N
 
 std::string ExternalSource::trouble(const runtime::NodeRegistry& registry) const {
   if (!rivals_.empty())
-    return fmt::format("{} writers are on {}, and none is felt: {}; stop all but one", rivals_.size(), topic_, names_of(registry, rivals_));
+    return fmt::format("{} writers are on {}, and none is felt: {}; stop all but one",
+                       rivals_.size(), topic_, names_of(registry, rivals_));
   if (!others_.empty() && bound_)
-    return fmt::format("what {} sends on {} is refused: the external wrench of this session comes from {}", names_of(registry, others_), topic_,
-                       registry.name_of(*bound_));
-  if (frame_.empty()) return {};
-  return fmt::format("a wrench on {} in the frame '{}' is refused; it must be in '{}' or '{}'", topic_, frame_, kWorldFrame, device_frame_);
+    return fmt::format(
+        "what {} sends on {} is refused: the external wrench of this session comes from {}",
+        names_of(registry, others_), topic_, registry.name_of(*bound_));
+  if (frame_.empty())
+    return {};
+  return fmt::format("a wrench on {} in the frame '{}' is refused; it must be in '{}' or '{}'",
+                     topic_, frame_, kWorldFrame, device_frame_);
 }
 
 }  // namespace voxtouch::rendering_node

@@ -1,5 +1,6 @@
 #pragma once
-/// Whom the effect `external` follows: one writer of one topic outside the ring, read beside the loop.
+/// Whom the effect `external` follows: one writer of one topic outside the ring, read beside the
+/// loop.
 #include <array>
 #include <atomic>
 #include <cstdint>
@@ -19,21 +20,27 @@
 
 namespace voxtouch::rendering_node {
 
-/// The rule. The participant that is the only one with a writer on the topic, once a session has begun, is followed until its writer has gone or
-/// another session begins; then the next one is. Where several are there while nobody is followed, nobody is. The samples of all others are refused, counted
-/// and named. Nothing proves who a participant is: without DDS Security a forged one passes, and the effect's bounds hold all the same.
+/// The rule. The participant that is the only one with a writer on the topic, once a session has
+/// begun, is followed until its writer has gone or another session begins; then the next one is.
+/// Where several are there while nobody is followed, nobody is. The samples of all others are
+/// refused, counted and named. Nothing proves who a participant is: without DDS Security a forged
+/// one passes, and the effect's bounds hold all the same.
 class ExternalSource {
  public:
-  /// For the scene's effect `external`, which there is. Throws bus::Error where its topic is one of the ring's own, or one to which the keys
-  /// give no right.
-  ExternalSource(const bus::Participant& participant, const runtime::NodeOptions& options, const scene::Scene& scene);
+  /// For the scene's effect `external`, which there is. Throws bus::Error where its topic is one of
+  /// the ring's own, or one to which the keys give no right.
+  ExternalSource(const bus::Participant& participant, const runtime::NodeOptions& options,
+                 const scene::Scene& scene);
   ~ExternalSource();
   ExternalSource(const ExternalSource&) = delete;
   ExternalSource& operator=(const ExternalSource&) = delete;
 
   // Of the loop. Real-time safe.
-  void begin_session(std::uint64_t session) noexcept { session_.store(session, std::memory_order_release); }
-  /// The newest value of this session that has not been taken yet, W. One that waited for a sample for longer than kMaxWaitNs is left out.
+  void begin_session(std::uint64_t session) noexcept {
+    session_.store(session, std::memory_order_release);
+  }
+  /// The newest value of this session that has not been taken yet, W. One that waited for a sample
+  /// for longer than kMaxWaitNs is left out.
   std::optional<Wrench> take(std::uint64_t session) noexcept;
   static constexpr std::int64_t kMaxWaitNs = 100'000'000;
 

@@ -1,5 +1,6 @@
 #pragma once
-/// What an EffectChange asks for, kept until it is made: a message's texts are its sender's and end with it.
+/// What an EffectChange asks for, kept until it is made: a message's texts are its sender's and end
+/// with it.
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -17,16 +18,23 @@ class KeptChange {
  public:
   KeptChange() = default;
   explicit KeptChange(const msg::EffectChange& m)
-      : request_(m.request), action_(m.action), effect_(text_of(m.effect)), parameter_(text_of(m.parameter)), model_(text_of(m.model)),
+      : request_(m.request),
+        action_(m.action),
+        effect_(text_of(m.effect)),
+        parameter_(text_of(m.parameter)),
+        model_(text_of(m.model)),
         voxel_size_m_(m.voxel_size_m) {
     std::ranges::copy(m.value, value_.begin());
   }
 
-  /// As it was asked for, but of this session and from this sample on: a record of what was made. Its texts live as long as this.
+  /// As it was asked for, but of this session and from this sample on: a record of what was made.
+  /// Its texts live as long as this.
   msg::EffectChange made(std::uint64_t session, std::uint64_t from_sample) const {
     msg::EffectChange m{};
-    m.request = request_, m.session_id = session, m.from_sample = from_sample, m.action = action_, m.voxel_size_m = voxel_size_m_;
-    m.effect = runtime::lend(effect_), m.parameter = runtime::lend(parameter_), m.model = runtime::lend(model_);
+    m.request = request_, m.session_id = session, m.from_sample = from_sample, m.action = action_,
+    m.voxel_size_m = voxel_size_m_;
+    m.effect = runtime::lend(effect_), m.parameter = runtime::lend(parameter_),
+    m.model = runtime::lend(model_);
     std::ranges::copy(value_, m.value);
     return m;
   }
@@ -45,10 +53,14 @@ inline std::string in_words(const msg::EffectChange& m) {
   using namespace msg::effect_change;
   const std::string effect = effects::quotable(m.effect ? m.effect : "");
   switch (m.action) {
-    case kActionSwitch: return fmt::format("'{}' {}", effect, m.value[0] != 0.0 ? "on" : "off");
-    case kActionGain: return fmt::format("gain of '{}' {:g}", effect, m.value[0]);
-    case kActionValue: return fmt::format("'{}' of '{}'", effects::quotable(m.parameter ? m.parameter : ""), effect);
-    default: return "the scene, built anew";
+    case kActionSwitch:
+      return fmt::format("'{}' {}", effect, m.value[0] != 0.0 ? "on" : "off");
+    case kActionGain:
+      return fmt::format("gain of '{}' {:g}", effect, m.value[0]);
+    case kActionValue:
+      return fmt::format("'{}' of '{}'", effects::quotable(m.parameter ? m.parameter : ""), effect);
+    default:
+      return "the scene, built anew";
   }
 }
 

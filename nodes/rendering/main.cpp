@@ -8,9 +8,11 @@ int rendering(int argc, char** argv) {
   return voxtouch::runtime::node_main(
       argc, argv,
       {.name = "rendering",
-       .about = "voxtouch rendering node: builds the scene's voxmap and pointshell and answers every device sample "
+       .about = "voxtouch rendering node: builds the scene's voxmap and pointshell and answers "
+                "every device sample "
                 "with the contact wrench."},
-      options, [&](CLI::App& app) {
+      options,
+      [&](CLI::App& app) {
         voxtouch::runtime::add_standby_options(app, options.standby);
         voxtouch::scene_build::add_cache_options(app, options.cache);
       },

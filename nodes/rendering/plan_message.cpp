@@ -15,7 +15,8 @@ class Columns {
       bytes_.push_back(part.bytes), expected_ns_.push_back(part.expected_ns);
     }
     lent_.reserve(3);
-    for (const auto* texts : {&names_, &nodes_, &reasons_}) lent_.emplace_back(*texts);
+    for (const auto* texts : {&names_, &nodes_, &reasons_})
+      lent_.emplace_back(*texts);
   }
   void into(msg::ScenePlan& m) {
     lent_[0].into(m.part_names), lent_[1].into(m.part_nodes), lent_[2].into(m.part_reasons);
@@ -38,14 +39,16 @@ class Columns {
 
 std::vector<rendering::PlanPart> all_parts(const rendering::Plan& plan, const scene::Scene& scene) {
   std::vector<rendering::PlanPart> parts = plan.parts;
-  for (rendering::PlanPart& part : ring_parts(scene)) parts.push_back(std::move(part));
+  for (rendering::PlanPart& part : ring_parts(scene))
+    parts.push_back(std::move(part));
   return parts;
 }
 
 }  // namespace
 
-void publish_plan(bus::Writer<msg::ScenePlan>& writer, const scene::Scene& scene, const rendering::Plan& plan,
-                  const fitting::DeviceDemand& demand, double largest_shell_gap_m, std::uint64_t session, std::uint64_t from_sample) {
+void publish_plan(bus::Writer<msg::ScenePlan>& writer, const scene::Scene& scene,
+                  const rendering::Plan& plan, const fitting::DeviceDemand& demand,
+                  double largest_shell_gap_m, std::uint64_t session, std::uint64_t from_sample) {
   runtime::LentStrings built(plan.built), left_out(plan.left_out), warnings(plan.warnings);
   Columns columns(all_parts(plan, scene));
   msg::ScenePlan m{};

@@ -10,12 +10,16 @@ namespace {
 
 /// Who writes a topic, for people.
 std::string writer_of(const qos::Topic& topic) {
-  if (topic.writers == qos::kEveryNode) return "every node";
-  return fmt::format("{}", fmt::join(qos::names_of(topic.writers ? topic.writers : topic.readers & ~qos::kLogger), ", "));
+  if (topic.writers == qos::kEveryNode)
+    return "every node";
+  return fmt::format(
+      "{}", fmt::join(qos::names_of(topic.writers ? topic.writers : topic.readers & ~qos::kLogger),
+                      ", "));
 }
 
 std::string name_of(const qos::Topic& topic, const effects::EffectSpec* external) {
-  const bool elsewhere = topic.path == qos::kExternalWrench.path && external != nullptr && !external->text.empty();
+  const bool elsewhere =
+      topic.path == qos::kExternalWrench.path && external != nullptr && !external->text.empty();
   return fmt::format("topic {}", elsewhere ? std::string_view(external->text) : topic.path);
 }
 
@@ -29,16 +33,22 @@ std::vector<rendering::PlanPart> ring_parts(const scene::Scene& scene) {
   std::vector<rendering::PlanPart> parts;
   const effects::EffectSpec* external = effects::external_of(scene.effects);
   for (const qos::Topic& topic : qos::kTopics)
-    if (external != nullptr || !topic.with_external) parts.push_back({.name = name_of(topic, external), .node = writer_of(topic), .why = std::string(topic.why)});
+    if (external != nullptr || !topic.with_external)
+      parts.push_back({.name = name_of(topic, external),
+                       .node = writer_of(topic),
+                       .why = std::string(topic.why)});
   parts.push_back(node_part("device", "Reads the device and keeps its force within limits."));
-  parts.push_back(node_part("rendering",
-                            scene.effects.empty() ? "Contact of each sample." : "Contact and effects of each sample."));
-  parts.push_back(
-      node_part("coupling", scene.design ? "Designs the coupling and runs it." : "Runs the scene's coupling."));
+  parts.push_back(node_part("rendering", scene.effects.empty()
+                                             ? "Contact of each sample."
+                                             : "Contact and effects of each sample."));
+  parts.push_back(node_part("coupling", scene.design ? "Designs the coupling and runs it."
+                                                     : "Runs the scene's coupling."));
   parts.push_back(node_part("validator",
-                            "A process of its own beside the ring, started by `up`: judges every n-th contact while somebody reads its verdicts. "
+                            "A process of its own beside the ring, started by `up`: judges every "
+                            "n-th contact while somebody reads its verdicts. "
                             "Where none runs, nothing is done for it."));
-  parts.push_back(node_part("logger", "Records the bag; with --no-record there is none, and nothing is done for it."));
+  parts.push_back(node_part(
+      "logger", "Records the bag; with --no-record there is none, and nothing is done for it."));
   return parts;
 }
 

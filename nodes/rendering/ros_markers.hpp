@@ -1,5 +1,6 @@
 #pragma once
-/// What RViz and Foxglove draw of a ring: meshes, forces and points, as markers. Makes messages; writes none.
+/// What RViz and Foxglove draw of a ring: meshes, forces and points, as markers. Makes messages;
+/// writes none.
 #include <atomic>
 #include <cstdint>
 #include <optional>
@@ -22,7 +23,8 @@ msg::std_msgs_Header ros_header(std::int64_t stamp_ns, const std::string& frame)
 /// Frame of a moving object: where it is at rest, the frame is W.
 std::string object_frame(const std::string& rig, const scene::ObjectSpec& object);
 
-/// A marker that stays until another takes its place. Bound to a frame, it moves along and need not be sent again.
+/// A marker that stays until another takes its place. Bound to a frame, it moves along and need not
+/// be sent again.
 struct LastingMarker {
   std::string name_space;
   std::int32_t id = 0;
@@ -34,11 +36,14 @@ struct LastingMarker {
   double text_height_m = 0.0;
 };
 
-/// The meshes of a scene, large ones in parts, and a text where one is drawn coarser than it is felt or cannot be read. Reads files, until `stop`.
-std::vector<LastingMarker> scene_markers(const scene::Scene& scene, const std::string& rig, const std::atomic<bool>& stop);
+/// The meshes of a scene, large ones in parts, and a text where one is drawn coarser than it is
+/// felt or cannot be read. Reads files, until `stop`.
+std::vector<LastingMarker> scene_markers(const scene::Scene& scene, const std::string& rig,
+                                         const std::atomic<bool>& stop);
 
-/// When which of the lasting markers is sent: all of them, one a message, to a reader that has come, once more a second later (DDS does not say
-/// when both ends know each other), and then every ten seconds, for a viewer that was cleared.
+/// When which of the lasting markers is sent: all of them, one a message, to a reader that has
+/// come, once more a second later (DDS does not say when both ends know each other), and then every
+/// ten seconds, for a viewer that was cleared.
 class MarkerRounds {
  public:
   /// What is there from now on; what is gone is deleted.
@@ -58,12 +63,14 @@ class MarkerRounds {
   std::int64_t begin_ns_ = 0;  ///< of the round [ns, monotonic]; 0 while one is under way
 };
 
-/// Forces and points of one moment. What is not there now is deleted; all of it goes by itself where no more come.
+/// Forces and points of one moment. What is not there now is deleted; all of it goes by itself
+/// where no more come.
 struct Moment {
   std::int64_t stamp_ns = 0;
-  Vec3 hand, object;              ///< origins of T, in W [m]
-  std::optional<Vec3> returned;   ///< force of the device, W axes [N]; nothing where no command has come
-  Vec3 contact = Vec3::Zero();    ///< force of the contact alone, W axes [N]
+  Vec3 hand, object;  ///< origins of T, in W [m]
+  std::optional<Vec3>
+      returned;  ///< force of the device, W axes [N]; nothing where no command has come
+  Vec3 contact = Vec3::Zero();                   ///< force of the contact alone, W axes [N]
   std::vector<msg::geometry_msgs_Point> points;  ///< in contact, in W [m]
 };
 /// Arrays that a message of a moment points into.

@@ -1,6 +1,7 @@
 #pragma once
-/// What RViz, Foxglove, rqt and rosbag users look at: frames, pose, wrench, markers, and in lockstep the clock. Written only while somebody reads
-/// them, by reliable writers that keep the last ten messages and wait for nobody.
+/// What RViz, Foxglove, rqt and rosbag users look at: frames, pose, wrench, markers, and in
+/// lockstep the clock. Written only while somebody reads them, by reliable writers that keep the
+/// last ten messages and wait for nobody.
 #include <array>
 #include <atomic>
 #include <cstdint>
@@ -23,11 +24,13 @@ namespace voxtouch::rendering_node {
 
 /// One frame of the ring, as the outputs show it.
 struct Shown {
-  std::int64_t stamp_ns = 0;  ///< of the sample, by the device's clock; `show` makes wall time of it, except in lockstep
+  std::int64_t stamp_ns = 0;  ///< of the sample, by the device's clock; `show` makes wall time of
+                              ///< it, except in lockstep
   std::uint64_t session = 0;
   double scene_time_s = 0.0;  ///< where moving objects are
-  Pose hand, object;          ///< T in W, where the hand is and where its contact was found; they differ where there is a virtual tool or a body
-  Wrench wrench;              ///< as the coupling is told, W axes
+  Pose hand, object;  ///< T in W, where the hand is and where its contact was found; they differ
+                      ///< where there is a virtual tool or a body
+  Wrench wrench;      ///< as the coupling is told, W axes
   Vec3 contact_force = Vec3::Zero();  ///< of the contact alone, W axes
 };
 
@@ -43,19 +46,24 @@ struct RosOutputCounts {
   std::uint64_t tf = 0, tf_static = 0, clock = 0, pose = 0, wrench = 0, markers = 0;
 };
 
-/// Frames: `world` = W, `<rig>/device` = D (does not move), `<rig>/tool` = T where its contact was found, `<rig>/hand` = T where the hand is (with
-/// a virtual tool), `<rig>/object/<name>` of each object that moves.
+/// Frames: `world` = W, `<rig>/device` = D (does not move), `<rig>/tool` = T where its contact was
+/// found, `<rig>/hand` = T where the hand is (with a virtual tool), `<rig>/object/<name>` of each
+/// object that moves.
 class RosOutputs {
  public:
-  RosOutputs(const bus::Participant& participant, const std::string& rig, const scene::Scene& scene, qos::TimeMode mode);
+  RosOutputs(const bus::Participant& participant, const std::string& rig, const scene::Scene& scene,
+             qos::TimeMode mode);
   ~RosOutputs();
   RosOutputs(const RosOutputs&) = delete;
   RosOutputs& operator=(const RosOutputs&) = delete;
 
-  /// From the loop; real-time safe. A sample that is due waits here until it is written, however late that is; where 64 wait, the next is left out.
+  /// From the loop; real-time safe. A sample that is due waits here until it is written, however
+  /// late that is; where 64 wait, the next is left out.
   void show(Shown shown) noexcept {
-    if (!regular_.is_due(runtime::monotonic_ns())) return;
-    if (mode_ == qos::TimeMode::kRealTime) shown.stamp_ns = runtime::realtime_ns();
+    if (!regular_.is_due(runtime::monotonic_ns()))
+      return;
+    if (mode_ == qos::TimeMode::kRealTime)
+      shown.stamp_ns = runtime::realtime_ns();
     due_.push(shown);
   }
   /// The same: ten times a second, while somebody draws them.
@@ -68,7 +76,11 @@ class RosOutputs {
   void scene_is(const scene::Scene& scene);
 
   RosOutputCounts made() const noexcept {
-    return {.tf = made_tf_, .tf_static = made_tf_static_, .clock = made_clock_, .pose = made_pose_, .wrench = made_wrench_,
+    return {.tf = made_tf_,
+            .tf_static = made_tf_static_,
+            .clock = made_clock_,
+            .pose = made_pose_,
+            .wrench = made_wrench_,
             .markers = made_markers_};
   }
 
@@ -99,7 +111,8 @@ class RosOutputs {
   runtime::SpscQueue<Shown, 64> due_;
   LatestValue<ShownPoints> latest_points_;
   std::atomic<bool> wants_points_{false};
-  std::atomic<std::uint64_t> made_tf_{0}, made_tf_static_{0}, made_clock_{0}, made_pose_{0}, made_wrench_{0}, made_markers_{0};
+  std::atomic<std::uint64_t> made_tf_{0}, made_tf_static_{0}, made_clock_{0}, made_pose_{0},
+      made_wrench_{0}, made_markers_{0};
   std::atomic<bool> stop_{false};
   // Of the thread alone.
   scene::Scene scene_;

@@ -16,25 +16,31 @@ void SampleRenderer::begin_session(std::optional<std::int64_t> begin_ns) noexcep
 }
 
 void SampleRenderer::take_external(const Wrench& wrench, const msg::DeviceState& next) noexcept {
-  if (session_begin_ns_) live_.external_is({wrench, runtime::seconds_between(*session_begin_ns_, next.sample_time_ns)});
+  if (session_begin_ns_)
+    live_.external_is({wrench, runtime::seconds_between(*session_begin_ns_, next.sample_time_ns)});
 }
 
 msg::ContactState SampleRenderer::answer(const msg::DeviceState& state) noexcept {
   const bool fading = live_.fading();
   const bool good =
       !(state.flags & msg::device_state::kFlagPoseHeld) &&
-      !mapping_.update(runtime::from_msg(state.pose), runtime::from_msg(state.twist), state.buttons).refused;
+      !mapping_.update(runtime::from_msg(state.pose), runtime::from_msg(state.twist), state.buttons)
+           .refused;
   if (good) {
-    if (!session_begin_ns_) session_begin_ns_ = state.sample_time_ns;
-    frame_ = live_.render(mapping_.tool(), runtime::seconds_between(*session_begin_ns_, state.sample_time_ns));
+    if (!session_begin_ns_)
+      session_begin_ns_ = state.sample_time_ns;
+    frame_ = live_.render(mapping_.tool(),
+                          runtime::seconds_between(*session_begin_ns_, state.sample_time_ns));
     refused_in_a_row_ = 0;
   } else {
-    if (++refused_in_a_row_ > kMaxRepeats) frame_ = {}, live_.lose_tool();
+    if (++refused_in_a_row_ > kMaxRepeats)
+      frame_ = {}, live_.lose_tool();
   }
   return message(state, good, fading);
 }
 
-msg::ContactState SampleRenderer::message(const msg::DeviceState& state, bool good, bool fading) noexcept {
+msg::ContactState SampleRenderer::message(const msg::DeviceState& state, bool good,
+                                          bool fading) noexcept {
   const contact::StageResult& touch = frame_.touch;
   const contact::ContactResult& c = touch.contact;
   msg::ContactState m{};
@@ -47,7 +53,8 @@ msg::ContactState SampleRenderer::message(const msg::DeviceState& state, bool go
   m.effects_wrench = runtime::to_msg(frame_.effects.wrench);
   m.object_pose = runtime::to_msg(frame_.object);
   m.supplied_energy_j = frame_.supplied_energy_j;
-  m.scene_time_ns = session_begin_ns_ ? runtime::ns_between(*session_begin_ns_, state.sample_time_ns) : 0;
+  m.scene_time_ns =
+      session_begin_ns_ ? runtime::ns_between(*session_begin_ns_, state.sample_time_ns) : 0;
   m.mean_normal = runtime::to_vector(c.mean_normal);
   m.deepest_point = runtime::to_point(c.deepest_point);
   m.deepest_depth_m = c.deepest_depth_m;
@@ -55,7 +62,8 @@ msg::ContactState SampleRenderer::message(const msg::DeviceState& state, bool go
   m.queries = frame_.tool.queries;
   m.points_left_out = c.left_out.points;
   m.left_out_depth_m = c.left_out.depth_m;
-  m.points_budget = static_cast<std::uint32_t>(std::min<std::uint64_t>(live_.dominant().plan().budget_points, 0xffffffff));
+  m.points_budget = static_cast<std::uint32_t>(
+      std::min<std::uint64_t>(live_.dominant().plan().budget_points, 0xffffffff));
   m.coherence = c.coherence;
   m.stiffness_bound_n_per_m = frame_.stiffness_bound_n_per_m;
   runtime::to_msg(frame_.stiffness, m.stiffness);
@@ -63,14 +71,17 @@ msg::ContactState SampleRenderer::message(const msg::DeviceState& state, bool go
   m.interior_hits = c.interior_hits;
   m.points_tested = c.points_tested;
   m.model = static_cast<std::uint32_t>(live_.dominant().renderer().model());
-  m.flags =
-      (c.fallback ? msg::contact_state::kFlagFallback : 0U) | (touch.retained ? msg::contact_state::kFlagHeld : 0U) |
-      (touch.fast ? msg::contact_state::kFlagFast : 0U) | (good ? 0U : msg::contact_state::kFlagRefusedSample) |
-      (c.saturated ? msg::contact_state::kFlagSaturated : 0U) | (fading ? msg::contact_state::kFlagFading : 0U) |
-      (touch.missed ? msg::contact_state::kFlagMissed : 0U) |
-      (mapping_.tool().clutched ? msg::contact_state::kFlagClutched : 0U) |
-      (frame_.tool.constrained ? msg::contact_state::kFlagConstrained : 0U) | (frame_.tool.lag ? msg::contact_state::kFlagLag : 0U) |
-      (frame_.tool.unplaced ? msg::contact_state::kFlagUnplaced : 0U);
+  m.flags = (c.fallback ? msg::contact_state::kFlagFallback : 0U) |
+            (touch.retained ? msg::contact_state::kFlagHeld : 0U) |
+            (touch.fast ? msg::contact_state::kFlagFast : 0U) |
+            (good ? 0U : msg::contact_state::kFlagRefusedSample) |
+            (c.saturated ? msg::contact_state::kFlagSaturated : 0U) |
+            (fading ? msg::contact_state::kFlagFading : 0U) |
+            (touch.missed ? msg::contact_state::kFlagMissed : 0U) |
+            (mapping_.tool().clutched ? msg::contact_state::kFlagClutched : 0U) |
+            (frame_.tool.constrained ? msg::contact_state::kFlagConstrained : 0U) |
+            (frame_.tool.lag ? msg::contact_state::kFlagLag : 0U) |
+            (frame_.tool.unplaced ? msg::contact_state::kFlagUnplaced : 0U);
   return m;
 }
 

@@ -1,12 +1,14 @@
 #pragma once
-/// The processor's arithmetic as the threads have it that answer samples: numbers too small for full precision are zero.
+/// The processor's arithmetic as the threads have it that answer samples: numbers too small for
+/// full precision are zero.
 #include <cfenv>
 
 #include "nodes/runtime/realtime.hpp"
 
 namespace voxtouch::replay {
 
-/// While it lives. What is built or judged beside a loop has the usual arithmetic, and the same bits only with it.
+/// While it lives. What is built or judged beside a loop has the usual arithmetic, and the same
+/// bits only with it.
 class LoopArithmetic {
  public:
   LoopArithmetic() noexcept {

@@ -13,12 +13,15 @@ struct FieldDifference {
   std::string field;     ///< "wrench.force.x"
   std::string recorded;  ///< as the shortest text that reads back to the same bits
   std::string replayed;
-  std::string by;        ///< the size of the difference; of numbers of equal value, that their bits differ
+  std::string
+      by;  ///< the size of the difference; of numbers of equal value, that their bits differ
 };
 
 /// In the order of the message. Also where numbers are equal and their bits differ.
-std::vector<FieldDifference> differences(const msg::ContactState& recorded, const msg::ContactState& replayed);
-std::vector<FieldDifference> differences(const msg::ForceCommand& recorded, const msg::ForceCommand& replayed);
+std::vector<FieldDifference> differences(const msg::ContactState& recorded,
+                                         const msg::ContactState& replayed);
+std::vector<FieldDifference> differences(const msg::ForceCommand& recorded,
+                                         const msg::ForceCommand& replayed);
 
 /// A topic's messages, recorded and replayed, sample by sample.
 template <class T>
@@ -28,16 +31,17 @@ class Comparison {
     double value = 0.0;
     std::uint64_t sample = 0;
     void see(double other, std::uint64_t at) noexcept {
-      if (other > value) value = other, sample = at;
+      if (other > value)
+        value = other, sample = at;
     }
   };
 
   void take(const T& recorded, const T& replayed);
 
   std::uint64_t compared = 0, differ = 0;
-  std::optional<T> first;  ///< the recorded one of the first pair that differs ...
+  std::optional<T> first;               ///< the recorded one of the first pair that differs ...
   std::vector<FieldDifference> fields;  ///< ... and in what
-  Most force_n, torque_nm;  ///< largest difference
+  Most force_n, torque_nm;              ///< largest difference
 };
 
 }  // namespace voxtouch::replay

@@ -25,121 +25,186 @@ template <class... Args>
   throw std::runtime_error(fmt::format(form, std::forward<Args>(args)...));
 }
 
-enum class Kind : std::uint8_t { kNone, kState, kContact, kCommand, kDevice, kPlan, kDesign, kChange, kChanged, kStatus, kExternal, kMade };
+enum class Kind : std::uint8_t {
+  kNone,
+  kState,
+  kContact,
+  kCommand,
+  kDevice,
+  kPlan,
+  kDesign,
+  kChange,
+  kChanged,
+  kStatus,
+  kExternal,
+  kMade
+};
 
 struct KindOfTopic {
   const qos::Topic& topic;
   Kind kind;
 };
-constexpr KindOfTopic kKinds[] = {{qos::kDeviceState, Kind::kState},         {qos::kContactState, Kind::kContact},
-                                  {qos::kForceCommand, Kind::kCommand},      {qos::kDeviceDescription, Kind::kDevice},
-                                  {qos::kScenePlan, Kind::kPlan},            {qos::kCouplingDesign, Kind::kDesign},
-                                  {qos::kEffectChange, Kind::kChange},       {qos::kEffectChanged, Kind::kChanged},
-                                  {qos::kNodeStatus, Kind::kStatus},         {qos::kExternalSample, Kind::kExternal},
-                                  {qos::kEffectMade, Kind::kMade}};
+constexpr KindOfTopic kKinds[] = {
+    {qos::kDeviceState, Kind::kState},    {qos::kContactState, Kind::kContact},
+    {qos::kForceCommand, Kind::kCommand}, {qos::kDeviceDescription, Kind::kDevice},
+    {qos::kScenePlan, Kind::kPlan},       {qos::kCouplingDesign, Kind::kDesign},
+    {qos::kEffectChange, Kind::kChange},  {qos::kEffectChanged, Kind::kChanged},
+    {qos::kNodeStatus, Kind::kStatus},    {qos::kExternalSample, Kind::kExternal},
+    {qos::kEffectMade, Kind::kMade}};
 
 /// The rig of a topic "/<rig>/<path>", empty where it is none.
 std::string rig_in(const std::string& name, std::string_view path) {
   const std::string end = "/" + std::string(path);
-  return name.size() > end.size() + 1 && name.ends_with(end) ? name.substr(1, name.size() - end.size() - 1) : "";
+  return name.size() > end.size() + 1 && name.ends_with(end)
+             ? name.substr(1, name.size() - end.size() - 1)
+             : "";
 }
 
-std::string chosen_rig(const bag::BagReader& bag, const std::filesystem::path& path, const std::string& asked) {
+std::string chosen_rig(const bag::BagReader& bag, const std::filesystem::path& path,
+                       const std::string& asked) {
   std::set<std::string> rigs;
   for (const bag::TopicInfo& topic : bag.topics())
-    if (const std::string rig = rig_in(topic.name, qos::kDeviceState.path); !rig.empty() && topic.type == qos::kDeviceState.type) rigs.insert(rig);
-  if (rigs.empty()) cannot("{} has no device samples (a topic /<rig>/{}): it is not the recording of a ring, and nothing can be replayed.", path.string(), qos::kDeviceState.path);
-  if (!asked.empty() && !rigs.contains(asked)) cannot("{} holds no rig '{}', but {}.", path.string(), asked, fmt::join(rigs, ", "));
-  if (asked.empty() && rigs.size() > 1) cannot("{} holds several rigs: {}. Choose one with --rig.", path.string(), fmt::join(rigs, ", "));
+    if (const std::string rig = rig_in(topic.name, qos::kDeviceState.path);
+        !rig.empty() && topic.type == qos::kDeviceState.type)
+      rigs.insert(rig);
+  if (rigs.empty())
+    cannot(
+        "{} has no device samples (a topic /<rig>/{}): it is not the recording of a ring, and "
+        "nothing can be replayed.",
+        path.string(), qos::kDeviceState.path);
+  if (!asked.empty() && !rigs.contains(asked))
+    cannot("{} holds no rig '{}', but {}.", path.string(), asked, fmt::join(rigs, ", "));
+  if (asked.empty() && rigs.size() > 1)
+    cannot("{} holds several rigs: {}. Choose one with --rig.", path.string(),
+           fmt::join(rigs, ", "));
   return asked.empty() ? *rigs.begin() : asked;
 }
 
 /// Takes the bag's messages one after the other.
 class Collector {
  public:
-  Collector(const bag::BagReader& bag, const std::filesystem::path& path, const std::string& rig) : path_(path) {
+  Collector(const bag::BagReader& bag, const std::filesystem::path& path, const std::string& rig)
+      : path_(path) {
     out_.rig = chosen_rig(bag, path, rig);
     for (const bag::TopicInfo& topic : bag.topics()) {
       kinds_.push_back(Kind::kNone);
       for (const KindOfTopic& known : kKinds)
-        if (topic.name == "/" + out_.rig + "/" + std::string(known.topic.path) && topic.type == known.topic.type) kinds_.back() = known.kind;
+        if (topic.name == "/" + out_.rig + "/" + std::string(known.topic.path) &&
+            topic.type == known.topic.type)
+          kinds_.back() = known.kind;
     }
     records_changes_ = std::ranges::find(kinds_, Kind::kMade) != kinds_.end();
   }
 
   void take(const bag::BagMessage& m) {
     switch (kinds_[m.topic]) {
-      case Kind::kState: return stream<msg::DeviceState>(m, &RecordedSample::state);
-      case Kind::kContact: return stream<msg::ContactState>(m, &RecordedSample::contact);
-      case Kind::kCommand: return stream<msg::ForceCommand>(m, &RecordedSample::command);
-      case Kind::kExternal: return stream<msg::ExternalSample>(m, &RecordedSample::external);
-      case Kind::kDevice: return text<msg::DeviceDescription>(m, [&](const auto& d) { device(d, m.bytes); });
-      case Kind::kPlan: return text<msg::ScenePlan>(m, [this](const auto& p) { plan(p); });
-      case Kind::kDesign: return text<msg::CouplingDesign>(m, [&](const auto& d) { design(d, m.time_ns); });
-      case Kind::kChange: return text<msg::EffectChange>(m, [this](const auto& c) { change(c); });
-      case Kind::kChanged: return text<msg::EffectChanged>(m, [this](const auto& c) { changed(c); });
-      case Kind::kMade: return text<msg::EffectChange>(m, [this](const auto& c) { made(c); });
-      case Kind::kStatus: return text<msg::NodeStatus>(m, [this](const auto& s) { status(s); });
-      case Kind::kNone: return;
+      case Kind::kState:
+        return stream<msg::DeviceState>(m, &RecordedSample::state);
+      case Kind::kContact:
+        return stream<msg::ContactState>(m, &RecordedSample::contact);
+      case Kind::kCommand:
+        return stream<msg::ForceCommand>(m, &RecordedSample::command);
+      case Kind::kExternal:
+        return stream<msg::ExternalSample>(m, &RecordedSample::external);
+      case Kind::kDevice:
+        return text<msg::DeviceDescription>(m, [&](const auto& d) { device(d, m.bytes); });
+      case Kind::kPlan:
+        return text<msg::ScenePlan>(m, [this](const auto& p) { plan(p); });
+      case Kind::kDesign:
+        return text<msg::CouplingDesign>(m, [&](const auto& d) { design(d, m.time_ns); });
+      case Kind::kChange:
+        return text<msg::EffectChange>(m, [this](const auto& c) { change(c); });
+      case Kind::kChanged:
+        return text<msg::EffectChanged>(m, [this](const auto& c) { changed(c); });
+      case Kind::kMade:
+        return text<msg::EffectChange>(m, [this](const auto& c) { made(c); });
+      case Kind::kStatus:
+        return text<msg::NodeStatus>(m, [this](const auto& s) { status(s); });
+      case Kind::kNone:
+        return;
     }
   }
 
   Recording finish() && {
-    std::erase_if(out_.sessions, [](const RecordedSession& s) { return std::ranges::none_of(s.samples, [](const auto& one) { return one.second.state.has_value(); }); });
-    if (out_.sessions.empty()) cannot("{} holds no device samples: nothing can be replayed.", path_.string());
+    std::erase_if(out_.sessions, [](const RecordedSession& s) {
+      return std::ranges::none_of(s.samples,
+                                  [](const auto& one) { return one.second.state.has_value(); });
+    });
+    if (out_.sessions.empty())
+      cannot("{} holds no device samples: nothing can be replayed.", path_.string());
     for (RecordedSession& session : out_.sessions) {
       const auto described = devices_.find(session.id);
       if (described == devices_.end())
-        cannot("{} has no description of the device (/{}/{}) for session {}: the coupling is made for it, and cannot be made again.", path_.string(), out_.rig,
-               qos::kDeviceDescription.path, session.id);
+        cannot(
+            "{} has no description of the device (/{}/{}) for session {}: the coupling is made for "
+            "it, and cannot be made again.",
+            path_.string(), out_.rig, qos::kDeviceDescription.path, session.id);
       session.device = described->second;
       session.described_anew = anew_.contains(session.id);
-      const auto& first = std::ranges::find_if(session.samples, [](const auto& one) { return one.second.state.has_value(); })->second;
+      const auto& first = std::ranges::find_if(session.samples, [](const auto& one) {
+                            return one.second.state.has_value();
+                          })->second;
       out_.lockstep = (first.state->flags & msg::device_state::kFlagLockstep) != 0;
       for (RecordedDesign& told : designs_)
-        if (told.session == session.id) session.designs.push_back(std::move(told));
+        if (told.session == session.id)
+          session.designs.push_back(std::move(told));
     }
-    if (doubled_ > 0) out_.warnings.push_back(fmt::format("{} messages bear a number that was there before: DDS gave something twice. What was commanded again is made again, of all else the first counts.", doubled_));
+    if (doubled_ > 0)
+      out_.warnings.push_back(
+          fmt::format("{} messages bear a number that was there before: DDS gave something twice. "
+                      "What was commanded again is made again, of all else the first counts.",
+                      doubled_));
     return std::move(out_);
   }
 
  private:
   RecordedSession& session(std::uint64_t id) {
     const auto found = std::ranges::find(out_.sessions, id, &RecordedSession::id);
-    if (found != out_.sessions.end()) return *found;
+    if (found != out_.sessions.end())
+      return *found;
     out_.sessions.emplace_back().id = id;
     return out_.sessions.back();
   }
 
   [[noreturn]] void strange(std::string_view type) const {
-    cannot("{} holds a {} that this version does not read: it was recorded by another version of voxtouch, or is damaged.", path_.string(), type);
+    cannot(
+        "{} holds a {} that this version does not read: it was recorded by another version of "
+        "voxtouch, or is damaged.",
+        path_.string(), type);
   }
 
   template <class T>
   void stream(const bag::BagMessage& m, std::optional<T> RecordedSample::*where) {
     T message;
-    if (!bus::read_stream(m.bytes, message)) strange(msg::Type<T>::ros_name);
+    if (!bus::read_stream(m.bytes, message))
+      strange(msg::Type<T>::ros_name);
     RecordedSample& sample = session(message.session_id).samples[message.sequence_number];
     if (sample.*where) {
       ++doubled_;
-      if constexpr (std::is_same_v<T, msg::ForceCommand>) sample.again.push_back(message);
+      if constexpr (std::is_same_v<T, msg::ForceCommand>)
+        sample.again.push_back(message);
       return;
     }
     sample.*where = message;
-    if constexpr (std::is_same_v<T, msg::ForceCommand>) sample.command_taken_ns = m.time_ns;
+    if constexpr (std::is_same_v<T, msg::ForceCommand>)
+      sample.command_taken_ns = m.time_ns;
   }
 
   template <class T, class F>
   void text(const bag::BagMessage& m, F&& f) {
-    if (!bus::read_message<T>(m.bytes, f)) strange(msg::Type<T>::ros_name);
+    if (!bus::read_message<T>(m.bytes, f))
+      strange(msg::Type<T>::ros_name);
   }
 
   void device(const msg::DeviceDescription& m, std::span<const std::byte> bytes) {
     DeviceDescription device = runtime::from_msg(m);
     const std::string wrong = what_is_wrong(device);
-    if (!wrong.empty()) return void(out_.warnings.push_back("A description of the device was refused: " + wrong));
+    if (!wrong.empty())
+      return void(out_.warnings.push_back("A description of the device was refused: " + wrong));
     devices_.try_emplace(m.session_id, device);
-    if (!std::ranges::equal(described_.try_emplace(m.session_id, bytes.begin(), bytes.end()).first->second, bytes)) anew_.insert(m.session_id);
+    if (!std::ranges::equal(
+            described_.try_emplace(m.session_id, bytes.begin(), bytes.end()).first->second, bytes))
+      anew_.insert(m.session_id);
   }
 
   void plan(const msg::ScenePlan& m) {
@@ -148,27 +213,36 @@ class Collector {
 
   void design(const msg::CouplingDesign& m, std::int64_t taken_ns) {
     RecordedDesign design{m.session_id, taken_ns, text_of(m.kind), numbers_of(m), {}};
-    for (std::uint32_t i = 0; i < m.notes._length; ++i) design.notes.push_back(text_of(m.notes._buffer[i]));
+    for (std::uint32_t i = 0; i < m.notes._length; ++i)
+      design.notes.push_back(text_of(m.notes._buffer[i]));
     designs_.push_back(std::move(design));
   }
 
   static RecordedChange asked_by(const msg::EffectChange& m) {
-    return {.asked = true, .action = m.action, .effect = text_of(m.effect), .parameter = text_of(m.parameter), .model = text_of(m.model),
-            .value = {m.value[0], m.value[1], m.value[2]}, .voxel_size_m = m.voxel_size_m};
+    return {.asked = true,
+            .action = m.action,
+            .effect = text_of(m.effect),
+            .parameter = text_of(m.parameter),
+            .model = text_of(m.model),
+            .value = {m.value[0], m.value[1], m.value[2]},
+            .voxel_size_m = m.voxel_size_m};
   }
 
-  /// The rendering's own record of what it made: where a bag has this topic nothing else counts, or a change would be made once for each
-  /// topic that it stands on.
+  /// The rendering's own record of what it made: where a bag has this topic nothing else counts, or
+  /// a change would be made once for each topic that it stands on.
   void made(const msg::EffectChange& m) {
     RecordedChange done = asked_by(m);
     done.session = m.session_id, done.from_sample = m.from_sample;
-    done.sentence = fmt::format("{}: holds from sample {} on", rendering_node::in_words(m), m.from_sample);
+    done.sentence =
+        fmt::format("{}: holds from sample {} on", rendering_node::in_words(m), m.from_sample);
     out_.changes.push_back(std::move(done));
   }
 
-  /// In bags of before, without that topic: the question, and below the answer, which names the sample.
+  /// In bags of before, without that topic: the question, and below the answer, which names the
+  /// sample.
   void change(const msg::EffectChange& m) {
-    if (records_changes_) return;
+    if (records_changes_)
+      return;
     RecordedChange asked = asked_by(m);
     if (m.request != 0)
       asked_.insert_or_assign(m.request, std::move(asked));
@@ -176,11 +250,14 @@ class Collector {
       nameless_.push_back(std::move(asked));
   }
 
-  /// One that was asked for twice is answered twice and made once. Without a number of its own the answers come in the order of the questions.
+  /// One that was asked for twice is answered twice and made once. Without a number of its own the
+  /// answers come in the order of the questions.
   void changed(const msg::EffectChanged& m) {
     using namespace msg::effect_changed;
-    if (records_changes_) return;
-    if (m.result == kResultWaiting || (m.request != 0 && !answered_.insert(m.request).second)) return;
+    if (records_changes_)
+      return;
+    if (m.result == kResultWaiting || (m.request != 0 && !answered_.insert(m.request).second))
+      return;
     RecordedChange made;
     if (m.request == 0 && !nameless_.empty()) {
       made = std::move(nameless_.front());
@@ -188,20 +265,28 @@ class Collector {
     } else if (const auto found = asked_.find(m.request); found != asked_.end()) {
       made = found->second;
     }
-    made.session = m.session_id, made.from_sample = m.from_sample, made.sentence = text_of(m.sentence);
-    if (m.result == kResultDone) out_.changes.push_back(std::move(made));
+    made.session = m.session_id, made.from_sample = m.from_sample,
+    made.sentence = text_of(m.sentence);
+    if (m.result == kResultDone)
+      out_.changes.push_back(std::move(made));
   }
 
   void status(const msg::NodeStatus& m) {
     runtime::Figures& figures = out_.figures[text_of(m.node)];
     for (std::uint32_t i = 0; i < m.figures._length; ++i)
-      figures[text_of(m.figures._buffer[i].name)] = runtime::Figure(m.figures._buffer[i].value, text_of(m.figures._buffer[i].unit));
-    if (text_of(m.node) != "rendering") return;
+      figures[text_of(m.figures._buffer[i].name)] =
+          runtime::Figure(m.figures._buffer[i].value, text_of(m.figures._buffer[i].unit));
+    if (text_of(m.node) != "rendering")
+      return;
     for (std::uint32_t i = 0; i < m.values._length; ++i) {
-      const std::string key = text_of(m.values._buffer[i].key), value = text_of(m.values._buffer[i].value);
-      if (key == "scene_file" && out_.scene_file.empty()) out_.scene_file = value;
-      if (key == "scene" && out_.scene.empty()) out_.scene = value;
-      if (key == "scene_hash" && out_.scene_hash.empty()) out_.scene_hash = value;
+      const std::string key = text_of(m.values._buffer[i].key),
+                        value = text_of(m.values._buffer[i].value);
+      if (key == "scene_file" && out_.scene_file.empty())
+        out_.scene_file = value;
+      if (key == "scene" && out_.scene.empty())
+        out_.scene = value;
+      if (key == "scene_hash" && out_.scene_hash.empty())
+        out_.scene_hash = value;
     }
   }
 
@@ -221,18 +306,31 @@ class Collector {
 }  // namespace
 
 std::array<double, 12> numbers_of(const msg::CouplingDesign& d) noexcept {
-  return {d.cutoff_hz, d.damping_ratio, d.gain, d.stiffness_n_per_m, d.damping_ns_per_m, d.stiffness_cap_n_per_m, d.stiffness_cap_nm_per_rad,
-          d.injected_damping_ns_per_m, d.injected_damping_nms_per_rad, d.velocity_filter_hz,
-          static_cast<double>(d.velocity_window), d.sample_time_s};
+  return {d.cutoff_hz,
+          d.damping_ratio,
+          d.gain,
+          d.stiffness_n_per_m,
+          d.damping_ns_per_m,
+          d.stiffness_cap_n_per_m,
+          d.stiffness_cap_nm_per_rad,
+          d.injected_damping_ns_per_m,
+          d.injected_damping_nms_per_rad,
+          d.velocity_filter_hz,
+          static_cast<double>(d.velocity_window),
+          d.sample_time_s};
 }
 
 Recording read_recording(const std::filesystem::path& path, const std::string& rig) {
   const auto bag = bag::BagReader::open(path);
-  if (!bag) throw std::runtime_error(bag.error().sentence);
+  if (!bag)
+    throw std::runtime_error(bag.error().sentence);
   Collector collector(*bag, path, rig);
   using Times = std::numeric_limits<std::int64_t>;
-  const auto read = bag->for_each_between(Times::min(), Times::max(), [&](const bag::BagMessage& m) { return collector.take(m), true; });
-  if (!read) throw std::runtime_error(read.error().sentence);
+  const auto read =
+      bag->for_each_between(Times::min(), Times::max(),
+                            [&](const bag::BagMessage& m) { return collector.take(m), true; });
+  if (!read)
+    throw std::runtime_error(read.error().sentence);
   return std::move(collector).finish();
 }
 

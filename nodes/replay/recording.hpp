@@ -18,10 +18,12 @@ struct RecordedSample {
   std::optional<msg::DeviceState> state;
   std::optional<msg::ContactState> contact;
   std::optional<msg::ForceCommand> command;
-  std::vector<msg::ForceCommand> again;  ///< the same sample's, once more: DDS gave the coupling its contact twice, or the command to the recorder
-  std::int64_t command_taken_ns = 0;  ///< by the recorder
+  std::vector<msg::ForceCommand> again;  ///< the same sample's, once more: DDS gave the coupling
+                                         ///< its contact twice, or the command to the recorder
+  std::int64_t command_taken_ns = 0;     ///< by the recorder
   std::optional<msg::ExternalSample> external;  ///< what the effect `external` was given with it
-  /// Whether the rendering answered it: in real time it and the coupling leave samples out. A contact that the recorder lost shows by its command.
+  /// Whether the rendering answered it: in real time it and the coupling leave samples out. A
+  /// contact that the recorder lost shows by its command.
   bool rendered() const noexcept { return contact || command || external; }
 };
 
@@ -69,11 +71,12 @@ struct Recording {
   std::vector<RecordedChange> changes;    ///< in the order that they were made
   std::vector<RecordedPlan> plans;
   std::map<std::string, runtime::Figures> figures;  ///< each node's last
-  std::vector<std::string> warnings;                ///< what was not as it should be, and was read all the same
+  std::vector<std::string> warnings;  ///< what was not as it should be, and was read all the same
 };
 
-/// Reads `path`, a bag's folder or one of its files, of the rig named, or of the one that it holds where `rig` is empty. Throws std::runtime_error, a
-/// sentence, where nothing can be replayed: no bag, a damaged one, one of another program or version, without device samples or a device's
+/// Reads `path`, a bag's folder or one of its files, of the rig named, or of the one that it holds
+/// where `rig` is empty. Throws std::runtime_error, a sentence, where nothing can be replayed: no
+/// bag, a damaged one, one of another program or version, without device samples or a device's
 /// description. Holds the whole run in memory, about 1 MB for each second of it.
 Recording read_recording(const std::filesystem::path& path, const std::string& rig);
 

@@ -18,7 +18,9 @@
 namespace voxtouch::replay {
 namespace {
 
-double force_n(const msg::geometry_msgs_Wrench& w) noexcept { return std::hypot(w.force.x, w.force.y, w.force.z); }
+double force_n(const msg::geometry_msgs_Wrench& w) noexcept {
+  return std::hypot(w.force.x, w.force.y, w.force.z);
+}
 
 void feel(Felt& felt, double force, bool touching) noexcept {
   felt.most_n = std::max(felt.most_n, force), felt.squares += force * force;
@@ -26,45 +28,67 @@ void feel(Felt& felt, double force, bool touching) noexcept {
 }
 
 scene::Scene scene_of(const ReplayOptions& options, const Recording& recording) {
-  if (!options.scene.empty()) return scene::load_scene(options.scene);
+  if (!options.scene.empty())
+    return scene::load_scene(options.scene);
   if (recording.scene_file.empty())
-    throw std::runtime_error(fmt::format("{} does not say which scene file was rendered: no status of the rendering is in it. Name it with --scene.", options.bag.string()));
+    throw std::runtime_error(
+        fmt::format("{} does not say which scene file was rendered: no status of the rendering is "
+                    "in it. Name it with --scene.",
+                    options.bag.string()));
   if (!std::filesystem::exists(recording.scene_file))
-    throw std::runtime_error(fmt::format("the scene file that the bag names, {}, is not there; name it with --scene", recording.scene_file.string()));
+    throw std::runtime_error(
+        fmt::format("the scene file that the bag names, {}, is not there; name it with --scene",
+                    recording.scene_file.string()));
   return scene::load_scene(recording.scene_file);
 }
 
-/// Where the recorder came late, the first contact that it has tells when the session began; nothing where that contact is the first.
+/// Where the recorder came late, the first contact that it has tells when the session began;
+/// nothing where that contact is the first.
 std::optional<std::int64_t> begin_of(const RecordedSession& session) {
-  const auto first = std::ranges::find_if(session.samples, [](const auto& one) { return one.second.contact && !(one.second.contact->flags & msg::contact_state::kFlagRefusedSample); });
-  if (first == session.samples.end() || first->second.contact->scene_time_ns == 0) return std::nullopt;
-  return runtime::ns_between(first->second.contact->scene_time_ns, first->second.contact->sample_time_ns);
+  const auto first = std::ranges::find_if(session.samples, [](const auto& one) {
+    return one.second.contact &&
+           !(one.second.contact->flags & msg::contact_state::kFlagRefusedSample);
+  });
+  if (first == session.samples.end() || first->second.contact->scene_time_ns == 0)
+    return std::nullopt;
+  return runtime::ns_between(first->second.contact->scene_time_ns,
+                             first->second.contact->sample_time_ns);
 }
 
 /// One recording through one scene.
 class Run {
  public:
   Run(const ReplayOptions& options, const Recording& recording, const scene::Scene& scene)
-      : options_(options), recording_(recording), scene_(scene), rendering_(scene, options.cache),
-        coupling_(scene_, !recording.lockstep && (recording.scene_hash.empty() || recording.scene_hash == scene.hash)) {
+      : options_(options),
+        recording_(recording),
+        scene_(scene),
+        rendering_(scene, options.cache),
+        coupling_(scene_, !recording.lockstep && (recording.scene_hash.empty() ||
+                                                  recording.scene_hash == scene.hash)) {
     out_.bag = options.bag.string(), out_.rig = recording.rig, out_.lockstep = recording.lockstep;
     out_.recorded = {recording.scene, recording.scene_hash, recording.scene_file.string()};
     out_.replayed = {scene.name, scene.hash, std::filesystem::absolute(scene.file).string()};
     out_.notes = recording.warnings;
     std::uint64_t commands = 0;
     for (const RecordedSession& session : recording.sessions)
-      for (const auto& [number, sample] : session.samples) commands += sample.command.has_value() + sample.again.size();
+      for (const auto& [number, sample] : session.samples)
+        commands += sample.command.has_value() + sample.again.size();
     const auto figures = recording.figures.find("coupling");
-    each_was_made_ = figures != recording.figures.end() && runtime::as_count(runtime::value_of(figures->second, "samples")) >= commands;
+    each_was_made_ = figures != recording.figures.end() &&
+                     runtime::as_count(runtime::value_of(figures->second, "samples")) >= commands;
   }
 
   Replayed replay() {
-    for (const RecordedSession& session : recording_.sessions) run(session);
-    for (const std::string& note : coupling_.notes()) out_.notes.push_back(note);
+    for (const RecordedSession& session : recording_.sessions)
+      run(session);
+    for (const std::string& note : coupling_.notes())
+      out_.notes.push_back(note);
     say_what_is_lost();
     if (!recording_.lockstep && scene_.virtual_tool() && out_.contact.differ > 0)
-      out_.missing.push_back("In real time the loop learns a virtual tool's spring some samples after a session's begin or a change. The bag does not say after how many: it is "
-                             "taken to be there at once.");
+      out_.missing.push_back(
+          "In real time the loop learns a virtual tool's spring some samples after a session's "
+          "begin or a change. The bag does not say after how many: it is "
+          "taken to be there at once.");
     return std::move(out_);
   }
 
@@ -73,8 +97,11 @@ class Run {
     ++out_.sessions;
     out_.device = session.device->model;
     if (session.described_anew)
-      out_.missing.push_back(fmt::format("The device described itself anew in session {}. The bag does not say from which sample on that held: the first description is used "
-                                         "throughout.", session.id));
+      out_.missing.push_back(
+          fmt::format("The device described itself anew in session {}. The bag does not say from "
+                      "which sample on that held: the first description is used "
+                      "throughout.",
+                      session.id));
     change(session.id, std::nullopt);
     rendering_.begin_session(coupling::design::model_of(*session.device), begin_of(session));
     coupling_.begin_session(session, rendering_.bounds(), rendering_.demand());
@@ -82,30 +109,43 @@ class Run {
     const RecordedSample* first = nullptr;
     for (const auto& [number, sample] : session.samples) {
       change(session.id, number);
-      if (sample.state) first = first ? first : &sample, last = &sample, ++out_.samples;
+      if (sample.state)
+        first = first ? first : &sample, last = &sample, ++out_.samples;
       answer(session, number, sample);
     }
-    if (first) out_.duration_s += runtime::seconds_between(first->state->sample_time_ns, last->state->sample_time_ns);
+    if (first)
+      out_.duration_s +=
+          runtime::seconds_between(first->state->sample_time_ns, last->state->sample_time_ns);
   }
 
-  /// All that hold from this sample of the session on; without one those that were made before it began.
+  /// All that hold from this sample of the session on; without one those that were made before it
+  /// began.
   void change(std::uint64_t session, std::optional<std::uint64_t> sample) {
     for (; next_change_ < recording_.changes.size(); ++next_change_) {
       const RecordedChange& made = recording_.changes[next_change_];
       const bool before = made.session == 0, past = sample_of_other(made.session, session);
-      if (!before && !past && (made.session != session || !sample || made.from_sample > *sample)) return;
-      const auto last = std::find_if(recording_.changes.begin() + static_cast<std::ptrdiff_t>(next_change_), recording_.changes.end(), [&](const RecordedChange& c) {
-        return c.session != made.session || c.from_sample != made.from_sample;
-      });
-      const std::span together(&made, static_cast<std::size_t>(last - recording_.changes.begin()) - next_change_);
+      if (!before && !past && (made.session != session || !sample || made.from_sample > *sample))
+        return;
+      const auto last =
+          std::find_if(recording_.changes.begin() + static_cast<std::ptrdiff_t>(next_change_),
+                       recording_.changes.end(), [&](const RecordedChange& c) {
+                         return c.session != made.session || c.from_sample != made.from_sample;
+                       });
+      const std::span together(
+          &made, static_cast<std::size_t>(last - recording_.changes.begin()) - next_change_);
       apply(together);
-      if (sample && together.size() == 1) coupling_.contact_shows(made.from_sample, rendering_.bounds(), rendering_.demand());
+      if (sample && together.size() == 1)
+        coupling_.contact_shows(made.from_sample, rendering_.bounds(), rendering_.demand());
     }
   }
-  /// Of a session that has ended in the bag before its change was reached, or that was over when the recorder came.
+  /// Of a session that has ended in the bag before its change was reached, or that was over when
+  /// the recorder came.
   bool sample_of_other(std::uint64_t of, std::uint64_t now) const {
-    const auto place = [&](std::uint64_t id) { return std::ranges::find(recording_.sessions, id, &RecordedSession::id); };
-    return of != 0 && of != now && (place(of) == recording_.sessions.end() || place(of) < place(now));
+    const auto place = [&](std::uint64_t id) {
+      return std::ranges::find(recording_.sessions, id, &RecordedSession::id);
+    };
+    return of != 0 && of != now &&
+           (place(of) == recording_.sessions.end() || place(of) < place(now));
   }
 
   /// The first of those that hold from the same sample on.
@@ -113,44 +153,73 @@ class Run {
     const RecordedChange& made = together.front();
     ++out_.changes;
     if (!made.asked)
-      return out_.missing.push_back(fmt::format("The change that holds from sample {} on (\"{}\") was answered, and what was asked for is not in the bag: from there on bits cannot "
-                                                "be compared.", made.from_sample, made.sentence));
+      return out_.missing.push_back(
+          fmt::format("The change that holds from sample {} on (\"{}\") was answered, and what was "
+                      "asked for is not in the bag: from there on bits cannot "
+                      "be compared.",
+                      made.from_sample, made.sentence));
     if (const std::string why = rendering_.apply(together); !why.empty())
-      return out_.missing.push_back(fmt::format("The change that holds from sample {} on (\"{}\") cannot be made again: {}", made.from_sample, made.sentence, why));
-    if (made.action != msg::effect_change::kActionReload) return;
-    const auto plan = std::ranges::find_if(recording_.plans, [&](const RecordedPlan& p) { return p.session == made.session && p.from_sample == made.from_sample; });
+      return out_.missing.push_back(
+          fmt::format("The change that holds from sample {} on (\"{}\") cannot be made again: {}",
+                      made.from_sample, made.sentence, why));
+    if (made.action != msg::effect_change::kActionReload)
+      return;
+    const auto plan = std::ranges::find_if(recording_.plans, [&](const RecordedPlan& p) {
+      return p.session == made.session && p.from_sample == made.from_sample;
+    });
     if (plan == recording_.plans.end())
-      out_.missing.push_back(fmt::format("Which scene was built anew for sample {} is not in the bag: the file is taken as it is now.", made.from_sample));
+      out_.missing.push_back(
+          fmt::format("Which scene was built anew for sample {} is not in the bag: the file is "
+                      "taken as it is now.",
+                      made.from_sample));
     else if (plan->scene_hash != rendering_.scene_hash())
-      out_.missing.push_back(fmt::format("The scene that was built anew for sample {} had the hash {}, and the file has {} now: from there on bits cannot be compared.",
-                                         made.from_sample, plan->scene_hash, rendering_.scene_hash()));
+      out_.missing.push_back(
+          fmt::format("The scene that was built anew for sample {} had the hash {}, and the file "
+                      "has {} now: from there on bits cannot be compared.",
+                      made.from_sample, plan->scene_hash, rendering_.scene_hash()));
   }
 
   void answer(const RecordedSession& session, std::uint64_t number, const RecordedSample& sample) {
     if (!sample.state) {
       if (++out_.lost_states == 1)
-        out_.missing.push_back(fmt::format("The device's sample {} was answered and is not in the bag: from there on the rendering may give other bits.", number));
+        out_.missing.push_back(
+            fmt::format("The device's sample {} was answered and is not in the bag: from there on "
+                        "the rendering may give other bits.",
+                        number));
     } else if (!sample.rendered() && !recording_.lockstep) {
       return void(++out_.left_out);
     }
     std::optional<msg::ContactState> contact;
-    if (sample.state && sample.external) rendering_.take_external(*sample.external, *sample.state);
-    if (sample.state) contact = rendering_.answer(*sample.state);
-    if (contact && sample.contact) compare(*sample.contact, *contact);
-    if (!sample.contact && sample.command) ++out_.lost_contacts;
-    if (!contact) contact = sample.contact;  // the coupling need not suffer from what the rendering lacks
-    if (!contact || (!sample.command && !recording_.lockstep)) return;  // in lockstep every contact is answered
+    if (sample.state && sample.external)
+      rendering_.take_external(*sample.external, *sample.state);
+    if (sample.state)
+      contact = rendering_.answer(*sample.state);
+    if (contact && sample.contact)
+      compare(*sample.contact, *contact);
+    if (!sample.contact && sample.command)
+      ++out_.lost_contacts;
+    if (!contact)
+      contact = sample.contact;  // the coupling need not suffer from what the rendering lacks
+    if (!contact || (!sample.command && !recording_.lockstep))
+      return;  // in lockstep every contact is answered
     if (!coupling_.runs())
-      return say_once(fmt::format("From sample {} of session {} on commands were recorded, and here no coupling may run.", number, session.id));
-    const msg::ForceCommand command = coupling_.answer(*contact, sample.command.value_or(msg::ForceCommand{}), sample.command_taken_ns);
-    if (sample.command) compare(*sample.command, command);
+      return say_once(fmt::format(
+          "From sample {} of session {} on commands were recorded, and here no coupling may run.",
+          number, session.id));
+    const msg::ForceCommand command = coupling_.answer(
+        *contact, sample.command.value_or(msg::ForceCommand{}), sample.command_taken_ns);
+    if (sample.command)
+      compare(*sample.command, command);
     for (const msg::ForceCommand& more : sample.again)
-      if (each_was_made_ || std::memcmp(&more, &*sample.command, sizeof more) != 0) compare(more, coupling_.answer(*contact, more, sample.command_taken_ns));
+      if (each_was_made_ || std::memcmp(&more, &*sample.command, sizeof more) != 0)
+        compare(more, coupling_.answer(*contact, more, sample.command_taken_ns));
   }
 
   void compare(const msg::ContactState& recorded, msg::ContactState replayed) {
-    if (!recording_.lockstep) replayed.time_spent_ns = recorded.time_spent_ns;  // measured, and nothing hangs on it
-    if (options_.answers) out_.answers.contacts.try_emplace({recorded.session_id, recorded.sequence_number}, replayed);
+    if (!recording_.lockstep)
+      replayed.time_spent_ns = recorded.time_spent_ns;  // measured, and nothing hangs on it
+    if (options_.answers)
+      out_.answers.contacts.try_emplace({recorded.session_id, recorded.sequence_number}, replayed);
     out_.contact.take(recorded, replayed);
     const double before = force_n(recorded.wrench), now = force_n(replayed.wrench);
     feel(out_.rendered.recorded, before, recorded.surface_hits + recorded.interior_hits > 0);
@@ -159,7 +228,8 @@ class Run {
   }
 
   void compare(const msg::ForceCommand& recorded, const msg::ForceCommand& replayed) {
-    if (options_.answers) out_.answers.commands[{recorded.session_id, recorded.sequence_number}].push_back(replayed);
+    if (options_.answers)
+      out_.answers.commands[{recorded.session_id, recorded.sequence_number}].push_back(replayed);
     out_.command.take(recorded, replayed);
     const double before = force_n(recorded.wrench), now = force_n(replayed.wrench);
     feel(out_.returned.recorded, before, before > 0.0);
@@ -168,24 +238,29 @@ class Run {
   }
 
   void draw(ForceCurves& curves, std::int64_t time_ns, double recorded_n, double replayed_n) {
-    if (!options_.curves) return;
-    if (!begin_ns_) begin_ns_ = time_ns;
+    if (!options_.curves)
+      return;
+    if (!begin_ns_)
+      begin_ns_ = time_ns;
     curves.t_s.push_back(runtime::seconds_between(*begin_ns_, time_ns));
     curves.recorded_n.push_back(recorded_n), curves.replayed_n.push_back(replayed_n);
   }
 
   void say_once(std::string sentence) {
-    if (!said_) out_.missing.push_back(std::move(sentence));
+    if (!said_)
+      out_.missing.push_back(std::move(sentence));
     said_ = true;
   }
 
-  /// What the nodes counted and the bag does not hold. Where nobody tells of the sample, it is not known which one it was.
+  /// What the nodes counted and the bag does not hold. Where nobody tells of the sample, it is not
+  /// known which one it was.
   void say_what_is_lost() {
     Held contacts, commands;
     for (const RecordedSession& session : recording_.sessions)
       for (const auto& [number, sample] : session.samples) {
         contacts.take(number, sample.contact ? 1 : 0, sample.rendered());
-        commands.take(number, sample.command.has_value() + sample.again.size(), sample.command.has_value());
+        commands.take(number, sample.command.has_value() + sample.again.size(),
+                      sample.command.has_value());
       }
     contacts.count += out_.lost_contacts;
     say_lost("rendering", "contacts", contacts);
@@ -202,64 +277,106 @@ class Run {
     std::optional<std::uint64_t> first, first_without;  ///< samples of a session
     void take(std::uint64_t number, std::uint64_t answers, bool is_answered) noexcept {
       count += answers;
-      if (answers > 0 && !first) first = number;
-      if (!is_answered && !first_without) first_without = number;
+      if (answers > 0 && !first)
+        first = number;
+      if (!is_answered && !first_without)
+        first_without = number;
     }
   };
 
   void say_lost(const std::string& node, std::string_view what, const Held& held) {
     const auto figures = recording_.figures.find(node);
-    if (figures == recording_.figures.end()) return out_.missing.push_back(fmt::format("The {} has left no status: whether all its {} are in the bag is not known.", node, what));
+    if (figures == recording_.figures.end())
+      return out_.missing.push_back(
+          fmt::format("The {} has left no status: whether all its {} are in the bag is not known.",
+                      node, what));
     const std::uint64_t made = runtime::as_count(runtime::value_of(figures->second, "samples"));
-    if (made <= held.count) return;
-    // A node counts from its own begin: of one session the first sample that it answered is the bag's first as well, or the recorder came too late.
-    const std::uint64_t began = runtime::as_count(runtime::value_of(figures->second, "first_sample"));
-    const bool came_late = recording_.sessions.size() == 1 && runtime::as_count(runtime::value_of(figures->second, runtime::kSessions)) == 1 && held.first && began < *held.first;
-    const std::string begin = came_late ? fmt::format("its first for sample {}, and the bag's first is for sample {}", began, *held.first) : "and nothing tells of which samples";
-    out_.missing.push_back(fmt::format("The {} made {} {} more than the bag has, {}: from sample {} on bits may differ for it.", node, made - held.count, what, begin,
-                                       came_late ? began : held.first_without.value_or(0)));
+    if (made <= held.count)
+      return;
+    // A node counts from its own begin: of one session the first sample that it answered is the
+    // bag's first as well, or the recorder came too late.
+    const std::uint64_t began =
+        runtime::as_count(runtime::value_of(figures->second, "first_sample"));
+    const bool came_late =
+        recording_.sessions.size() == 1 &&
+        runtime::as_count(runtime::value_of(figures->second, runtime::kSessions)) == 1 &&
+        held.first && began < *held.first;
+    const std::string begin =
+        came_late ? fmt::format("its first for sample {}, and the bag's first is for sample {}",
+                                began, *held.first)
+                  : "and nothing tells of which samples";
+    out_.missing.push_back(fmt::format(
+        "The {} made {} {} more than the bag has, {}: from sample {} on bits may differ for it.",
+        node, made - held.count, what, begin, came_late ? began : held.first_without.value_or(0)));
   }
 
   void say_changes() {
     const auto figures = recording_.figures.find("rendering");
-    if (figures == recording_.figures.end()) return;
+    if (figures == recording_.figures.end())
+      return;
     const auto standby = recording_.figures.find(runtime::standby_of("rendering"));
-    const std::uint64_t by_standby = standby == recording_.figures.end() ? 0 : runtime::as_count(runtime::value_of(standby->second, "changes"));
-    const std::uint64_t made = std::max(runtime::as_count(runtime::value_of(figures->second, "changes")), by_standby);
+    const std::uint64_t by_standby =
+        standby == recording_.figures.end()
+            ? 0
+            : runtime::as_count(runtime::value_of(standby->second, "changes"));
+    const std::uint64_t made =
+        std::max(runtime::as_count(runtime::value_of(figures->second, "changes")), by_standby);
     const std::size_t recorded = recording_.changes.size();
-    if (made > recorded) out_.missing.push_back(fmt::format("The rendering made {} changes, and the bag has {} of them.", made, recorded));
+    if (made > recorded)
+      out_.missing.push_back(fmt::format(
+          "The rendering made {} changes, and the bag has {} of them.", made, recorded));
     if (made < recorded)
-      out_.missing.push_back(fmt::format("The bag has {} records of changes, and the rendering counts {} in its last status: it made some after that, or somebody else wrote some, "
-                                         "which are made here all the same.", recorded, made));
+      out_.missing.push_back(
+          fmt::format("The bag has {} records of changes, and the rendering counts {} in its last "
+                      "status: it made some after that, or somebody else wrote some, "
+                      "which are made here all the same.",
+                      recorded, made));
   }
 
-  /// A standby has lived through the session beside the acting one, and what it had made of it by then no message says.
+  /// A standby has lived through the session beside the acting one, and what it had made of it by
+  /// then no message says.
   void say_takeovers() {
     for (const std::string role : {"rendering", "coupling"})
       for (const std::string& node : {role, runtime::standby_of(role)}) {
         const auto figures = recording_.figures.find(node);
-        if (figures == recording_.figures.end() || runtime::value_of(figures->second, "took_over") == 0.0) continue;
-        out_.missing.push_back(fmt::format("{} took over at sample {}. How it stood by then is not in the bag: from there on bits may differ for it.", node,
-                                           runtime::as_count(runtime::value_of(figures->second, "took_over_at"))));
+        if (figures == recording_.figures.end() ||
+            runtime::value_of(figures->second, "took_over") == 0.0)
+          continue;
+        out_.missing.push_back(fmt::format(
+            "{} took over at sample {}. How it stood by then is not in the bag: from there on bits "
+            "may differ for it.",
+            node, runtime::as_count(runtime::value_of(figures->second, "took_over_at"))));
       }
   }
 
   void say_refused() {
     const auto figures = recording_.figures.find("logger");
-    const std::uint64_t refused = figures == recording_.figures.end() ? 0 : runtime::as_count(runtime::value_of(figures->second, "refused_records"));
-    if (refused > 0) out_.notes.push_back(fmt::format("The recorder refused {} records that the rendering did not write.", refused));
+    const std::uint64_t refused =
+        figures == recording_.figures.end()
+            ? 0
+            : runtime::as_count(runtime::value_of(figures->second, "refused_records"));
+    if (refused > 0)
+      out_.notes.push_back(fmt::format(
+          "The recorder refused {} records that the rendering did not write.", refused));
   }
 
-  /// What the effect `external` was given and the bag does not hold. The rendering counts those of a ring, the bag has those of its sessions.
+  /// What the effect `external` was given and the bag does not hold. The rendering counts those of
+  /// a ring, the bag has those of its sessions.
   void say_external() {
     std::uint64_t held = 0;
     for (const RecordedSession& session : recording_.sessions)
-      for (const auto& [number, sample] : session.samples) held += sample.external.has_value();
+      for (const auto& [number, sample] : session.samples)
+        held += sample.external.has_value();
     const auto figures = recording_.figures.find("rendering");
-    const std::uint64_t taken = figures == recording_.figures.end() ? held : runtime::as_count(runtime::value_of(figures->second, "external_samples"));
+    const std::uint64_t taken =
+        figures == recording_.figures.end()
+            ? held
+            : runtime::as_count(runtime::value_of(figures->second, "external_samples"));
     if (taken > held)
-      out_.missing.push_back(fmt::format("The rendering took up {} values of the outside wrench that the bag does not hold, and nothing tells of which samples: bits may differ for it.",
-                                         taken - held));
+      out_.missing.push_back(
+          fmt::format("The rendering took up {} values of the outside wrench that the bag does not "
+                      "hold, and nothing tells of which samples: bits may differ for it.",
+                      taken - held));
   }
 
   const ReplayOptions& options_;
@@ -271,13 +388,16 @@ class Run {
   std::size_t next_change_ = 0;
   std::optional<std::int64_t> begin_ns_;
   bool said_ = false;
-  /// Every command in the bag is one that the coupling made. Else DDS was given the same one twice, which is no second answer.
+  /// Every command in the bag is one that the coupling made. Else DDS was given the same one twice,
+  /// which is no second answer.
   bool each_was_made_ = false;
 };
 
 }  // namespace
 
-double Felt::rms_n() const noexcept { return samples > 0 ? std::sqrt(squares / static_cast<double>(samples)) : 0.0; }
+double Felt::rms_n() const noexcept {
+  return samples > 0 ? std::sqrt(squares / static_cast<double>(samples)) : 0.0;
+}
 
 Replayed replay(const ReplayOptions& options) {
   const Recording recording = read_recording(options.bag, options.rig);

@@ -1,5 +1,6 @@
 #pragma once
-/// A recorded run through rendering and coupling once more, and what comes of it beside what was recorded.
+/// A recorded run through rendering and coupling once more, and what comes of it beside what was
+/// recorded.
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -11,10 +12,11 @@
 namespace voxtouch::replay {
 
 struct ReplayOptions {
-  std::filesystem::path bag, scene;  ///< `scene` instead of the recorded one; empty: the file that the bag names
-  std::string rig;                   ///< empty: the one that the bag holds
-  bool curves = false;               ///< keep them
-  bool answers = false;              ///< keep them
+  std::filesystem::path bag,
+      scene;            ///< `scene` instead of the recorded one; empty: the file that the bag names
+  std::string rig;      ///< empty: the one that the bag holds
+  bool curves = false;  ///< keep them
+  bool answers = false;  ///< keep them
   scene_build::CacheOptions cache = {};
 };
 
@@ -24,7 +26,9 @@ struct Felt {
   double squares = 0.0;  ///< sum over the samples
   std::uint64_t samples = 0, touching = 0;
   double rms_n() const noexcept;
-  double share() const noexcept { return samples > 0 ? static_cast<double>(touching) / static_cast<double>(samples) : 0.0; }
+  double share() const noexcept {
+    return samples > 0 ? static_cast<double>(touching) / static_cast<double>(samples) : 0.0;
+  }
 };
 struct FeltTwice {
   Felt recorded, replayed;
@@ -44,23 +48,27 @@ struct Replayed {
   bool lockstep = false;
   SceneName recorded, replayed;
   bool same_scene() const noexcept { return recorded.hash == replayed.hash; }
-  double duration_s = 0.0;             ///< of the device's time
-  std::uint64_t samples = 0;           ///< of the device, in the bag
-  std::uint64_t left_out = 0;          ///< that the rendering did not answer, so they are not rendered here
-  std::uint64_t lost_states = 0, lost_contacts = 0;  ///< that the recorder lost, as their answers tell
+  double duration_s = 0.0;     ///< of the device's time
+  std::uint64_t samples = 0;   ///< of the device, in the bag
+  std::uint64_t left_out = 0;  ///< that the rendering did not answer, so they are not rendered here
+  std::uint64_t lost_states = 0,
+                lost_contacts = 0;  ///< that the recorder lost, as their answers tell
   std::uint64_t sessions = 0, changes = 0;
   Comparison<msg::ContactState> contact;
   Comparison<msg::ForceCommand> command;
-  FeltTwice rendered, returned;        ///< by the rendering; by the coupling, to the hand
+  FeltTwice rendered, returned;  ///< by the rendering; by the coupling, to the hand
   Answers answers;
-  std::string other_build;             ///< whose answers stand in the place of the recorded ones; empty: nobody's
+  std::string
+      other_build;  ///< whose answers stand in the place of the recorded ones; empty: nobody's
   ForceCurves rendered_curves, returned_curves;
-  std::vector<std::string> notes;      ///< what was found out, or is as it should not be
-  std::vector<std::string> missing;    ///< what the bag does not say, and from which sample on bits may differ for it
+  std::vector<std::string> notes;  ///< what was found out, or is as it should not be
+  std::vector<std::string>
+      missing;  ///< what the bag does not say, and from which sample on bits may differ for it
   bool equal() const noexcept { return contact.differ == 0 && command.differ == 0; }
 };
 
-/// Throws std::runtime_error, a sentence, where the bag cannot be replayed; as scene files and meshes do where the scene cannot be built.
+/// Throws std::runtime_error, a sentence, where the bag cannot be replayed; as scene files and
+/// meshes do where the scene cannot be built.
 Replayed replay(const ReplayOptions& options);
 
 }  // namespace voxtouch::replay

@@ -1,5 +1,6 @@
 #pragma once
-/// A recording with this build's answers in place of the recorded ones: what another build, or a later one, is compared with.
+/// A recording with this build's answers in place of the recorded ones: what another build, or a
+/// later one, is compared with.
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -18,8 +19,10 @@ struct Answers {
   std::map<Key, std::vector<msg::ForceCommand>> commands;
 };
 
-/// Copies `bag` to the new folder `folder`, with each contact and command of `rig` as `answers` has it; those that were not made again are left out,
-/// all else stays as it was recorded. Throws std::runtime_error, a sentence: the folder exists, or the disk refuses.
-void write_replayed(const std::filesystem::path& bag, const std::string& rig, const Answers& answers, const std::filesystem::path& folder);
+/// Copies `bag` to the new folder `folder`, with each contact and command of `rig` as `answers` has
+/// it; those that were not made again are left out, all else stays as it was recorded. Throws
+/// std::runtime_error, a sentence: the folder exists, or the disk refuses.
+void write_replayed(const std::filesystem::path& bag, const std::string& rig,
+                    const Answers& answers, const std::filesystem::path& folder);
 
 }  // namespace voxtouch::replay

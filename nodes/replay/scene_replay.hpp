@@ -1,5 +1,6 @@
 #pragma once
-/// The rendering of a recorded run once more: scene, effects as they were set, and each sample through them.
+/// The rendering of a recorded run once more: scene, effects as they were set, and each sample
+/// through them.
 #include <memory>
 #include <span>
 #include <string>
@@ -13,7 +14,8 @@
 
 namespace voxtouch::replay {
 
-/// What the node's loop and its update server do in two threads, in one, each at the sample for which it holds.
+/// What the node's loop and its update server do in two threads, in one, each at the sample for
+/// which it holds.
 class SceneReplay {
  public:
   /// Builds `scene`. Throws as rendering::build_scene and mesh readers do.
@@ -22,16 +24,19 @@ class SceneReplay {
   SceneReplay& operator=(const SceneReplay&) = delete;
 
   /// `begin_ns`: as SampleRenderer::begin_session.
-  void begin_session(const coupling::design::DeviceModel& device, std::optional<std::int64_t> begin_ns);
-  /// The first of `changes`, which hold from the same sample on. They may have been made together: it is judged by where all of them lead. A
-  /// sentence why it could not be made; empty: it was. Builds the scene where that was asked for.
+  void begin_session(const coupling::design::DeviceModel& device,
+                     std::optional<std::int64_t> begin_ns);
+  /// The first of `changes`, which hold from the same sample on. They may have been made together:
+  /// it is judged by where all of them lead. A sentence why it could not be made; empty: it was.
+  /// Builds the scene where that was asked for.
   std::string apply(std::span<const RecordedChange> changes);
   /// The effect `external` is given this, and `next` is the first sample to see it.
   void take_external(const msg::ExternalSample& sample, const msg::DeviceState& next) noexcept;
   /// `time_spent_ns` is 0.
   msg::ContactState answer(const msg::DeviceState& state) noexcept;
 
-  /// What contact and effects can show and ask for as they are set now, in W: what the plan tells the coupling.
+  /// What contact and effects can show and ask for as they are set now, in W: what the plan tells
+  /// the coupling.
   const rendering::StiffnessBounds& bounds() const noexcept { return bounds_; }
   fitting::DeviceDemand demand() const;
   const std::string& scene_hash() const noexcept { return scene_.hash; }
@@ -43,8 +48,9 @@ class SceneReplay {
 
   scene_build::CacheOptions cache_;
   scene::Scene scene_;
-  std::vector<std::unique_ptr<rendering::BuiltScene>> built_;  ///< all that have run: the renderer points into the last two
-  std::vector<effects::EffectSpec> settled_;                   ///< the effects as they are set now
+  std::vector<std::unique_ptr<rendering::BuiltScene>>
+      built_;  ///< all that have run: the renderer points into the last two
+  std::vector<effects::EffectSpec> settled_;  ///< the effects as they are set now
   rendering::StiffnessBounds bounds_;
   fitting::SceneOnDevice on_device_;
   rendering_node::SampleRenderer renderer_;

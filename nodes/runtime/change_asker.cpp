@@ -20,13 +20,15 @@ using namespace msg::effect_change;
 constexpr milliseconds kPatience{2000};
 
 [[noreturn]] void misread(const std::string& what) {
-  throw std::runtime_error(
-      what + ". Say EFFECT on, EFFECT off, EFFECT gain 0.5, or EFFECT PARAMETER=VALUE; see voxtouch change --help");
+  throw std::runtime_error(what +
+                           ". Say EFFECT on, EFFECT off, EFFECT gain 0.5, or EFFECT "
+                           "PARAMETER=VALUE; see voxtouch change --help");
 }
 
 double number(std::string_view text) {
   const auto value = parse_finite(text);
-  if (!value) misread(fmt::format("'{}' is not a number", text));
+  if (!value)
+    misread(fmt::format("'{}' is not a number", text));
   return *value;
 }
 
@@ -38,10 +40,12 @@ ChangeRequest assignment(const std::string& effect, const std::string& word) {
   ChangeRequest change{kActionValue, effect, word.substr(0, equals), {}};
   std::string_view rest = std::string_view(word).substr(equals + 1);
   for (std::size_t n = 0;; ++n) {
-    if (n == 3) misread(fmt::format("'{}' holds more than three numbers", word));
+    if (n == 3)
+      misread(fmt::format("'{}' holds more than three numbers", word));
     const std::size_t comma = rest.find(',');
     change.value[n] = number(rest.substr(0, comma));
-    if (comma == std::string_view::npos) return change;
+    if (comma == std::string_view::npos)
+      return change;
     rest.remove_prefix(comma + 1);
   }
 }
@@ -53,8 +57,10 @@ std::uint64_t request_number() {
 
 template <class Holds>
 bool until(Clock::duration patience, Holds&& holds) {
-  for (const auto end = Clock::now() + patience; !holds(); std::this_thread::sleep_for(milliseconds(2)))
-    if (Clock::now() > end) return false;
+  for (const auto end = Clock::now() + patience; !holds();
+       std::this_thread::sleep_for(milliseconds(2)))
+    if (Clock::now() > end)
+      return false;
   return true;
 }
 
@@ -62,11 +68,14 @@ bool until(Clock::duration patience, Holds&& holds) {
 
 std::vector<ChangeRequest> read_changes(const ChangeWords& o) {
   if (o.reload) {
-    if (!o.words.empty()) misread("--reload takes no effect");
+    if (!o.words.empty())
+      misread("--reload takes no effect");
     return {{kActionReload, {}, {}, {}}};
   }
-  if (o.voxel_size_m > 0.0 || !o.model.empty()) misread("--voxel-size and --model belong to --reload");
-  if (o.words.size() < 2) misread("an effect and what is to become of it are missing");
+  if (o.voxel_size_m > 0.0 || !o.model.empty())
+    misread("--voxel-size and --model belong to --reload");
+  if (o.words.size() < 2)
+    misread("an effect and what is to become of it are missing");
   const std::string& effect = o.words[0];
   std::vector<ChangeRequest> changes;
   for (std::size_t n = 1; n < o.words.size(); ++n) {
@@ -74,7 +83,8 @@ std::vector<ChangeRequest> read_changes(const ChangeWords& o) {
     if (word == "on" || word == "off") {
       changes.push_back({kActionSwitch, effect, {}, {word == "on" ? 1.0 : 0.0, 0.0, 0.0}});
     } else if (word == "gain") {
-      if (++n == o.words.size()) misread("'gain' needs a number from 0 to 1");
+      if (++n == o.words.size())
+        misread("'gain' needs a number from 0 to 1");
       changes.push_back({kActionGain, effect, {}, {number(o.words[n]), 0.0, 0.0}});
     } else {
       changes.push_back(assignment(effect, word));
@@ -84,15 +94,23 @@ std::vector<ChangeRequest> read_changes(const ChangeWords& o) {
 }
 
 ChangeAsker::ChangeAsker(const bus::Participant& participant, const NodeOptions& options)
-    : rig_(options.rig), domain_(options.domain),
-      changes_(participant, qos::kEffectChange, options.rig, qos::profile(qos::kEffectChange.profile)),
-      answers_(participant, qos::kEffectChanged, options.rig, qos::profile(qos::kEffectChanged.profile)),
+    : rig_(options.rig),
+      domain_(options.domain),
+      changes_(participant, qos::kEffectChange, options.rig,
+               qos::profile(qos::kEffectChange.profile)),
+      answers_(participant, qos::kEffectChanged, options.rig,
+               qos::profile(qos::kEffectChanged.profile)),
       plans_(participant, qos::kScenePlan, options.rig, qos::profile(qos::kScenePlan.profile)) {}
 
-std::string ChangeAsker::ask(const ChangeWords& words, const std::function<void(const ChangeAnswer&)>& heard,
-                             const std::function<void(const std::string&)>& waits, const std::function<bool()>& leave) {
+std::string ChangeAsker::ask(const ChangeWords& words,
+                             const std::function<void(const ChangeAnswer&)>& heard,
+                             const std::function<void(const std::string&)>& waits,
+                             const std::function<bool()>& leave) {
   const std::vector<ChangeRequest> changes = read_changes(words);
-  if (!until(kPatience, [&] { return leave() || (changes_.matched_count() > 0 && answers_.matched_count() > 0); })) return nobody();
+  if (!until(kPatience, [&] {
+        return leave() || (changes_.matched_count() > 0 && answers_.matched_count() > 0);
+      }))
+    return nobody();
   // A rendering that waits for its first device has told none yet.
   until(kPatience / 4, [&] {
     plans_.take_each([&](const msg::ScenePlan& plan) { session_ = plan.session_id; });
@@ -100,49 +118,60 @@ std::string ChangeAsker::ask(const ChangeWords& words, const std::function<void(
   });
   for (const ChangeRequest& change : changes) {
     const std::optional<Message> answer = ask_in_session(change, words, waits, leave);
-    if (!answer) return nobody();
-    if (answer->result == msg::effect_changed::kResultRefused) return answer->sentence;
-    if (answer->result != msg::effect_changed::kResultDone) return "not waited for: " + answer->sentence;
+    if (!answer)
+      return nobody();
+    if (answer->result == msg::effect_changed::kResultRefused)
+      return answer->sentence;
+    if (answer->result != msg::effect_changed::kResultDone)
+      return "not waited for: " + answer->sentence;
     heard({answer->from_sample, answer->sentence});
   }
   return {};
 }
 
 /// Once more where another session has begun since, which the answer names.
-std::optional<ChangeAsker::Message> ChangeAsker::ask_in_session(const ChangeRequest& change, const ChangeWords& words,
-                                                                const std::function<void(const std::string&)>& waits,
-                                                                const std::function<bool()>& leave) {
+std::optional<ChangeAsker::Message> ChangeAsker::ask_in_session(
+    const ChangeRequest& change, const ChangeWords& words,
+    const std::function<void(const std::string&)>& waits, const std::function<bool()>& leave) {
   std::optional<Message> answer = ask_one(change, words, waits, leave);
-  if (!answer || answer->result != msg::effect_changed::kResultRefused || session_ == 0 || answer->session == session_) return answer;
+  if (!answer || answer->result != msg::effect_changed::kResultRefused || session_ == 0 ||
+      answer->session == session_)
+    return answer;
   session_ = answer->session;
   return ask_one(change, words, waits, leave);
 }
 
 /// None where nobody answers.
-std::optional<ChangeAsker::Message> ChangeAsker::ask_one(const ChangeRequest& change, const ChangeWords& words,
-                                                         const std::function<void(const std::string&)>& waits,
-                                                         const std::function<bool()>& leave) {
+std::optional<ChangeAsker::Message> ChangeAsker::ask_one(
+    const ChangeRequest& change, const ChangeWords& words,
+    const std::function<void(const std::string&)>& waits, const std::function<bool()>& leave) {
   const std::uint64_t request = request_number();
   std::optional<Message> answer;
   const auto look = [&] {
     answers_.take_each([&](const msg::EffectChanged& m) {
-      if (m.request == request) answer = Message{m.result, m.session_id, m.from_sample, m.sentence};
+      if (m.request == request)
+        answer = Message{m.result, m.session_id, m.from_sample, m.sentence};
     });
     return leave() || (answer && answer->result != msg::effect_changed::kResultWaiting);
   };
-  // A first message may go before the other end knows this one; asked again, it is answered and not done again.
+  // A first message may go before the other end knows this one; asked again, it is answered and not
+  // done again.
   for (int tries = 0; !answer && tries < 10 && !leave(); ++tries) {
     send(change, words, request);
     until(kPatience / 10, [&] { return look() || answer; });
   }
-  if (!answer) return answer;
-  if (answer->result == msg::effect_changed::kResultWaiting) waits(answer->sentence);
-  while (answer->result == msg::effect_changed::kResultWaiting && changes_.matched_count() > 0 && !leave())
+  if (!answer)
+    return answer;
+  if (answer->result == msg::effect_changed::kResultWaiting)
+    waits(answer->sentence);
+  while (answer->result == msg::effect_changed::kResultWaiting && changes_.matched_count() > 0 &&
+         !leave())
     until(milliseconds(200), look);
   return answer;
 }
 
-void ChangeAsker::send(const ChangeRequest& change, const ChangeWords& words, std::uint64_t request) {
+void ChangeAsker::send(const ChangeRequest& change, const ChangeWords& words,
+                       std::uint64_t request) {
   msg::EffectChange m{};
   m.request = request;
   m.session_id = session_;
@@ -158,7 +187,8 @@ void ChangeAsker::send(const ChangeRequest& change, const ChangeWords& words, st
 
 std::string ChangeAsker::nobody() const {
   return fmt::format(
-      "no rendering of rig '{}' answers on domain {}: is the ring running, with the same --rig, --domain and "
+      "no rendering of rig '{}' answers on domain {}: is the ring running, with the same --rig, "
+      "--domain and "
       "--interface?",
       rig_, domain_);
 }

@@ -25,9 +25,11 @@ void sleep_until(std::int64_t deadline_ns) noexcept {
   }
 }
 
-Deadline next_deadline(std::int64_t previous_ns, std::int64_t now_ns, std::int64_t period_ns) noexcept {
+Deadline next_deadline(std::int64_t previous_ns, std::int64_t now_ns,
+                       std::int64_t period_ns) noexcept {
   const std::int64_t next = previous_ns + period_ns;
-  if (now_ns <= next) return {next, 0};
+  if (now_ns <= next)
+    return {next, 0};
   const std::int64_t skipped = (now_ns - next) / period_ns + 1;
   return {next + skipped * period_ns, static_cast<std::uint64_t>(skipped)};
 }

@@ -36,7 +36,8 @@ void copy_device_numbers(const From& from, To& to) noexcept {
   to.simulated = from.simulated;
 }
 
-/// Texts are borrowed from `device`, which must outlive the message. Session and mode are the caller's.
+/// Texts are borrowed from `device`, which must outlive the message. Session and mode are the
+/// caller's.
 inline msg::DeviceDescription to_msg(const DeviceDescription& device) noexcept {
   msg::DeviceDescription m{};
   copy_device_numbers(device, m);

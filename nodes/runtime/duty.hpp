@@ -1,5 +1,6 @@
 #pragma once
-/// Of a node that may have a standby, or is one: whether it answers this sample, or leaves it to the other one.
+/// Of a node that may have a standby, or is one: whether it answers this sample, or leaves it to
+/// the other one.
 #include <algorithm>
 #include <atomic>
 #include <memory>
@@ -11,15 +12,23 @@
 
 namespace voxtouch::runtime {
 
-/// The slow half: who the other one is. One thread, the housekeeping's. A node that has no standby and is none says nothing and reads nothing.
+/// The slow half: who the other one is. One thread, the housekeeping's. A node that has no standby
+/// and is none says nothing and reads nothing.
 class DutyBase {
  public:
-  DutyBase(const bus::Participant& participant, std::string role, const StandbyOptions& options, SameIn same)
-      : participant_(participant), role_(std::move(role)), options_(options), pair_(!options.is_standby, options.unanswered),
-        same_(std::move(same)), acts_now_(!options.is_standby), entitled_(!options.is_standby) {}
+  DutyBase(const bus::Participant& participant, std::string role, const StandbyOptions& options,
+           SameIn same)
+      : participant_(participant),
+        role_(std::move(role)),
+        options_(options),
+        pair_(!options.is_standby, options.unanswered),
+        same_(std::move(same)),
+        acts_now_(!options.is_standby),
+        entitled_(!options.is_standby) {}
   virtual ~DutyBase() = default;
 
-  /// Once a look, when everything else of the report is filled in. A sentence for people where there is something to say.
+  /// Once a look, when everything else of the report is filled in. A sentence for people where
+  /// there is something to say.
   std::string look(const NodeRegistry& registry, NodeReport& report);
   /// Whether it was this node that answered last, or that has yet to. Any thread; real-time safe.
   bool acts_now() const noexcept { return acts_now_.load(std::memory_order_acquire); }
@@ -29,7 +38,9 @@ class DutyBase {
   virtual bus::Following& others() = 0;
   virtual bool reads_others() const noexcept = 0;
   void begin(std::uint64_t session) noexcept;
-  void hear(std::uint64_t theirs, std::uint64_t newest) noexcept { pair_.hear(theirs, newest, known_of_pair()); }
+  void hear(std::uint64_t theirs, std::uint64_t newest) noexcept {
+    pair_.hear(theirs, newest, known_of_pair());
+  }
   bool decide(std::uint64_t sequence, bool fit) noexcept;
   void count_answer() noexcept { answers_.fetch_add(1, std::memory_order_relaxed); }
 
@@ -56,8 +67,8 @@ class DutyBase {
   int unlike_looks_ = 0;
   // Between the two threads.
   std::atomic<bool> acts_now_;
-  std::atomic<bool> entitled_;           ///< to take over: it has acted, or the acting one has named it
-  std::atomic<bool> yields_{false};      ///< to the other one, where both answer at once
+  std::atomic<bool> entitled_;       ///< to take over: it has acted, or the acting one has named it
+  std::atomic<bool> yields_{false};  ///< to the other one, where both answer at once
   std::atomic<bool> stand_back_{false};  ///< asked by the housekeeping: somebody acts already
   std::atomic<std::uint64_t> answers_{0}, takeovers_{0}, taken_over_at_{0}, stepped_back_{0};
 };
@@ -66,21 +77,30 @@ class DutyBase {
 template <class T>
 class Duty final : public DutyBase {
  public:
-  Duty(const bus::Participant& participant, const qos::Topic& row, std::string_view rig, std::string role, const StandbyOptions& options, SameIn same)
-      : DutyBase(participant, std::move(role), options, std::move(same)), row_(row), rig_(rig) {
-    if (options.is_standby) Duty::others();
+  Duty(const bus::Participant& participant, const qos::Topic& row, std::string_view rig,
+       std::string role, const StandbyOptions& options, SameIn same)
+      : DutyBase(participant, std::move(role), options, std::move(same)),
+        row_(row),
+        rig_(rig) {
+    if (options.is_standby)
+      Duty::others();
   }
 
-  /// From the loop, where the answer to a sample is ready: whether it is to be sent. `f(const T&)` is called for each of the other's answers of
-  /// this session that have come since. `fit`, which `f` may set: only then does it take over. Real-time safe.
+  /// From the loop, where the answer to a sample is ready: whether it is to be sent. `f(const T&)`
+  /// is called for each of the other's answers of this session that have come since. `fit`, which
+  /// `f` may set: only then does it take over. Real-time safe.
   template <class F>
-  bool acts(std::uint64_t session, std::uint64_t sequence, F&& f, const std::atomic<bool>* fit = nullptr) noexcept {
-    if (session != session_) begin(session);
+  bool acts(std::uint64_t session, std::uint64_t sequence, F&& f,
+            const std::atomic<bool>* fit = nullptr) noexcept {
+    if (session != session_)
+      begin(session);
     bus::FollowedReader<T>* const reader = reader_.load(std::memory_order_acquire);
-    if (!reader) return count_answer(), true;  // neither has a standby nor is one
+    if (!reader)
+      return count_answer(), true;  // neither has a standby nor is one
     T answer;
     for (int i = 0; i < bus::FollowedReader<T>::kMaxTakes && reader->take(answer); ++i) {
-      if (answer.session_id != session) continue;
+      if (answer.session_id != session)
+        continue;
       f(static_cast<const T&>(answer));
       hear(answer.sequence_number, sequence);
     }
@@ -90,12 +110,15 @@ class Duty final : public DutyBase {
  private:
   bus::Following& others() override {
     if (!made_) {
-      made_ = std::make_unique<bus::FollowedReader<T>>(participant_, row_, rig_, qos::profile_in(row_, qos::TimeMode::kRealTime));
+      made_ = std::make_unique<bus::FollowedReader<T>>(
+          participant_, row_, rig_, qos::profile_in(row_, qos::TimeMode::kRealTime));
       reader_.store(made_.get(), std::memory_order_release);
     }
     return made_->following();
   }
-  bool reads_others() const noexcept override { return reader_.load(std::memory_order_acquire) != nullptr; }
+  bool reads_others() const noexcept override {
+    return reader_.load(std::memory_order_acquire) != nullptr;
+  }
 
   const qos::Topic& row_;
   const std::string rig_;

@@ -13,17 +13,20 @@ namespace voxtouch::runtime {
 struct Figure {
   Figure() = default;
   template <class Number>
-    requires std::is_arithmetic_v<Number>
-  Figure(Number measured, std::string of) : value(static_cast<double>(measured)), unit(std::move(of)) {}
+  requires std::is_arithmetic_v<Number> Figure(Number measured, std::string of)
+      : value(static_cast<double>(measured)),
+        unit(std::move(of)) {}
   double value = 0.0;
   std::string unit;  ///< Hz, us, N, ..., or what is counted: samples, messages
 };
 using Figures = std::map<std::string, Figure, std::less<>>;
 
-/// As a figure that counts; what is none (it came over the network) as 0 or the largest that a double holds exactly.
+/// As a figure that counts; what is none (it came over the network) as 0 or the largest that a
+/// double holds exactly.
 inline std::uint64_t as_count(double value) noexcept {
   constexpr double kMaxWhole = 9007199254740992.0;  // 2^53
-  return value > 0.0 ? static_cast<std::uint64_t>(value < kMaxWhole ? value : kMaxWhole) : 0;  // NaN is not over 0
+  return value > 0.0 ? static_cast<std::uint64_t>(value < kMaxWhole ? value : kMaxWhole)
+                     : 0;  // NaN is not over 0
 }
 
 inline std::optional<double> find_value(const Figures& figures, std::string_view name) {

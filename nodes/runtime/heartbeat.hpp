@@ -1,5 +1,6 @@
 #pragma once
-/// Signs of life: of a loop, for the housekeeping beside it; of nodes, for whoever reads their statuses.
+/// Signs of life: of a loop, for the housekeeping beside it; of nodes, for whoever reads their
+/// statuses.
 #include <algorithm>
 #include <atomic>
 #include <cstdint>
@@ -9,12 +10,14 @@
 
 namespace voxtouch::runtime {
 
-/// Statuses come ten times a second and loops go round at least every 50 ms: whoever has given no sign for this long hangs [ns].
+/// Statuses come ten times a second and loops go round at least every 50 ms: whoever has given no
+/// sign for this long hangs [ns].
 inline constexpr std::int64_t kHungNs = 400'000'000;
 /// A peer silent for this long ends a lockstep run, and `up` [ns].
 inline constexpr std::int64_t kGivenUpNs = 5'000'000'000;
 
-/// Time that stands still while its owner does not look: whoever was kept from looking must not blame the others for that.
+/// Time that stands still while its owner does not look: whoever was kept from looking must not
+/// blame the others for that.
 class WatchClock {
  public:
   /// Call at each look, at least every 20 ms or so, before what has come since is noted.
@@ -36,11 +39,13 @@ class WatchClock {
 class Heartbeat {
  public:
   void beat() noexcept { beats_.fetch_add(1, std::memory_order_relaxed); }
-  /// Another number at each look for as long as the loop goes on, or is busy with work that may take this long.
+  /// Another number at each look for as long as the loop goes on, or is busy with work that may
+  /// take this long.
   std::uint64_t sign() const noexcept {
     const std::int64_t now_ns = monotonic_ns();
     const bool busy = now_ns < busy_until_ns_.load(std::memory_order_relaxed);
-    return beats_.load(std::memory_order_relaxed) + (busy ? static_cast<std::uint64_t>(now_ns) : 0U);
+    return beats_.load(std::memory_order_relaxed) +
+           (busy ? static_cast<std::uint64_t>(now_ns) : 0U);
   }
 
   /// One pass of the loop that is meant to take long, but not longer than `most_ns`.
@@ -70,7 +75,8 @@ class StallWatch {
  public:
   /// For how long `sign` has been the same, by a clock of who looks [ns].
   std::int64_t stalled_ns(std::uint64_t sign, const WatchClock& clock) noexcept {
-    if (sign_ != sign) sign_ = sign, since_ns_ = clock.now_ns();
+    if (sign_ != sign)
+      sign_ = sign, since_ns_ = clock.now_ns();
     return clock.now_ns() - since_ns_;
   }
 

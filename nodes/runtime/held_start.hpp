@@ -1,6 +1,7 @@
 #pragma once
-/// A node that `voxtouch up` starts ahead of time, while it still looks whether the rig is free: it reads and builds what it needs, and joins the
-/// rig when it is told to. Until then nobody in the rig hears of it.
+/// A node that `voxtouch up` starts ahead of time, while it still looks whether the rig is free: it
+/// reads and builds what it needs, and joins the rig when it is told to. Until then nobody in the
+/// rig hears of it.
 #include <atomic>
 #include <cstdint>
 
@@ -18,7 +19,8 @@ void be_held() noexcept;
 bool was_held() noexcept;
 /// What was said so far; kBegin where this process is not held. Does not wait. For one thread.
 Word word_of_starter() noexcept;
-/// Waits for the word. False where it is to leave, or `stop` is set: it goes without a sentence, for it has done nothing.
+/// Waits for the word. False where it is to leave, or `stop` is set: it goes without a sentence,
+/// for it has done nothing.
 bool may_begin(const std::atomic<bool>& stop) noexcept;
 
 /// The other end: what a held process has as its standard input.

@@ -14,22 +14,32 @@ namespace {
 
 /// With the 20 ms between two looks at least ten times a second.
 constexpr std::int64_t kStatusPeriodNs = 75'000'000;
-/// So long a node looks four times as often: nodes of a ring that start together wait for each other's looks, one after the other.
+/// So long a node looks four times as often: nodes of a ring that start together wait for each
+/// other's looks, one after the other.
 constexpr std::int64_t kStartNs = 1'000'000'000;
 
 }  // namespace
 
-Housekeeping::Housekeeping(const bus::Participant& participant, std::string node, const NodeOptions& options,
-                           std::function<void(NodeRegistry&, NodeReport&)> look, std::vector<Watched> watched)
-    : options_(options), node_(node), writer_(participant, std::move(node), options.rig),
-      registry_(participant, options.rig), life_cycle_(participant, node_, options.rig), ros_log_(participant, node_, options.rig), look_(std::move(look)), watched_(std::move(watched)),
+Housekeeping::Housekeeping(const bus::Participant& participant, std::string node,
+                           const NodeOptions& options,
+                           std::function<void(NodeRegistry&, NodeReport&)> look,
+                           std::vector<Watched> watched)
+    : options_(options),
+      node_(node),
+      writer_(participant, std::move(node), options.rig),
+      registry_(participant, options.rig),
+      life_cycle_(participant, node_, options.rig),
+      ros_log_(participant, node_, options.rig),
+      look_(std::move(look)),
+      watched_(std::move(watched)),
       own_(participant.guid()) {
   cycle();
   thread_ = std::thread([this, begun_ns = monotonic_ns()] {
     ordinary_priority();
     while (!stop_.load(std::memory_order_acquire)) {
       cycle_or_skip();
-      std::this_thread::sleep_for(std::chrono::milliseconds(monotonic_ns() - begun_ns < kStartNs ? 5 : 20));
+      std::this_thread::sleep_for(
+          std::chrono::milliseconds(monotonic_ns() - begun_ns < kStartNs ? 5 : 20));
     }
   });
 }
@@ -46,22 +56,27 @@ void Housekeeping::cycle_or_skip() noexcept {
   try {
     cycle();
   } catch (const std::exception&) {
-    // Out of memory, say. A report is lost; an exception that left this thread would end the process, and the device with it.
+    // Out of memory, say. A report is lost; an exception that left this thread would end the
+    // process, and the device with it.
   }
 }
 
-/// Nodes on several hosts each read their own copy of the scene: two that differ would render one and shape the other.
+/// Nodes on several hosts each read their own copy of the scene: two that differ would render one
+/// and shape the other.
 void Housekeeping::compare_scenes(NodeReport& report) const {
   const auto own = report.values.find("scene_hash");
-  if (own == report.values.end()) return;
+  if (own == report.values.end())
+    return;
   for (const NodeReport& other : registry_.reports()) {
     const auto its = other.values.find("scene_hash");
-    if (its == other.values.end() || its->second == own->second) continue;
+    if (its == other.values.end() || its->second == own->second)
+      continue;
     const auto name = other.values.find("scene");
-    report.message =
-        fmt::format("warning: this node runs scene '{}' ({}), but {} on {} runs '{}' ({}): give both the same file",
-                    report.values["scene"], own->second, other.node, other.host,
-                    name == other.values.end() ? "?" : name->second, its->second);
+    report.message = fmt::format(
+        "warning: this node runs scene '{}' ({}), but {} on {} runs '{}' ({}): give both the same "
+        "file",
+        report.values["scene"], own->second, other.node, other.host,
+        name == other.values.end() ? "?" : name->second, its->second);
     return;
   }
 }
@@ -71,31 +86,39 @@ void Housekeeping::watch_own(NodeReport& report) {
   clock_.look(monotonic_ns());
   double longest_s = 0.0;
   for (Watched& watched : watched_) {
-    const double stalled_s = static_cast<double>(watched.watch.stalled_ns(watched.sign(), clock_)) * 1e-9;
-    if (report.final() || stalled_s <= longest_s) continue;
+    const double stalled_s =
+        static_cast<double>(watched.watch.stalled_ns(watched.sign(), clock_)) * 1e-9;
+    if (report.final() || stalled_s <= longest_s)
+      continue;
     longest_s = stalled_s;
     report.values[kStalled] = watched.what;
   }
   longest_stall_s_ = std::max(longest_stall_s_, longest_s);
   const bool hangs = longest_s > static_cast<double>(kHungNs) * 1e-9;
-  if (!hangs) report.values.erase(kStalled);
+  if (!hangs)
+    report.values.erase(kStalled);
   report.figures[kStalledFor] = {hangs ? longest_s : 0.0, "s"};
   report.figures[kLongestStall] = {longest_stall_s_, "s"};
-  if (hangs) report.message += fmt::format("; {} has stood still for {} s", report.values[kStalled], 1e-9 * kHungNs);
+  if (hangs)
+    report.message +=
+        fmt::format("; {} has stood still for {} s", report.values[kStalled], 1e-9 * kHungNs);
 }
 
 void Housekeeping::watch_others(NodeReport& report) {
   had_session_ = had_session_ || report.session_id != 0;
   for (const Hung& hung : registry_.hung()) {
-    if (hung.participant == own_) continue;
+    if (hung.participant == own_)
+      continue;
     report.message += "; " + hung.sentence;
     // Strangers are named, whatever they call themselves, but nobody waits for them.
     const bool is_waited_for = partners_.contains(hung.participant) && hung.node != node_;
     const bool too_long = hung.for_s * 1e9 >= static_cast<double>(kGivenUpNs);
     if (is_waited_for && had_session_ && too_long && !report.final() && lost_.empty())
-      lost_ = fmt::format("{} has given no sign of life for {} s: the lockstep run ends", hung.node, 1e-9 * kGivenUpNs);
+      lost_ = fmt::format("{} has given no sign of life for {} s: the lockstep run ends", hung.node,
+                          1e-9 * kGivenUpNs);
   }
-  if (lost_.empty()) return;
+  if (lost_.empty())
+    return;
   report.state = NodeState::kFailed;
   report.message = lost_;
   peer_lost_.store(true, std::memory_order_relaxed);
@@ -104,11 +127,13 @@ void Housekeeping::watch_others(NodeReport& report) {
 /// What it says anew, and to who has just come what it said last.
 void Housekeeping::tell_ros(const NodeReport& report) {
   life_cycle_.serve(report.state);
-  if (ros_log_.reader_came() || report.message != last_.message) ros_log_.say(report.state, report.message);
+  if (ros_log_.reader_came() || report.message != last_.message)
+    ros_log_.say(report.state, report.message);
 }
 
 void Housekeeping::cycle() {
-  registry_.update([this](const NodeReport& report) { return partners_.contains(report.participant); });
+  registry_.update(
+      [this](const NodeReport& report) { return partners_.contains(report.participant); });
   NodeReport report = last_;
   look_(registry_, report);
   partners_ = report.partners;
@@ -116,23 +141,30 @@ void Housekeeping::cycle() {
   for (std::size_t i = 0; i < options_.warnings.size(); ++i)
     report.values["warning_" + std::to_string(i + 1)] = options_.warnings[i];
   compare_scenes(report);
-  if (const std::uint64_t lost = log::texts_lost()) report.figures["lost_texts"] = {lost, "texts"};
+  if (const std::uint64_t lost = log::texts_lost())
+    report.figures["lost_texts"] = {lost, "texts"};
   watch_own(report);
   watch_others(report);
   tell_ros(report);
   const bool announce = options_.announce && report.message != last_.message;
   const std::int64_t now = monotonic_ns();
-  const bool changed =
-      report.state != last_.state || report.session_id != last_.session_id || report.message != last_.message;
-  if (!changed && last_publish_ns_ != 0 && now - last_publish_ns_ < kStatusPeriodNs) return;
+  const bool changed = report.state != last_.state || report.session_id != last_.session_id ||
+                       report.message != last_.message;
+  if (!changed && last_publish_ns_ != 0 && now - last_publish_ns_ < kStatusPeriodNs)
+    return;
   const bool diagnose = changed || now - last_ros_ns_ >= 1'000'000'000;
-  if (diagnose) last_ros_ns_ = now;
+  if (diagnose)
+    last_ros_ns_ = now;
   writer_.publish(report, diagnose);
   last_ = std::move(report);
-  if (announce) log::tell("{}: {}\n", node_, last_.message);  // after the report itself: that one is for the other nodes
+  if (announce)
+    log::tell("{}: {}\n", node_,
+              last_.message);  // after the report itself: that one is for the other nodes
   if (rate_lines_ && last_.state == NodeState::kRunning && now - last_line_ns_ >= 1'000'000'000) {
     const double seconds = 1e-9 * static_cast<double>(now - last_line_ns_);
-    if (const std::string line = own_line(node_, last_.figures, at_last_line_, seconds); last_line_ns_ != 0 && !line.empty()) log::tell("{}\n", line);
+    if (const std::string line = own_line(node_, last_.figures, at_last_line_, seconds);
+        last_line_ns_ != 0 && !line.empty())
+      log::tell("{}\n", line);
     at_last_line_ = last_.figures, last_line_ns_ = now;
   }
   last_publish_ns_ = now;

@@ -1,6 +1,7 @@
 #pragma once
-/// The slow half of a node: a thread of ordinary priority that reports ten times a second, so that the loop never has to, tells who
-/// hangs: another node, or its own loop, and tells ROS tools state and sentences of the node.
+/// The slow half of a node: a thread of ordinary priority that reports ten times a second, so that
+/// the loop never has to, tells who hangs: another node, or its own loop, and tells ROS tools state
+/// and sentences of the node.
 #include <atomic>
 #include <functional>
 #include <set>
@@ -8,8 +9,8 @@
 
 #include "nodes/log/tell.hpp"
 #include "nodes/runtime/life_cycle.hpp"
-#include "nodes/runtime/options.hpp"
 #include "nodes/runtime/node_registry.hpp"
+#include "nodes/runtime/options.hpp"
 #include "nodes/runtime/ros_log.hpp"
 
 namespace voxtouch::runtime {
@@ -23,16 +24,19 @@ struct Watched {
 
 class Housekeeping {
  public:
-  /// `look` is called about every 20 ms, in the first second every 5: it fills the report (state, session, message, values) from the loop's atomics. The report
-  /// is published when state, session or message change, and ten times a second.
+  /// `look` is called about every 20 ms, in the first second every 5: it fills the report (state,
+  /// session, message, values) from the loop's atomics. The report is published when state, session
+  /// or message change, and ten times a second.
   Housekeeping(const bus::Participant& participant, std::string node, const NodeOptions& options,
-               std::function<void(NodeRegistry&, NodeReport&)> look, std::vector<Watched> watched = {});
+               std::function<void(NodeRegistry&, NodeReport&)> look,
+               std::vector<Watched> watched = {});
   /// Publishes a last report (`look` is asked once more) and waits until readers have it.
   ~Housekeeping();
   Housekeeping(const Housekeeping&) = delete;
   Housekeeping& operator=(const Housekeeping&) = delete;
 
-  /// Lockstep: a node that takes part has given no sign of life for kGivenUpNs. There is nothing more to wait for.
+  /// Lockstep: a node that takes part has given no sign of life for kGivenUpNs. There is nothing
+  /// more to wait for.
   bool peer_lost() const noexcept { return peer_lost_.load(std::memory_order_relaxed); }
 
  private:
@@ -57,11 +61,13 @@ class Housekeeping {
   bus::Guid own_;
   NodeReport last_;
   std::int64_t last_publish_ns_ = 0, last_ros_ns_ = 0, last_line_ns_ = 0;
-  const bool rate_lines_ = options_.announce && !log::stderr_is_journal();  ///< once a second, of a node that was started by hand
+  const bool rate_lines_ =
+      options_.announce &&
+      !log::stderr_is_journal();  ///< once a second, of a node that was started by hand
   Figures at_last_line_;
   bool had_session_ = false;
   std::set<bus::Guid> partners_;  ///< whom this node waits for, as `look` said last
-  std::string lost_;  ///< the sentence for a peer that was lost
+  std::string lost_;              ///< the sentence for a peer that was lost
   std::atomic<bool> stop_{false};
   std::thread thread_;
 };

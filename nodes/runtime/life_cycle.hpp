@@ -1,5 +1,6 @@
 #pragma once
-/// A node's state in the words of ROS's life cycle, to be asked for: `/<rig>/<node>/get_state`. It can be read, not set.
+/// A node's state in the words of ROS's life cycle, to be asked for: `/<rig>/<node>/get_state`. It
+/// can be read, not set.
 #include <cstdint>
 #include <string>
 #include <string_view>

@@ -42,9 +42,12 @@ int node_main(int argc, char** argv, const Program& program, NodeOptions& option
   add_node_options(app, options, program.with_scene);
   app.set_version_flag("--version", std::string(version()));
   int parent = 0;
-  app.add_option("--with-parent", parent, "Stop when this parent process dies (voxtouch up sets this)");
+  app.add_option("--with-parent", parent,
+                 "Stop when this parent process dies (voxtouch up sets this)");
   bool held = false;
-  app.add_flag("--held", held, "Get ready, and join the rig when a byte comes on standard input; leave at its end (voxtouch up sets this)");
+  app.add_flag("--held", held,
+               "Get ready, and join the rig when a byte comes on standard input; leave at its end "
+               "(voxtouch up sets this)");
   configure(app);
   log::guard_standard_streams();
   try {
@@ -53,14 +56,19 @@ int node_main(int argc, char** argv, const Program& program, NodeOptions& option
     return explain(app, error);
   }
   catch_signals();
-  if (parent) die_with_parent(parent);
-  if (held) be_held();
+  if (parent)
+    die_with_parent(parent);
+  if (held)
+    be_held();
   options.announce = parent == 0;
   try {
     options.require_keys(program.name);  // before anything starts
-    if (!program.in_ring) options.realtime.mode = Realtime::kOff;
+    if (!program.in_ring)
+      options.realtime.mode = Realtime::kOff;
     options.warnings = enter_realtime(options.scheduling());
-    for (const std::string& warning : options.announce ? options.warnings : std::vector<std::string>()) log::tell("warning: {}: {}\n", program.name, warning);
+    for (const std::string& warning :
+         options.announce ? options.warnings : std::vector<std::string>())
+      log::tell("warning: {}: {}\n", program.name, warning);
     return run(stop_requested());
   } catch (const std::exception& error) {
     log::tell("error: {}: {}\n", program.name, error.what());

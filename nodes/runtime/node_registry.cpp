@@ -17,7 +17,8 @@
 
 namespace voxtouch::runtime {
 
-StatusWriter::StatusWriter(const bus::Participant& participant, std::string node, const std::string& rig)
+StatusWriter::StatusWriter(const bus::Participant& participant, std::string node,
+                           const std::string& rig)
     : writer_(participant, qos::kNodeStatus, rig, qos::profile(qos::ProfileId::kStatus)),
       diagnostics_(participant, qos::kDiagnostics, rig, qos::profile(qos::kDiagnostics.profile)),
       full_name_(rig + "/" + node) {
@@ -34,9 +35,11 @@ namespace {
 /// What a registry would refuse is cut where it is made.
 NodeReport cut(NodeReport report) {
   constexpr std::size_t kMaxText = NodeRegistry::kMaxTextBytes;
-  if (report.message.size() > kMaxText) report.message.resize(kMaxText);
+  if (report.message.size() > kMaxText)
+    report.message.resize(kMaxText);
   for (auto& [key, value] : report.values)
-    if (value.size() > kMaxText) value.resize(kMaxText);
+    if (value.size() > kMaxText)
+      value.resize(kMaxText);
   return report;
 }
 
@@ -45,9 +48,11 @@ NodeReport cut(NodeReport report) {
 void StatusWriter::publish(const NodeReport& whole, bool tell_ros) {
   const NodeReport report = cut(whole);
   std::vector<msg::diagnostic_msgs_KeyValue> values;
-  for (const auto& [key, value] : report.values) values.push_back({lend(key), lend(value)});
+  for (const auto& [key, value] : report.values)
+    values.push_back({lend(key), lend(value)});
   std::vector<msg::Figure> figures;
-  for (const auto& [name, figure] : report.figures) figures.push_back({lend(name), lend(figure.unit), figure.value});
+  for (const auto& [name, figure] : report.figures)
+    figures.push_back({lend(name), lend(figure.unit), figure.value});
   msg::NodeStatus sample{};
   sample.node = lend(own_.node);
   sample.host = lend(own_.host);
@@ -61,15 +66,18 @@ void StatusWriter::publish(const NodeReport& whole, bool tell_ros) {
   sample.figures._buffer = figures.data();
   sample.figures._length = sample.figures._maximum = static_cast<std::uint32_t>(figures.size());
   writer_.write(sample);
-  if (tell_ros && diagnostics_.matched_count() > 0) publish_diagnostics(report, std::move(values));
+  if (tell_ros && diagnostics_.matched_count() > 0)
+    publish_diagnostics(report, std::move(values));
 }
 
-void StatusWriter::publish_diagnostics(const NodeReport& report, std::vector<msg::diagnostic_msgs_KeyValue> values) {
+void StatusWriter::publish_diagnostics(const NodeReport& report,
+                                       std::vector<msg::diagnostic_msgs_KeyValue> values) {
   namespace level = msg::diagnostic_msgs_DiagnosticStatus_constants;
   ++diagnostics_made_;
   std::deque<std::string> texts;  // ROS knows words only; addresses stay
   for (const auto& [name, figure] : report.figures)
-    values.push_back({lend(name), lend(texts.emplace_back(fmt::format("{:.9g} {}", figure.value, figure.unit)))});
+    values.push_back({lend(name), lend(texts.emplace_back(
+                                      fmt::format("{:.9g} {}", figure.value, figure.unit)))});
   msg::diagnostic_msgs_DiagnosticStatus status{};
   status.level = report.state == NodeState::kFailed     ? level::kError
                  : report.state == NodeState::kStarting ? level::kWarn
@@ -93,7 +101,8 @@ void StatusWriter::flush() noexcept { writer_.wait_for_acknowledgments(DDS_SECS(
 
 NodeRegistry::NodeRegistry(const bus::Participant& participant, const std::string& rig)
     : senders_(std::make_unique<bus::Following>(bus::Following::WhileNobody::kTakeAll)),
-      reader_(participant, qos::kNodeStatus, rig, qos::profile(qos::ProfileId::kStatus), senders_.get()) {}
+      reader_(participant, qos::kNodeStatus, rig, qos::profile(qos::ProfileId::kStatus),
+              senders_.get()) {}
 
 /// A writer that has gone is known as long as its last samples may lie here.
 void NodeRegistry::look_who_is_here() {
@@ -107,7 +116,8 @@ void NodeRegistry::look_who_is_here() {
   }
 }
 
-/// Far more than a node sends, look after look: after a pause of this process a look may well find many.
+/// Far more than a node sends, look after look: after a pause of this process a look may well find
+/// many.
 void NodeRegistry::refuse_floods() {
   constexpr int kMany = 32;
   for (const auto& [writer, count] : taken_)
@@ -122,31 +132,39 @@ bool NodeRegistry::fits(const msg::NodeStatus& s) {
     return !text || ::strnlen(text, most + 1) > most;
   };
   constexpr std::size_t kMaxNameBytes = 256;
-  if (too_long(s.node, kMaxNameBytes) || too_long(s.host, kMaxNameBytes) || too_long(s.message)) return false;
-  if (s.values._length > kMaxValues || s.figures._length > kMaxValues) return false;
-  const bool figures_fit =
-      std::none_of(s.figures._buffer, s.figures._buffer + s.figures._length, [&](const auto& figure) {
+  if (too_long(s.node, kMaxNameBytes) || too_long(s.host, kMaxNameBytes) || too_long(s.message))
+    return false;
+  if (s.values._length > kMaxValues || s.figures._length > kMaxValues)
+    return false;
+  const bool figures_fit = std::none_of(
+      s.figures._buffer, s.figures._buffer + s.figures._length, [&](const auto& figure) {
         return too_long(figure.name, kMaxNameBytes) || too_long(figure.unit, kMaxNameBytes);
       });
-  return figures_fit && std::none_of(s.values._buffer, s.values._buffer + s.values._length, [&](const auto& value) {
-    return too_long(value.key, kMaxNameBytes) || too_long(value.value);
-  });
+  return figures_fit && std::none_of(s.values._buffer, s.values._buffer + s.values._length,
+                                     [&](const auto& value) {
+                                       return too_long(value.key, kMaxNameBytes) ||
+                                              too_long(value.value);
+                                     });
 }
 
 /// Of the participant that it names, and one that is known or for whom there is room.
 bool NodeRegistry::is_its_own(const msg::NodeStatus& s, dds_instance_handle_t writer) const {
   const auto sender = writers_.find(writer);
-  if (sender == writers_.end() || std::memcmp(s.participant, sender->second.data(), sender->second.size()) != 0) return false;
+  if (sender == writers_.end() ||
+      std::memcmp(s.participant, sender->second.data(), sender->second.size()) != 0)
+    return false;
   return reports_.contains(sender->second) || reports_.size() < kMaxNodes;
 }
 
 NodeReport to_report(const msg::NodeStatus& s) {
-  NodeReport report{s.node, s.host, s.pid, {}, s.session_id, static_cast<NodeState>(s.state), s.message, {}, {}, 0};
+  NodeReport report{s.node,    s.host, s.pid, {}, s.session_id, static_cast<NodeState>(s.state),
+                    s.message, {},     {},    0};
   std::memcpy(report.participant.data(), s.participant, report.participant.size());
   for (std::uint32_t i = 0; i < s.values._length; ++i)
     report.values[s.values._buffer[i].key] = s.values._buffer[i].value;
   for (std::uint32_t i = 0; i < s.figures._length; ++i)
-    report.figures[s.figures._buffer[i].name] = {s.figures._buffer[i].value, s.figures._buffer[i].unit};
+    report.figures[s.figures._buffer[i].name] = {s.figures._buffer[i].value,
+                                                 s.figures._buffer[i].unit};
   return report;
 }
 
@@ -164,7 +182,8 @@ void NodeRegistry::update(const std::function<bool(const NodeReport&)>& keep) {
       [this](const msg::NodeStatus& status, dds_instance_handle_t writer) {
         ++taken_[writer];
         const bool fitting = fits(status);
-        if (!fitting) senders_->refuse(writer);
+        if (!fitting)
+          senders_->refuse(writer);
         if (fitting && is_its_own(status, writer))
           take(status);
         else
@@ -173,7 +192,9 @@ void NodeRegistry::update(const std::function<bool(const NodeReport&)>& keep) {
       kMaxTakes);
   refuse_floods();
   remember_vanished();
-  std::erase_if(reports_, [&](const auto& entry) { return !is_here(entry.first) && !(keep && keep(entry.second)); });
+  std::erase_if(reports_, [&](const auto& entry) {
+    return !is_here(entry.first) && !(keep && keep(entry.second));
+  });
   std::erase_if(writers_, [&](const auto& entry) { return !is_here(entry.second); });
 }
 
@@ -193,14 +214,17 @@ void NodeRegistry::remember_vanished() {
 
 std::vector<NodeReport> NodeRegistry::reports() const {
   std::vector<NodeReport> all;
-  for (const auto& [guid, report] : reports_) all.push_back(report);
-  std::sort(all.begin(), all.end(), [](const NodeReport& a, const NodeReport& b) { return a.node < b.node; });
+  for (const auto& [guid, report] : reports_)
+    all.push_back(report);
+  std::sort(all.begin(), all.end(),
+            [](const NodeReport& a, const NodeReport& b) { return a.node < b.node; });
   return all;
 }
 
 std::optional<NodeReport> NodeRegistry::find(std::string_view node) const {
   for (const auto& [guid, report] : reports_)
-    if (report.node == node) return report;
+    if (report.node == node)
+      return report;
   return std::nullopt;
 }
 
@@ -209,13 +233,16 @@ std::vector<Hung> NodeRegistry::hung() const {
   std::vector<Hung> all;
   std::vector<NodeReport> asked = reports();
   for (const auto& [name, report] : vanished_)
-    if (!reports_.contains(report.participant)) asked.push_back(report);  // `update` may have kept it
+    if (!reports_.contains(report.participant))
+      asked.push_back(report);  // `update` may have kept it
   for (const NodeReport& report : asked) {
-    if (report.final() || report.node == "up") continue;  // `up` has no loop, and says once that it is here
+    if (report.final() || report.node == "up")
+      continue;  // `up` has no loop, and says once that it is here
     const double silent = silent_s(report), stalled = value_of(report.figures, kStalledFor);
     if (silent > kHungS) {
-      all.push_back({report.node, report.participant, silent,
-                     fmt::format("{} hangs: no status has come from it for {} s", report.node, kHungS)});
+      all.push_back(
+          {report.node, report.participant, silent,
+           fmt::format("{} hangs: no status has come from it for {} s", report.node, kHungS)});
     } else if (stalled > kHungS) {
       const auto what = report.values.find(kStalled);
       all.push_back({report.node, report.participant, stalled,
@@ -237,13 +264,15 @@ std::string NodeRegistry::name_of(const bus::Guid& guid) const {
   return fmt::format("a participant that gives no name ({:02x})", fmt::join(guid, ""));
 }
 
-std::optional<NodeReport> look_for(NodeRegistry& registry, const std::function<bool(const NodeReport&)>& wanted,
+std::optional<NodeReport> look_for(NodeRegistry& registry,
+                                   const std::function<bool(const NodeReport&)>& wanted,
                                    std::chrono::milliseconds patience) {
   const std::int64_t until = monotonic_ns() + std::chrono::nanoseconds(patience).count();
   for (; monotonic_ns() < until; std::this_thread::sleep_for(std::chrono::milliseconds(20))) {
     registry.update();
     for (NodeReport& report : registry.reports())
-      if (wanted(report)) return std::move(report);
+      if (wanted(report))
+        return std::move(report);
   }
   return std::nullopt;
 }
@@ -255,11 +284,13 @@ std::uint64_t sessions_seen(const NodeRegistry& registry) {
   return most;
 }
 
-bool has_matched(const NodeRegistry& registry, const std::vector<bus::Guid>& matched, const std::vector<std::string>& nodes) {
+bool has_matched(const NodeRegistry& registry, const std::vector<bus::Guid>& matched,
+                 const std::vector<std::string>& nodes) {
   const std::vector<NodeReport> reports = registry.reports();
   return std::all_of(nodes.begin(), nodes.end(), [&](const std::string& node) {
     return std::any_of(reports.begin(), reports.end(), [&](const NodeReport& report) {
-      return report.node == node && std::find(matched.begin(), matched.end(), report.participant) != matched.end();
+      return report.node == node &&
+             std::find(matched.begin(), matched.end(), report.participant) != matched.end();
     });
   });
 }

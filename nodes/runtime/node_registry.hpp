@@ -27,8 +27,10 @@ enum class NodeState : std::uint32_t {
 /// Name of a report's figure: how many device sessions the node has seen.
 inline constexpr char kSessions[] = "sessions";
 
-/// Figures and word of a report: for how long what is watched beside the housekeeping has stood still, and what it is.
-inline constexpr char kStalledFor[] = "stalled_s", kLongestStall[] = "longest_stall_s", kStalled[] = "stalled";
+/// Figures and word of a report: for how long what is watched beside the housekeeping has stood
+/// still, and what it is.
+inline constexpr char kStalledFor[] = "stalled_s", kLongestStall[] = "longest_stall_s",
+                      kStalled[] = "stalled";
 
 /// One node's status as a value.
 struct NodeReport {
@@ -41,16 +43,20 @@ struct NodeReport {
   std::string message;
   std::map<std::string, std::string> values;  ///< words
   Figures figures;                            ///< numbers
-  std::int64_t heard_ns = 0;                  ///< when it came, by the watch of the registry that took it
-  std::set<bus::Guid> partners{};             ///< lockstep: whom the node waits for; known to the node alone, and not published
+  std::int64_t heard_ns = 0;       ///< when it came, by the watch of the registry that took it
+  std::set<bus::Guid> partners{};  ///< lockstep: whom the node waits for; known to the node alone,
+                                   ///< and not published
   /// Nothing more is to come from it.
-  bool final() const noexcept { return state == NodeState::kStopped || state == NodeState::kFailed; }
+  bool final() const noexcept {
+    return state == NodeState::kStopped || state == NodeState::kFailed;
+  }
 };
 
 /// A status as its node meant it; nobody has looked at its lengths.
 NodeReport to_report(const msg::NodeStatus& status);
 
-/// Publishes this node's report, and the same as /diagnostics while somebody reads that. Not for the loop: allocates.
+/// Publishes this node's report, and the same as /diagnostics while somebody reads that. Not for
+/// the loop: allocates.
 class StatusWriter {
  public:
   StatusWriter(const bus::Participant& participant, std::string node, const std::string& rig);
@@ -62,7 +68,8 @@ class StatusWriter {
   std::uint64_t diagnostics_made() const noexcept { return diagnostics_made_; }
 
  private:
-  void publish_diagnostics(const NodeReport& report, std::vector<msg::diagnostic_msgs_KeyValue> values);
+  void publish_diagnostics(const NodeReport& report,
+                           std::vector<msg::diagnostic_msgs_KeyValue> values);
   bus::Writer<msg::NodeStatus> writer_;
   bus::Writer<msg::diagnostic_msgs_DiagnosticArray> diagnostics_;
   std::string full_name_;  // "haptic/device"
@@ -78,13 +85,15 @@ struct Hung {
   std::string sentence;
 };
 
-/// The newest report of each participant that is still there. Only its own: a status that comes from another participant than it names,
-/// as a bag that is played sends, is refused, and so is one that is longer than any of ours. A writer of such a one, or of a flood, is not
-/// listened to any more.
+/// The newest report of each participant that is still there. Only its own: a status that comes
+/// from another participant than it names, as a bag that is played sends, is refused, and so is one
+/// that is longer than any of ours. A writer of such a one, or of a flood, is not listened to any
+/// more.
 class NodeRegistry {
  public:
   NodeRegistry(const bus::Participant& participant, const std::string& rig);
-  /// Takes what has arrived; forgets nodes whose participant has gone, but for those that `keep` holds on to.
+  /// Takes what has arrived; forgets nodes whose participant has gone, but for those that `keep`
+  /// holds on to.
   void update(const std::function<bool(const NodeReport&)>& keep = {});
   /// All reports, sorted by node name.
   std::vector<NodeReport> reports() const;
@@ -93,9 +102,10 @@ class NodeRegistry {
   double silent_s(const NodeReport& report) const noexcept {
     return static_cast<double>(clock_.now_ns() - report.heard_ns) * 1e-9;
   }
-  /// Nodes of the ring that hang: no status for kHungNs, or one that says that its loop stands still. A node whose participant has
-  /// gone without a last word, as DDS finds of a stopped one after some seconds, is among them until another takes its name, for 10 s
-  /// at most. Call `update` often.
+  /// Nodes of the ring that hang: no status for kHungNs, or one that says that its loop stands
+  /// still. A node whose participant has gone without a last word, as DDS finds of a stopped one
+  /// after some seconds, is among them until another takes its name, for 10 s at most. Call
+  /// `update` often.
   std::vector<Hung> hung() const;
   const NodeReport* report_of(const bus::Guid& participant) const;
   /// Whether a status writer of `participant` is there.
@@ -118,7 +128,8 @@ class NodeRegistry {
 
   std::unique_ptr<bus::Following> senders_;  // outlives the reader, which asks it
   bus::Reader<msg::NodeStatus> reader_;
-  std::map<dds_instance_handle_t, int> taken_, taken_before_;  ///< statuses of each writer, in this look and in the last
+  std::map<dds_instance_handle_t, int> taken_,
+      taken_before_;  ///< statuses of each writer, in this look and in the last
   std::map<dds_instance_handle_t, bus::Guid> writers_;  ///< of the statuses: whose each is
   std::set<bus::Guid> here_;
   std::uint64_t refused_ = 0;
@@ -127,13 +138,15 @@ class NodeRegistry {
 };
 
 /// Looks for `patience`: the first report that `wanted` holds of, if one comes.
-std::optional<NodeReport> look_for(NodeRegistry& registry, const std::function<bool(const NodeReport&)>& wanted,
+std::optional<NodeReport> look_for(NodeRegistry& registry,
+                                   const std::function<bool(const NodeReport&)>& wanted,
                                    std::chrono::milliseconds patience);
 
 /// How many device sessions the nodes of the registry have seen: the most that one of them reports.
 std::uint64_t sessions_seen(const NodeRegistry& registry);
 
 /// Whether for each of `nodes` a participant of that name is in `matched`.
-bool has_matched(const NodeRegistry& registry, const std::vector<bus::Guid>& matched, const std::vector<std::string>& nodes);
+bool has_matched(const NodeRegistry& registry, const std::vector<bus::Guid>& matched,
+                 const std::vector<std::string>& nodes);
 
 }  // namespace voxtouch::runtime

@@ -18,66 +18,87 @@ namespace {
 
 constexpr std::size_t kShown = 64;  ///< of a faulty text, in messages
 
-/// An interface becomes part of the XML that configures DDS. The kernel's own names are shorter; an address may stand here too.
+/// An interface becomes part of the XML that configures DDS. The kernel's own names are shorter; an
+/// address may stand here too.
 std::string check_interface(const std::string& name) {
   constexpr std::size_t kMaxLength = 64;
-  const bool good = !name.empty() && name.size() <= kMaxLength && std::all_of(name.begin(), name.end(), [](unsigned char c) {
-    return std::isalnum(c) || c == '_' || c == '-' || c == '.' || c == ':' || c == '@' || c == '%';
-  });
+  const bool good = !name.empty() && name.size() <= kMaxLength &&
+                    std::all_of(name.begin(), name.end(), [](unsigned char c) {
+                      return std::isalnum(c) || c == '_' || c == '-' || c == '.' || c == ':' ||
+                             c == '@' || c == '%';
+                    });
   return good ? std::string()
-              : fmt::format("'{}' is no name of a network interface; `ip link` lists them", name.substr(0, kShown));
+              : fmt::format("'{}' is no name of a network interface; `ip link` lists them",
+                            name.substr(0, kShown));
 }
 
 /// A host's name or address becomes part of that XML too.
 std::string check_host(const std::string& name) {
-  return check_interface(name).empty() ? std::string() : fmt::format("'{}' is no host's name or address", name.substr(0, kShown));
+  return check_interface(name).empty()
+             ? std::string()
+             : fmt::format("'{}' is no host's name or address", name.substr(0, kShown));
 }
 
 }  // namespace
 
 std::string check_rig(const std::string& name) {
   constexpr std::size_t kMaxLength = 64;
-  const bool good = !name.empty() && name.size() <= kMaxLength && std::isalpha(static_cast<unsigned char>(name[0])) &&
-                    std::all_of(name.begin(), name.end(), [](unsigned char c) { return std::isalnum(c) || c == '_'; });
+  const bool good = !name.empty() && name.size() <= kMaxLength &&
+                    std::isalpha(static_cast<unsigned char>(name[0])) &&
+                    std::all_of(name.begin(), name.end(),
+                                [](unsigned char c) { return std::isalnum(c) || c == '_'; });
   return good ? std::string()
-              : fmt::format("'{}' is not a ROS name: letters, digits and _, a letter first, {} of them at most",
-                            name.substr(0, kShown), kMaxLength);
+              : fmt::format(
+                    "'{}' is not a ROS name: letters, digits and _, a letter first, {} of them at "
+                    "most",
+                    name.substr(0, kShown), kMaxLength);
 }
 
 std::string require_cpu(const std::string& text) {
   cpu_set_t allowed;
   CPU_ZERO(&allowed);
-  if (sched_getaffinity(0, sizeof allowed, &allowed) != 0) return require_whole(text);  // more than a set holds
+  if (sched_getaffinity(0, sizeof allowed, &allowed) != 0)
+    return require_whole(text);  // more than a set holds
   std::string known;
   for (unsigned cpu = 0; cpu < CPU_SETSIZE; ++cpu) {
-    if (!CPU_ISSET(cpu, &allowed)) continue;
-    if (text == fmt::to_string(cpu)) return {};
+    if (!CPU_ISSET(cpu, &allowed))
+      continue;
+    if (text == fmt::to_string(cpu))
+      return {};
     known += (known.empty() ? "" : ", ") + fmt::to_string(cpu);
   }
-  return fmt::format("'{}' is no CPU that this process may run on; there {}: {}", text.substr(0, kShown),
-                     CPU_COUNT(&allowed) == 1 ? "is 1" : fmt::format("are {}", CPU_COUNT(&allowed)), known);
+  return fmt::format(
+      "'{}' is no CPU that this process may run on; there {}: {}", text.substr(0, kShown),
+      CPU_COUNT(&allowed) == 1 ? "is 1" : fmt::format("are {}", CPU_COUNT(&allowed)), known);
 }
 
 std::string require_positive(const std::string& text) {
   const auto value = parse_finite(text);
-  return value && *value > 0.0 ? "" : "'" + text.substr(0, kShown) + "' is not a finite number over 0";
+  return value && *value > 0.0 ? ""
+                               : "'" + text.substr(0, kShown) + "' is not a finite number over 0";
 }
 
 std::string require_whole(const std::string& text) {
   // As a whole it must fit: CLI11 would take the largest number for one beyond it.
-  return parse_number<std::uint64_t>(text) ? "" : "'" + text.substr(0, kShown) + "' is not a whole number of 0 or more";
+  return parse_number<std::uint64_t>(text)
+             ? ""
+             : "'" + text.substr(0, kShown) + "' is not a whole number of 0 or more";
 }
 
 std::string require_count(const std::string& text) {
-  return parse_number<std::uint64_t>(text).value_or(0) > 0 ? "" : "'" + text.substr(0, kShown) + "' is not a whole number of 1 or more";
+  return parse_number<std::uint64_t>(text).value_or(0) > 0
+             ? ""
+             : "'" + text.substr(0, kShown) + "' is not a whole number of 1 or more";
 }
 
 std::string check_topic(const std::string& name) {
   constexpr std::size_t kMaxLength = 256;
-  const bool good = !name.empty() && name.size() <= kMaxLength &&
-                    std::all_of(name.begin(), name.end(), [](unsigned char c) { return c > ' ' && c <= '~'; });
+  const bool good =
+      !name.empty() && name.size() <= kMaxLength &&
+      std::all_of(name.begin(), name.end(), [](unsigned char c) { return c > ' ' && c <= '~'; });
   return good ? std::string()
-              : fmt::format("'{}' is no name of a DDS topic, such as rt/joint_states", name.substr(0, kShown));
+              : fmt::format("'{}' is no name of a DDS topic, such as rt/joint_states",
+                            name.substr(0, kShown));
 }
 
 bool NodeOptions::has_peer(std::string_view node) const {
@@ -93,50 +114,77 @@ void add_rig_options(CLI::App& app, NodeOptions& o) {
       ->envname("ROS_DOMAIN_ID")
       ->check(CLI::Range(0, 232));
   app.add_option("--interface", o.network_interface,
-                 "Network interface for a ring on several hosts; host: this one, closed to others (CYCLONEDDS_URI overrides)")
+                 "Network interface for a ring on several hosts; host: this one, closed to others "
+                 "(CYCLONEDDS_URI overrides)")
       ->capture_default_str()
       ->check(check_interface);
-  app.add_option("--discovery-peer", o.discovery_peers, "Another host of the ring, where multicast does not reach it; may be repeated")
+  app.add_option("--discovery-peer", o.discovery_peers,
+                 "Another host of the ring, where multicast does not reach it; may be repeated")
       ->allow_extra_args(false)
       ->check(check_host);
-  app.add_option("--security", o.security, "Folder of `voxtouch keys`: DDS Security, with the files of the role that this has; nothing falls back to plain")
+  app.add_option("--security", o.security,
+                 "Folder of `voxtouch keys`: DDS Security, with the files of the role that this "
+                 "has; nothing falls back to plain")
       ->option_text("DIR")
-      ->check([](const std::string& text) { return std::string(text.empty() ? "an empty name is no folder of keys" : ""); });
-  app.add_option("--ros", o.ros, "The ROS 2 that shows the nodes: humble, or iron for every later one (Jazzy, Kilted, ...)")
-      ->transform(CLI::CheckedTransformer(
-          std::map<std::string, bus::RosGraph>{{"humble", bus::RosGraph::kHumble}, {"iron", bus::RosGraph::kIron}}))
+      ->check([](const std::string& text) {
+        return std::string(text.empty() ? "an empty name is no folder of keys" : "");
+      });
+  app.add_option(
+         "--ros", o.ros,
+         "The ROS 2 that shows the nodes: humble, or iron for every later one (Jazzy, Kilted, ...)")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, bus::RosGraph>{
+          {"humble", bus::RosGraph::kHumble}, {"iron", bus::RosGraph::kIron}}))
       ->option_text("humble|iron");
 }
 
 void add_node_options(CLI::App& app, NodeOptions& o, bool with_scene) {
-  if (with_scene) app.add_option("--scene", o.scene, "Scene file (YAML), or the name of one that comes with voxtouch")->required()->transform(scene_argument());
+  if (with_scene)
+    app.add_option("--scene", o.scene,
+                   "Scene file (YAML), or the name of one that comes with voxtouch")
+        ->required()
+        ->transform(scene_argument());
   add_rig_options(app, o);
-  app.add_option("--seed", o.seed, "Seed of everything random")->capture_default_str()->check(require_whole);
-  app.add_flag("--lockstep", o.lockstep, "Simulated time: every sample waits for its command; same bits on every run");
-  app.add_option("--peers", o.peers, "Nodes that take part, beside the device. In lockstep a run waits for them all; in real time device, rendering and\n"
-                 "coupling wait with their first sample until the logger, where it is one of them, hears them, 5 s at most")
+  app.add_option("--seed", o.seed, "Seed of everything random")
+      ->capture_default_str()
+      ->check(require_whole);
+  app.add_flag("--lockstep", o.lockstep,
+               "Simulated time: every sample waits for its command; same bits on every run");
+  app.add_option("--peers", o.peers,
+                 "Nodes that take part, beside the device. In lockstep a run waits for them all; "
+                 "in real time device, rendering and\n"
+                 "coupling wait with their first sample until the logger, where it is one of them, "
+                 "hears them, 5 s at most")
       ->delimiter(',')
       ->check(CLI::IsMember({"rendering", "coupling", "logger", "validator"}));
-  app.add_option("--realtime", o.realtime.mode,
-                 "What to do where real-time scheduling is refused: ignore (warn) or enforce (fail)")
-      ->transform(CLI::CheckedTransformer(
-          std::map<std::string, Realtime>{{"ignore", Realtime::kIgnore}, {"enforce", Realtime::kEnforce}}))
+  app.add_option(
+         "--realtime", o.realtime.mode,
+         "What to do where real-time scheduling is refused: ignore (warn) or enforce (fail)")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, Realtime>{
+          {"ignore", Realtime::kIgnore}, {"enforce", Realtime::kEnforce}}))
       ->option_text("ignore|enforce");
   app.add_option("--cpu", o.realtime.cpu, "Pin to this CPU")->check(require_cpu);
 }
 
 std::vector<std::string> to_arguments(const NodeOptions& o, bool with_scene) {
   std::vector<std::string> a;
-  if (with_scene) a.insert(a.end(), {"--scene", o.scene.string()});
-  a.insert(a.end(), {"--rig", o.rig, "--domain", fmt::to_string(o.domain), "--interface", o.network_interface, "--seed",
-                     fmt::to_string(o.seed)});
-  for (const std::string& peer : o.discovery_peers) a.insert(a.end(), {"--discovery-peer", peer});
-  if (!o.security.empty()) a.insert(a.end(), {"--security", o.security.string()});
-  if (o.ros == bus::RosGraph::kHumble) a.insert(a.end(), {"--ros", "humble"});
-  if (o.lockstep) a.push_back("--lockstep");
-  if (!o.peers.empty()) a.insert(a.end(), {"--peers", fmt::format("{}", fmt::join(o.peers, ","))});
-  if (o.realtime.mode == Realtime::kEnforce) a.insert(a.end(), {"--realtime", "enforce"});
-  if (o.realtime.cpu) a.insert(a.end(), {"--cpu", fmt::to_string(*o.realtime.cpu)});
+  if (with_scene)
+    a.insert(a.end(), {"--scene", o.scene.string()});
+  a.insert(a.end(), {"--rig", o.rig, "--domain", fmt::to_string(o.domain), "--interface",
+                     o.network_interface, "--seed", fmt::to_string(o.seed)});
+  for (const std::string& peer : o.discovery_peers)
+    a.insert(a.end(), {"--discovery-peer", peer});
+  if (!o.security.empty())
+    a.insert(a.end(), {"--security", o.security.string()});
+  if (o.ros == bus::RosGraph::kHumble)
+    a.insert(a.end(), {"--ros", "humble"});
+  if (o.lockstep)
+    a.push_back("--lockstep");
+  if (!o.peers.empty())
+    a.insert(a.end(), {"--peers", fmt::format("{}", fmt::join(o.peers, ","))});
+  if (o.realtime.mode == Realtime::kEnforce)
+    a.insert(a.end(), {"--realtime", "enforce"});
+  if (o.realtime.cpu)
+    a.insert(a.end(), {"--cpu", fmt::to_string(*o.realtime.cpu)});
   return a;
 }
 

@@ -27,27 +27,34 @@ struct NodeOptions {
   bus::RosGraph ros = bus::RosGraph::kIron;
   std::filesystem::path security;  ///< folder of keys; empty: plain DDS
   bool lockstep = false;
-  std::vector<std::string> peers;  ///< the nodes that take part, the device aside: lockstep waits for all, real time for the logger alone
+  std::vector<std::string> peers;  ///< the nodes that take part, the device aside: lockstep waits
+                                   ///< for all, real time for the logger alone
   std::uint64_t seed = 1;
   RealtimeOptions realtime;
-  bool announce = false;              ///< say on stderr what changes; for nodes that are started by hand
+  bool announce = false;  ///< say on stderr what changes; for nodes that are started by hand
   std::vector<std::string> warnings;  ///< of the start-up; each node keeps them in its reports
 
-  qos::TimeMode mode() const noexcept { return lockstep ? qos::TimeMode::kLockstep : qos::TimeMode::kRealTime; }
+  qos::TimeMode mode() const noexcept {
+    return lockstep ? qos::TimeMode::kLockstep : qos::TimeMode::kRealTime;
+  }
   /// Judges the files of --security first: throws security::Error.
   bus::ParticipantOptions participant(const std::string& node) const {
-    return {domain, network_interface, "voxtouch_" + node + "/" + rig, discovery_peers, {"/" + rig, node, ros}, require_keys(node)};
+    return {domain,          network_interface,      "voxtouch_" + node + "/" + rig,
+            discovery_peers, {"/" + rig, node, ros}, require_keys(node)};
   }
   /// Of the role that `node` has; nothing without --security. Throws security::Error, a sentence.
   security::Properties require_keys(std::string_view node) const {
-    return security.empty() ? security::Properties() : security::properties_of(security, security::role_of(node), rig);
+    return security.empty() ? security::Properties()
+                            : security::properties_of(security, security::role_of(node), rig);
   }
   /// Whether `node` is among --peers.
   bool has_peer(std::string_view node) const;
-  /// In lockstep no deadline is to be met, and a loop that never rests would keep the real-time rings of this machine from running.
+  /// In lockstep no deadline is to be met, and a loop that never rests would keep the real-time
+  /// rings of this machine from running.
   RealtimeOptions scheduling() const {
     RealtimeOptions asked = realtime;
-    if (lockstep) asked.priority = 0;
+    if (lockstep)
+      asked.priority = 0;
     return asked;
   }
 };
@@ -67,7 +74,8 @@ std::string require_cpu(const std::string& text);
 /// --rig, --domain, --interface and --discovery-peer, --security and --ros alone: whom to talk to.
 void add_rig_options(CLI::App& app, NodeOptions& options);
 
-/// Adds the options above to a command line: --scene (where `with_scene`), --rig, --domain, --interface, --lockstep, ...
+/// Adds the options above to a command line: --scene (where `with_scene`), --rig, --domain,
+/// --interface, --lockstep, ...
 void add_node_options(CLI::App& app, NodeOptions& options, bool with_scene);
 
 /// The command line of a node that gets exactly these options: what `up` starts its children with.

@@ -1,5 +1,6 @@
 #pragma once
-/// What a node that was started by hand says once a second: rate and force, as `voxtouch up` says them of the whole ring.
+/// What a node that was started by hand says once a second: rate and force, as `voxtouch up` says
+/// them of the whole ring.
 #include <string>
 
 #include "nodes/runtime/figure.hpp"
@@ -7,6 +8,7 @@
 namespace voxtouch::runtime {
 
 /// One line from the node's figures now and `seconds` before; empty where it counts nothing yet.
-std::string own_line(const std::string& node, const Figures& now, const Figures& before, double seconds);
+std::string own_line(const std::string& node, const Figures& now, const Figures& before,
+                     double seconds);
 
 }  // namespace voxtouch::runtime

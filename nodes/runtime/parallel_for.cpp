@@ -14,23 +14,27 @@ namespace {
 
 using Body = std::function<void(std::size_t)>;
 
-/// One loop: its threads take the next index until none is left or one has failed. Indices are taken in order, so that all
-/// below a failed one have been taken, and the lowest failure is the one that a loop without threads would have met.
+/// One loop: its threads take the next index until none is left or one has failed. Indices are
+/// taken in order, so that all below a failed one have been taken, and the lowest failure is the
+/// one that a loop without threads would have met.
 class Loop {
  public:
   Loop(std::size_t count, const Body& body) : count_(count), body_(body) {}
 
   void run(std::size_t threads) {
     std::vector<std::jthread> pool;  // joins, also where one of them could not be made
-    for (std::size_t t = 0; t < threads; ++t) pool.emplace_back([this] { work(); });
+    for (std::size_t t = 0; t < threads; ++t)
+      pool.emplace_back([this] { work(); });
     pool.clear();
-    if (failure_) std::rethrow_exception(failure_);
+    if (failure_)
+      std::rethrow_exception(failure_);
   }
 
  private:
   void work() {
     ordinary_priority();
-    for (std::size_t i; !failed_.load(std::memory_order_relaxed) && (i = next_.fetch_add(1)) < count_;) {
+    for (std::size_t i;
+         !failed_.load(std::memory_order_relaxed) && (i = next_.fetch_add(1)) < count_;) {
       try {
         body_(i);
       } catch (...) {
@@ -40,7 +44,8 @@ class Loop {
   }
   void fail(std::size_t index) {
     const std::lock_guard lock(mutex_);
-    if (!failure_ || index < failed_at_) failure_ = std::current_exception(), failed_at_ = index;
+    if (!failure_ || index < failed_at_)
+      failure_ = std::current_exception(), failed_at_ = index;
     failed_ = true;
   }
 
@@ -58,9 +63,11 @@ class Loop {
 std::size_t processors() noexcept { return std::max(1U, std::thread::hardware_concurrency()); }
 
 ParallelFor threaded_for(std::size_t threads) {
-  if (threads <= 1) return serial_for();
+  if (threads <= 1)
+    return serial_for();
   return [threads](std::size_t count, const Body& body) {
-    if (count <= 1) return serial_for()(count, body);
+    if (count <= 1)
+      return serial_for()(count, body);
     Loop(count, body).run(std::min(threads, count));
   };
 }

@@ -28,18 +28,22 @@ int may_lock_memory() {
 
 constexpr std::size_t kStackBytes = 1 << 20;
 
-/// Locked memory is there as a whole from the start: of the usual 8 MB a stack, ten threads of DDS would take 80 MB, at the loop's priority.
+/// Locked memory is there as a whole from the start: of the usual 8 MB a stack, ten threads of DDS
+/// would take 80 MB, at the loop's priority.
 void start_threads_with_small_stacks() {
   pthread_attr_t usual;
-  if (pthread_getattr_default_np(&usual) != 0) return;
+  if (pthread_getattr_default_np(&usual) != 0)
+    return;
   pthread_attr_setstacksize(&usual, kStackBytes);
   pthread_setattr_default_np(&usual);
   pthread_attr_destroy(&usual);
 }
 
-/// 0 or errno. Under a limit the lock is not even tried: with MCL_FUTURE every later allocation beyond the limit would fail.
+/// 0 or errno. Under a limit the lock is not even tried: with MCL_FUTURE every later allocation
+/// beyond the limit would fail.
 int lock_memory() {
-  if (const int error = may_lock_memory(); error != 0) return error;
+  if (const int error = may_lock_memory(); error != 0)
+    return error;
   start_threads_with_small_stacks();
   return mlockall(MCL_CURRENT | MCL_FUTURE) == 0 ? 0 : errno;
 }
@@ -54,32 +58,38 @@ bool stay_on(int cpu) noexcept {
 
 std::vector<std::string> take_rights(const RealtimeOptions& options, int (*lock)()) {
   std::vector<std::string> refused;
-  // Before the priority: it takes all memory in at once, 30 ms at which no loop of another rig would run.
+  // Before the priority: it takes all memory in at once, 30 ms at which no loop of another rig
+  // would run.
   if (const int error = options.priority > 0 ? lock() : 0; error != 0)
-    refused.push_back(
-        fmt::format("memory could not be locked ({}): a page fault may delay a sample. 'memlock' in "
-                    "/etc/security/limits.d allows it "
-                    "(deploy/services/99-voxtouch-realtime.conf).",
-                    std::strerror(error)));
+    refused.push_back(fmt::format(
+        "memory could not be locked ({}): a page fault may delay a sample. 'memlock' in "
+        "/etc/security/limits.d allows it "
+        "(deploy/services/99-voxtouch-realtime.conf).",
+        std::strerror(error)));
   sched_param parameters{};
   parameters.sched_priority = options.priority;
   if (options.priority > 0 && sched_setscheduler(0, SCHED_FIFO, &parameters) != 0)
-    refused.push_back(
-        fmt::format("SCHED_FIFO priority {} was refused ({}): expect late samples under load. 'rtprio' in "
-                    "/etc/security/limits.d allows it "
-                    "(deploy/services/99-voxtouch-realtime.conf).",
-                    options.priority, std::strerror(errno)));
+    refused.push_back(fmt::format(
+        "SCHED_FIFO priority {} was refused ({}): expect late samples under load. 'rtprio' in "
+        "/etc/security/limits.d allows it "
+        "(deploy/services/99-voxtouch-realtime.conf).",
+        options.priority, std::strerror(errno)));
   if (options.cpu && !stay_on(*options.cpu))
-    refused.push_back(fmt::format("CPU {} could not be taken ({}); `nproc` says how many there are.", *options.cpu, std::strerror(errno)));
+    refused.push_back(
+        fmt::format("CPU {} could not be taken ({}); `nproc` says how many there are.",
+                    *options.cpu, std::strerror(errno)));
   return refused;
 }
 
 }  // namespace
 
-std::vector<std::string> refused_rights(const RealtimeOptions& options) { return take_rights(options, may_lock_memory); }
+std::vector<std::string> refused_rights(const RealtimeOptions& options) {
+  return take_rights(options, may_lock_memory);
+}
 
 std::vector<std::string> enter_realtime(const RealtimeOptions& options) {
-  if (options.mode == Realtime::kOff) return {};
+  if (options.mode == Realtime::kOff)
+    return {};
   std::vector<std::string> refused = take_rights(options, lock_memory);
   if (options.mode == Realtime::kEnforce && !refused.empty())
     throw std::runtime_error("--realtime enforce: " + refused.front());
@@ -93,14 +103,16 @@ void ordinary_priority() noexcept {
 
 AtOrdinaryPriority::AtOrdinaryPriority() noexcept : policy_(sched_getscheduler(0)), priority_(0) {
   sched_param had{};
-  if (sched_getparam(0, &had) == 0) priority_ = had.sched_priority;
+  if (sched_getparam(0, &had) == 0)
+    priority_ = had.sched_priority;
   ordinary_priority();
 }
 
 AtOrdinaryPriority::~AtOrdinaryPriority() {
   sched_param had{};
   had.sched_priority = priority_;
-  if (policy_ >= 0) sched_setscheduler(0, policy_, &had);
+  if (policy_ >= 0)
+    sched_setscheduler(0, policy_, &had);
 }
 
 void flush_denormals() noexcept {
@@ -110,20 +122,24 @@ void flush_denormals() noexcept {
 }
 
 void enter_loop(const RealtimeOptions& options) noexcept {
-  if (options.loop_cpu && sched_getscheduler(0) == SCHED_FIFO) stay_on(*options.loop_cpu);
+  if (options.loop_cpu && sched_getscheduler(0) == SCHED_FIFO)
+    stay_on(*options.loop_cpu);
 }
 
 }  // namespace voxtouch::runtime
 
-// Cyclone DDS guards its table of handles, its queue of events and each writer by mutexes that it makes without attributes. A thread of
-// ordinary priority that holds one (it writes a node's status, say) and is not run meanwhile keeps the loop waiting: 40 to 340 ms of silence were seen
-// beside compilers. Made here they lend their holder the priority of who waits, so that nothing but the ring's own threads comes between.
-// Sanitizers bring a pthread_mutex_init of their own.
+// Cyclone DDS guards its table of handles, its queue of events and each writer by mutexes that it
+// makes without attributes. A thread of ordinary priority that holds one (it writes a node's
+// status, say) and is not run meanwhile keeps the loop waiting: 40 to 340 ms of silence were seen
+// beside compilers. Made here they lend their holder the priority of who waits, so that nothing but
+// the ring's own threads comes between. Sanitizers bring a pthread_mutex_init of their own.
 #if !defined(__SANITIZE_THREAD__) && !defined(__SANITIZE_ADDRESS__)
-extern "C" __attribute__((visibility("default"))) int pthread_mutex_init(pthread_mutex_t* mutex, const pthread_mutexattr_t* attributes) noexcept {
+extern "C" __attribute__((visibility("default"))) int pthread_mutex_init(
+    pthread_mutex_t* mutex, const pthread_mutexattr_t* attributes) noexcept {
   using Init = int (*)(pthread_mutex_t*, const pthread_mutexattr_t*);
   static const Init init = reinterpret_cast<Init>(dlsym(RTLD_NEXT, "pthread_mutex_init"));
-  if (attributes != nullptr) return init(mutex, attributes);
+  if (attributes != nullptr)
+    return init(mutex, attributes);
   pthread_mutexattr_t lending;
   pthread_mutexattr_init(&lending);
   pthread_mutexattr_setprotocol(&lending, PTHREAD_PRIO_INHERIT);

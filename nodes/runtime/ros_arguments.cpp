@@ -1,7 +1,7 @@
 #include "nodes/runtime/ros_arguments.hpp"
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 namespace voxtouch::runtime {
 namespace {
@@ -9,7 +9,8 @@ namespace {
 constexpr std::string_view kNamespace = "__ns:=";
 
 [[noreturn]] void refuse(const std::string& what, const std::string& why) {
-  throw CLI::ValidationError("--ros-args", fmt::format("'{}' is not taken: {}", what.substr(0, 128), why));
+  throw CLI::ValidationError("--ros-args",
+                             fmt::format("'{}' is not taken: {}", what.substr(0, 128), why));
 }
 
 std::string rig_of(const std::string& remap) {
@@ -23,20 +24,27 @@ std::string rig_of(const std::string& remap) {
 std::vector<std::string> translated(const std::string& option, const std::string& value) {
   if (option != "-r" && option != "--remap") {
     if (option == "-p" || option == "--param" || option == "--params-file")
-      refuse(option + " " + value, "parameters are the scene file's, and while the ring runs `ros2 param set`'s");
-    refuse(option, "of ROS's arguments a remapping of the namespace is taken (-r __ns:=/left), which chooses the rig");
+      refuse(option + " " + value,
+             "parameters are the scene file's, and while the ring runs `ros2 param set`'s");
+    refuse(option,
+           "of ROS's arguments a remapping of the namespace is taken (-r __ns:=/left), which "
+           "chooses the rig");
   }
-  if (value.starts_with(kNamespace)) return {"--rig", rig_of(value)};
+  if (value.starts_with(kNamespace))
+    return {"--rig", rig_of(value)};
   if (value.find("__node:=") != std::string::npos || value.find("__name:=") != std::string::npos)
     refuse(value, "nodes of a rig have fixed names; -r __ns:=/left chooses the rig");
-  refuse(value, "topics of a rig keep their names; -r __ns:=/left chooses the rig, which stands in front of them");
+  refuse(value,
+         "topics of a rig keep their names; -r __ns:=/left chooses the rig, which stands in front "
+         "of them");
 }
 
 }  // namespace
 
 std::vector<std::string> without_ros_arguments(int argc, const char* const* argv) {
   std::vector<std::string> all, ours;
-  for (int n = 1; n < argc; ++n) all.emplace_back(argv[n]);
+  for (int n = 1; n < argc; ++n)
+    all.emplace_back(argv[n]);
   bool is_ros = false;
   for (std::size_t n = 0; n < all.size(); ++n) {
     if (all[n] == "--ros-args") {
@@ -45,8 +53,10 @@ std::vector<std::string> without_ros_arguments(int argc, const char* const* argv
       is_ros = false;
     } else if (is_ros) {
       const std::string option = all[n];
-      const std::string value = n + 1 < all.size() && all[n + 1] != "--" && all[n + 1] != "--ros-args" ? all[++n] : "";
-      for (std::string& word : translated(option, value)) ours.push_back(std::move(word));
+      const std::string value =
+          n + 1 < all.size() && all[n + 1] != "--" && all[n + 1] != "--ros-args" ? all[++n] : "";
+      for (std::string& word : translated(option, value))
+        ours.push_back(std::move(word));
     } else {
       ours.push_back(all[n]);
     }

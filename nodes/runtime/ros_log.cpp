@@ -11,7 +11,8 @@
 namespace voxtouch::runtime {
 
 RosLog::RosLog(const bus::Participant& participant, const std::string& node, const std::string& rig)
-    : lines_(participant, qos::kRosout, rig, qos::profile(qos::kRosout.profile)), name_(rig + "." + node) {}
+    : lines_(participant, qos::kRosout, rig, qos::profile(qos::kRosout.profile)),
+      name_(rig + "." + node) {}
 
 bool RosLog::reader_came() noexcept {
   const std::uint32_t readers = lines_.ever_matched();
@@ -20,14 +21,20 @@ bool RosLog::reader_came() noexcept {
 
 void RosLog::say(NodeState state, const std::string& sentence) {
   namespace level = msg::rcl_interfaces_Log_constants;
-  if (lines_.matched_count() == 0) return;
+  if (lines_.matched_count() == 0)
+    return;
   const auto [is_said, left_out] = few_.take(monotonic_ns());
-  if (!is_said) return;
-  const std::string text = left_out == 0 ? sentence : fmt::format("{} ({} more lines were left out before)", sentence, left_out);
+  if (!is_said)
+    return;
+  const std::string text =
+      left_out == 0 ? sentence
+                    : fmt::format("{} ({} more lines were left out before)", sentence, left_out);
   static char none[] = "";
   msg::rcl_interfaces_Log line{};
   line.stamp = to_time(realtime_ns());
-  line.level = state == NodeState::kFailed ? level::kError : sentence.starts_with("warning") ? level::kWarn : level::kInfo;
+  line.level = state == NodeState::kFailed       ? level::kError
+               : sentence.starts_with("warning") ? level::kWarn
+                                                 : level::kInfo;
   line.name = lend(name_), line.msg = lend(text);
   line.file = line.function = none;
   ++written_;

@@ -14,7 +14,8 @@ class RosLog {
  public:
   static constexpr int kMaxPerSecond = 10;
   RosLog(const bus::Participant& participant, const std::string& node, const std::string& rig);
-  /// One line, while somebody reads. Of more than ten in a second the first ten; the next line says how many were left out.
+  /// One line, while somebody reads. Of more than ten in a second the first ten; the next line says
+  /// how many were left out.
   void say(NodeState state, const std::string& sentence);
   /// A reader has come since the last call: it knows nothing yet.
   bool reader_came() noexcept;

@@ -18,11 +18,13 @@ constexpr std::size_t kNameShown = 64;  ///< of a name that is none, in the mess
 std::string find_scene(std::string& text) {
   std::error_code error;
   const auto status = std::filesystem::status(text, error);
-  if (std::filesystem::exists(status) && !std::filesystem::is_directory(status)) return {};
+  if (std::filesystem::exists(status) && !std::filesystem::is_directory(status))
+    return {};
   const std::vector<std::string> names = shipped_scenes();
   if (!std::ranges::binary_search(names, text))
-    return fmt::format("'{}' is no file, and no scene of this name comes with voxtouch. These do: {}", text.substr(0, kNameShown),
-                       fmt::join(names, ", "));
+    return fmt::format(
+        "'{}' is no file, and no scene of this name comes with voxtouch. These do: {}",
+        text.substr(0, kNameShown), fmt::join(names, ", "));
   text = shipped_file("scenes", text).string();
   return {};
 }

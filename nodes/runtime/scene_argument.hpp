@@ -1,5 +1,6 @@
 #pragma once
-/// Scenes on a command line: a file, or the name of one that comes with voxtouch, found from any folder.
+/// Scenes on a command line: a file, or the name of one that comes with voxtouch, found from any
+/// folder.
 #include <string>
 #include <vector>
 
@@ -12,8 +13,8 @@ namespace voxtouch::runtime {
 /// Names of the scenes that come with voxtouch, sorted; empty where their folder is missing.
 std::vector<std::string> shipped_scenes();
 
-/// For CLI11: leaves the path of a file as it is and makes the path of a shipped scene of its name ("cup"). Refuses all else
-/// with a sentence that tells the names.
+/// For CLI11: leaves the path of a file as it is and makes the path of a shipped scene of its name
+/// ("cup"). Refuses all else with a sentence that tells the names.
 CLI::Validator scene_argument();
 
 }  // namespace voxtouch::runtime

@@ -27,7 +27,8 @@ void catch_signals() {
 
 void die_with_parent(int parent) {
   prctl(PR_SET_PDEATHSIG, SIGTERM);
-  if (getppid() != parent) raise(SIGTERM);  // it went before the kernel had been asked
+  if (getppid() != parent)
+    raise(SIGTERM);  // it went before the kernel had been asked
 }
 
 }  // namespace voxtouch::runtime

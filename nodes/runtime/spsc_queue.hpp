@@ -15,9 +15,11 @@ class SpscQueue {
   bool push(const T& value) noexcept { return push(std::span(&value, 1)); }
   /// All of them or none: the other thread sees no part.
   bool push(std::span<const T> values) noexcept {
-    if (room() < values.size()) return false;
+    if (room() < values.size())
+      return false;
     std::size_t end = end_.load(std::memory_order_relaxed);
-    for (const T& value : values) slots_[end++ % kCapacity] = value;
+    for (const T& value : values)
+      slots_[end++ % kCapacity] = value;
     end_.store(end, std::memory_order_release);
     return true;
   }
@@ -26,10 +28,13 @@ class SpscQueue {
     const std::size_t begin = begin_.load(std::memory_order_relaxed);
     return begin == end_.load(std::memory_order_acquire) ? nullptr : &slots_[begin % kCapacity];
   }
-  void pop() noexcept { begin_.store(begin_.load(std::memory_order_relaxed) + 1, std::memory_order_release); }
+  void pop() noexcept {
+    begin_.store(begin_.load(std::memory_order_relaxed) + 1, std::memory_order_release);
+  }
   /// Of the pushing thread: how many more go in for certain.
   std::size_t room() const noexcept {
-    return kCapacity - (end_.load(std::memory_order_relaxed) - begin_.load(std::memory_order_acquire));
+    return kCapacity -
+           (end_.load(std::memory_order_relaxed) - begin_.load(std::memory_order_acquire));
   }
 
  private:

@@ -1,5 +1,6 @@
 #pragma once
-/// Strings and string sequences on their way into a DDS sample: lent, never copied or freed by DDS (dds_write serialises at once).
+/// Strings and string sequences on their way into a DDS sample: lent, never copied or freed by DDS
+/// (dds_write serialises at once).
 #include <string>
 #include <vector>
 
@@ -13,7 +14,8 @@ inline char* lend(const std::string& text) { return const_cast<char*>(text.c_str
 class LentStrings {
  public:
   explicit LentStrings(const std::vector<std::string>& texts) {
-    for (const std::string& text : texts) pointers_.push_back(lend(text));
+    for (const std::string& text : texts)
+      pointers_.push_back(lend(text));
   }
   template <class Sequence>
   void into(Sequence& sequence) {

@@ -9,18 +9,25 @@ std::unique_ptr<rendering::BuiltScene> build_here(const scene::Scene& scene, con
   const std::unique_ptr<rendering::SceneStore> cache = open_cache(how.cache, how.who);
   std::optional<BuildProgress> progress;
   ParallelFor loop = how.loop;
-  if (how.tells_progress) loop = progress.emplace(how.who).counted(loop);
-  const ParallelFor while_wanted = [&](std::size_t count, const std::function<void(std::size_t)>& body) {
+  if (how.tells_progress)
+    loop = progress.emplace(how.who).counted(loop);
+  const ParallelFor while_wanted = [&](std::size_t count,
+                                       const std::function<void(std::size_t)>& body) {
     loop(count, [&](std::size_t i) {
-      if (how.go_on) how.go_on();
+      if (how.go_on)
+        how.go_on();
       body(i);
     });
   };
-  return rendering::build_scene(scene, while_wanted, {.model = how.model, .read = mesh_import::mesh_process(), .store = cache.get()},
-                                [&](const std::string& step) {
-                                  if (how.go_on) how.go_on();
-                                  if (progress) progress->begin_step(step);
-                                });
+  return rendering::build_scene(
+      scene, while_wanted,
+      {.model = how.model, .read = mesh_import::mesh_process(), .store = cache.get()},
+      [&](const std::string& step) {
+        if (how.go_on)
+          how.go_on();
+        if (progress)
+          progress->begin_step(step);
+      });
 }
 
 }  // namespace voxtouch::scene_build

@@ -1,6 +1,6 @@
 #pragma once
-/// How programs build a scene: each mesh is read in a process of its own, all processors work, progress is told, and what was built before is
-/// taken from the cache.
+/// How programs build a scene: each mesh is read in a process of its own, all processors work,
+/// progress is told, and what was built before is taken from the cache.
 #include <functional>
 #include <memory>
 #include <optional>
@@ -13,11 +13,12 @@
 namespace voxtouch::scene_build {
 
 struct BuildHow {
-  std::string who;                                 ///< begins what is told
+  std::string who;  ///< begins what is told
   CacheOptions cache = {};
   std::optional<contact::ContactModelKind> model = {};
   ParallelFor loop = runtime::threaded_for();
-  std::function<void()> go_on = {};                ///< asked before each piece of work, from any thread; throws where the build is to end
+  std::function<void()> go_on =
+      {};  ///< asked before each piece of work, from any thread; throws where the build is to end
   bool tells_progress = true;
 };
 

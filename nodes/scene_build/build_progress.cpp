@@ -11,14 +11,16 @@ namespace voxtouch::scene_build {
 
 std::string in_words(const StepSoFar& step) {
   // Behind a loop there may be work that is no loop.
-  if (step.loop == 0 || step.done == 0 || step.done >= step.count) return fmt::format("{}: {:.0f} s so far", step.name, step.for_s);
+  if (step.loop == 0 || step.done == 0 || step.done >= step.count)
+    return fmt::format("{}: {:.0f} s so far", step.name, step.for_s);
   const double share = static_cast<double>(step.done) / static_cast<double>(step.count);
-  return fmt::format("{}, loop {}: {:.0f} %, about {:.0f} s more", step.name, step.loop, std::floor(100.0 * share),
-                     std::ceil(step.loop_s * (1.0 - share) / share));
+  return fmt::format("{}, loop {}: {:.0f} %, about {:.0f} s more", step.name, step.loop,
+                     std::floor(100.0 * share), std::ceil(step.loop_s * (1.0 - share) / share));
 }
 
 BuildProgress::BuildProgress(std::string who) : who_(std::move(who)) {
-  if (!log::stderr_is_journal()) thread_ = std::jthread([this] { tell_each_second(); });
+  if (!log::stderr_is_journal())
+    thread_ = std::jthread([this] { tell_each_second(); });
 }
 
 BuildProgress::~BuildProgress() {
@@ -34,7 +36,8 @@ void BuildProgress::begin_step(const std::string& name) {
 }
 
 ParallelFor BuildProgress::counted(ParallelFor loop) {
-  return [this, loop = std::move(loop)](std::size_t count, const std::function<void(std::size_t)>& body) {
+  return [this, loop = std::move(loop)](std::size_t count,
+                                        const std::function<void(std::size_t)>& body) {
     {
       const std::lock_guard lock(mutex_);
       ++step_.loop, step_.count = count;
@@ -50,7 +53,9 @@ ParallelFor BuildProgress::counted(ParallelFor loop) {
 
 StepSoFar BuildProgress::so_far() const {
   const std::lock_guard lock(mutex_);
-  const auto seconds = [now = Clock::now()](Clock::time_point since) { return std::chrono::duration<double>(now - since).count(); };
+  const auto seconds = [now = Clock::now()](Clock::time_point since) {
+    return std::chrono::duration<double>(now - since).count();
+  };
   StepSoFar step = step_;
   step.for_s = seconds(step_begin_), step.loop_s = seconds(loop_begin_), step.done = done_;
   return step;
@@ -61,7 +66,8 @@ void BuildProgress::tell_each_second() {
   std::unique_lock lock(mutex_);
   while (!ended_.wait_for(lock, std::chrono::seconds(1), [this] { return over_; })) {
     lock.unlock();
-    if (const StepSoFar step = so_far(); !step.name.empty()) log::tell("{}: {}\n", who_, in_words(step));
+    if (const StepSoFar step = so_far(); !step.name.empty())
+      log::tell("{}: {}\n", who_, in_words(step));
     lock.lock();
   }
 }

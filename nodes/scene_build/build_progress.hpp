@@ -15,17 +15,19 @@ namespace voxtouch::scene_build {
 /// A step of a build, which has any number of loops one after another.
 struct StepSoFar {
   std::string name;
-  double for_s = 0.0;          ///< since it began
-  std::size_t loop = 0;        ///< which of its loops runs, from 1 on; 0: none
-  double loop_s = 0.0;         ///< since that one began
+  double for_s = 0.0;               ///< since it began
+  std::size_t loop = 0;             ///< which of its loops runs, from 1 on; 0: none
+  double loop_s = 0.0;              ///< since that one began
   std::size_t done = 0, count = 0;  ///< bodies of that loop
 };
 
-/// "distance field, loop 2: 40 %, about 6 s more"; without a loop "reading the static meshes: 3 s so far".
+/// "distance field, loop 2: 40 %, about 6 s more"; without a loop "reading the static meshes: 3 s
+/// so far".
 std::string in_words(const StepSoFar& step);
 
-/// Tells "<who>: <step>" once a second, and nothing in the first second; from a thread of its own, so that a step without an end is told
-/// of too. Where stderr is systemd's journal it tells nothing. The progress callback and loops of one build.
+/// Tells "<who>: <step>" once a second, and nothing in the first second; from a thread of its own,
+/// so that a step without an end is told of too. Where stderr is systemd's journal it tells
+/// nothing. The progress callback and loops of one build.
 class BuildProgress {
  public:
   explicit BuildProgress(std::string who);

@@ -23,7 +23,8 @@ void add_cache_options(CLI::App& app, CacheOptions& options);
 /// The command line of a program that gets exactly these options.
 void append_arguments(const CacheOptions& options, std::vector<std::string>& arguments);
 
-/// The user's cache; null where it is off, here or by VOXTOUCH_NO_CACHE in the environment. `who` begins what it tells.
+/// The user's cache; null where it is off, here or by VOXTOUCH_NO_CACHE in the environment. `who`
+/// begins what it tells.
 std::unique_ptr<rendering::SceneStore> open_cache(const CacheOptions& options, std::string who);
 
 }  // namespace voxtouch::scene_build

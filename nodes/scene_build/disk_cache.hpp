@@ -1,6 +1,7 @@
 #pragma once
-/// Built scenes in a folder of the user's, each a file under a name made of all that it depends on. Several programs may use it at once: a
-/// file is there as a whole or not at all, and which of two that build the same comes last is the same.
+/// Built scenes in a folder of the user's, each a file under a name made of all that it depends on.
+/// Several programs may use it at once: a file is there as a whole or not at all, and which of two
+/// that build the same comes last is the same.
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -9,13 +10,15 @@
 
 namespace voxtouch::scene_build {
 
-/// `$XDG_CACHE_HOME/voxtouch/scenes`, else `~/.cache/voxtouch/scenes`; empty where there is neither.
+/// `$XDG_CACHE_HOME/voxtouch/scenes`, else `~/.cache/voxtouch/scenes`; empty where there is
+/// neither.
 std::filesystem::path cache_folder();
 
 /// One thread at a time. Whatever goes wrong is told once and costs no more than building.
 class DiskCache final : public rendering::SceneStore {
  public:
-  /// `who` begins what is told. `most_bytes`: of all files together; where they are more, those used longest ago go.
+  /// `who` begins what is told. `most_bytes`: of all files together; where they are more, those
+  /// used longest ago go.
   DiskCache(std::filesystem::path folder, std::uint64_t most_bytes, std::string who);
 
   std::string digest(std::string_view bytes) const override;

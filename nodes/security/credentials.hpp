@@ -1,5 +1,6 @@
 #pragma once
-/// Keys, certificates and signed texts: what of OpenSSL is needed, behind owners that free it. Every function throws Error, a sentence.
+/// Keys, certificates and signed texts: what of OpenSSL is needed, behind owners that free it.
+/// Every function throws Error, a sentence.
 #include <filesystem>
 #include <memory>
 #include <stdexcept>
@@ -10,7 +11,8 @@
 
 namespace voxtouch::security {
 
-/// Files that are missing, broken, expired, of somebody else or open to others; what it says is where and what to do.
+/// Files that are missing, broken, expired, of somebody else or open to others; what it says is
+/// where and what to do.
 class Error : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -40,9 +42,11 @@ struct Signer {
 };
 /// An authority that signs itself.
 Signer make_authority(const std::string& common_name, int days);
-/// The certificate of `key`, signed by `authority`; valid from a day ago, since clocks of hosts differ.
+/// The certificate of `key`, signed by `authority`; valid from a day ago, since clocks of hosts
+/// differ.
 Certificate issue(const Signer& authority, EVP_PKEY& key, const std::string& common_name, int days);
-/// Those revoked in `old` (may be null) and `revoked` (may be null), valid as long as the authority.
+/// Those revoked in `old` (may be null) and `revoked` (may be null), valid as long as the
+/// authority.
 RevocationList make_revocation_list(const Signer& authority, X509_CRL* old, X509* revoked);
 /// Whether `list` names the certificate; nobody looks here whether the list itself is signed.
 bool is_revoked(X509_CRL& list, X509& certificate);

@@ -12,36 +12,45 @@ namespace {
 /// The role's bit in the table's columns; kNobody where it is no node of the ring.
 qos::Nodes node_of(std::string_view role) {
   for (qos::Nodes bit = 1; bit & qos::kEveryNode; bit = static_cast<qos::Nodes>(bit << 1U))
-    if (qos::names_of(bit).front() == role) return bit;
+    if (qos::names_of(bit).front() == role)
+      return bit;
   return qos::kNobody;
 }
 
 bool writes(std::string_view role, const qos::Topic& topic) {
-  if (role == kLauncher) return topic.writers == qos::kEveryNode;
-  if (role == kTool) return topic.writers == qos::kNobody || (topic.writers & qos::kAnybody) != 0;
+  if (role == kLauncher)
+    return topic.writers == qos::kEveryNode;
+  if (role == kTool)
+    return topic.writers == qos::kNobody || (topic.writers & qos::kAnybody) != 0;
   return (topic.writers & node_of(role)) != 0;
 }
 
 /// Of what it answers itself, for a standby hears whether the other one does.
 bool reads_its_own(std::string_view role, const qos::Topic& topic) {
-  return (node_of(role) & (qos::kRendering | qos::kCoupling)) != 0 && writes(role, topic) && topic.profile == qos::ProfileId::kStream;
+  return (node_of(role) & (qos::kRendering | qos::kCoupling)) != 0 && writes(role, topic) &&
+         topic.profile == qos::ProfileId::kStream;
 }
 
-/// Names under which a service is served. What every node serves a standby serves under its own name; what is the rendering's is served by who acts.
+/// Names under which a service is served. What every node serves a standby serves under its own
+/// name; what is the rendering's is served by who acts.
 std::vector<std::string> servers_of(const qos::Service& service) {
   std::vector<std::string> names = qos::names_of(service.servers);
-  if (service.path == qos::kGetState.path) names.insert(names.end(), {"rendering_standby", "coupling_standby"});
+  if (service.path == qos::kGetState.path)
+    names.insert(names.end(), {"rendering_standby", "coupling_standby"});
   return names;
 }
 
-bool reads_all(std::string_view role) { return role == kLauncher || role == kTool || node_of(role) == qos::kLogger; }
+bool reads_all(std::string_view role) {
+  return role == kLauncher || role == kTool || node_of(role) == qos::kLogger;
+}
 
 /// Nodes are shown to ROS 2 tools over it (nodes/bus/graph.hpp), by every participant.
 constexpr std::string_view kGraph = "ros_discovery_info";
 
 std::string topics_xml(const std::vector<std::string>& names) {
   std::string xml;
-  for (const std::string& name : names) xml += fmt::format("          <topic>{}</topic>\n", name);
+  for (const std::string& name : names)
+    xml += fmt::format("          <topic>{}</topic>\n", name);
   return xml;
 }
 
@@ -56,16 +65,20 @@ std::vector<std::string> roles() {
 
 /// A standby has the keys of the one that it stands by for.
 std::string role_of(std::string_view name) {
-  if (constexpr std::string_view kStandby = "_standby"; name.ends_with(kStandby)) name.remove_suffix(kStandby.size());
+  if (constexpr std::string_view kStandby = "_standby"; name.ends_with(kStandby))
+    name.remove_suffix(kStandby.size());
   return std::string(std::ranges::count(roles(), name) ? name : kTool);
 }
 
-std::string common_name(std::string_view role, std::string_view rig) { return fmt::format("{}.{}", rig, role); }
+std::string common_name(std::string_view role, std::string_view rig) {
+  return fmt::format("{}.{}", rig, role);
+}
 
 /// Domains 231 and 232 are not to be had: the parser of Cyclone DDS takes none above 230.
 std::string governance() {
-  // One protection is enough for a message, and the one of submessages covers its header too: who has not its keys can neither read it
-  // nor forge a heartbeat or a gap of its writer, which protection of the payload alone would leave open. qos/README.md has the costs.
+  // One protection is enough for a message, and the one of submessages covers its header too: who
+  // has not its keys can neither read it nor forge a heartbeat or a gap of its writer, which
+  // protection of the payload alone would leave open. qos/README.md has the costs.
   return R"(<?xml version="1.0" encoding="UTF-8"?>
 <dds><domain_access_rules><domain_rule>
   <domains><id_range><min>0</min><max>230</max></id_range></domains>
@@ -87,18 +100,25 @@ std::string governance() {
 )";
 }
 
-std::string permissions(std::string_view role, std::string_view rig, std::string_view from, std::string_view until) {
-  std::vector<std::string> written{std::string(kGraph)}, read{std::string(reads_all(role) ? "*" : kGraph)};
+std::string permissions(std::string_view role, std::string_view rig, std::string_view from,
+                        std::string_view until) {
+  std::vector<std::string> written{std::string(kGraph)},
+      read{std::string(reads_all(role) ? "*" : kGraph)};
   for (const qos::Topic& topic : qos::kTopics) {
-    if (writes(role, topic)) written.push_back(qos::dds_name(topic, rig));
-    if (!reads_all(role) && ((topic.readers & node_of(role)) != 0 || reads_its_own(role, topic))) read.push_back(qos::dds_name(topic, rig));
+    if (writes(role, topic))
+      written.push_back(qos::dds_name(topic, rig));
+    if (!reads_all(role) && ((topic.readers & node_of(role)) != 0 || reads_its_own(role, topic)))
+      read.push_back(qos::dds_name(topic, rig));
   }
   for (const qos::Service& service : qos::kServices)
     for (const std::string& node : servers_of(service)) {
-      if (role == kTool) written.push_back(qos::request_name(service, rig, node));
-      if (role != role_of(node)) continue;
+      if (role == kTool)
+        written.push_back(qos::request_name(service, rig, node));
+      if (role != role_of(node))
+        continue;
       written.push_back(qos::reply_name(service, rig, node));
-      if (!reads_all(role)) read.push_back(qos::request_name(service, rig, node));
+      if (!reads_all(role))
+        read.push_back(qos::request_name(service, rig, node));
     }
   return fmt::format(R"(<?xml version="1.0" encoding="UTF-8"?>
 <dds><permissions><grant name="{0}">

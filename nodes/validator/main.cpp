@@ -1,7 +1,7 @@
 #include <CLI/CLI.hpp>
 
-#include "nodes/validator/validator_node.hpp"
 #include "nodes/runtime/main.hpp"
+#include "nodes/validator/validator_node.hpp"
 
 namespace voxtouch::program {
 
@@ -10,13 +10,15 @@ int validator(int argc, char** argv) {
   return voxtouch::runtime::node_main(
       argc, argv,
       {.name = "validator",
-       .about = "voxtouch validator node: checks every n-th contact against exact distances (FCL and closed forms) "
+       .about = "voxtouch validator node: checks every n-th contact against exact distances (FCL "
+                "and closed forms) "
                 "that share no code with\n"
                 "the rendering, and says whose fault a disagreement is.",
        .in_ring = false},
       options,
       [&](CLI::App& app) {
-        app.add_option("--every", options.every, "Check samples whose sequence number is a multiple of this")
+        app.add_option("--every", options.every,
+                       "Check samples whose sequence number is a multiple of this")
             ->capture_default_str()
             ->check(voxtouch::runtime::require_count);
       },

@@ -23,8 +23,8 @@
 #include "nodes/runtime/housekeeping.hpp"
 #include "nodes/runtime/pair_reader.hpp"
 #include "nodes/runtime/participation.hpp"
-#include "nodes/runtime/role_binding.hpp"
 #include "nodes/runtime/realtime.hpp"
+#include "nodes/runtime/role_binding.hpp"
 #include "nodes/runtime/strings.hpp"
 
 namespace voxtouch::validator {
@@ -32,7 +32,8 @@ namespace {
 
 /// In real time the validator only taps; in lockstep nothing it has to check may be lost.
 const qos::Profile& contact_profile(const Options& options) {
-  return options.lockstep ? qos::profile(qos::ProfileId::kLockstep) : qos::profile(qos::ProfileId::kTap);
+  return options.lockstep ? qos::profile(qos::ProfileId::kLockstep)
+                          : qos::profile(qos::ProfileId::kTap);
 }
 
 reference::ReportedContact to_report(const msg::ContactState& c) {
@@ -45,7 +46,8 @@ reference::ReportedContact to_report(const msg::ContactState& c) {
   r.coherence = c.coherence;
   r.surface_hits = c.surface_hits;
   r.interior_hits = c.interior_hits;
-  r.retained = (c.flags & (msg::contact_state::kFlagHeld | msg::contact_state::kFlagRefusedSample)) != 0;
+  r.retained =
+      (c.flags & (msg::contact_state::kFlagHeld | msg::contact_state::kFlagRefusedSample)) != 0;
   r.fallback = (c.flags & msg::contact_state::kFlagFallback) != 0;
   return r;
 }
@@ -63,14 +65,22 @@ reference::ReportedTool to_tool(const msg::ContactState& c) {
 class ValidatorNode {
  public:
   ValidatorNode(const Options& options, const scene::Scene& scene)
-      : options_(options), name_(scene.name), hash_(scene.hash), scene_(scene), reference_(scene), participant_(options.participant("validator")),
+      : options_(options),
+        name_(scene.name),
+        hash_(scene.hash),
+        scene_(scene),
+        reference_(scene),
+        participant_(options.participant("validator")),
         plans_(participant_, qos::kScenePlan, options.rig),
         contacts_(participant_, qos::kContactState, options.rig, contact_profile(options)),
-        reports_(participant_, qos::kValidation, options.rig, qos::profile_in(qos::kValidation, options.mode())),
-        wait_set_(participant_), rendering_("rendering", {&plans_.following()}, &contacts_) {
+        reports_(participant_, qos::kValidation, options.rig,
+                 qos::profile_in(qos::kValidation, options.mode())),
+        wait_set_(participant_),
+        rendering_("rendering", {&plans_.following()}, &contacts_) {
     wait_set_.attach(plans_.condition());
     contacts_.attach_to(wait_set_);
-    links_ = {runtime::link_of_reader(qos::kScenePlan, plans_), runtime::link_of_reader(qos::kContactState, contacts_),
+    links_ = {runtime::link_of_reader(qos::kScenePlan, plans_),
+              runtime::link_of_reader(qos::kContactState, contacts_),
               runtime::link_of_writer(qos::kValidation, reports_)};
   }
 
@@ -78,7 +88,9 @@ class ValidatorNode {
     runtime::flush_denormals();
     runtime::Housekeeping housekeeping(
         participant_, "validator", options_,
-        [this](runtime::NodeRegistry& registry, runtime::NodeReport& report) { look(registry, report); },
+        [this](runtime::NodeRegistry& registry, runtime::NodeReport& report) {
+          look(registry, report);
+        },
         {{"its loop", [this] { return heartbeat_.sign(); }}});
     over_ = [&] { return stop.load(std::memory_order_relaxed) || housekeeping.peer_lost(); };
     bool leave = false;
@@ -88,7 +100,8 @@ class ValidatorNode {
       wait_set_.wait(leave ? 100'000'000 : 50'000'000);
       plans_.take([this](const msg::ScenePlan& plan) { take(plan); });
       msg::ContactState contact;
-      for (int i = 0; i < contacts_.kMaxTakes && contacts_.take(contact); ++i) check(contact);
+      for (int i = 0; i < contacts_.kMaxTakes && contacts_.take(contact); ++i)
+        check(contact);
     }
     if (options_.lockstep && !housekeeping.peer_lost()) {
       const runtime::Heartbeat::Busy busy(heartbeat_, 6'000'000'000);
@@ -105,14 +118,16 @@ class ValidatorNode {
     std::string scene, hash;
     double voxel_size_m = 0.0, shell_gap_m = 0.0;
     bool same_scene(const Built& other) const {
-      return hash == other.hash && voxel_size_m == other.voxel_size_m && shell_gap_m == other.shell_gap_m;
+      return hash == other.hash && voxel_size_m == other.voxel_size_m &&
+             shell_gap_m == other.shell_gap_m;
     }
   };
 
-  /// A plan of the session that runs tells of a change: it is followed where its first sample comes.
+  /// A plan of the session that runs tells of a change: it is followed where its first sample
+  /// comes.
   void take(const msg::ScenePlan& plan) {
-    Built built{plan.session_id,    plan.from_sample,  plan.scene,
-                plan.scene_hash,    plan.voxel_size_m, plan.largest_shell_gap_m};
+    Built built{plan.session_id, plan.from_sample,  plan.scene,
+                plan.scene_hash, plan.voxel_size_m, plan.largest_shell_gap_m};
     if (judge_ && built.session == session_in_loop_)
       next_ = std::move(built);
     else
@@ -125,15 +140,17 @@ class ValidatorNode {
     settings.edge_m = edge_m;
     settings.chord_error_m = reference_.chord_error_m();
     settings.shell_gap_m = std::min(built_.shell_gap_m, std::sqrt(3.0) * edge_m);
-    settings.shell_offset_m = scene_.shell == scene::ShellKind::kNaive ? std::sqrt(3.0) / 2 * edge_m : 0.0;
+    settings.shell_offset_m =
+        scene_.shell == scene::ShellKind::kNaive ? std::sqrt(3.0) / 2 * edge_m : 0.0;
     return settings;
   }
 
-  /// The plan says what the rendering built: another scene file is a disagreement before the first sample.
+  /// The plan says what the rendering built: another scene file is a disagreement before the first
+  /// sample.
   void start_session(Built built) {
     if (built.hash != scene_.hash)
-      log::tell("warning: validator: the rendering runs another version of scene '{}' than {}\n", built.scene,
-                 scene_.file.string());
+      log::tell("warning: validator: the rendering runs another version of scene '{}' than {}\n",
+                built.scene, scene_.file.string());
     built_ = std::move(built);
     next_.reset();
     blind_ = false;
@@ -145,59 +162,74 @@ class ValidatorNode {
     session_.begin(built_.session);
   }
 
-  /// The rendering runs another scene from here on. Where that is another file, it is read again; one that cannot be had as the
-  /// rendering has it is not judged by the old one.
+  /// The rendering runs another scene from here on. Where that is another file, it is read again;
+  /// one that cannot be had as the rendering has it is not judged by the old one.
   void follow_change() {
     const bool another_file = next_->hash != built_.hash, another = !next_->same_scene(built_);
     built_ = std::move(*next_);
     next_.reset();
-    if (!another) return;
+    if (!another)
+      return;
     if (another_file) {
       const runtime::Heartbeat::Busy busy(heartbeat_, 60'000'000'000);  // large meshes
       try {
         scene::Scene scene = scene::load_scene(options_.scene);
         blind_ = scene.hash != built_.hash;
         mesh_import::rehearse_reading(scene);
-        if (!blind_) reference_ = reference::ReferenceScene(scene), scene_ = std::move(scene);
+        if (!blind_)
+          reference_ = reference::ReferenceScene(scene), scene_ = std::move(scene);
       } catch (const std::exception&) {
         blind_ = true;
       }
       if (blind_)
-        log::tell("warning: validator: {} is not what the rendering runs now; nothing is judged any more\n",
-                   options_.scene.string());
+        log::tell(
+            "warning: validator: {} is not what the rendering runs now; nothing is judged any "
+            "more\n",
+            options_.scene.string());
     }
-    if (!blind_) judge_->change(settings());
+    if (!blind_)
+      judge_->change(settings());
   }
 
   void check(const msg::ContactState& contact) {
-    if (options_.lockstep) plans_.take([this](const msg::ScenePlan& plan) { take(plan); });
-    if (!judge_ || contact.session_id != session_in_loop_) return;
-    if (next_ && contact.sequence_number >= next_->from_sample) follow_change();
+    if (options_.lockstep)
+      plans_.take([this](const msg::ScenePlan& plan) { take(plan); });
+    if (!judge_ || contact.session_id != session_in_loop_)
+      return;
+    if (next_ && contact.sequence_number >= next_->from_sample)
+      follow_change();
     heartbeat_.beat();
-    if (blind_ || !reference::is_checked(contact.sequence_number, options_.every)) return;
+    if (blind_ || !reference::is_checked(contact.sequence_number, options_.every))
+      return;
     if (contact.flags & unlike()) {
-      if (first_checked_.load(std::memory_order_relaxed) != kNone) excused_.fetch_add(1, std::memory_order_relaxed);
+      if (first_checked_.load(std::memory_order_relaxed) != kNone)
+        excused_.fetch_add(1, std::memory_order_relaxed);
       return;
     }
     unread_.store(reports_.matched_count() == 0, std::memory_order_relaxed);
-    if (unread_) return;  // a verdict that nobody reads is not made
+    if (unread_)
+      return;  // a verdict that nobody reads is not made
     reference_.move_to(static_cast<double>(contact.scene_time_ns) * 1e-9);
     reference::GapResult gap;
-    const reference::Judgement judgement = scene_.virtual_tool() ? judge_tool(contact, gap) : judge_contact(contact, gap);
+    const reference::Judgement judgement =
+        scene_.virtual_tool() ? judge_tool(contact, gap) : judge_contact(contact, gap);
     write_report(contact, gap, judgement);
     if (first_checked_.load(std::memory_order_relaxed) == kNone)
       first_checked_.store(contact.sequence_number, std::memory_order_relaxed);
-    if (judgement.verdict == reference::Verdict::kDisagree) note(contact.sequence_number, judgement);
+    if (judgement.verdict == reference::Verdict::kDisagree)
+      note(contact.sequence_number, judgement);
     publish_counts();
   }
 
-  /// Flags of a contact that cannot be judged. While one scene fades into another, what is felt is neither's. A virtual tool that
-  /// is told of a refused sample is that of another one.
+  /// Flags of a contact that cannot be judged. While one scene fades into another, what is felt is
+  /// neither's. A virtual tool that is told of a refused sample is that of another one.
   std::uint32_t unlike() const {
-    return msg::contact_state::kFlagFading | (scene_.virtual_tool() ? msg::contact_state::kFlagRefusedSample : 0U);
+    return msg::contact_state::kFlagFading |
+           (scene_.virtual_tool() ? msg::contact_state::kFlagRefusedSample : 0U);
   }
 
-  void write_report(const msg::ContactState& contact, const reference::GapResult& gap, const reference::Judgement& judgement) {
+  void write_report(const msg::ContactState& contact, const reference::GapResult& gap,
+                    const reference::Judgement& judgement) {
     const reference::JudgeCounts& counts = judge_->counts();
     msg::ValidationReport m{};
     m.session_id = contact.session_id;
@@ -231,9 +263,11 @@ class ValidatorNode {
   reference::Judgement judge_tool(const msg::ContactState& contact, reference::GapResult& gap) {
     const reference::ReportedTool report = to_tool(contact);
     gap = reference_.gap(report.tool);
-    const bool rubs = std::any_of(scene_.effects.begin(), scene_.effects.end(),
-                                  [](const effects::EffectSpec& effect) { return effect.kind->friction != nullptr; });
-    return judge_->judge(gap, reference_.gap(report.hand), {.reach_m = reference_.tool_reach_m(), .rubs = rubs}, report);
+    const bool rubs = std::any_of(
+        scene_.effects.begin(), scene_.effects.end(),
+        [](const effects::EffectSpec& effect) { return effect.kind->friction != nullptr; });
+    return judge_->judge(gap, reference_.gap(report.hand),
+                         {.reach_m = reference_.tool_reach_m(), .rubs = rubs}, report);
   }
 
   void note(std::uint64_t sequence, const reference::Judgement& judgement) {
@@ -241,7 +275,8 @@ class ValidatorNode {
     if (first_disagreement_.empty())
       first_disagreement_ =
           fmt::format("sample {} ({}): {}", sequence,
-                      judgement.cause == reference::Cause::kReference ? "the reference's fault" : "the rendering's fault",
+                      judgement.cause == reference::Cause::kReference ? "the reference's fault"
+                                                                      : "the rendering's fault",
                       judgement.explanation);
   }
 
@@ -258,9 +293,12 @@ class ValidatorNode {
   void look(runtime::NodeRegistry& registry, runtime::NodeReport& report) {
     const std::lock_guard lock(mutex_);
     report.values = {{"scene", name_}, {"scene_hash", hash_}};
-    report.figures = {{"checked", {counts_.checked, "samples"}},       {"decided", {counts_.decided, "samples"}},
-                      {"agree", {counts_.agree, "samples"}},           {"in_band", {counts_.in_band, "samples"}},
-                      {"disagree", {counts_.disagree, "samples"}},     {"by_rendering", {counts_.rendering, "samples"}},
+    report.figures = {{"checked", {counts_.checked, "samples"}},
+                      {"decided", {counts_.decided, "samples"}},
+                      {"agree", {counts_.agree, "samples"}},
+                      {"in_band", {counts_.in_band, "samples"}},
+                      {"disagree", {counts_.disagree, "samples"}},
+                      {"by_rendering", {counts_.rendering, "samples"}},
                       {"by_reference", {counts_.reference, "samples"}},
                       {"excused", {excused_.load(), "samples"}}};
     if (const std::uint64_t first = first_checked_.load(); first != kNone)
@@ -269,8 +307,8 @@ class ValidatorNode {
     rendering_.update(registry, std::nullopt);
     rendering_.report_to(report, registry);
     const std::string trouble = rendering_.trouble(registry);
-    const std::string missing =
-        session_.report_to(report, options_, registry, links_, "the rendering", counts_.checked > 0);
+    const std::string missing = session_.report_to(report, options_, registry, links_,
+                                                   "the rendering", counts_.checked > 0);
     report.message = !first_disagreement_.empty() ? "first disagreement: " + first_disagreement_
                      : !trouble.empty()           ? trouble
                      : !missing.empty()           ? "waiting for " + missing
@@ -290,13 +328,13 @@ class ValidatorNode {
   runtime::RoleBinding rendering_;  ///< only its samples are judged
   std::vector<runtime::Link> links_;
   std::unique_ptr<reference::Judge> judge_;
-  Built built_;                ///< what is judged
-  std::optional<Built> next_;  ///< from its first sample on
-  bool blind_ = false;         ///< the rendering runs what this node has no reference for
+  Built built_;                       ///< what is judged
+  std::optional<Built> next_;         ///< from its first sample on
+  bool blind_ = false;                ///< the rendering runs what this node has no reference for
   std::atomic<bool> unread_ = false;  ///< nobody read the verdicts when the last one was due
   static constexpr std::uint64_t kNone = ~std::uint64_t{0};
   std::atomic<std::uint64_t> first_checked_{kNone};  ///< number of the first sample that was judged
-  std::atomic<std::uint64_t> excused_{0};            ///< due since then, but of a kind that is not judged
+  std::atomic<std::uint64_t> excused_{0};  ///< due since then, but of a kind that is not judged
   runtime::Heartbeat heartbeat_;
   std::function<bool()> over_;  ///< asked to stop, or in lockstep a peer is lost
   std::uint64_t session_in_loop_ = 0;
@@ -311,7 +349,8 @@ class ValidatorNode {
 int run(const Options& options, const std::atomic<bool>& stop) {
   const scene::Scene scene = scene::load_scene(options.scene);
   mesh_import::rehearse_reading(scene);
-  if (!runtime::may_begin(stop)) return 0;
+  if (!runtime::may_begin(stop))
+    return 0;
   ValidatorNode node(options, scene);
   return node.run(stop);
 }

@@ -1,5 +1,6 @@
 #pragma once
-/// The validator's process: an independent reference judges every n-th contact while somebody reads the verdicts.
+/// The validator's process: an independent reference judges every n-th contact while somebody reads
+/// the verdicts.
 #include <atomic>
 #include <cstdint>
 

@@ -17,19 +17,23 @@ std::string make_token() {
 }
 
 bool Access::admits_host(std::string_view host) const {
-  return host == fmt::format("{}:{}", address, port) || (address.starts_with("127.") && host == fmt::format("localhost:{}", port));
+  return host == fmt::format("{}:{}", address, port) ||
+         (address.starts_with("127.") && host == fmt::format("localhost:{}", port));
 }
 
 bool Access::admits_origin(std::string_view origin) const {
   constexpr std::string_view kScheme = "http://";
-  return origin.empty() || (origin.starts_with(kScheme) && admits_host(origin.substr(kScheme.size())));
+  return origin.empty() ||
+         (origin.starts_with(kScheme) && admits_host(origin.substr(kScheme.size())));
 }
 
 bool Access::admits_token(std::string_view given) const noexcept {
-  if (token.empty() || given.size() != token.size()) return false;
+  if (token.empty() || given.size() != token.size())
+    return false;
   unsigned difference = 0;
   for (std::size_t n = 0; n < token.size(); ++n)
-    difference |= static_cast<unsigned char>(token[n]) ^ static_cast<unsigned>(static_cast<unsigned char>(given[n]));
+    difference |= static_cast<unsigned char>(token[n]) ^
+                  static_cast<unsigned>(static_cast<unsigned char>(given[n]));
   return difference == 0;
 }
 

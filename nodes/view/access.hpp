@@ -1,6 +1,6 @@
 #pragma once
-/// Who may talk to the page's server. Any website that is open in a browser may send requests to this computer: Host, Origin and a token
-/// that it cannot know keep it out. Pure.
+/// Who may talk to the page's server. Any website that is open in a browser may send requests to
+/// this computer: Host, Origin and a token that it cannot know keep it out. Pure.
 #include <string>
 #include <string_view>
 
@@ -15,8 +15,8 @@ struct Access {
   int port = 0;
   std::string token;
 
-  /// As the header Host says it: the address itself, or `localhost` where the address is a loopback one. Against names of other sites
-  /// that lead here.
+  /// As the header Host says it: the address itself, or `localhost` where the address is a loopback
+  /// one. Against names of other sites that lead here.
   bool admits_host(std::string_view host) const;
   /// As the header Origin says it: a page of this very server, or none: then it is no browser.
   bool admits_origin(std::string_view origin) const;

@@ -18,23 +18,28 @@
 namespace voxtouch::view {
 namespace {
 
-/// The ring's streams are of fixed size and without padding: their CDR is the struct. `show` gets the message and when it was recorded.
+/// The ring's streams are of fixed size and without padding: their CDR is the struct. `show` gets
+/// the message and when it was recorded.
 template <class T, class Show>
 BagPlayer::Take stream(Show show) {
   return [show](const bag::BagMessage& m, Picture& picture, Facts&, NodeTable&) {
     constexpr std::size_t kHeader = 4;
     T message;
-    if (m.bytes.size() != sizeof message + kHeader) return;
+    if (m.bytes.size() != sizeof message + kHeader)
+      return;
     std::memcpy(&message, m.bytes.data() + kHeader, sizeof message);
     show(picture, message, m.time_ns);
   };
 }
 
-std::string_view cdr_of(const bag::BagMessage& m) { return {reinterpret_cast<const char*>(m.bytes.data()), m.bytes.size()}; }
+std::string_view cdr_of(const bag::BagMessage& m) {
+  return {reinterpret_cast<const char*>(m.bytes.data()), m.bytes.size()};
+}
 
 template <class T>
 BagPlayer::Take fact(const bus::Participant& participant) {
-  return [form = std::make_shared<bus::WireForm<T>>(participant.get())](const bag::BagMessage& m, Picture&, Facts& facts, NodeTable&) {
+  return [form = std::make_shared<bus::WireForm<T>>(participant.get())](
+             const bag::BagMessage& m, Picture&, Facts& facts, NodeTable&) {
     form->read(cdr_of(m), [&](const T& message) { facts.take(message); });
   };
 }
@@ -45,41 +50,59 @@ std::string_view hash_of(std::string_view type) {
 }
 
 bag::BagReader open(const std::filesystem::path& path) {
-  if (const std::string why = bag::why_other_layout(path, hash_of); !why.empty()) throw std::runtime_error(why);
+  if (const std::string why = bag::why_other_layout(path, hash_of); !why.empty())
+    throw std::runtime_error(why);
   auto reader = bag::BagReader::open(path);
-  if (!reader) throw std::runtime_error(reader.error().sentence);
+  if (!reader)
+    throw std::runtime_error(reader.error().sentence);
   return std::move(*reader);
 }
 
 /// What `up` has left beside the bag, as the page shows it; null where it left nothing.
 nlohmann::json verdict_beside(const std::filesystem::path& path) {
-  std::ifstream file((std::filesystem::is_directory(path) ? path : path.parent_path()) / "voxtouch_run.json");
+  std::ifstream file((std::filesystem::is_directory(path) ? path : path.parent_path()) /
+                     "voxtouch_run.json");
   const auto told = nlohmann::json::parse(file, nullptr, false);
-  if (!told.is_object() || !told.contains("ok") || !told["ok"].is_boolean() || !told.contains("problems") || !told["problems"].is_array()) return nullptr;
+  if (!told.is_object() || !told.contains("ok") || !told["ok"].is_boolean() ||
+      !told.contains("problems") || !told["problems"].is_array())
+    return nullptr;
   nlohmann::json problems = nlohmann::json::array();
   for (const auto& problem : told["problems"])
-    if (problem.is_string()) problems.push_back(problem);
-  return {{"good", told["ok"].get<bool>() && told["problems"].empty()}, {"problems", std::move(problems)}};
+    if (problem.is_string())
+      problems.push_back(problem);
+  return {{"good", told["ok"].get<bool>() && told["problems"].empty()},
+          {"problems", std::move(problems)}};
 }
 
 }  // namespace
 
-BagPlayer::BagPlayer(const bus::Participant& participant, const std::filesystem::path& path) : reader_(open(path)), verdict_(verdict_beside(path)) {
-  const Take status = [this, form = std::make_shared<bus::WireForm<msg::NodeStatus>>(participant.get())](const bag::BagMessage& m, Picture&, Facts&,
-                                                                                                        NodeTable& nodes) {
+BagPlayer::BagPlayer(const bus::Participant& participant, const std::filesystem::path& path)
+    : reader_(open(path)),
+      verdict_(verdict_beside(path)) {
+  const Take status = [this,
+                       form = std::make_shared<bus::WireForm<msg::NodeStatus>>(participant.get())](
+                          const bag::BagMessage& m, Picture&, Facts&, NodeTable& nodes) {
     form->read(cdr_of(m), [&](const msg::NodeStatus& message) {
       runtime::NodeReport report = runtime::to_report(message);
-      if (const auto file = report.values.find("scene_file"); file != report.values.end()) scene_file_ = file->second;
+      if (const auto file = report.values.find("scene_file"); file != report.values.end())
+        scene_file_ = file->second;
       nodes.update(std::move(report), m.time_ns);
     });
   };
   const std::pair<std::string_view, Topic> known[] = {
-      // Not written then, but taken by the logger, like its command: between the two lies the way round the ring. Simulated times measure nothing.
-      {qos::kDeviceState.path, {stream<msg::DeviceState>([](Picture& picture, const auto& state, std::int64_t time_ns) {
+      // Not written then, but taken by the logger, like its command: between the two lies the way
+      // round the ring. Simulated times measure nothing.
+      {qos::kDeviceState.path,
+       {stream<msg::DeviceState>([](Picture& picture, const auto& state, std::int64_t time_ns) {
          picture.take(state, state.flags & msg::device_state::kFlagLockstep ? 0 : time_ns);
        })}},
-      {qos::kContactState.path, {stream<msg::ContactState>([](Picture& picture, const auto& contact, std::int64_t) { picture.take(contact); })}},
-      {qos::kForceCommand.path, {stream<msg::ForceCommand>([](Picture& picture, const auto& command, std::int64_t time_ns) { picture.take(command, time_ns); })}},
+      {qos::kContactState.path,
+       {stream<msg::ContactState>(
+           [](Picture& picture, const auto& contact, std::int64_t) { picture.take(contact); })}},
+      {qos::kForceCommand.path,
+       {stream<msg::ForceCommand>([](Picture& picture, const auto& command, std::int64_t time_ns) {
+         picture.take(command, time_ns);
+       })}},
       {qos::kScenePlan.path, {fact<msg::ScenePlan>(participant), true}},
       {qos::kCouplingDesign.path, {fact<msg::CouplingDesign>(participant), true}},
       {qos::kDeviceDescription.path, {fact<msg::DeviceDescription>(participant), true}},
@@ -90,13 +113,18 @@ BagPlayer::BagPlayer(const bus::Participant& participant, const std::filesystem:
   for (const bag::TopicInfo& topic : reader_.topics()) {
     topics_.emplace_back();
     for (const auto& [name, of] : known)
-      if (topic.name.ends_with("/" + std::string(name))) topics_.back() = of;
-    for (const qos::Topic& stream : {qos::kDeviceState, qos::kContactState}) any = any || topic.name.ends_with("/" + std::string(stream.path));
+      if (topic.name.ends_with("/" + std::string(name)))
+        topics_.back() = of;
+    for (const qos::Topic& stream : {qos::kDeviceState, qos::kContactState})
+      any = any || topic.name.ends_with("/" + std::string(stream.path));
   }
-  if (!any) throw std::runtime_error(fmt::format("{} holds no messages of a ring", path.string()));
+  if (!any)
+    throw std::runtime_error(fmt::format("{} holds no messages of a ring", path.string()));
   const auto times = reader_.times();
-  if (!times) throw std::runtime_error(times.error().sentence);
-  if (!*times) throw std::runtime_error(fmt::format("{} is empty", path.string()));
+  if (!times)
+    throw std::runtime_error(times.error().sentence);
+  if (!*times)
+    throw std::runtime_error(fmt::format("{} is empty", path.string()));
   std::tie(begin_ns_, end_ns_) = **times;
   collecting_ = std::thread([this, path] {
     runtime::ordinary_priority();
@@ -107,9 +135,11 @@ BagPlayer::BagPlayer(const bus::Participant& participant, const std::filesystem:
 /// What is said seldom may lie anywhere in a long recording: it is looked for beside the picture.
 void BagPlayer::collect_facts(const std::filesystem::path& path) {
   const auto reader = bag::BagReader::open(path);
-  if (!reader) return;
+  if (!reader)
+    return;
   (void)reader->for_each_between(begin_ns_, end_ns_ + 1, [&](const bag::BagMessage& m) {
-    if (topics_[m.topic].seldom) seldom_.push_back({m.time_ns, m.topic, {m.bytes.begin(), m.bytes.end()}});
+    if (topics_[m.topic].seldom)
+      seldom_.push_back({m.time_ns, m.topic, {m.bytes.begin(), m.bytes.end()}});
     return !stop_.load();
   });
   collected_.store(true, std::memory_order_release);
@@ -117,48 +147,63 @@ void BagPlayer::collect_facts(const std::filesystem::path& path) {
 
 BagPlayer::~BagPlayer() {
   stop_.store(true);
-  if (collecting_.joinable()) collecting_.join();
+  if (collecting_.joinable())
+    collecting_.join();
 }
 
 void BagPlayer::play(bool on) {
   const double end_s = static_cast<double>(end_ns_ - begin_ns_) * 1e-9;
-  if (on && at_s_ >= end_s) seek_s_ = 0.0;  // once more from the start
+  if (on && at_s_ >= end_s)
+    seek_s_ = 0.0;  // once more from the start
   playing_ = on;
 }
 void BagPlayer::speed(double times) { speed_ = std::clamp(times, kSlowest, kFastest); }
-void BagPlayer::seek(double to_s) { seek_s_ = std::clamp(to_s, 0.0, static_cast<double>(end_ns_ - begin_ns_) * 1e-9); }
-std::int64_t BagPlayer::now_ns() const noexcept { return begin_ns_ + static_cast<std::int64_t>(at_s_ * 1e9); }
+void BagPlayer::seek(double to_s) {
+  seek_s_ = std::clamp(to_s, 0.0, static_cast<double>(end_ns_ - begin_ns_) * 1e-9);
+}
+std::int64_t BagPlayer::now_ns() const noexcept {
+  return begin_ns_ + static_cast<std::int64_t>(at_s_ * 1e9);
+}
 
 bool BagPlayer::advance(double elapsed_s, Picture& picture, Facts& facts, NodeTable& nodes) {
   const bool all_known = collected_.load(std::memory_order_acquire);
-  if (all_known && !std::exchange(knew_all_, true) && at_s_ > kPastS && !seek_s_) seek_s_ = at_s_;  // the same place, with all that is known
+  if (all_known && !std::exchange(knew_all_, true) && at_s_ > kPastS && !seek_s_)
+    seek_s_ = at_s_;  // the same place, with all that is known
   const bool jump = seek_s_.has_value();
   if (jump) {
     at_s_ = *std::exchange(seek_s_, std::nullopt);
     picture.forget(), nodes.forget(), facts.restart();
     const std::int64_t from_ns = now_ns() - static_cast<std::int64_t>(kPastS * 1e9);
-    for (const Seldom& said : all_known ? std::span<const Seldom>(seldom_) : std::span<const Seldom>())
+    for (const Seldom& said :
+         all_known ? std::span<const Seldom>(seldom_) : std::span<const Seldom>())
       if (said.time_ns < from_ns)  // whatever was said before holds
         topics_[said.topic].take({said.topic, said.time_ns, 0, said.bytes}, picture, facts, nodes);
     feed(from_ns, now_ns() + 1, picture, facts, nodes);
   }
-  if (!playing_) return jump;
+  if (!playing_)
+    return jump;
   const std::int64_t before_ns = now_ns();
   at_s_ = std::min(at_s_ + elapsed_s * speed_, static_cast<double>(end_ns_ - begin_ns_) * 1e-9);
-  if (now_ns() + 1 >= end_ns_) playing_ = false;
+  if (now_ns() + 1 >= end_ns_)
+    playing_ = false;
   feed(before_ns + 1, now_ns() + 1, picture, facts, nodes);
   return jump;
 }
 
-void BagPlayer::feed(std::int64_t from_ns, std::int64_t to_ns, Picture& picture, Facts& facts, NodeTable& nodes) {
+void BagPlayer::feed(std::int64_t from_ns, std::int64_t to_ns, Picture& picture, Facts& facts,
+                     NodeTable& nodes) {
   (void)reader_.for_each_between(from_ns, to_ns, [&](const bag::BagMessage& message) {
-    if (const Take& take = topics_[message.topic].take) take(message, picture, facts, nodes);
+    if (const Take& take = topics_[message.topic].take)
+      take(message, picture, facts, nodes);
     return true;
   });
 }
 
 nlohmann::json BagPlayer::to_json() const {
-  return {{"t", rounded(at_s_)}, {"duration", rounded(static_cast<double>(end_ns_ - begin_ns_) * 1e-9)}, {"playing", playing_}, {"speed", speed_},
+  return {{"t", rounded(at_s_)},
+          {"duration", rounded(static_cast<double>(end_ns_ - begin_ns_) * 1e-9)},
+          {"playing", playing_},
+          {"speed", speed_},
           {"verdict", verdict_}};
 }
 

@@ -29,7 +29,8 @@ class BagPlayer {
   void speed(double times);  ///< kSlowest to kFastest
   /// Goes to a time since the first message and shows what was then, with the kPastS before it.
   void seek(double to_s);
-  /// Takes what was recorded up to where the clock now is. True where a jump was made: what was shown before is gone.
+  /// Takes what was recorded up to where the clock now is. True where a jump was made: what was
+  /// shown before is gone.
   bool advance(double elapsed_s, Picture& picture, Facts& facts, NodeTable& nodes);
 
   /// {t, duration, playing, speed, verdict: null or {good, problems}}
@@ -54,13 +55,15 @@ class BagPlayer {
     std::size_t topic = 0;
     std::vector<std::byte> bytes;
   };
-  void feed(std::int64_t from_ns, std::int64_t to_ns, Picture& picture, Facts& facts, NodeTable& nodes);
+  void feed(std::int64_t from_ns, std::int64_t to_ns, Picture& picture, Facts& facts,
+            NodeTable& nodes);
   void collect_facts(const std::filesystem::path& path);
 
   bag::BagReader reader_;
-  nlohmann::json verdict_;  ///< of `up`, on the run
-  std::vector<Topic> topics_;   ///< of the bag, by index
-  std::vector<Seldom> seldom_;  ///< all such messages, by time; of the thread that collects them, until it has
+  nlohmann::json verdict_;     ///< of `up`, on the run
+  std::vector<Topic> topics_;  ///< of the bag, by index
+  std::vector<Seldom>
+      seldom_;  ///< all such messages, by time; of the thread that collects them, until it has
   std::int64_t begin_ns_ = 0, end_ns_ = 0;
   double at_s_ = 0.0, speed_ = 1.0;
   bool playing_ = true;

@@ -6,8 +6,8 @@
 #include <exception>
 #include <utility>
 
-#include "nodes/scene_build/build_here.hpp"
 #include "nodes/runtime/realtime.hpp"
+#include "nodes/scene_build/build_here.hpp"
 
 namespace voxtouch::view {
 namespace {
@@ -24,11 +24,14 @@ std::vector<Vec3> find(rendering::BuiltScene& built, const Pose& object, double 
     (void)renderer.probe(pose);
     const contact::HitList& hits = renderer.hits();
     for (const auto* kind : {&hits.surface, &hits.interior})
-      for (const contact::Hit& hit : *kind) all.push_back(object.position + hit.arm);
+      for (const contact::Hit& hit : *kind)
+        all.push_back(object.position + hit.arm);
   }
-  if (all.size() <= ContactPoints::kMaxPoints) return all;
+  if (all.size() <= ContactPoints::kMaxPoints)
+    return all;
   std::vector<Vec3> some;
-  for (std::size_t n = 0; n < ContactPoints::kMaxPoints; ++n) some.push_back(all[n * all.size() / ContactPoints::kMaxPoints]);
+  for (std::size_t n = 0; n < ContactPoints::kMaxPoints; ++n)
+    some.push_back(all[n * all.size() / ContactPoints::kMaxPoints]);
   return some;
 }
 
@@ -51,9 +54,13 @@ void ContactPoints::scene_is(const scene::Scene& scene) {
   why_not_ = "the scene is being built here once more";
 }
 
-void ContactPoints::ask(const Pose& object, double scene_time_s) { question_ = Question{object, scene_time_s}; }
+void ContactPoints::ask(const Pose& object, double scene_time_s) {
+  question_ = Question{object, scene_time_s};
+}
 void ContactPoints::ask(const SliceQuestion& question) { slice_question_ = question; }
-std::optional<nlohmann::json> ContactPoints::take_slice() { return std::exchange(slice_, std::nullopt); }
+std::optional<nlohmann::json> ContactPoints::take_slice() {
+  return std::exchange(slice_, std::nullopt);
+}
 
 void ContactPoints::look() {
   if (is_ready(building_)) {
@@ -63,29 +70,38 @@ void ContactPoints::look() {
     } catch (const std::exception& error) {
       why_not = error.what();
     }
-    if (!scene_) why_not_ = why_not;
+    if (!scene_)
+      why_not_ = why_not;
   }
   if (is_ready(finding_)) {
     Found found = finding_.get();
-    if (!scene_ && found.points) points_ = std::move(found.points);
-    if (!scene_ && found.slice) slice_ = std::move(found.slice);
+    if (!scene_ && found.points)
+      points_ = std::move(found.points);
+    if (!scene_ && found.slice)
+      slice_ = std::move(found.slice);
   }
-  if (building_.valid() || finding_.valid()) return;
+  if (building_.valid() || finding_.valid())
+    return;
   if (scene_) {
     built_.reset();
-    building_ = std::async(std::launch::async, [scene = *std::exchange(scene_, std::nullopt), cache = cache_] {
+    building_ = std::async(std::launch::async, [scene = *std::exchange(scene_, std::nullopt),
+                                                cache = cache_] {
       give_way();
-      return scene_build::build_here(scene, {.who = "view", .cache = cache, .loop = serial_for(), .tells_progress = false});
+      return scene_build::build_here(
+          scene, {.who = "view", .cache = cache, .loop = serial_for(), .tells_progress = false});
     });
   } else if (built_ && (question_ || slice_question_)) {
-    finding_ = std::async(std::launch::async, [this, question = std::exchange(question_, std::nullopt),
-                                               slice_question = std::exchange(slice_question_, std::nullopt)] {
-      give_way();
-      Found found;
-      if (question) found.points = find(*built_, question->object, question->scene_time_s);
-      if (slice_question) found.slice = slice_of(built_->contacts(), *slice_question);
-      return found;
-    });
+    finding_ = std::async(
+        std::launch::async, [this, question = std::exchange(question_, std::nullopt),
+                             slice_question = std::exchange(slice_question_, std::nullopt)] {
+          give_way();
+          Found found;
+          if (question)
+            found.points = find(*built_, question->object, question->scene_time_s);
+          if (slice_question)
+            found.slice = slice_of(built_->contacts(), *slice_question);
+          return found;
+        });
   }
 }
 

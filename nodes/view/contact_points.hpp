@@ -1,5 +1,6 @@
 #pragma once
-/// The tool's points in contact, and planes through the voxels, found anew here: the ring carries neither, and is not asked for more.
+/// The tool's points in contact, and planes through the voxels, found anew here: the ring carries
+/// neither, and is not asked for more.
 #include <future>
 #include <memory>
 #include <optional>
@@ -15,8 +16,9 @@
 
 namespace voxtouch::view {
 
-/// Builds the scene once more and asks its contact models about poses, the newest alone, in threads of the lowest priority. One thread calls
-/// it, and none of its calls waits; its end waits for what is under way.
+/// Builds the scene once more and asks its contact models about poses, the newest alone, in threads
+/// of the lowest priority. One thread calls it, and none of its calls waits; its end waits for what
+/// is under way.
 class ContactPoints {
  public:
   explicit ContactPoints(const scene_build::CacheOptions& cache) : cache_(cache) {}
@@ -30,7 +32,8 @@ class ContactPoints {
   void look();
   /// The last one answered, once; see slice_of.
   std::optional<nlohmann::json> take_slice();
-  /// In W [m], of the pose that was answered last; at most kMaxPoints, evenly chosen. Nothing where there is no scene to ask.
+  /// In W [m], of the pose that was answered last; at most kMaxPoints, evenly chosen. Nothing where
+  /// there is no scene to ask.
   const std::optional<std::vector<Vec3>>& points() const noexcept { return points_; }
   /// Why there are none; empty: there are.
   const std::string& why_not() const noexcept { return why_not_; }

@@ -1,5 +1,6 @@
 #pragma once
-/// What the page tells beside the picture: plan, design, device, effects and what became of changes. Messages in, JSON out. One thread.
+/// What the page tells beside the picture: plan, design, device, effects and what became of
+/// changes. Messages in, JSON out. One thread.
 #include <cstdint>
 #include <deque>
 #include <map>
@@ -24,7 +25,8 @@ class Facts {
   void take(const msg::EffectChanged& answer);
   /// The effects as this scene's file says.
   void scene_is(const scene::Scene& scene);
-  /// A recorded run is shown from another place on: the effects are as the file says again, and nothing was asked.
+  /// A recorded run is shown from another place on: the effects are as the file says again, and
+  /// nothing was asked.
   void restart() { effects_ = first_effects_, unanswered_.clear(), answers_.clear(); }
 
   /// Of the plan that runs; empty where none is known.
@@ -35,10 +37,11 @@ class Facts {
  private:
   void apply(const runtime::ChangeRequest& change);
 
-  nlohmann::json plan_, design_, device_, effects_ = nlohmann::json::array(), first_effects_ = effects_;
+  nlohmann::json plan_, design_, device_, effects_ = nlohmann::json::array(),
+                                          first_effects_ = effects_;
   std::string scene_hash_;
   std::map<std::uint64_t, runtime::ChangeRequest> unanswered_;
-  std::deque<nlohmann::json> answers_;    ///< the last ones
+  std::deque<nlohmann::json> answers_;  ///< the last ones
 };
 
 /// The design in one line for people.

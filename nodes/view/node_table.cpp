@@ -21,7 +21,8 @@ constexpr std::array<Counted, 5> kCounted = {{{"device", "samples", "samples"},
                                               {"logger", "written", "messages"}}};
 
 std::size_t place(std::string_view node) {
-  return static_cast<std::size_t>(std::ranges::find(kCounted, node, &Counted::node) - kCounted.begin());
+  return static_cast<std::size_t>(std::ranges::find(kCounted, node, &Counted::node) -
+                                  kCounted.begin());
 }
 
 std::string word(runtime::NodeState state) {
@@ -32,7 +33,9 @@ std::string word(runtime::NodeState state) {
 
 constexpr std::int64_t kRateOverNs = 900'000'000;
 
-nlohmann::json or_null(const std::optional<double>& value) { return value ? rounded(*value) : nullptr; }
+nlohmann::json or_null(const std::optional<double>& value) {
+  return value ? rounded(*value) : nullptr;
+}
 
 }  // namespace
 
@@ -52,11 +55,15 @@ nlohmann::ordered_json to_json(const std::vector<NodeRow>& rows) {
 
 /// Rates are counts over about a second.
 void NodeTable::take(const runtime::NodeReport& report, std::int64_t now_ns) {
-  if (report.node == "up") return;  // who started them is none of them
+  if (report.node == "up")
+    return;  // who started them is none of them
   auto known = known_.find(report.node);
-  if (known == known_.end() && known_.size() >= kMaxNodes) return;
-  const bool another = known == known_.end() || known->second.row.report.participant != report.participant;
-  if (another) known = known_.insert_or_assign(report.node, Known{}).first;
+  if (known == known_.end() && known_.size() >= kMaxNodes)
+    return;
+  const bool another =
+      known == known_.end() || known->second.row.report.participant != report.participant;
+  if (another)
+    known = known_.insert_or_assign(report.node, Known{}).first;
   Known& k = known->second;
   k.row.report = report;
   k.row.state = word(report.state);
@@ -68,19 +75,23 @@ void NodeTable::take(const runtime::NodeReport& report, std::int64_t now_ns) {
     if (k.counted_ns == 0 || count < k.counted_before || now_ns < k.counted_ns) {
       k.counted_before = count, k.counted_ns = now_ns, k.row.rate_hz.reset();
     } else if (now_ns - k.counted_ns >= kRateOverNs) {
-      k.row.rate_hz = (count - k.counted_before) / (static_cast<double>(now_ns - k.counted_ns) * 1e-9);
+      k.row.rate_hz =
+          (count - k.counted_before) / (static_cast<double>(now_ns - k.counted_ns) * 1e-9);
       k.counted_before = count, k.counted_ns = now_ns;
     }
   }
-  if (report.node == "device") k.row.answered_share = runtime::find_value(report.figures, "last_second_answered_share");
+  if (report.node == "device")
+    k.row.answered_share = runtime::find_value(report.figures, "last_second_answered_share");
 }
 
 void NodeTable::update(const runtime::NodeRegistry& registry, std::int64_t now_ns) {
-  for (auto& [name, known] : known_) known.here = false;
+  for (auto& [name, known] : known_)
+    known.here = false;
   for (const runtime::NodeReport& report : registry.reports()) {
     const auto known = known_.find(report.node);
     // Of two of one name the one that goes on is shown.
-    if (report.final() && known != known_.end() && known->second.here) continue;
+    if (report.final() && known != known_.end() && known->second.here)
+      continue;
     take(report, now_ns);
   }
   for (const runtime::Hung& hung : registry.hung())
@@ -95,7 +106,8 @@ void NodeTable::update(const runtime::NodeRegistry& registry, std::int64_t now_n
 
 void NodeTable::update(runtime::NodeReport report, std::int64_t now_ns) {
   constexpr std::int64_t kGoneNs = 2'000'000'000;
-  for (auto& [name, known] : known_) known.here = now_ns - known.seen_ns < kGoneNs;
+  for (auto& [name, known] : known_)
+    known.here = now_ns - known.seen_ns < kGoneNs;
   take(report, now_ns);
 }
 
@@ -104,11 +116,14 @@ std::vector<NodeRow> NodeTable::rows(std::int64_t now_ns) const {
   for (const auto& [name, known] : known_) {
     NodeRow row = known.row;
     const bool runs = known.here && !row.report.final() && row.state != "hangs";
-    if (!runs) row.rate_hz.reset(), row.answered_share.reset();
+    if (!runs)
+      row.rate_hz.reset(), row.answered_share.reset();
     if (!known.here && !row.report.final()) {
       row.state = "gone";
-      row.report.message = "gone without a last word " +
-                           std::to_string(std::max<std::int64_t>(0, (now_ns - known.seen_ns) / 1'000'000'000)) + " s ago";
+      row.report.message =
+          "gone without a last word " +
+          std::to_string(std::max<std::int64_t>(0, (now_ns - known.seen_ns) / 1'000'000'000)) +
+          " s ago";
     }
     rows.push_back(std::move(row));
   }

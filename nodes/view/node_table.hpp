@@ -1,5 +1,6 @@
 #pragma once
-/// The nodes of a rig as a table: who runs, how fast, and its last sentence; also of those that hang or have gone.
+/// The nodes of a rig as a table: who runs, how fast, and its last sentence; also of those that
+/// hang or have gone.
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -14,19 +15,20 @@ namespace voxtouch::view {
 
 struct NodeRow {
   runtime::NodeReport report;
-  std::string state;              ///< starting, ready, running, stopped, failed, hangs, gone
-  std::optional<double> rate_hz;  ///< of what it counts
-  std::string counted;            ///< what that is: samples, messages
+  std::string state;                     ///< starting, ready, running, stopped, failed, hangs, gone
+  std::optional<double> rate_hz;         ///< of what it counts
+  std::string counted;                   ///< what that is: samples, messages
   std::optional<double> answered_share;  ///< of the device: in the last second
 };
 
-/// Of each row node, host, pid, state, rate_hz, counted, answered_share and sentence; null for what is not known.
+/// Of each row node, host, pid, state, rate_hz, counted, answered_share and sentence; null for what
+/// is not known.
 nlohmann::ordered_json to_json(const std::vector<NodeRow>& rows);
 
 class NodeTable {
  public:
-  /// Everything that a registry knows now; nodes that it knows no more stay in the table as gone, until another takes the name or
-  /// kKeptS are over.
+  /// Everything that a registry knows now; nodes that it knows no more stay in the table as gone,
+  /// until another takes the name or kKeptS are over.
   void update(const runtime::NodeRegistry& registry, std::int64_t now_ns);
   /// One report from a bag.
   void update(runtime::NodeReport report, std::int64_t now_ns);

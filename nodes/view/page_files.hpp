@@ -9,8 +9,8 @@ struct PageFile {
   std::string path, mime;
 };
 
-/// By what a browser asks for ("/", "/page.css"). Nothing else is ever served. Throws std::runtime_error, a sentence, where one is
-/// missing.
+/// By what a browser asks for ("/", "/page.css"). Nothing else is ever served. Throws
+/// std::runtime_error, a sentence, where one is missing.
 std::map<std::string, PageFile> find_page_files();
 
 }  // namespace voxtouch::view

@@ -43,12 +43,15 @@ std::string token_of(lws* wsi) {
 void check_address(const std::string& address) {
   in_addr place{};
   if (inet_pton(AF_INET, address.c_str(), &place) != 1 || place.s_addr == INADDR_ANY)
-    throw std::runtime_error(fmt::format("'{}' is no IPv4 address of one interface, such as 127.0.0.1", address));
+    throw std::runtime_error(
+        fmt::format("'{}' is no IPv4 address of one interface, such as 127.0.0.1", address));
 }
 
-/// What browsers are told about every file: nothing from elsewhere, no frame around it, no name of it to others.
+/// What browsers are told about every file: nothing from elsewhere, no frame around it, no name of
+/// it to others.
 constexpr std::string_view kPolicy =
-    "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data:; connect-src 'self'; "
+    "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' "
+    "data:; connect-src 'self'; "
     "base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
 }  // namespace
@@ -79,8 +82,11 @@ class PageServer::Impl {
   };
 
  public:
-  Impl(const ServerOptions& options, std::function<std::string()> greeting, std::function<void(std::string)> heard)
-      : files_(find_page_files()), greeting_(std::move(greeting)), heard_(std::move(heard)) {
+  Impl(const ServerOptions& options, std::function<std::string()> greeting,
+       std::function<void(std::string)> heard)
+      : files_(find_page_files()),
+        greeting_(std::move(greeting)),
+        heard_(std::move(heard)) {
     check_address(options.address);
     access_ = {options.address, options.port, make_token()};
     lws_set_log_level(0, nullptr);  // that a port is taken is said below
@@ -91,8 +97,10 @@ class PageServer::Impl {
     info.pt_serv_buf_size = 16 * 1024;
     info.timeout_secs = 10;
     context_ = lws_create_context(&info);
-    if (!context_) throw std::runtime_error("the page's server could not be made");
-    static const lws_protocols protocols[] = {{"voxtouch-view", &Impl::called, sizeof(Client*), kMaxMessageBytes, 0, nullptr, 0}, {}};
+    if (!context_)
+      throw std::runtime_error("the page's server could not be made");
+    static const lws_protocols protocols[] = {
+        {"voxtouch-view", &Impl::called, sizeof(Client*), kMaxMessageBytes, 0, nullptr, 0}, {}};
     info.port = access_.port;
     info.iface = access_.address.c_str();
     info.protocols = protocols;
@@ -105,15 +113,18 @@ class PageServer::Impl {
     }
     if (!vhost) {
       lws_context_destroy(context_);
-      throw std::runtime_error(fmt::format("{}:{} cannot be listened on: it is no address of this machine, or the port is taken or reserved; choose "
-                                           "another --port, or 0 for any that is free",
-                                           access_.address, access_.port));
+      throw std::runtime_error(
+          fmt::format("{}:{} cannot be listened on: it is no address of this machine, or the port "
+                      "is taken or reserved; choose "
+                      "another --port, or 0 for any that is free",
+                      access_.address, access_.port));
     }
     lws_set_log_level(LLL_ERR, [](int, const char* line) { log::tell("page server: {}", line); });
     access_.port = lws_get_vhost_listen_port(vhost);
     thread_ = std::thread([this] {
       runtime::ordinary_priority();
-      while (!stop_.load()) lws_service(context_, 0);
+      while (!stop_.load())
+        lws_service(context_, 0);
     });
   }
   ~Impl() {
@@ -125,23 +136,28 @@ class PageServer::Impl {
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
 
-  std::string address() const { return fmt::format("http://{}:{}/?token={}", access_.address, access_.port, access_.token); }
+  std::string address() const {
+    return fmt::format("http://{}:{}/?token={}", access_.address, access_.port, access_.token);
+  }
   std::size_t clients() const noexcept { return count_.load(); }
 
   void send(std::string_view text, bool frame) {
     {
       const std::lock_guard lock(mutex_);
-      if (frame && to_send_.size() > kMaxWaiting) return;
+      if (frame && to_send_.size() > kMaxWaiting)
+        return;
       to_send_.push_back(outgoing(text, frame));
     }
     lws_cancel_service(context_);
   }
 
  private:
-  static int called(lws* wsi, lws_callback_reasons reason, void* session, void* in, std::size_t length) {
+  static int called(lws* wsi, lws_callback_reasons reason, void* session, void* in,
+                    std::size_t length) {
     lws_vhost* vhost = lws_get_vhost(wsi);
     auto* self = vhost ? static_cast<Impl*>(lws_get_vhost_user(vhost)) : nullptr;
-    if (!self) return 0;
+    if (!self)
+      return 0;
     try {
       return self->call(wsi, reason, static_cast<Client**>(session), in, length);
     } catch (const std::exception& error) {
@@ -152,15 +168,24 @@ class PageServer::Impl {
 
   int call(lws* wsi, lws_callback_reasons reason, Client** client, void* in, std::size_t length) {
     switch (reason) {
-      case LWS_CALLBACK_HTTP: return serve(wsi, std::string(static_cast<const char*>(in), length));
-      case LWS_CALLBACK_HTTP_FILE_COMPLETION: return lws_http_transaction_completed(wsi) ? -1 : 0;
-      case LWS_CALLBACK_FILTER_PROTOCOL_CONNECTION: return why_no_client(wsi).empty() ? 0 : -1;
-      case LWS_CALLBACK_ESTABLISHED: return open(wsi, client);
-      case LWS_CALLBACK_RECEIVE: return hear(wsi, **client, {static_cast<const char*>(in), length});
-      case LWS_CALLBACK_SERVER_WRITEABLE: return write(wsi, **client);
-      case LWS_CALLBACK_CLOSED: return close(wsi, client);
-      case LWS_CALLBACK_EVENT_WAIT_CANCELLED: return hand_out();
-      default: return lws_callback_http_dummy(wsi, reason, client, in, length);
+      case LWS_CALLBACK_HTTP:
+        return serve(wsi, std::string(static_cast<const char*>(in), length));
+      case LWS_CALLBACK_HTTP_FILE_COMPLETION:
+        return lws_http_transaction_completed(wsi) ? -1 : 0;
+      case LWS_CALLBACK_FILTER_PROTOCOL_CONNECTION:
+        return why_no_client(wsi).empty() ? 0 : -1;
+      case LWS_CALLBACK_ESTABLISHED:
+        return open(wsi, client);
+      case LWS_CALLBACK_RECEIVE:
+        return hear(wsi, **client, {static_cast<const char*>(in), length});
+      case LWS_CALLBACK_SERVER_WRITEABLE:
+        return write(wsi, **client);
+      case LWS_CALLBACK_CLOSED:
+        return close(wsi, client);
+      case LWS_CALLBACK_EVENT_WAIT_CANCELLED:
+        return hand_out();
+      default:
+        return lws_callback_http_dummy(wsi, reason, client, in, length);
     }
   }
 
@@ -168,41 +193,52 @@ class PageServer::Impl {
   std::string why_not(lws* wsi) const {
     if (!access_.admits_host(header(wsi, WSI_TOKEN_HOST)))
       return "This server answers to its own address only.";
-    if (!access_.admits_origin(header(wsi, WSI_TOKEN_ORIGIN))) return "Pages of other sites get nothing here.";
+    if (!access_.admits_origin(header(wsi, WSI_TOKEN_ORIGIN)))
+      return "Pages of other sites get nothing here.";
     return {};
   }
 
   std::string why_no_client(lws* wsi) const {
     std::string why = why_not(wsi);
-    if (why.empty() && !access_.admits_token(token_of(wsi))) why = "The token in the address is missing or wrong.";
-    if (why.empty() && clients_.size() >= kMaxClients) why = "Too many pages are open.";
+    if (why.empty() && !access_.admits_token(token_of(wsi)))
+      why = "The token in the address is missing or wrong.";
+    if (why.empty() && clients_.size() >= kMaxClients)
+      why = "Too many pages are open.";
     return why;
   }
 
   int serve(lws* wsi, const std::string& asked) {
     std::string why = why_not(wsi);
     if (why.empty() && asked == "/" && !access_.admits_token(token_of(wsi)))
-      why = "The token in the address is missing or wrong: use the address that voxtouch printed when it started.";
-    if (!why.empty()) return refuse(wsi, HTTP_STATUS_FORBIDDEN, why);
+      why =
+          "The token in the address is missing or wrong: use the address that voxtouch printed "
+          "when it started.";
+    if (!why.empty())
+      return refuse(wsi, HTTP_STATUS_FORBIDDEN, why);
     const auto file = files_.find(asked);
-    if (file == files_.end()) return refuse(wsi, HTTP_STATUS_NOT_FOUND, "There is no such page.");
+    if (file == files_.end())
+      return refuse(wsi, HTTP_STATUS_NOT_FOUND, "There is no such page.");
     unsigned char more[1024];
     unsigned char *at = more, *const end = more + sizeof more;
     const auto add = [&](const char* name, std::string_view value) {
       return lws_add_http_header_by_name(wsi, reinterpret_cast<const unsigned char*>(name),
-                                         reinterpret_cast<const unsigned char*>(value.data()), static_cast<int>(value.size()), &at, end);
+                                         reinterpret_cast<const unsigned char*>(value.data()),
+                                         static_cast<int>(value.size()), &at, end);
     };
     if (add("content-security-policy:", kPolicy) || add("x-content-type-options:", "nosniff") ||
         add("referrer-policy:", "no-referrer") || add("cache-control:", "no-cache"))
       return -1;
-    const int sent = lws_serve_http_file(wsi, file->second.path.c_str(), file->second.mime.c_str(), reinterpret_cast<char*>(more),
-                                         static_cast<int>(at - more));
-    if (sent < 0) return -1;
+    const int sent =
+        lws_serve_http_file(wsi, file->second.path.c_str(), file->second.mime.c_str(),
+                            reinterpret_cast<char*>(more), static_cast<int>(at - more));
+    if (sent < 0)
+      return -1;
     return sent > 0 && lws_http_transaction_completed(wsi) ? -1 : 0;
   }
 
   static int refuse(lws* wsi, unsigned status, const std::string& sentence) {
-    if (lws_return_http_status(wsi, status, sentence.c_str()) != 0) return -1;
+    if (lws_return_http_status(wsi, status, sentence.c_str()) != 0)
+      return -1;
     return lws_http_transaction_completed(wsi) ? -1 : 0;
   }
 
@@ -228,24 +264,33 @@ class PageServer::Impl {
       lws_close_reason(wsi, status, reinterpret_cast<unsigned char*>(text.data()), text.size());
       return -1;
     };
-    if (client.incoming.size() + part.size() > kMaxMessageBytes) return end_it(LWS_CLOSE_STATUS_MESSAGE_TOO_LARGE, "too long");
+    if (client.incoming.size() + part.size() > kMaxMessageBytes)
+      return end_it(LWS_CLOSE_STATUS_MESSAGE_TOO_LARGE, "too long");
     client.incoming += part;
-    if (!lws_is_final_fragment(wsi) || lws_remaining_packet_payload(wsi) > 0) return 0;
-    if (const auto now = Clock::now(); now - client.second > std::chrono::seconds(1)) client.second = now, client.messages = 0;
-    if (++client.messages > kMaxMessagesASecond) return end_it(LWS_CLOSE_STATUS_POLICY_VIOLATION, "too many messages");
+    if (!lws_is_final_fragment(wsi) || lws_remaining_packet_payload(wsi) > 0)
+      return 0;
+    if (const auto now = Clock::now(); now - client.second > std::chrono::seconds(1))
+      client.second = now, client.messages = 0;
+    if (++client.messages > kMaxMessagesASecond)
+      return end_it(LWS_CLOSE_STATUS_POLICY_VIOLATION, "too many messages");
     heard_(std::exchange(client.incoming, {}));
     return 0;
   }
 
   int write(lws* wsi, Client& client) {
-    if (client.waiting.empty()) return 0;
+    if (client.waiting.empty())
+      return 0;
     const Shared message = client.waiting.front();
     client.waiting.pop_front();
-    if (message->frame) --client.frames;
+    if (message->frame)
+      --client.frames;
     const std::size_t size = message->bytes.size() - LWS_PRE;
     // Several clients get the same bytes: the header in front is written anew for each.
-    if (lws_write(wsi, message->bytes.data() + LWS_PRE, size, LWS_WRITE_TEXT) < static_cast<int>(size)) return -1;
-    if (!client.waiting.empty()) lws_callback_on_writable(wsi);
+    if (lws_write(wsi, message->bytes.data() + LWS_PRE, size, LWS_WRITE_TEXT) <
+        static_cast<int>(size))
+      return -1;
+    if (!client.waiting.empty())
+      lws_callback_on_writable(wsi);
     return 0;
   }
 
@@ -258,7 +303,8 @@ class PageServer::Impl {
     }
     for (const auto& [wsi, client] : clients_) {
       for (const Shared& message : messages) {
-        if (message->frame && client->frames >= kMaxWaiting) continue;
+        if (message->frame && client->frames >= kMaxWaiting)
+          continue;
         if (client->waiting.size() >= 8 * kMaxWaiting) {
           lws_set_timeout(wsi, PENDING_TIMEOUT_CLOSE_SEND, LWS_TO_KILL_ASYNC);
           break;
@@ -266,7 +312,8 @@ class PageServer::Impl {
         client->frames += message->frame ? 1 : 0;
         client->waiting.push_back(message);
       }
-      if (!client->waiting.empty()) lws_callback_on_writable(wsi);
+      if (!client->waiting.empty())
+        lws_callback_on_writable(wsi);
     }
     return 0;
   }
@@ -284,7 +331,8 @@ class PageServer::Impl {
   std::thread thread_;
 };
 
-PageServer::PageServer(const ServerOptions& options, std::function<std::string()> greeting, std::function<void(std::string)> heard)
+PageServer::PageServer(const ServerOptions& options, std::function<std::string()> greeting,
+                       std::function<void(std::string)> heard)
     : impl_(std::make_unique<Impl>(options, std::move(greeting), std::move(heard))) {}
 PageServer::~PageServer() = default;
 std::string PageServer::address() const { return impl_->address(); }

@@ -1,5 +1,6 @@
 #pragma once
-/// Serves the page's files and one WebSocket on one address, by libwebsockets, in a thread of its own.
+/// Serves the page's files and one WebSocket on one address, by libwebsockets, in a thread of its
+/// own.
 #include <functional>
 #include <memory>
 #include <string>
@@ -9,28 +10,33 @@ namespace voxtouch::view {
 struct ServerOptions {
   std::string address = "127.0.0.1";  ///< an IPv4 address of this machine
   int port = 8765;                    ///< 0: any
-  bool port_is_wished = false;        ///< somebody asked for this very port: where it is taken, that is an error
+  bool port_is_wished =
+      false;  ///< somebody asked for this very port: where it is taken, that is an error
 };
 
 /// Bounds of what clients may cost.
 inline constexpr std::size_t kMaxClients = 8;
-inline constexpr std::size_t kMaxConnections = 64;      ///< a browser opens several for one page
-inline constexpr std::size_t kMaxMessageBytes = 4096;     ///< of a client [bytes]
-inline constexpr int kMaxMessagesASecond = 50;          ///< of a client
-inline constexpr std::size_t kMaxWaiting = 64;          ///< frames for a client that is slow; what comes then is left out for it
+inline constexpr std::size_t kMaxConnections = 64;     ///< a browser opens several for one page
+inline constexpr std::size_t kMaxMessageBytes = 4096;  ///< of a client [bytes]
+inline constexpr int kMaxMessagesASecond = 50;         ///< of a client
+inline constexpr std::size_t kMaxWaiting =
+    64;  ///< frames for a client that is slow; what comes then is left out for it
 
 class PageServer {
  public:
-  /// `greeting` gives what a client that has just come must know, as one message; `heard` gets what clients send. Both are called from the
-  /// server's thread. Throws std::runtime_error, a sentence, where the address cannot be had or the page's files are missing.
-  PageServer(const ServerOptions& options, std::function<std::string()> greeting, std::function<void(std::string)> heard);
+  /// `greeting` gives what a client that has just come must know, as one message; `heard` gets what
+  /// clients send. Both are called from the server's thread. Throws std::runtime_error, a sentence,
+  /// where the address cannot be had or the page's files are missing.
+  PageServer(const ServerOptions& options, std::function<std::string()> greeting,
+             std::function<void(std::string)> heard);
   ~PageServer();
   PageServer(const PageServer&) = delete;
   PageServer& operator=(const PageServer&) = delete;
 
   /// For people, with the token.
   std::string address() const;
-  /// To all clients, in order. A frame is left out for a client that has too many waiting; a fact waits for it. Any thread.
+  /// To all clients, in order. A frame is left out for a client that has too many waiting; a fact
+  /// waits for it. Any thread.
   void send_frame(std::string text);
   void send_fact(std::string text);
   std::size_t clients() const noexcept;

@@ -18,8 +18,9 @@ using runtime::from_msg;
 
 json to_json(const Vec3& v) { return {rounded(v.x()), rounded(v.y()), rounded(v.z())}; }
 json to_json(const Pose& p) {
-  return {rounded(p.position.x()),    rounded(p.position.y()),    rounded(p.position.z()),   rounded(p.orientation.x()),
-          rounded(p.orientation.y()), rounded(p.orientation.z()), rounded(p.orientation.w())};
+  return {rounded(p.position.x()),    rounded(p.position.y()),    rounded(p.position.z()),
+          rounded(p.orientation.x()), rounded(p.orientation.y()), rounded(p.orientation.z()),
+          rounded(p.orientation.w())};
 }
 
 /// The force of a command in the world's axes; its size is what the device gives.
@@ -48,7 +49,8 @@ constexpr Words kCommandWords[] = {{msg::force_command::kStatusRamping, "ramping
 json words_of(std::uint32_t bits, std::span<const Words> known) {
   json words = json::array();
   for (const auto& [bit, word] : known)
-    if (bits & bit) words.push_back(word);
+    if (bits & bit)
+      words.push_back(word);
   return words;
 }
 
@@ -57,28 +59,40 @@ double size_of(const msg::geometry_msgs_Wrench& wrench) { return from_msg(wrench
 }  // namespace
 
 void LatencyCounts::sample(std::uint64_t sequence, std::int64_t written_ns) noexcept {
-  if (written_ns > 0) written_[sequence % kKept] = {sequence, written_ns};
+  if (written_ns > 0)
+    written_[sequence % kKept] = {sequence, written_ns};
 }
 
 void LatencyCounts::command(std::uint64_t sequence, std::int64_t written_ns) noexcept {
   const Written& sample = written_[sequence % kKept];
-  if (sample.sequence != sequence || written_ns < sample.at_ns) return;
+  if (sample.sequence != sequence || written_ns < sample.at_ns)
+    return;
   recent_us_.push_back(static_cast<float>(static_cast<double>(written_ns - sample.at_ns) * 1e-3));
-  if (recent_us_.size() > kRecent) recent_us_.pop_front();
+  if (recent_us_.size() > kRecent)
+    recent_us_.pop_front();
 }
 
 json LatencyCounts::to_json() const {
-  if (recent_us_.empty()) return nullptr;
+  if (recent_us_.empty())
+    return nullptr;
   std::vector<float> sorted(recent_us_.begin(), recent_us_.end());
   std::ranges::sort(sorted);
   std::vector<int> counts(kBins, 0);
-  for (const float us : sorted) ++counts[std::min(kBins - 1, static_cast<std::size_t>(us / kBinUs))];
-  const auto quantile = [&](double q) { return std::round(sorted[static_cast<std::size_t>(q * static_cast<double>(sorted.size() - 1))]); };
-  return {{"bin_us", kBinUs}, {"counts", counts}, {"p50_us", quantile(0.5)}, {"p99_us", quantile(0.99)}, {"samples", sorted.size()}};
+  for (const float us : sorted)
+    ++counts[std::min(kBins - 1, static_cast<std::size_t>(us / kBinUs))];
+  const auto quantile = [&](double q) {
+    return std::round(sorted[static_cast<std::size_t>(q * static_cast<double>(sorted.size() - 1))]);
+  };
+  return {{"bin_us", kBinUs},
+          {"counts", counts},
+          {"p50_us", quantile(0.5)},
+          {"p99_us", quantile(0.99)},
+          {"samples", sorted.size()}};
 }
 
 void Picture::begin(std::uint64_t session, std::int64_t sample_time_ns) {
-  if (session == session_ && begin_ns_) return;
+  if (session == session_ && begin_ns_)
+    return;
   forget();
   session_ = session;
   begin_ns_ = sample_time_ns;
@@ -93,7 +107,8 @@ void Picture::take(const msg::DeviceState& state, std::int64_t written_ns) {
 }
 
 void Picture::take(const msg::ContactState& contact) {
-  if (contact.session_id != session_) return;
+  if (contact.session_id != session_)
+    return;
   if (!contact_) {  // the rendering knows when the session began
     begin_ns_ = runtime::ns_between(contact.scene_time_ns, contact.sample_time_ns);
     open_.clear();
@@ -101,29 +116,38 @@ void Picture::take(const msg::ContactState& contact) {
   contact_ = contact;
   news_ = true;
   Row* at = row(contact.sample_time_ns);
-  if (!at) return;
-  const auto more = [](const msg::ContactState& c) { return std::pair{c.deepest_depth_m, size_of(c.contact_wrench)}; };
-  if (!at->contact || more(contact) > more(*at->contact)) at->contact = contact;
+  if (!at)
+    return;
+  const auto more = [](const msg::ContactState& c) {
+    return std::pair{c.deepest_depth_m, size_of(c.contact_wrench)};
+  };
+  if (!at->contact || more(contact) > more(*at->contact))
+    at->contact = contact;
 }
 
 void Picture::take(const msg::ForceCommand& command, std::int64_t written_ns) {
-  if (command.session_id != session_ || !begin_ns_) return;
+  if (command.session_id != session_ || !begin_ns_)
+    return;
   command_ = command;
   latency_.command(command.sequence_number, written_ns);
   news_ = true;
   Row* at = row(command.sample_time_ns);
-  if (at && (!at->command || size_of(command.wrench) > size_of(at->command->wrench))) at->command = command;
+  if (at && (!at->command || size_of(command.wrench) > size_of(at->command->wrench)))
+    at->command = command;
 }
 
-/// None for a sample whose row has been given away, and for stamps that cannot be: anybody may send some.
+/// None for a sample whose row has been given away, and for stamps that cannot be: anybody may send
+/// some.
 Picture::Row* Picture::row(std::int64_t sample_time_ns) {
   constexpr std::size_t kMaxOpen = 4096;
   const std::int64_t index = runtime::ns_between(*begin_ns_, sample_time_ns) / kRowNs;
-  if (index <= closed_to_ || (open_.size() >= kMaxOpen && !open_.contains(index))) return nullptr;
+  if (index <= closed_to_ || (open_.size() >= kMaxOpen && !open_.contains(index)))
+    return nullptr;
   return &open_[index];
 }
 
-/// A row is closed once samples have come that are well behind it: its command is one way round the ring later than its contact.
+/// A row is closed once samples have come that are well behind it: its command is one way round the
+/// ring later than its contact.
 void Picture::close_rows(const scene::Scene* scene) {
   constexpr std::int64_t kRowsBehind = 2;
   while (!open_.empty() && open_.begin()->first + kRowsBehind < open_.rbegin()->first) {
@@ -134,16 +158,19 @@ void Picture::close_rows(const scene::Scene* scene) {
     open_.erase(oldest);
   }
   const double newest_s = closed_.empty() ? 0.0 : closed_.back()[0].get<double>();
-  while (!closed_.empty() && closed_.front()[0].get<double>() < newest_s - kPastS) closed_.pop_front();
+  while (!closed_.empty() && closed_.front()[0].get<double>() < newest_s - kPastS)
+    closed_.pop_front();
   fresh_ = std::min(fresh_, closed_.size());
 }
 
-/// s; returned force x, y, z and size, contact force [N]; depth [mm]; energy [mJ]; added damping [Ns/m]. Null where nothing came.
+/// s; returned force x, y, z and size, contact force [N]; depth [mm]; energy [mJ]; added damping
+/// [Ns/m]. Null where nothing came.
 json Picture::row_json(std::int64_t index, const Row& row, const scene::Scene* scene) const {
   json r = {rounded(static_cast<double>(index * kRowNs) * 1e-9)};
   if (row.command) {
     const Vec3 force = in_world(*row.command, scene);
-    for (const double x : {force.x(), force.y(), force.z(), force.norm()}) r.push_back(rounded(x));
+    for (const double x : {force.x(), force.y(), force.z(), force.norm()})
+      r.push_back(rounded(x));
   } else {
     r.insert(r.end(), 4, nullptr);
   }
@@ -165,7 +192,8 @@ json Picture::row_json(std::int64_t index, const Row& row, const scene::Scene* s
 json Picture::frame(const scene::Scene* scene) {
   close_rows(scene);
   json f = {{"type", "frame"}, {"session", std::to_string(session_)}, {"t", rounded(time_s_)}};
-  if (state_) f["sample"] = state_->sequence_number;
+  if (state_)
+    f["sample"] = state_->sequence_number;
   if (contact_) {
     const msg::ContactState& c = *contact_;
     f["tool"] = to_json(from_msg(c.tool_pose));
@@ -178,7 +206,8 @@ json Picture::frame(const scene::Scene* scene) {
     if (scene)
       for (std::size_t n = 0; n < scene->objects.size(); ++n)
         if (const auto& moves = scene->objects[n].moves)
-          f["moved"][std::to_string(n + 1)] = to_json(motion_at(*moves, static_cast<double>(c.scene_time_ns) * 1e-9).position);
+          f["moved"][std::to_string(n + 1)] =
+              to_json(motion_at(*moves, static_cast<double>(c.scene_time_ns) * 1e-9).position);
   }
   if (command_) {
     f["force"] = to_json(in_world(*command_, scene));

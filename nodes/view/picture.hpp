@@ -1,5 +1,6 @@
 #pragma once
-/// What of the ring can be seen now, and the strip charts of its last seconds: messages in, JSON for the page out. One thread; no clock.
+/// What of the ring can be seen now, and the strip charts of its last seconds: messages in, JSON
+/// for the page out. One thread; no clock.
 #include <array>
 #include <cstdint>
 #include <deque>
@@ -13,7 +14,8 @@
 
 namespace voxtouch::view {
 
-/// The charts show one row for each stretch of this length, with the largest values in it: no peak is lost.
+/// The charts show one row for each stretch of this length, with the largest values in it: no peak
+/// is lost.
 inline constexpr std::int64_t kRowNs = 8'000'000;
 /// How much of the past a page gets that comes later.
 inline constexpr double kPastS = 10.0;
@@ -52,8 +54,8 @@ class Picture {
 
   /// Something has come since the last frame.
   bool has_news() const noexcept { return news_; }
-  /// The newest sample, and the rows of the charts that are new since the last frame. `scene` (if known) says how the device lies in the
-  /// world and where moving objects are.
+  /// The newest sample, and the rows of the charts that are new since the last frame. `scene` (if
+  /// known) says how the device lies in the world and where moving objects are.
   nlohmann::json frame(const scene::Scene* scene);
   /// All rows of the last kPastS.
   nlohmann::json past(const scene::Scene* scene);
@@ -77,10 +79,10 @@ class Picture {
   std::optional<msg::DeviceState> state_;
   std::optional<msg::ContactState> contact_;
   std::optional<msg::ForceCommand> command_;
-  std::map<std::int64_t, Row> open_;      ///< rows that may still change
-  std::int64_t closed_to_ = -1;           ///< rows up to this one have been given away
-  std::deque<nlohmann::json> closed_;     ///< of the last kPastS
-  std::size_t fresh_ = 0;                 ///< how many of them no frame has had
+  std::map<std::int64_t, Row> open_;   ///< rows that may still change
+  std::int64_t closed_to_ = -1;        ///< rows up to this one have been given away
+  std::deque<nlohmann::json> closed_;  ///< of the last kPastS
+  std::size_t fresh_ = 0;              ///< how many of them no frame has had
   LatencyCounts latency_;
 };
 

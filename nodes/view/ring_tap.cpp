@@ -5,7 +5,8 @@
 namespace voxtouch::view {
 namespace {
 
-constexpr int kMaxAtOnce = 256;  ///< of what comes seldom: a flood of it must not hold up the picture
+constexpr int kMaxAtOnce =
+    256;  ///< of what comes seldom: a flood of it must not hold up the picture
 
 /// As every tap, with room for a second of the ring: this process waits for all others.
 const qos::Profile& tap() {
@@ -20,20 +21,29 @@ const qos::Profile& tap() {
 }  // namespace
 
 RingTap::RingTap(const bus::Participant& participant, const runtime::NodeOptions& o)
-    : registry_(participant, o.rig), states_(participant, qos::kDeviceState, o.rig, tap()),
-      contacts_(participant, qos::kContactState, o.rig, tap()), commands_(participant, qos::kForceCommand, o.rig, tap()),
+    : registry_(participant, o.rig),
+      states_(participant, qos::kDeviceState, o.rig, tap()),
+      contacts_(participant, qos::kContactState, o.rig, tap()),
+      commands_(participant, qos::kForceCommand, o.rig, tap()),
       plans_(participant, qos::kScenePlan, o.rig, qos::profile(qos::kScenePlan.profile)),
-      designs_(participant, qos::kCouplingDesign, o.rig, qos::profile(qos::kCouplingDesign.profile)),
-      devices_(participant, qos::kDeviceDescription, o.rig, qos::profile(qos::kDeviceDescription.profile)),
+      designs_(participant, qos::kCouplingDesign, o.rig,
+               qos::profile(qos::kCouplingDesign.profile)),
+      devices_(participant, qos::kDeviceDescription, o.rig,
+               qos::profile(qos::kDeviceDescription.profile)),
       changes_(participant, qos::kEffectChange, o.rig, tap()),
-      answers_(participant, qos::kEffectChanged, o.rig, qos::profile(qos::kEffectChanged.profile)) {}
+      answers_(participant, qos::kEffectChanged, o.rig, qos::profile(qos::kEffectChanged.profile)) {
+}
 
 void RingTap::take(Picture& picture, Facts& facts, NodeTable& nodes, std::int64_t now_ns) {
   registry_.update();
   nodes.update(registry_, now_ns);
-  states_.take_each([&](const msg::DeviceState& m, const dds_sample_info_t& info) { picture.take(m, info.source_timestamp); });
+  states_.take_each([&](const msg::DeviceState& m, const dds_sample_info_t& info) {
+    picture.take(m, info.source_timestamp);
+  });
   contacts_.take_each([&](const msg::ContactState& m) { picture.take(m); });
-  commands_.take_each([&](const msg::ForceCommand& m, const dds_sample_info_t& info) { picture.take(m, info.source_timestamp); });
+  commands_.take_each([&](const msg::ForceCommand& m, const dds_sample_info_t& info) {
+    picture.take(m, info.source_timestamp);
+  });
   devices_.take_each([&](const msg::DeviceDescription& m) { facts.take(m); }, kMaxAtOnce);
   plans_.take_each([&](const msg::ScenePlan& m) { facts.take(m); }, kMaxAtOnce);
   designs_.take_each([&](const msg::CouplingDesign& m) { facts.take(m); }, kMaxAtOnce);
@@ -45,7 +55,8 @@ std::string RingTap::scene_file() const {
   char host[256] = {};
   gethostname(host, sizeof host - 1);
   const auto rendering = registry_.find("rendering");
-  if (!rendering || rendering->host != host) return {};
+  if (!rendering || rendering->host != host)
+    return {};
   const auto file = rendering->values.find("scene_file");
   return file == rendering->values.end() ? std::string() : file->second;
 }

@@ -14,7 +14,8 @@ class RingTap {
   RingTap(const bus::Participant& participant, const runtime::NodeOptions& options);
   /// Takes what has come since the last call, at most the last second of a stream.
   void take(Picture& picture, Facts& facts, NodeTable& nodes, std::int64_t now_ns);
-  /// The scene's file on this host, as the rendering node says it; empty where it runs elsewhere or has not said it.
+  /// The scene's file on this host, as the rendering node says it; empty where it runs elsewhere or
+  /// has not said it.
   std::string scene_file() const;
 
  private:

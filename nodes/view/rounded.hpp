@@ -6,10 +6,13 @@
 
 namespace voxtouch::view {
 
-/// To six digits: more is never seen, and a page gets many. What is no finite number is null: JSON has no word for it.
+/// To six digits: more is never seen, and a page gets many. What is no finite number is null: JSON
+/// has no word for it.
 inline nlohmann::json rounded(double value) {
-  if (!std::isfinite(value)) return nullptr;
-  if (value == 0.0) return 0;
+  if (!std::isfinite(value))
+    return nullptr;
+  if (value == 0.0)
+    return 0;
   const double unit = std::pow(10.0, 5.0 - std::floor(std::log10(std::abs(value))));
   return std::isfinite(unit) ? std::round(value * unit) / unit : value;
 }

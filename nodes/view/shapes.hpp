@@ -8,8 +8,9 @@
 
 namespace voxtouch::view {
 
-/// {"meshes": [{"name", "role", "object", "positions", "indices", "triangles", "shown"}], "notes": [sentence]}: static ones and moving
-/// objects in W where they rest, the dynamic one in T. A mesh that cannot be read is a note. Reads files, until `stop`; takes as long as they are large.
+/// {"meshes": [{"name", "role", "object", "positions", "indices", "triangles", "shown"}], "notes":
+/// [sentence]}: static ones and moving objects in W where they rest, the dynamic one in T. A mesh
+/// that cannot be read is a note. Reads files, until `stop`; takes as long as they are large.
 nlohmann::json shapes_of(const scene::Scene& scene, const std::atomic<bool>& stop);
 
 }  // namespace voxtouch::view

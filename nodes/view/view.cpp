@@ -31,19 +31,25 @@ using nlohmann::json;
 constexpr std::int64_t kFrameNs = 33'333'333, kFactsNs = 200'000'000;
 
 /// Text of anybody's may stand in it, also such as is no UTF-8.
-std::string text_of(const json& j) { return j.dump(-1, ' ', false, json::error_handler_t::replace); }
+std::string text_of(const json& j) {
+  return j.dump(-1, ' ', false, json::error_handler_t::replace);
+}
 
 bool is_bag(const std::filesystem::path& path) {
-  return std::filesystem::is_directory(path) || path.extension() == ".db3" || path.extension() == ".mcap";
+  return std::filesystem::is_directory(path) || path.extension() == ".db3" ||
+         path.extension() == ".mcap";
 }
 
 /// What the device's guard and clock have counted, for the line above the charts.
 json counts_of(const std::vector<NodeRow>& rows) {
   for (const NodeRow& row : rows) {
-    if (row.report.node != "device") continue;
+    if (row.report.node != "device")
+      continue;
     json counts;
-    for (const char* name : {"refused", "clamped", "overruns", "deadline_misses", "latency_p50_us", "latency_p99_us", "latency_max_us"})
-      if (const auto value = runtime::find_value(row.report.figures, name)) counts[name] = rounded(*value);
+    for (const char* name : {"refused", "clamped", "overruns", "deadline_misses", "latency_p50_us",
+                             "latency_p99_us", "latency_max_us"})
+      if (const auto value = runtime::find_value(row.report.figures, name))
+        counts[name] = rounded(*value);
     return counts;
   }
   return nullptr;
@@ -52,14 +58,20 @@ json counts_of(const std::vector<NodeRow>& rows) {
 class View {
  public:
   explicit View(const Options& options)
-      : options_(options), participant_(options.node.participant("view")), points_(options.cache),
-        server_(options.server, [this] { return greeting(); }, [this](std::string text) { hear(std::move(text)); }) {
+      : options_(options),
+        participant_(options.node.participant("view")),
+        points_(options.cache),
+        server_(
+            options.server, [this] { return greeting(); },
+            [this](std::string text) { hear(std::move(text)); }) {
     if (is_bag(options.shown))
       player_.emplace(participant_, options.shown);
     else
       tap_.emplace(participant_, options.node);
-    if (tap_) asker_.emplace(participant_, options.node);
-    if (!player_ && !options.shown.empty()) show(options.shown);
+    if (tap_)
+      asker_.emplace(participant_, options.node);
+    if (!player_ && !options.shown.empty())
+      show(options.shown);
   }
 
   ~View() { ended_.store(true); }
@@ -72,7 +84,8 @@ class View {
       log::tell("{}\n", line);
     else
       log::print_result("{}\n", line), log::finish_results();
-    std::int64_t at_ns = runtime::monotonic_ns(), before_ns = at_ns, frame_at_ns = 0, facts_at_ns = 0;
+    std::int64_t at_ns = runtime::monotonic_ns(), before_ns = at_ns, frame_at_ns = 0,
+                 facts_at_ns = 0;
     while (!stop.load()) {
       const std::int64_t now_ns = runtime::monotonic_ns();
       obey();
@@ -80,8 +93,10 @@ class View {
       points_.look();
       advance(now_ns, std::min(kMaxStepS, static_cast<double>(now_ns - before_ns) * 1e-9));
       before_ns = now_ns;
-      if (at_ns >= frame_at_ns) send_frame(), frame_at_ns = at_ns + kFrameNs - kTurnNs / 2;
-      if (now_ns >= facts_at_ns) send_facts(now_ns), facts_at_ns = now_ns + kFactsNs;
+      if (at_ns >= frame_at_ns)
+        send_frame(), frame_at_ns = at_ns + kFrameNs - kTurnNs / 2;
+      if (now_ns >= facts_at_ns)
+        send_facts(now_ns), facts_at_ns = now_ns + kFactsNs;
       at_ns = runtime::next_deadline(at_ns, runtime::monotonic_ns(), kTurnNs).at_ns;
       runtime::sleep_until(at_ns);
     }
@@ -90,36 +105,43 @@ class View {
 
  private:
   static constexpr std::int64_t kTurnNs = kFrameNs / 2;
-  static constexpr double kMaxStepS = 0.25;  ///< a recorded run waits where this thread was held up, and nobody misses a part of it
+  static constexpr double kMaxStepS =
+      0.25;  ///< a recorded run waits where this thread was held up, and nobody misses a part of it
 
   void advance(std::int64_t now_ns, double elapsed_s) {
     if (tap_) {
       tap_->take(picture_, facts_, nodes_, now_ns);
-    } else if (player_->advance(server_.clients() > 0 ? elapsed_s : 0.0, picture_, facts_, nodes_)) {
+    } else if (player_->advance(server_.clients() > 0 ? elapsed_s : 0.0, picture_, facts_,
+                                nodes_)) {
       server_.send_fact(text_of(picture_.past(known_scene())));
     }
   }
 
   void send_frame() {
-    if (!picture_.has_news()) return;
+    if (!picture_.has_news())
+      return;
     json frame = picture_.frame(known_scene());
     if (is_same_scene())
       if (const auto points = points_.points()) {
         json all = json::array();
         for (const Vec3& p : *points)
-          for (const double x : {p.x(), p.y(), p.z()}) all.push_back(rounded(x));
+          for (const double x : {p.x(), p.y(), p.z()})
+            all.push_back(rounded(x));
         frame["points"] = std::move(all);
       }
-    if (server_.clients() == 0) return;
+    if (server_.clients() == 0)
+      return;
     if (const auto& contact = picture_.contact())  // for the next frame
-      points_.ask(runtime::from_msg(contact->object_pose), static_cast<double>(contact->scene_time_ns) * 1e-9);
+      points_.ask(runtime::from_msg(contact->object_pose),
+                  static_cast<double>(contact->scene_time_ns) * 1e-9);
     server_.send_frame(text_of(frame));
   }
 
   void send_facts(std::int64_t now_ns) {
     look_after_shapes();
     follow_scene();
-    if (server_.clients() == 0) return;
+    if (server_.clients() == 0)
+      return;
     const std::vector<NodeRow> rows = nodes_.rows(player_ ? player_->now_ns() : now_ns);
     json facts = facts_.to_json();
     facts["type"] = "facts";
@@ -128,19 +150,23 @@ class View {
     facts["counts"] = counts_of(rows);
     facts["latency"] = picture_.latency();
     facts["scene_note"] = scene_note();
-    if (player_) facts["bag"] = player_->to_json();
+    if (player_)
+      facts["bag"] = player_->to_json();
     server_.send_fact(text_of(facts));
     send_slice();
   }
 
   /// Of what a page has asked for, and only where it is another one than the last.
   void send_slice() {
-    if (!slice_ || !is_same_scene()) return;
+    if (!slice_ || !is_same_scene())
+      return;
     if (const auto found = points_.take_slice(); found && !found->is_null())
-      if (std::string text = text_of(*found); text != slice_text_) server_.send_fact(slice_text_ = std::move(text));
+      if (std::string text = text_of(*found); text != slice_text_)
+        server_.send_fact(slice_text_ = std::move(text));
     SliceQuestion question{slice_->axis, slice_->at_m.value_or(0.0), 0.0};
     if (const auto& contact = picture_.contact()) {
-      if (!slice_->at_m) question.at_m = runtime::from_msg(contact->object_pose).position[question.axis];
+      if (!slice_->at_m)
+        question.at_m = runtime::from_msg(contact->object_pose).position[question.axis];
       question.scene_time_s = static_cast<double>(contact->scene_time_ns) * 1e-9;
     }
     points_.ask(question);
@@ -149,11 +175,17 @@ class View {
   const scene::Scene* known_scene() const { return scene_ ? &*scene_ : nullptr; }
 
   /// The scene that the ring runs, or ran, is the one that is shown here.
-  bool is_same_scene() const { return scene_ && (facts_.scene_hash().empty() || facts_.scene_hash() == scene_->hash); }
+  bool is_same_scene() const {
+    return scene_ && (facts_.scene_hash().empty() || facts_.scene_hash() == scene_->hash);
+  }
 
   std::string scene_note() const {
-    if (!scene_) return why_no_scene_.empty() ? "The scene's file is not known here: give it to voxtouch view." : why_no_scene_;
-    if (!is_same_scene()) return fmt::format("{} is another version than the ring runs: its meshes may differ.", scene_->file.filename().string());
+    if (!scene_)
+      return why_no_scene_.empty() ? "The scene's file is not known here: give it to voxtouch view."
+                                   : why_no_scene_;
+    if (!is_same_scene())
+      return fmt::format("{} is another version than the ring runs: its meshes may differ.",
+                         scene_->file.filename().string());
     const std::string why = points_.why_not();
     return why.empty() ? "" : "No contact points: " + why + ".";
   }
@@ -161,9 +193,13 @@ class View {
   /// A ring, or a bag, names its scene's file; another version of it is read again.
   void follow_scene() {
     const std::string named = player_ ? player_->scene_file() : tap_->scene_file();
-    const std::filesystem::path file = !named.empty() ? std::filesystem::path(named) : player_ ? "" : options_.shown;
-    if (shapes_.valid() || file.empty() || facts_.scene_hash().empty() || is_same_scene()) return;
-    if (tried_ == std::pair(file, facts_.scene_hash())) return;
+    const std::filesystem::path file = !named.empty() ? std::filesystem::path(named)
+                                       : player_      ? ""
+                                                      : options_.shown;
+    if (shapes_.valid() || file.empty() || facts_.scene_hash().empty() || is_same_scene())
+      return;
+    if (tried_ == std::pair(file, facts_.scene_hash()))
+      return;
     tried_ = {file, facts_.scene_hash()};
     show(file);
   }
@@ -189,19 +225,23 @@ class View {
     points_.scene_is(*scene_);
   }
 
-  /// What pages want changed, one thing after the other, each in a thread of its own: an answer may take its time.
+  /// What pages want changed, one thing after the other, each in a thread of its own: an answer may
+  /// take its time.
   void look_after_changes() {
     if (asking_.valid()) {
-      if (asking_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
+      if (asking_.wait_for(std::chrono::seconds(0)) != std::future_status::ready)
+        return;
       answer(changes_.front(), asking_.get());
       changes_.pop_front();
     }
-    if (changes_.empty()) return;
+    if (changes_.empty())
+      return;
     asking_ = std::async(std::launch::async, [this, words = changes_.front()]() -> std::string {
       try {
         runtime::ChangeWords change;
         change.words = words;
-        return asker_->ask(change, [](const auto&) {}, [](const auto&) {}, [this] { return ended_.load(); });
+        return asker_->ask(
+            change, [](const auto&) {}, [](const auto&) {}, [this] { return ended_.load(); });
       } catch (const std::exception& error) {
         return error.what();
       }
@@ -210,11 +250,13 @@ class View {
 
   /// `problem`: why it was not done; empty: it was.
   void answer(const std::vector<std::string>& words, const std::string& problem) {
-    server_.send_fact(text_of({{"type", "answer"}, {"words", words}, {"ok", problem.empty()}, {"sentence", problem}}));
+    server_.send_fact(text_of(
+        {{"type", "answer"}, {"words", words}, {"ok", problem.empty()}, {"sentence", problem}}));
   }
 
   void look_after_shapes() {
-    if (!shapes_.valid() || shapes_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
+    if (!shapes_.valid() || shapes_.wait_for(std::chrono::seconds(0)) != std::future_status::ready)
+      return;
     std::string text = shapes_.get();
     const std::lock_guard lock(mutex_);
     scene_text_ = std::move(text);
@@ -231,7 +273,8 @@ class View {
     json order = json::parse(text, nullptr, false);
     constexpr std::size_t kMaxOrders = 64;
     const std::lock_guard lock(mutex_);
-    if (order.is_object() && orders_.size() < kMaxOrders) orders_.push_back(std::move(order));
+    if (order.is_object() && orders_.size() < kMaxOrders)
+      orders_.push_back(std::move(order));
   }
 
   /// What pages have asked for.
@@ -255,7 +298,8 @@ class View {
       server_.send_fact(text_of(picture_.past(known_scene())));
       slice_text_.clear();  // for a page that has come
     }
-    if (order.contains("slice")) cut(order["slice"]);
+    if (order.contains("slice"))
+      cut(order["slice"]);
     if (order.contains("change") && asker_) {
       constexpr std::size_t kMaxChanges = 8;
       auto words = order["change"].get<std::vector<std::string>>();
@@ -264,19 +308,26 @@ class View {
       else
         answer(words, "too many changes wait for an answer");
     }
-    if (!player_) return;
-    if (order.contains("play")) player_->play(order["play"].get<bool>());
-    if (order.contains("speed")) player_->speed(order["speed"].get<double>());
-    if (order.contains("seek")) player_->seek(order["seek"].get<double>());
+    if (!player_)
+      return;
+    if (order.contains("play"))
+      player_->play(order["play"].get<bool>());
+    if (order.contains("speed"))
+      player_->speed(order["speed"].get<double>());
+    if (order.contains("seek"))
+      player_->seek(order["seek"].get<double>());
   }
 
   /// {"axis": "z", "at": 0.01}: there, or without `at` where the tool is; null: none.
   void cut(const json& order) {
     slice_.reset(), slice_text_.clear();
-    if (!order.is_object()) return;
+    if (!order.is_object())
+      return;
     const std::size_t axis = std::string("xyz").find(order.at("axis").get<std::string>());
-    if (axis > 2) return;
-    slice_ = Cut{static_cast<int>(axis), order.contains("at") ? std::optional(order["at"].get<double>()) : std::nullopt};
+    if (axis > 2)
+      return;
+    slice_ = Cut{static_cast<int>(axis),
+                 order.contains("at") ? std::optional(order["at"].get<double>()) : std::nullopt};
   }
   struct Cut {
     int axis = 2;
@@ -302,7 +353,7 @@ class View {
   PageServer server_;
   std::optional<RingTap> tap_;
   std::optional<BagPlayer> player_;
-  std::optional<runtime::ChangeAsker> asker_;  ///< of a ring
+  std::optional<runtime::ChangeAsker> asker_;     ///< of a ring
   std::deque<std::vector<std::string>> changes_;  ///< the first is being asked for
   std::future<std::string> asking_;
 };
@@ -310,7 +361,8 @@ class View {
 }  // namespace
 
 int run(const Options& options, const std::atomic<bool>& stop) {
-  setpriority(PRIO_PROCESS, 0, 10);  // this thread and those that it starts, DDS's too: who looks on comes after everything else
+  setpriority(PRIO_PROCESS, 0, 10);  // this thread and those that it starts, DDS's too: who looks
+                                     // on comes after everything else
   return View(options).run(stop);
 }
 

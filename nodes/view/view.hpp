@@ -10,11 +10,12 @@
 namespace voxtouch::view {
 
 struct Options {
-  runtime::NodeOptions node;     ///< rig, domain, interface
-  std::filesystem::path shown;   ///< a bag, a scene file, or empty: the ring's own scene, if its file is at hand
+  runtime::NodeOptions node;  ///< rig, domain, interface
+  std::filesystem::path
+      shown;  ///< a bag, a scene file, or empty: the ring's own scene, if its file is at hand
   ServerOptions server;
   scene_build::CacheOptions cache;
-  bool to_stderr = false;        ///< the address is told there, since stdout belongs to somebody else
+  bool to_stderr = false;  ///< the address is told there, since stdout belongs to somebody else
 };
 
 /// Serves until `stop`. Throws std::runtime_error, a sentence.

@@ -21,14 +21,26 @@ FELT = re.compile(r"samples\s+force\s+([\d.]+) N")
 
 
 def arguments():
-    own = sys.argv[1:sys.argv.index("--")] if "--" in sys.argv else sys.argv[1:]
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    own = sys.argv[1 : sys.argv.index("--")] if "--" in sys.argv else sys.argv[1:]
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--build", type=pathlib.Path, default=HERE / "build", help="build folder")
     parser.add_argument("--domain", type=int, default=64)
-    parser.add_argument("--duration", type=float, default=15.0, help="of the ring [s]; the attack has to be over by then")
-    parser.add_argument("--most", type=float, default=1.0, help="more force than this never reaches the device [N]; 0.32 is right")
+    parser.add_argument(
+        "--duration",
+        type=float,
+        default=15.0,
+        help="of the ring [s]; the attack has to be over by then",
+    )
+    parser.add_argument(
+        "--most",
+        type=float,
+        default=1.0,
+        help="more force than this never reaches the device [N]; 0.32 is right",
+    )
     ask = parser.parse_args(own)
-    ask.attack = sys.argv[sys.argv.index("--") + 1:] if "--" in sys.argv else []
+    ask.attack = sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else []
     return ask
 
 
@@ -48,9 +60,26 @@ def main():
     with tempfile.TemporaryDirectory(prefix="voxtouch_test_under_") as folder:
         said, told = pathlib.Path(folder, "err"), pathlib.Path(folder, "out")
         with open(said, "w") as err, open(told, "w") as out:
-            up = subprocess.Popen([ask.build / "bin/voxtouch", "up", HERE / "deploy/scenes/cup.yaml", "--motion", "slide", "--duration", str(ask.duration),
-                                   "--json", "--no-report", "--domain", str(ask.domain), "--record", pathlib.Path(folder, "bag")],
-                                  stdout=out, stderr=err, stdin=subprocess.DEVNULL)
+            up = subprocess.Popen(
+                [
+                    ask.build / "bin/voxtouch",
+                    "up",
+                    HERE / "deploy/scenes/cup.yaml",
+                    "--motion",
+                    "slide",
+                    "--duration",
+                    str(ask.duration),
+                    "--json",
+                    "--no-report",
+                    "--domain",
+                    str(ask.domain),
+                    "--record",
+                    pathlib.Path(folder, "bag"),
+                ],
+                stdout=out,
+                stderr=err,
+                stdin=subprocess.DEVNULL,
+            )
         try:
             until = time.monotonic() + 60
             while not any(float(f) > 0.05 for f in FELT.findall(said.read_text())):
@@ -62,7 +91,9 @@ def main():
                 attack = subprocess.run(ask.attack, capture_output=True, text=True, timeout=600)
                 print(attack.stdout.strip())
                 if attack.returncode:
-                    faults.append(f"the attack itself ended with {attack.returncode}: {attack.stderr[-300:]}")
+                    faults.append(
+                        f"the attack itself ended with {attack.returncode}: {attack.stderr[-300:]}"
+                    )
                 if up.poll() is not None:
                     faults.append("`up` ended before the attack did")
             up.wait(ask.duration + 60)
@@ -75,15 +106,21 @@ def main():
         text = told.read_text()
         summary = json.loads(text) if text.startswith("{") else None
         if summary is None:
-            faults.append(f"`up` ended with {up.returncode} and told nothing: {said.read_text()[-500:]}")
+            faults.append(
+                f"`up` ended with {up.returncode} and told nothing: {said.read_text()[-500:]}"
+            )
         else:
             problems, force = summary["problems"], figure(summary, "max_force_n")
-            faults += [f"lost: {p}" for p in problems if "ended by signal" in p or "ended with status" in p]
+            faults += [
+                f"lost: {p}" for p in problems if "ended by signal" in p or "ended with status" in p
+            ]
             if (up.returncode == 0) != (not problems):
                 faults.append(f"`up` ends with {up.returncode} and these problems: {problems}")
             if force is None or not 0.05 < force <= ask.most:
                 faults.append(f"{force} N reached the device, at most {ask.most} are right")
-            print(f"figure: largest force {force:.3f} N, {summary['samples']} samples, `up` ended with {up.returncode}: {'; '.join(problems) or 'no problem'}")
+            print(
+                f"figure: largest force {force:.3f} N, {summary['samples']} samples, `up` ended with {up.returncode}: {'; '.join(problems) or 'no problem'}"
+            )
     for fault in faults:
         print("FAULT:", fault)
     print("Not well." if faults else "All is well.")

@@ -16,24 +16,54 @@ import tempfile
 import time
 
 HERE = pathlib.Path(__file__).resolve().parents[2]
-LIFTED = ["first_answer_s=inf", "answered_share=0", "rate_share=0", "overrun_share=inf", "deadline_miss_share=inf", "first_validation_s=inf",
-          "validated_share=0", "first_recorded_s=inf", "recorded_share=0", "silence_s=inf"]  # what other work on a machine costs
+LIFTED = [
+    "first_answer_s=inf",
+    "answered_share=0",
+    "rate_share=0",
+    "overrun_share=inf",
+    "deadline_miss_share=inf",
+    "first_validation_s=inf",
+    "validated_share=0",
+    "first_recorded_s=inf",
+    "recorded_share=0",
+    "silence_s=inf",
+]  # what other work on a machine costs
 
 
 def attacks(ask):
     at = ["--domain", str(ask.domain), "--seconds"]
-    return {"forge": ["forge", *at, "18"],
-            "garbage": ["garbage_rtps", *at, "16", "--rate", "3000"],
-            "flood": ["flood", *at, "0.8"]}
+    return {
+        "forge": ["forge", *at, "18"],
+        "garbage": ["garbage_rtps", *at, "16", "--rate", "3000"],
+        "flood": ["flood", *at, "0.8"],
+    }
 
 
 class Ring:
     def __init__(self, ask, duration, more):
         self.err = tempfile.TemporaryFile("w+")
         limits = [word for limit in LIFTED for word in ("--limit", limit)]
-        self.process = subprocess.Popen([ask.build / "bin/voxtouch", "up", HERE / "deploy/scenes/cup.yaml", "--motion", "slide", "--duration", str(duration),
-                                         "--json", "--no-record", "--domain", str(ask.domain), *limits, *more],
-                                        stdout=subprocess.PIPE, stderr=self.err, stdin=subprocess.DEVNULL, text=True)
+        self.process = subprocess.Popen(
+            [
+                ask.build / "bin/voxtouch",
+                "up",
+                HERE / "deploy/scenes/cup.yaml",
+                "--motion",
+                "slide",
+                "--duration",
+                str(duration),
+                "--json",
+                "--no-record",
+                "--domain",
+                str(ask.domain),
+                *limits,
+                *more,
+            ],
+            stdout=subprocess.PIPE,
+            stderr=self.err,
+            stdin=subprocess.DEVNULL,
+            text=True,
+        )
 
     def said(self):
         self.err.seek(0)
@@ -42,7 +72,11 @@ class Ring:
     def in_contact(self):
         until = time.monotonic() + 30
         while time.monotonic() < until and self.process.poll() is None:
-            if any("force" in line and "force   0.00" not in line for line in self.said().splitlines() if " samples " in line):
+            if any(
+                "force" in line and "force   0.00" not in line
+                for line in self.said().splitlines()
+                if " samples " in line
+            ):
                 return True
             time.sleep(0.05)
         return False
@@ -53,22 +87,45 @@ class Ring:
         except subprocess.TimeoutExpired:
             self.process.kill()
             out, _ = self.process.communicate()
-        return json.loads(out) if out.startswith("{") else {"ok": False, "problems": ["tells nothing"]}
+        return (
+            json.loads(out) if out.startswith("{") else {"ok": False, "problems": ["tells nothing"]}
+        )
 
 
 def errors(*rings):
-    return "; ".join(line for ring in rings for line in ring.said().splitlines() if line.startswith("error"))
+    return "; ".join(
+        line for ring in rings for line in ring.said().splitlines() if line.startswith("error")
+    )
 
 
 def naming_strangers(ask, keys):
     """Nodes that say they refuse somebody's samples; None: no node is heard."""
-    status = subprocess.run([ask.build / "bin/voxtouch", "status", "--json", "--domain", str(ask.domain), "--security", keys], capture_output=True, text=True, check=False)
-    nodes = json.loads(status.stdout).get("rigs", {}).get("haptic", []) if status.stdout.startswith("{") else []
+    status = subprocess.run(
+        [
+            ask.build / "bin/voxtouch",
+            "status",
+            "--json",
+            "--domain",
+            str(ask.domain),
+            "--security",
+            keys,
+        ],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    nodes = (
+        json.loads(status.stdout).get("rigs", {}).get("haptic", [])
+        if status.stdout.startswith("{")
+        else []
+    )
     return sum("refused" in node["sentence"] for node in nodes) if nodes else None
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--build", type=pathlib.Path, default=HERE / "build", help="build folder")
     parser.add_argument("--domain", type=int, default=68)
     parser.add_argument("--only", nargs="+", default=["forge", "garbage", "flood"])
@@ -76,14 +133,20 @@ def main():
     faults, taken, refused, answered = [], 0, 0, []
     with tempfile.TemporaryDirectory(prefix="voxtouch_test_secured_") as folder:
         keys = str(pathlib.Path(folder, "keys"))
-        subprocess.run([ask.build / "bin/voxtouch", "keys", "--out", keys], check=True, stdout=subprocess.DEVNULL)
+        subprocess.run(
+            [ask.build / "bin/voxtouch", "keys", "--out", keys],
+            check=True,
+            stdout=subprocess.DEVNULL,
+        )
         for name, words in attacks(ask).items():
             if name not in ask.only:
                 continue
             first = Ring(ask, 9, ["--security", keys])
             if not first.in_contact():
                 faults.append(f"{name}: the ring did not come into contact: {first.said()[-300:]}")
-            attack = subprocess.Popen([ask.build / "bin" / words[0], *words[1:]], stdout=subprocess.PIPE, text=True)
+            attack = subprocess.Popen(
+                [ask.build / "bin" / words[0], *words[1:]], stdout=subprocess.PIPE, text=True
+            )
             time.sleep(1.5)
             named = naming_strangers(ask, keys)
             runs = [first.end()]
@@ -92,23 +155,43 @@ def main():
                 refused += 1
                 faults.append(f"{name}: a ring does not start: {second.said()[-300:]}")
             runs.append(second.end())
-            print(attack.communicate(timeout=120)[0].strip().splitlines()[-1] if name != "flood" else attack.communicate(timeout=120)[0].strip().splitlines()[0])
-            had = sum(run["guard"]["refused"] - run["guard"]["refused_late"] for run in runs if "guard" in run)
+            print(
+                attack.communicate(timeout=120)[0].strip().splitlines()[-1]
+                if name != "flood"
+                else attack.communicate(timeout=120)[0].strip().splitlines()[0]
+            )
+            had = sum(
+                run["guard"]["refused"] - run["guard"]["refused_late"]
+                for run in runs
+                if "guard" in run
+            )
             taken += had
             if had or named != 0:
-                faults.append(f"{name}: {had} foreign commands reached the device, {named} nodes name strangers")
+                faults.append(
+                    f"{name}: {had} foreign commands reached the device, {named} nodes name strangers"
+                )
             for run in runs:
-                faults += [f"{name}: {problem} ({errors(first, second)})" for problem in run["problems"]]
+                faults += [
+                    f"{name}: {problem} ({errors(first, second)})" for problem in run["problems"]
+                ]
                 answered.append(100.0 * run.get("answered", 0) / max(1, run.get("samples", 1)))
-            print(f"figure: {name}: {had} foreign commands, {named} nodes name a stranger, answered " + " and ".join(f"{share:.1f} %" for share in answered[-2:]))
+            print(
+                f"figure: {name}: {had} foreign commands, {named} nodes name a stranger, answered "
+                + " and ".join(f"{share:.1f} %" for share in answered[-2:])
+            )
         print(f"figure: {taken} foreign samples reached the loop, {refused} starts were refused")
         if "forge" in ask.only:
             plain = Ring(ask, 9, [])
             plain.in_contact()
-            attack = subprocess.Popen([ask.build / "bin/forge", "--domain", str(ask.domain), "--seconds", "5"], stdout=subprocess.DEVNULL)
+            attack = subprocess.Popen(
+                [ask.build / "bin/forge", "--domain", str(ask.domain), "--seconds", "5"],
+                stdout=subprocess.DEVNULL,
+            )
             run = plain.end()
             attack.wait(60)
-            print(f"figure: the same forgeries beside a plain ring: {'; '.join(run['problems']) or 'no problem'}")
+            print(
+                f"figure: the same forgeries beside a plain ring: {'; '.join(run['problems']) or 'no problem'}"
+            )
             if run["ok"]:
                 faults.append("a plain ring does not suffer either: the forger proves nothing")
     for fault in faults:

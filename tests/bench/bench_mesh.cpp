@@ -15,13 +15,16 @@ struct RingPoint {
 /// From axis to axis, with the solid on its left.
 using Profile = std::vector<RingPoint>;
 
-double length(const RingPoint& a, const RingPoint& b) { return std::hypot(b.radius - a.radius, b.height - a.height); }
+double length(const RingPoint& a, const RingPoint& b) {
+  return std::hypot(b.radius - a.radius, b.height - a.height);
+}
 
 /// Of the surface that the profile sweeps [voxel faces].
 double area(const Profile& profile) {
   double sum = 0.0;
   for (std::size_t n = 1; n < profile.size(); ++n)
-    sum += std::numbers::pi * (profile[n - 1].radius + profile[n].radius) * length(profile[n - 1], profile[n]);
+    sum += std::numbers::pi * (profile[n - 1].radius + profile[n].radius) *
+           length(profile[n - 1], profile[n]);
   return sum;
 }
 
@@ -50,12 +53,16 @@ void add_arc(Profile& out, double radius, double from, double to, int pieces) {
 mesh::TriangleMesh revolved(const Profile& profile, std::uint32_t around) {
   mesh::TriangleMesh out;
   const auto rings = static_cast<std::uint32_t>(profile.size() - 2);
-  const auto vertex = [&](std::uint32_t ring, std::uint32_t at) { return 1 + (ring - 1) * around + at % around; };
+  const auto vertex = [&](std::uint32_t ring, std::uint32_t at) {
+    return 1 + (ring - 1) * around + at % around;
+  };
   out.vertices.push_back(kEdge * Vec3(0.0, 0.0, profile.front().height));
   for (std::uint32_t ring = 1; ring <= rings; ++ring)
     for (std::uint32_t n = 0; n < around; ++n) {
       const double angle = 2.0 * std::numbers::pi * n / around;
-      out.vertices.push_back(kEdge * Vec3(profile[ring].radius * std::cos(angle), profile[ring].radius * std::sin(angle), profile[ring].height));
+      out.vertices.push_back(kEdge * Vec3(profile[ring].radius * std::cos(angle),
+                                          profile[ring].radius * std::sin(angle),
+                                          profile[ring].height));
     }
   const auto last = static_cast<std::uint32_t>(out.vertices.size());
   out.vertices.push_back(kEdge * Vec3(0.0, 0.0, profile.back().height));
@@ -72,17 +79,22 @@ mesh::TriangleMesh revolved(const Profile& profile, std::uint32_t around) {
 
 std::uint32_t pieces_around(const Profile& profile, double step) {
   double widest = 0.0;
-  for (const RingPoint& p : profile) widest = std::max(widest, p.radius);
-  return std::max(8U, static_cast<std::uint32_t>(std::lround(2.0 * std::numbers::pi * widest / step)));
+  for (const RingPoint& p : profile)
+    widest = std::max(widest, p.radius);
+  return std::max(8U,
+                  static_cast<std::uint32_t>(std::lround(2.0 * std::numbers::pi * widest / step)));
 }
 
 /// Edge of a quad that two triangles share [voxels], for about so many of them.
-double step_for(double surface, std::size_t triangles) { return std::sqrt(2.0 * surface / static_cast<double>(triangles)); }
+double step_for(double surface, std::size_t triangles) {
+  return std::sqrt(2.0 * surface / static_cast<double>(triangles));
+}
 
 }  // namespace
 
 mesh::TriangleMesh cup_mesh(std::size_t triangles) {
-  const Profile corners{{0.0, 0.0}, {kOuter, 0.0}, {kOuter, kHeight}, {kInner, kHeight}, {kInner, kFloor}, {0.0, kFloor}};
+  const Profile corners{{0.0, 0.0},        {kOuter, 0.0},    {kOuter, kHeight},
+                        {kInner, kHeight}, {kInner, kFloor}, {0.0, kFloor}};
   const double step = step_for(area(corners), triangles);
   return revolved(divided(corners, step), pieces_around(corners, step));
 }
@@ -92,10 +104,12 @@ mesh::TriangleMesh tool_mesh(Place place, std::size_t triangles) {
   if (place != Place::kHeavy) {
     const double step = step_for(4.0 * std::numbers::pi * kBall * kBall, triangles);
     Profile ball{{0.0, -kBall}};
-    add_arc(ball, kBall, -quarter, quarter, static_cast<int>(std::lround(2.0 * quarter * kBall / step)));
+    add_arc(ball, kBall, -quarter, quarter,
+            static_cast<int>(std::lround(2.0 * quarter * kBall / step)));
     return revolved(ball, pieces_around(ball, step));
   }
-  const double pi = std::numbers::pi, step = step_for(pi * kInner * (3.0 * kInner + 2.0 * kPlugLength), triangles);
+  const double pi = std::numbers::pi,
+               step = step_for(pi * kInner * (3.0 * kInner + 2.0 * kPlugLength), triangles);
   Profile plug{{0.0, -kInner}};
   add_arc(plug, kInner, -quarter, 0.0, static_cast<int>(std::lround(quarter * kInner / step)));
   const Profile rest = divided({plug.back(), {kInner, kPlugLength}, {0.0, kPlugLength}}, step);

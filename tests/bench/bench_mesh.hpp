@@ -1,5 +1,6 @@
 #pragma once
-/// The cup, ball and plug of bench_scene.hpp as closed meshes of any number of triangles: for what is compared with libraries that take meshes.
+/// The cup, ball and plug of bench_scene.hpp as closed meshes of any number of triangles: for what
+/// is compared with libraries that take meshes.
 #include "core/mesh/triangle_mesh.hpp"
 #include "core/voxmap/grid.hpp"
 #include "tests/bench/bench_scene.hpp"

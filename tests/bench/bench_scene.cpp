@@ -14,12 +14,14 @@ constexpr std::int32_t kReach = 82;
 
 bool solid(std::int32_t i, std::int32_t j, std::int32_t k) {
   const double x = i + 0.5, y = j + 0.5, z = k + 0.5, squared = x * x + y * y;
-  return z > 0.0 && z < kHeight && squared < kOuter * kOuter && (z < kFloor || squared > kInner * kInner);
+  return z > 0.0 && z < kHeight && squared < kOuter * kOuter &&
+         (z < kFloor || squared > kInner * kInner);
 }
 
 std::uint64_t spread(std::uint64_t v) {
   std::uint64_t out = 0;
-  for (int bit = 0; bit < 20; ++bit) out |= (v >> bit & 1U) << (3 * bit);
+  for (int bit = 0; bit < 20; ++bit)
+    out |= (v >> bit & 1U) << (3 * bit);
   return out;
 }
 
@@ -46,13 +48,15 @@ void plug_point(double share, double angle, Vec3& place, Vec3& inward) {
 
 voxmap::Voxmap cup() {
   const voxmap::Grid grid{kEdge * Vec3(0.06, 0.08, 0.1), kEdge};
-  voxmap::Voxmap out(grid, {-kReach, -kReach, 0}, {kReach, kReach, static_cast<std::int32_t>(kHeight)});
+  voxmap::Voxmap out(grid, {-kReach, -kReach, 0},
+                     {kReach, kReach, static_cast<std::int32_t>(kHeight)});
   for (std::int32_t i = -kReach; i <= kReach; ++i)
     for (std::int32_t j = -kReach; j <= kReach; ++j)
       for (std::int32_t k = 0; k < static_cast<std::int32_t>(kHeight); ++k) {
-        if (!solid(i, j, k)) continue;
-        const bool inside = solid(i - 1, j, k) && solid(i + 1, j, k) && solid(i, j - 1, k) && solid(i, j + 1, k) &&
-                            solid(i, j, k - 1) && solid(i, j, k + 1);
+        if (!solid(i, j, k))
+          continue;
+        const bool inside = solid(i - 1, j, k) && solid(i + 1, j, k) && solid(i, j - 1, k) &&
+                            solid(i, j + 1, k) && solid(i, j, k - 1) && solid(i, j, k + 1);
         out.set({i, j, k}, inside ? voxmap::VoxelKind::kInterior : voxmap::VoxelKind::kSurface);
       }
   out.finish();
@@ -61,10 +65,14 @@ voxmap::Voxmap cup() {
 
 std::string name_of(Place place) {
   switch (place) {
-    case Place::kFar: return "far";
-    case Place::kNear: return "near";
-    case Place::kLight: return "light";
-    case Place::kHeavy: return "heavy";
+    case Place::kFar:
+      return "far";
+    case Place::kNear:
+      return "near";
+    case Place::kLight:
+      return "light";
+    case Place::kHeavy:
+      return "heavy";
   }
   return "";
 }
@@ -73,7 +81,8 @@ pointshell::Pointshell tool(Place place, std::size_t points) {
   std::vector<Vec3> at(points), inward(points);
   const double golden = std::numbers::pi * (3.0 - std::sqrt(5.0));
   for (std::size_t n = 0; n < points; ++n) {
-    const double share = (static_cast<double>(n) + 0.5) / static_cast<double>(points), angle = golden * static_cast<double>(n);
+    const double share = (static_cast<double>(n) + 0.5) / static_cast<double>(points),
+                 angle = golden * static_cast<double>(n);
     if (place == Place::kHeavy) {
       plug_point(share, angle, at[n], inward[n]);
     } else {
@@ -84,16 +93,21 @@ pointshell::Pointshell tool(Place place, std::size_t points) {
   }
   std::vector<std::uint64_t> key(points);
   for (std::size_t n = 0; n < points; ++n)
-    for (int axis = 0; axis < 3; ++axis) key[n] |= spread(static_cast<std::uint64_t>(1000.0 * (at[n][axis] + 200.0))) << axis;
+    for (int axis = 0; axis < 3; ++axis)
+      key[n] |= spread(static_cast<std::uint64_t>(1000.0 * (at[n][axis] + 200.0))) << axis;
   std::vector<std::size_t> order(points);
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return key[a] < key[b]; });
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return key[a] < key[b]; });
   pointshell::Pointshell out;
   out.edge = kEdge;
   for (const std::size_t n : order) {
-    out.x.push_back(kEdge * at[n].x()), out.y.push_back(kEdge * at[n].y()), out.z.push_back(kEdge * at[n].z());
-    out.nx.push_back(inward[n].x()), out.ny.push_back(inward[n].y()), out.nz.push_back(inward[n].z());
-    out.area_m2.push_back(1e-6), out.coherence.push_back(1.0), out.id.push_back(static_cast<std::uint32_t>(n));
+    out.x.push_back(kEdge * at[n].x()), out.y.push_back(kEdge * at[n].y()),
+        out.z.push_back(kEdge * at[n].z());
+    out.nx.push_back(inward[n].x()), out.ny.push_back(inward[n].y()),
+        out.nz.push_back(inward[n].z());
+    out.area_m2.push_back(1e-6), out.coherence.push_back(1.0),
+        out.id.push_back(static_cast<std::uint32_t>(n));
   }
   return out;
 }
@@ -105,11 +119,18 @@ std::vector<Pose> path(Place place) {
   for (int n = 0; n < kPoses; ++n) {
     const double angle = 2.0 * std::numbers::pi * n / kPoses, round = 2.0;  // [voxels]
     Vec3 at(round * std::cos(angle), round * std::sin(angle), 0.0);
-    Quat turn = Quat(Eigen::AngleAxisd(0.01 * std::sin(angle), Vec3(0.3, 0.5, 0.8).normalized())) * turned;
+    Quat turn =
+        Quat(Eigen::AngleAxisd(0.01 * std::sin(angle), Vec3(0.3, 0.5, 0.8).normalized())) * turned;
     switch (place) {
-      case Place::kFar: at.z() += 800.0; break;
-      case Place::kNear: at.z() += 0.5 * kHeight; break;
-      case Place::kLight: at.z() += kFloor + kBall - 1.0; break;
+      case Place::kFar:
+        at.z() += 800.0;
+        break;
+      case Place::kNear:
+        at.z() += 0.5 * kHeight;
+        break;
+      case Place::kLight:
+        at.z() += kFloor + kBall - 1.0;
+        break;
       case Place::kHeavy:
         at = Vec3(0.0, 0.0, kFloor + kInner + 30.0 + 0.5 * round * std::cos(angle));
         turn = Quat(Eigen::AngleAxisd(0.3 + 0.01 * std::sin(angle), Vec3::UnitZ()));
@@ -123,7 +144,8 @@ std::vector<Pose> path(Place place) {
 std::vector<Pose> eight_poses(Place place) {
   const std::vector<Pose> all = path(place);
   std::vector<Pose> out;
-  for (const std::size_t n : {0U, 1U, 2U, 3U, 4U, 3U, 2U, 1U}) out.push_back(all[n]);
+  for (const std::size_t n : {0U, 1U, 2U, 3U, 4U, 3U, 2U, 1U})
+    out.push_back(all[n]);
   return out;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
-/// The cup of 256 voxels that all figures of the query's speed are of, and tools of any number of points in and about it.
+/// The cup of 256 voxels that all figures of the query's speed are of, and tools of any number of
+/// points in and about it.
 #include <string>
 #include <vector>
 
@@ -13,12 +14,13 @@ inline constexpr double kEdge = 0.0005;  ///< voxel edge [m]
 /// A cup 100 mm high with walls of 4 mm, its axis that of z.
 voxmap::Voxmap cup();
 
-/// Where the tool is: far off; within the cup and touching nothing; on its floor with 1 % of the points; a plug that fills it, a
-/// fifth of whose points lie in the wall.
+/// Where the tool is: far off; within the cup and touching nothing; on its floor with 1 % of the
+/// points; a plug that fills it, a fifth of whose points lie in the wall.
 enum class Place { kFar, kNear, kLight, kHeavy };
 std::string name_of(Place place);
 
-/// The tool of that place: a ball of 25 mm, or the plug. Points at equal shares of its surface, in Morton order.
+/// The tool of that place: a ball of 25 mm, or the plug. Points at equal shares of its surface, in
+/// Morton order.
 pointshell::Pointshell tool(Place place, std::size_t points);
 
 /// Poses of a closed path about the place, less than half a voxel apart.

@@ -1,5 +1,5 @@
-// What a mesh takes until it can be felt, in one thread, beside OpenVDB's signed distances of the same mesh on a grid of the same edge.
-// deploy/bench writes it down.
+// What a mesh takes until it can be felt, in one thread, beside OpenVDB's signed distances of the
+// same mesh on a grid of the same edge. deploy/bench writes it down.
 #include <map>
 
 #include "core/pointshell/build_shell.hpp"
@@ -15,7 +15,8 @@ namespace {
 const mesh::TriangleMesh& cup_of(std::size_t triangles) {
   static std::map<std::size_t, mesh::TriangleMesh> made;
   const auto found = made.find(triangles);
-  return found != made.end() ? found->second : made.emplace(triangles, cup_mesh(triangles)).first->second;
+  return found != made.end() ? found->second
+                             : made.emplace(triangles, cup_mesh(triangles)).first->second;
 }
 
 void tell(benchmark::State& state, std::size_t triangles, std::size_t bytes) {
@@ -30,7 +31,8 @@ voxmap::Voxmap voxels_of(std::size_t triangles) {
 void voxels(benchmark::State& state, std::size_t triangles) {
   std::size_t bytes = 0;
   cup_of(triangles);
-  for (auto _ : state) bytes = voxels_of(triangles).bytes();
+  for (auto _ : state)
+    bytes = voxels_of(triangles).bytes();
   tell(state, triangles, bytes);
 }
 
@@ -39,7 +41,8 @@ void distances(benchmark::State& state, std::size_t triangles) {
   cup_of(triangles);
   for (auto _ : state) {
     const voxmap::Voxmap map = voxels_of(triangles);
-    bytes = map.bytes() + voxmap::build_distance_field(cup_of(triangles), map, {}, serial_for()).bytes();
+    bytes = map.bytes() +
+            voxmap::build_distance_field(cup_of(triangles), map, {}, serial_for()).bytes();
   }
   tell(state, triangles, bytes);
 }
@@ -47,7 +50,10 @@ void distances(benchmark::State& state, std::size_t triangles) {
 void shell(benchmark::State& state, std::size_t triangles) {
   const voxmap::Grid grid = voxmap::default_grid(cup_of(triangles), kEdge);
   std::size_t points = 0;
-  for (auto _ : state) points = pointshell::make_exact_shell(pointshell::shell_points(cup_of(triangles), grid, serial_for()), grid).size();
+  for (auto _ : state)
+    points = pointshell::make_exact_shell(
+                 pointshell::shell_points(cup_of(triangles), grid, serial_for()), grid)
+                 .size();
   tell(state, triangles, 0);
   state.counters["points"] = static_cast<double>(points);
 }
@@ -55,8 +61,10 @@ void shell(benchmark::State& state, std::size_t triangles) {
 void openvdb(benchmark::State& state, std::size_t triangles) {
   std::size_t bytes = 0;
   cup_of(triangles);
-  for (auto _ : state) bytes = openvdb_distances(cup_of(triangles), kEdge, 3.0);
-  if (bytes == 0) return state.SkipWithError("libopenvdb-dev was not there when this was built");
+  for (auto _ : state)
+    bytes = openvdb_distances(cup_of(triangles), kEdge, 3.0);
+  if (bytes == 0)
+    return state.SkipWithError("libopenvdb-dev was not there when this was built");
   tell(state, triangles, bytes);
 }
 
@@ -66,9 +74,14 @@ void openvdb(benchmark::State& state, std::size_t triangles) {
 int main(int argc, char** argv) {
   using namespace voxtouch::bench;
   constexpr std::pair<const char*, void (*)(benchmark::State&, std::size_t)> kRows[] = {
-      {"voxels", voxels}, {"voxels and distances", distances}, {"shell", shell}, {"openvdb", openvdb}};
+      {"voxels", voxels},
+      {"voxels and distances", distances},
+      {"shell", shell},
+      {"openvdb", openvdb}};
   for (const std::size_t triangles : {1000U, 10'000U, 100'000U, 1'000'000U})
     for (const auto& [name, what] : kRows)
-      benchmark::RegisterBenchmark((std::string(name) + "/cup/" + std::to_string(triangles)).c_str(), what, triangles)->Unit(benchmark::kMillisecond);
+      benchmark::RegisterBenchmark(
+          (std::string(name) + "/cup/" + std::to_string(triangles)).c_str(), what, triangles)
+          ->Unit(benchmark::kMillisecond);
   return run_benchmarks(argc, argv);
 }

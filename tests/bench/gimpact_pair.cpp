@@ -11,18 +11,23 @@ namespace voxtouch::bench {
 #if VOXTOUCH_BULLET
 namespace {
 
-constexpr double kMillimetres = 1e3;  // its numbers are single-precision, and it has tolerances of its own below 1e-4 of a unit
+constexpr double kMillimetres =
+    1e3;  // its numbers are single-precision, and it has tolerances of its own below 1e-4 of a unit
 
 /// The mesh in Bullet's own arrays, which its shapes look into.
 class Shape {
  public:
   explicit Shape(const mesh::TriangleMesh& mesh) {
     for (const Vec3& v : mesh.vertices)
-      for (int axis = 0; axis < 3; ++axis) vertices_.push_back(static_cast<btScalar>(kMillimetres * v[axis]));
+      for (int axis = 0; axis < 3; ++axis)
+        vertices_.push_back(static_cast<btScalar>(kMillimetres * v[axis]));
     for (const auto& t : mesh.triangles)
-      for (const std::uint32_t corner : t) corners_.push_back(static_cast<int>(corner));
-    arrays_ = std::make_unique<btTriangleIndexVertexArray>(static_cast<int>(mesh.triangles.size()), corners_.data(), 3 * static_cast<int>(sizeof(int)),
-                                                           static_cast<int>(mesh.vertices.size()), vertices_.data(), 3 * static_cast<int>(sizeof(btScalar)));
+      for (const std::uint32_t corner : t)
+        corners_.push_back(static_cast<int>(corner));
+    arrays_ = std::make_unique<btTriangleIndexVertexArray>(
+        static_cast<int>(mesh.triangles.size()), corners_.data(), 3 * static_cast<int>(sizeof(int)),
+        static_cast<int>(mesh.vertices.size()), vertices_.data(),
+        3 * static_cast<int>(sizeof(btScalar)));
     shape_ = std::make_unique<btGImpactMeshShape>(arrays_.get());
     shape_->setMargin(0);
     shape_->updateBound();
@@ -47,18 +52,25 @@ struct Counted final : btManifoldResult {
 
 class GImpactPair final : public OtherPair {
  public:
-  GImpactPair(const mesh::TriangleMesh& still, const mesh::TriangleMesh& moving) : dispatcher_(&configuration_), still_(still), moving_(moving) {
+  GImpactPair(const mesh::TriangleMesh& still, const mesh::TriangleMesh& moving)
+      : dispatcher_(&configuration_),
+        still_(still),
+        moving_(moving) {
     btGImpactCollisionAlgorithm::registerAlgorithm(&dispatcher_);
   }
   double ask(const Pose& pose) override {
     const Vec3 at = kMillimetres * pose.position;
     const Quat& q = pose.orientation;
     btCollisionObject &still = still_.object(), &moving = moving_.object();
-    moving.setWorldTransform(btTransform(btQuaternion(btScalar(q.x()), btScalar(q.y()), btScalar(q.z()), btScalar(q.w())),
-                                         btVector3(btScalar(at.x()), btScalar(at.y()), btScalar(at.z()))));
-    const btCollisionObjectWrapper a(nullptr, still.getCollisionShape(), &still, still.getWorldTransform(), -1, -1);
-    const btCollisionObjectWrapper b(nullptr, moving.getCollisionShape(), &moving, moving.getWorldTransform(), -1, -1);
-    btCollisionAlgorithm* const algorithm = dispatcher_.findAlgorithm(&a, &b, nullptr, BT_CONTACT_POINT_ALGORITHMS);
+    moving.setWorldTransform(btTransform(
+        btQuaternion(btScalar(q.x()), btScalar(q.y()), btScalar(q.z()), btScalar(q.w())),
+        btVector3(btScalar(at.x()), btScalar(at.y()), btScalar(at.z()))));
+    const btCollisionObjectWrapper a(nullptr, still.getCollisionShape(), &still,
+                                     still.getWorldTransform(), -1, -1);
+    const btCollisionObjectWrapper b(nullptr, moving.getCollisionShape(), &moving,
+                                     moving.getWorldTransform(), -1, -1);
+    btCollisionAlgorithm* const algorithm =
+        dispatcher_.findAlgorithm(&a, &b, nullptr, BT_CONTACT_POINT_ALGORITHMS);
     Counted counted(&a, &b);
     algorithm->processCollision(&a, &b, btDispatcherInfo(), &counted);
     algorithm->~btCollisionAlgorithm();
@@ -74,11 +86,14 @@ class GImpactPair final : public OtherPair {
 
 }  // namespace
 
-std::unique_ptr<OtherPair> gimpact_pair(const mesh::TriangleMesh& still, const mesh::TriangleMesh& moving) {
+std::unique_ptr<OtherPair> gimpact_pair(const mesh::TriangleMesh& still,
+                                        const mesh::TriangleMesh& moving) {
   return std::make_unique<GImpactPair>(still, moving);
 }
 #else
-std::unique_ptr<OtherPair> gimpact_pair(const mesh::TriangleMesh&, const mesh::TriangleMesh&) { return nullptr; }
+std::unique_ptr<OtherPair> gimpact_pair(const mesh::TriangleMesh&, const mesh::TriangleMesh&) {
+  return nullptr;
+}
 #endif
 
 }  // namespace voxtouch::bench

@@ -29,8 +29,9 @@ struct MeshOfVoxels {
 std::size_t openvdb_distances(const mesh::TriangleMesh& mesh, double edge_m, double band) {
   openvdb::initialize();
   const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
-  const auto grid = openvdb::tools::meshToVolume<openvdb::FloatGrid>(MeshOfVoxels{mesh, edge_m}, *openvdb::math::Transform::createLinearTransform(edge_m),
-                                                                     static_cast<float>(band), static_cast<float>(band));
+  const auto grid = openvdb::tools::meshToVolume<openvdb::FloatGrid>(
+      MeshOfVoxels{mesh, edge_m}, *openvdb::math::Transform::createLinearTransform(edge_m),
+      static_cast<float>(band), static_cast<float>(band));
   return static_cast<std::size_t>(grid->memUsage());
 }
 #else

@@ -1,5 +1,6 @@
-// Times of the contact query and of what comes after its hits, by place and number of points, beside reading 12 bytes a point: what
-// any query that looks at every point costs at least. Ratios are what counts; deploy/bench writes them down.
+// Times of the contact query and of what comes after its hits, by place and number of points,
+// beside reading 12 bytes a point: what any query that looks at every point costs at least. Ratios
+// are what counts; deploy/bench writes them down.
 #include <numbers>
 
 #include "core/contact/contact_renderer.hpp"
@@ -21,7 +22,8 @@ const voxmap::Voxmap& ground() {
   return map;
 }
 
-/// The same cup out of a mesh: `field` and the virtual tool look up distances. Its surface has other voxels, so it has rows of its own.
+/// The same cup out of a mesh: `field` and the virtual tool look up distances. Its surface has
+/// other voxels, so it has rows of its own.
 struct Ground {
   voxmap::Voxmap map;
   voxmap::DistanceField field;
@@ -29,7 +31,8 @@ struct Ground {
 const Ground& ground_of_mesh() {
   static const Ground made = [] {
     const mesh::TriangleMesh mesh = cup_mesh(20'000);
-    voxmap::Voxmap map = voxmap::voxelise(mesh, {kEdge * Vec3(0.06, 0.08, 0.1), kEdge}, serial_for());
+    voxmap::Voxmap map =
+        voxmap::voxelise(mesh, {kEdge * Vec3(0.06, 0.08, 0.1), kEdge}, serial_for());
     voxmap::DistanceField field = voxmap::build_distance_field(mesh, map, {}, serial_for());
     return Ground{std::move(map), std::move(field)};
   }();
@@ -38,19 +41,22 @@ const Ground& ground_of_mesh() {
 
 void count(benchmark::State& state, std::size_t points, double tested, double hits) {
   const auto frames = static_cast<double>(state.iterations());
-  state.counters["ns/point"] = benchmark::Counter(static_cast<double>(points) * 1e-9 * frames,
-                                                  benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+  state.counters["ns/point"] =
+      benchmark::Counter(static_cast<double>(points) * 1e-9 * frames,
+                         benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
   state.counters["tested%"] = 100.0 * tested / frames / static_cast<double>(points);
   state.counters["hits%"] = 100.0 * hits / frames / static_cast<double>(points);
 }
 
 void read_12_bytes(benchmark::State& state, std::size_t points) {
   const ReadFloor floor(points);
-  for (auto _ : state) benchmark::DoNotOptimize(floor.read());
+  for (auto _ : state)
+    benchmark::DoNotOptimize(floor.read());
   count(state, points, 0.0, 0.0);
 }
 
-void find(benchmark::State& state, const voxmap::Voxmap& map, Place place, const std::vector<Pose>& poses, std::size_t points) {
+void find(benchmark::State& state, const voxmap::Voxmap& map, Place place,
+          const std::vector<Pose>& poses, std::size_t points) {
   const contact::ContactQuery query(map, tool(place, points));
   contact::HitList hits;
   hits.reserve(points);
@@ -70,13 +76,15 @@ void flat(benchmark::State& state, Place place, std::size_t points) {
   std::vector<std::uint32_t> hits;
   double hit = 0.0;
   std::size_t n = 0;
-  for (auto _ : state) hit += static_cast<double>(query.find(poses[n++ % poses.size()], hits));
+  for (auto _ : state)
+    hit += static_cast<double>(query.find(poses[n++ % poses.size()], hits));
   count(state, points, static_cast<double>(points * n), hit);
 }
 
-void render(benchmark::State& state, const voxmap::Voxmap& map, Place place, std::size_t points, contact::ContactModelKind model,
-            const voxmap::DistanceField* field) {
-  contact::ContactRenderer renderer(map, tool(place, points), model, {1.0, contact::PointWeights::kArea}, field);
+void render(benchmark::State& state, const voxmap::Voxmap& map, Place place, std::size_t points,
+            contact::ContactModelKind model, const voxmap::DistanceField* field) {
+  contact::ContactRenderer renderer(map, tool(place, points), model,
+                                    {1.0, contact::PointWeights::kArea}, field);
   const std::vector<Pose> poses = path(place);
   double tested = 0.0, hit = 0.0;
   std::size_t n = 0;
@@ -87,7 +95,8 @@ void render(benchmark::State& state, const voxmap::Voxmap& map, Place place, std
   count(state, points, tested, hit);
 }
 
-/// The hand's ball goes round on the cup's floor at 0.1 m/s, 2 mm too deep, and there and back again, so that no frame is a jump.
+/// The hand's ball goes round on the cup's floor at 0.1 m/s, 2 mm too deep, and there and back
+/// again, so that no frame is a jump.
 std::vector<Pose> slide(double too_deep_voxels) {
   constexpr double kRound = 16.0, kStep = 0.2;  // [voxels]
   std::vector<Pose> out;
@@ -95,7 +104,9 @@ std::vector<Pose> slide(double too_deep_voxels) {
   const Quat turned(Eigen::AngleAxisd(0.7, Vec3(0.2, 0.7, 0.4).normalized()));
   for (int n = 0; n < frames; ++n) {
     const double angle = 2.0 * std::numbers::pi * n / frames;
-    out.push_back({kEdge * Vec3(kRound * std::cos(angle), kRound * std::sin(angle), kFloor + kBall - too_deep_voxels), turned});
+    out.push_back({kEdge * Vec3(kRound * std::cos(angle), kRound * std::sin(angle),
+                                kFloor + kBall - too_deep_voxels),
+                   turned});
   }
   return out;
 }
@@ -108,12 +119,15 @@ void virtual_tool(benchmark::State& state, std::size_t points) {
   const std::vector<Pose> poses = slide(4.0);
   Pose hand = poses.front();
   hand.position.z() += kEdge * 6.0;
-  while (hand.position.z() > poses.front().position.z()) tool.frame({.pose = hand}, grounds), hand.position.z() -= 0.2 * kEdge;
+  while (hand.position.z() > poses.front().position.z())
+    tool.frame({.pose = hand}, grounds), hand.position.z() -= 0.2 * kEdge;
   double tested = 0.0, hit = 0.0, queries = 0.0;
   std::size_t n = 0;
   for (auto _ : state) {
-    const contact::VirtualToolFrame frame = tool.frame({.pose = poses[n++ % poses.size()]}, grounds);
-    tested += frame.points_tested, hit += frame.surface_hits + frame.interior_hits, queries += frame.queries;
+    const contact::VirtualToolFrame frame =
+        tool.frame({.pose = poses[n++ % poses.size()]}, grounds);
+    tested += frame.points_tested, hit += frame.surface_hits + frame.interior_hits,
+        queries += frame.queries;
   }
   count(state, points, tested, hit);
   state.counters["queries"] = queries / static_cast<double>(state.iterations());
@@ -126,20 +140,33 @@ void add_all() {
     benchmark::RegisterBenchmark(("read 12 bytes a point" + size).c_str(), read_12_bytes, points);
     for (const Place place : {Place::kFar, Place::kNear, Place::kLight, Place::kHeavy}) {
       const std::string row = "/" + name_of(place) + size;
-      benchmark::RegisterBenchmark(("find" + row).c_str(), [=](benchmark::State& state) { find(state, ground(), place, path(place), points); });
-      benchmark::RegisterBenchmark(("flat loops" + row).c_str(), [=](benchmark::State& state) { flat(state, place, points); });
+      benchmark::RegisterBenchmark(("find" + row).c_str(), [=](benchmark::State& state) {
+        find(state, ground(), place, path(place), points);
+      });
+      benchmark::RegisterBenchmark(("flat loops" + row).c_str(),
+                                   [=](benchmark::State& state) { flat(state, place, points); });
       for (const auto model : {ContactModelKind::kOriginal, ContactModelKind::kAdapted})
-        benchmark::RegisterBenchmark(("render " + std::string(contact::name_of(model)) + row).c_str(),
-                                     [=](benchmark::State& state) { render(state, ground(), place, points, model, nullptr); });
-      if (place == Place::kFar) continue;
+        benchmark::RegisterBenchmark(
+            ("render " + std::string(contact::name_of(model)) + row).c_str(),
+            [=](benchmark::State& state) {
+              render(state, ground(), place, points, model, nullptr);
+            });
+      if (place == Place::kFar)
+        continue;
       for (const auto model : {ContactModelKind::kAdapted, ContactModelKind::kField})
-        benchmark::RegisterBenchmark(("of mesh " + std::string(contact::name_of(model)) + row).c_str(), [=](benchmark::State& state) {
-          render(state, ground_of_mesh().map, place, points, model, &ground_of_mesh().field);
-        });
+        benchmark::RegisterBenchmark(
+            ("of mesh " + std::string(contact::name_of(model)) + row).c_str(),
+            [=](benchmark::State& state) {
+              render(state, ground_of_mesh().map, place, points, model, &ground_of_mesh().field);
+            });
     }
-    if (points > 100'000) continue;
-    benchmark::RegisterBenchmark(("find/slide" + size).c_str(), [=](benchmark::State& state) { find(state, ground_of_mesh().map, Place::kLight, slide(0.0), points); });
-    benchmark::RegisterBenchmark(("virtual tool/slide" + size).c_str(), [=](benchmark::State& state) { virtual_tool(state, points); });
+    if (points > 100'000)
+      continue;
+    benchmark::RegisterBenchmark(("find/slide" + size).c_str(), [=](benchmark::State& state) {
+      find(state, ground_of_mesh().map, Place::kLight, slide(0.0), points);
+    });
+    benchmark::RegisterBenchmark(("virtual tool/slide" + size).c_str(),
+                                 [=](benchmark::State& state) { virtual_tool(state, points); });
   }
 }
 

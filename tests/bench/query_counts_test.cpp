@@ -1,4 +1,5 @@
-// What the query's speed rests on, counted and not timed: points tested, bytes, allocations, instructions. A quarter and more of slack.
+// What the query's speed rests on, counted and not timed: points tested, bytes, allocations,
+// instructions. A quarter and more of slack.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -29,12 +30,13 @@ Counts counts(Place place, std::size_t points) {
   const std::vector<Pose> poses = path(place);
   for (const Pose& pose : poses) {
     query.find(pose, hits);
-    out.tested += hits.tested, out.not_free += static_cast<double>(hits.surface.size() + hits.interior.size());
+    out.tested += hits.tested,
+        out.not_free += static_cast<double>(hits.surface.size() + hits.interior.size());
   }
   const double all = static_cast<double>(points * poses.size());
   out.tested /= all, out.not_free /= all;
-  std::printf("%s, %zu points: %.2f %% tested, %.2f %% not free\n", name_of(place).c_str(), points, 100.0 * out.tested,
-              100.0 * out.not_free);
+  std::printf("%s, %zu points: %.2f %% tested, %.2f %% not free\n", name_of(place).c_str(), points,
+              100.0 * out.tested, 100.0 * out.not_free);
   return out;
 }
 
@@ -48,7 +50,8 @@ TEST(QueryCounts, FlatLoopsFindTheSamePoints) {
     std::vector<std::uint32_t> found;
     for (const Pose& pose : path(place)) {
       query.find(pose, hits);
-      ASSERT_EQ(flat.find(pose, found), hits.surface.size() + hits.interior.size()) << name_of(place);
+      ASSERT_EQ(flat.find(pose, found), hits.surface.size() + hits.interior.size())
+          << name_of(place);
     }
   }
 }
@@ -61,7 +64,8 @@ TEST(QueryCounts, FewPointsAreTestedWhereNothingTouches) {
 }
 
 TEST(QueryCounts, PointsTestedAreInProportionToThoseThatTouch) {
-  for (const auto& [points, most] : {std::pair{10'000U, 15.0}, {100'000U, 8.0}, {1'000'000U, 5.0}}) {
+  for (const auto& [points, most] :
+       {std::pair{10'000U, 15.0}, {100'000U, 8.0}, {1'000'000U, 5.0}}) {
     const Counts light = counts(Place::kLight, points);
     EXPECT_NEAR(light.not_free, 0.015, 0.01);
     EXPECT_LE(light.tested, most * light.not_free) << points;
@@ -74,18 +78,22 @@ TEST(QueryCounts, PointsTestedAreInProportionToThoseThatTouch) {
 TEST(QueryCounts, BytesAreThoseOfTheSurfaceAndOfTheNumbersThatAreReadOften) {
   const double voxels = static_cast<double>(ground().surface_count());
   std::printf("voxmap: %.2f bytes a surface voxel; tree and single precision: %.1f bytes a point\n",
-              static_cast<double>(ground().bytes()) / voxels, static_cast<double>(contact::ContactQuery::lookup_bytes(100'000)) / 1e5);
+              static_cast<double>(ground().bytes()) / voxels,
+              static_cast<double>(contact::ContactQuery::lookup_bytes(100'000)) / 1e5);
   EXPECT_LE(static_cast<double>(ground().bytes()), 5.0 * voxels);
   EXPECT_LE(contact::ContactQuery::lookup_bytes(100'000), 23U * 100'000U);
 }
 
 TEST(QueryCounts, NoFrameAllocates) {
-  if (!test::heap_is_counted()) GTEST_SKIP() << "the sanitiser owns malloc";
+  if (!test::heap_is_counted())
+    GTEST_SKIP() << "the sanitiser owns malloc";
   for (const Place place : {Place::kFar, Place::kNear, Place::kLight, Place::kHeavy}) {
-    contact::ContactRenderer renderer(ground(), tool(place, 20'000), contact::ContactModelKind::kAdapted, {1.0});
+    contact::ContactRenderer renderer(ground(), tool(place, 20'000),
+                                      contact::ContactModelKind::kAdapted, {1.0});
     const std::vector<Pose> poses = path(place);
     EXPECT_EQ(test::heap_count_of([&] {
-                for (const Pose& pose : poses) renderer.render(pose);
+                for (const Pose& pose : poses)
+                  renderer.render(pose);
               }),
               0)
         << name_of(place);
@@ -97,7 +105,8 @@ double instructions(const std::string& place, int points, const std::string& wha
   constexpr int kFrames = 20;
   const test::Finished run =
       test::Process({"/bin/sh", "-c",
-                     "exec valgrind --tool=callgrind --callgrind-out-file=/dev/null --toggle-collect=counted_frame "
+                     "exec valgrind --tool=callgrind --callgrind-out-file=/dev/null "
+                     "--toggle-collect=counted_frame "
                      "\"$PROGRAM\" \"$PLACE\" \"$POINTS\" \"$FRAMES\" \"$WHAT\""},
                     {{"PROGRAM", VOXTOUCH_QUERY_FRAMES},
                      {"PLACE", place},
@@ -110,13 +119,16 @@ double instructions(const std::string& place, int points, const std::string& wha
   if (run.status != 0 || at == std::string::npos)
     throw std::runtime_error("valgrind (deploy/packages.txt names it) did not count: " + run.err);
   const double out = std::stod(run.err.substr(at + key.size())) / kFrames;
-  std::printf("%s, %d points, %s: %.0f instructions, %.2f a point\n", place.c_str(), points, what.c_str(), out, out / points);
+  std::printf("%s, %d points, %s: %.0f instructions, %.2f a point\n", place.c_str(), points,
+              what.c_str(), out, out / points);
   return out;
 }
 
 TEST(QueryCounts, InstructionsStayWhatTheyAreWithAvx2) {
-  if (!test::heap_is_counted()) GTEST_SKIP() << "the sanitiser's own would be among them";
-  if (!__builtin_cpu_supports("avx2")) GTEST_SKIP() << "counted for a processor with AVX2";
+  if (!test::heap_is_counted())
+    GTEST_SKIP() << "the sanitiser's own would be among them";
+  if (!__builtin_cpu_supports("avx2"))
+    GTEST_SKIP() << "counted for a processor with AVX2";
   EXPECT_LE(instructions("near", 10'000, "find"), 2'300.0);
   EXPECT_LE(instructions("light", 10'000, "find"), 31'000.0);
   EXPECT_LE(instructions("heavy", 10'000, "find"), 222'000.0);

@@ -11,7 +11,8 @@ struct ReadFloor {
   float read() const { return add_up(x) + add_up(y) + add_up(z); }
 
  private:
-  /// Four vectors of sums, so that no addition waits for the one before: as fast as memory gives the numbers.
+  /// Four vectors of sums, so that no addition waits for the one before: as fast as memory gives
+  /// the numbers.
   using Floats = float __attribute__((vector_size(16)));
   static Floats load(const float* from) {
     Floats out;
@@ -21,7 +22,8 @@ struct ReadFloor {
   static float add_up(const std::vector<float>& values) {
     Floats a = {}, b = {}, c = {}, d = {};
     const float* from = values.data();
-    for (std::size_t n = 0; n + 16 <= values.size(); n += 16, from += 16) a += load(from), b += load(from + 4), c += load(from + 8), d += load(from + 12);
+    for (std::size_t n = 0; n + 16 <= values.size(); n += 16, from += 16)
+      a += load(from), b += load(from + 4), c += load(from + 8), d += load(from + 12);
     const Floats all = (a + b) + (c + d);
     return (all[0] + all[1]) + (all[2] + all[3]);
   }

@@ -1,6 +1,8 @@
-// A bare ring of Cyclone DDS, for ours to be compared with: the same three topics with their types, QoS and network settings, the same scheduling,
-// and nothing that is computed or checked. Three processes, or three participants in one; nodes are woken by wait sets, as ours are, or answer in DDS's
-// own thread. Prints one JSON object. With --watch it prints the same of our ring. tests/bench/ring_turns.py runs it beside our ring, in turns.
+// A bare ring of Cyclone DDS, for ours to be compared with: the same three topics with their types,
+// QoS and network settings, the same scheduling, and nothing that is computed or checked. Three
+// processes, or three participants in one; nodes are woken by wait sets, as ours are, or answer in
+// DDS's own thread. Prints one JSON object. With --watch it prints the same of our ring.
+// tests/bench/ring_turns.py runs it beside our ring, in turns.
 #include <sys/prctl.h>
 
 #include <csignal>
@@ -38,7 +40,8 @@ bus::Participant join(const Options& o, const std::string& name) {
 
 /// Takes each sample of one topic and writes one of the next, with its number and time.
 template <class In, class Out>
-void relay(const Options& o, const std::string& name, const qos::Topic& in, const qos::Topic& out, const std::function<bool()>& done) {
+void relay(const Options& o, const std::string& name, const qos::Topic& in, const qos::Topic& out,
+           const std::function<bool()>& done) {
   const bus::Participant participant = join(o, name);
   bus::Writer<Out> writer(participant, out, "bare", qos::profile(qos::ProfileId::kStream));
   test::Woken<In> reader(participant, in, "bare", o.way, [&](const In& sample) {
@@ -48,26 +51,32 @@ void relay(const Options& o, const std::string& name, const qos::Topic& in, cons
     answer.sample_time_ns = sample.sample_time_ns;
     writer.write(answer);
   });
-  reader.run_until(runtime::monotonic_ns() + static_cast<std::int64_t>((o.seconds + 30.0) * 1e9), done);
+  reader.run_until(runtime::monotonic_ns() + static_cast<std::int64_t>((o.seconds + 30.0) * 1e9),
+                   done);
 }
 
 void run_role(const Options& o, const std::string& role, const std::function<bool()>& done) {
   if (role == "rendering")
-    relay<msg::DeviceState, msg::ContactState>(o, role, qos::kDeviceState, qos::kContactState, done);
+    relay<msg::DeviceState, msg::ContactState>(o, role, qos::kDeviceState, qos::kContactState,
+                                               done);
   else
-    relay<msg::ContactState, msg::ForceCommand>(o, role, qos::kContactState, qos::kForceCommand, done);
+    relay<msg::ContactState, msg::ForceCommand>(o, role, qos::kContactState, qos::kForceCommand,
+                                                done);
 }
 
 /// A device's part: writes at an absolute deadline, and waits for the command as `DeviceLoop` does.
 int device(const Options& o) {
   const bus::Participant participant = join(o, "device");
-  bus::Writer<msg::DeviceState> writer(participant, qos::kDeviceState, "bare", qos::profile(qos::ProfileId::kStream));
+  bus::Writer<msg::DeviceState> writer(participant, qos::kDeviceState, "bare",
+                                       qos::profile(qos::ProfileId::kStream));
   runtime::LatencyHistogram latency;
   std::uint64_t back = 0, sent = 0, newest = 0;
-  test::Woken<msg::ForceCommand> reader(participant, qos::kForceCommand, "bare", "waitset", [&](const msg::ForceCommand& command) {
-    newest = command.sequence_number;
-    if (++back > kLeftOut) latency.record(runtime::monotonic_ns() - command.sample_time_ns);
-  });
+  test::Woken<msg::ForceCommand> reader(
+      participant, qos::kForceCommand, "bare", "waitset", [&](const msg::ForceCommand& command) {
+        newest = command.sequence_number;
+        if (++back > kLeftOut)
+          latency.record(runtime::monotonic_ns() - command.sample_time_ns);
+      });
   const auto wanted = kLeftOut + static_cast<std::uint64_t>(o.seconds * 1e3);
   const std::int64_t begin_ns = runtime::monotonic_ns(), patience_ns = 30'000'000'000;
   std::int64_t deadline_ns = begin_ns;
@@ -80,26 +89,38 @@ int device(const Options& o) {
     reader.run_until(deadline_ns, [&] { return newest == sent; });
     runtime::sleep_until(deadline_ns);
   }
-  std::printf("{\"rounds\": %lu, \"p50_us\": %.0f, \"p90_us\": %.0f, \"p99_us\": %.0f, \"bytes\": [%zu, %zu, %zu]}\n", static_cast<unsigned long>(latency.count()),
-              latency.quantile_us(0.5), latency.quantile_us(0.9), latency.quantile_us(0.99), sizeof(msg::DeviceState), sizeof(msg::ContactState),
-              sizeof(msg::ForceCommand));
+  std::printf(
+      "{\"rounds\": %lu, \"p50_us\": %.0f, \"p90_us\": %.0f, \"p99_us\": %.0f, \"bytes\": [%zu, "
+      "%zu, %zu]}\n",
+      static_cast<unsigned long>(latency.count()), latency.quantile_us(0.5),
+      latency.quantile_us(0.9), latency.quantile_us(0.99), sizeof(msg::DeviceState),
+      sizeof(msg::ContactState), sizeof(msg::ForceCommand));
   return back < wanted ? 1 : 0;
 }
 
 int in_one_process(const Options& o) {
   std::atomic<bool> over{false};
   std::vector<std::thread> threads;
-  for (const char* role : {"rendering", "coupling"}) threads.emplace_back([&, role] { run_role(o, role, [&] { return over.load(); }); });
+  for (const char* role : {"rendering", "coupling"})
+    threads.emplace_back([&, role] { run_role(o, role, [&] { return over.load(); }); });
   int status = 1;
   std::thread([&] { status = device(o); }).join();
   over = true;
-  for (std::thread& thread : threads) thread.join();
+  for (std::thread& thread : threads)
+    thread.join();
   return status;
 }
 
 int in_three(const Options& o) {
-  std::vector<std::string> words = {std::filesystem::read_symlink("/proc/self/exe").string(), "--way", o.way, "--domain", std::to_string(o.domain), "--seconds", std::to_string(o.seconds)};
-  if (o.cpu) words.insert(words.end(), {"--cpu", std::to_string(*o.cpu)});
+  std::vector<std::string> words = {std::filesystem::read_symlink("/proc/self/exe").string(),
+                                    "--way",
+                                    o.way,
+                                    "--domain",
+                                    std::to_string(o.domain),
+                                    "--seconds",
+                                    std::to_string(o.seconds)};
+  if (o.cpu)
+    words.insert(words.end(), {"--cpu", std::to_string(*o.cpu)});
   words.emplace_back("--role");
   std::vector<std::unique_ptr<test::Process>> others;
   for (const char* role : {"rendering", "coupling"}) {
@@ -114,17 +135,23 @@ int in_three(const Options& o) {
 int watch(const Options& o) {
   const bus::Participant participant({.domain = o.domain, .name = "watch"});
   runtime::NodeRegistry registry(participant, o.watched);
-  const auto stopped = [](const runtime::NodeReport& report) { return report.node == "device" && report.final(); };
+  const auto stopped = [](const runtime::NodeReport& report) {
+    return report.node == "device" && report.final();
+  };
   std::optional<runtime::NodeReport> report;
-  for (const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(60); !report && std::chrono::steady_clock::now() < until;
+  for (const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+       !report && std::chrono::steady_clock::now() < until;
        std::this_thread::sleep_for(std::chrono::milliseconds(20))) {
     registry.update(stopped);  // kept, although who said it has gone since
     for (const runtime::NodeReport& one : registry.reports())
-      if (stopped(one)) report = one;
+      if (stopped(one))
+        report = one;
   }
-  if (!report) return 1;
+  if (!report)
+    return 1;
   const auto figure = [&](const char* name) { return runtime::value_of(report->figures, name); };
-  std::printf("{\"rounds\": %.0f, \"p50_us\": %.0f, \"p99_us\": %.0f}\n", figure("answered"), figure("latency_p50_us"), figure("latency_p99_us"));
+  std::printf("{\"rounds\": %.0f, \"p50_us\": %.0f, \"p99_us\": %.0f}\n", figure("answered"),
+              figure("latency_p50_us"), figure("latency_p99_us"));
   return 0;
 }
 
@@ -134,17 +161,24 @@ int watch(const Options& o) {
 int main(int argc, char** argv) {
   using namespace voxtouch::bench;
   Options o;
-  CLI::App app{"A bare ring of Cyclone DDS: what DDS alone takes to carry a sample round device, rendering and coupling."};
-  app.add_option("--way", o.way, "how rendering and coupling are woken (waitset)")->check(CLI::IsMember(voxtouch::test::ways_to_be_woken()));
+  CLI::App app{
+      "A bare ring of Cyclone DDS: what DDS alone takes to carry a sample round device, rendering "
+      "and coupling."};
+  app.add_option("--way", o.way, "how rendering and coupling are woken (waitset)")
+      ->check(CLI::IsMember(voxtouch::test::ways_to_be_woken()));
   app.add_flag("--one-process", o.one_process, "three participants in one process");
   app.add_option("--domain", o.domain, "DDS domain (93)");
   app.add_option("--seconds", o.seconds, "that are measured (3)");
   app.add_option("--cpu", o.cpu, "pins all of it to this processor");
-  app.add_option("--watch", o.watched, "runs none: waits until the device of this rig has stopped, and prints what it measured");
+  app.add_option(
+      "--watch", o.watched,
+      "runs none: waits until the device of this rig has stopped, and prints what it measured");
   app.add_option("--role", o.role)->group("");
   CLI11_PARSE(app, argc, argv);
-  if (!o.watched.empty()) return watch(o);
-  if (o.role.empty()) return o.one_process ? in_one_process(o) : in_three(o);
+  if (!o.watched.empty())
+    return watch(o);
+  if (o.role.empty())
+    return o.one_process ? in_one_process(o) : in_three(o);
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   run_role(o, o.role, [] { return false; });
   return 0;

@@ -1,5 +1,6 @@
-// What grows with the scene: a frame, a map, distances and a shell over the number of triangles (to 1e7) and over the resolution (to 2048^3), each with
-// what it takes: bytes a surface voxel, points tested, the process's largest memory meanwhile. One run of all takes some minutes and 4 GB.
+// What grows with the scene: a frame, a map, distances and a shell over the number of triangles (to
+// 1e7) and over the resolution (to 2048^3), each with what it takes: bytes a surface voxel, points
+// tested, the process's largest memory meanwhile. One run of all takes some minutes and 4 GB.
 #include <cstdio>
 #include <fstream>
 #include <memory>
@@ -23,7 +24,8 @@ struct Size {
   bool operator==(const Size&) const = default;
 };
 
-/// The last one asked for: rows of one size come one after the other, and two of the largest would not fit.
+/// The last one asked for: rows of one size come one after the other, and two of the largest would
+/// not fit.
 struct Ground {
   Size size;
   mesh::TriangleMesh mesh;
@@ -31,8 +33,11 @@ struct Ground {
 };
 Ground& ground_of(const Size& size, bool with_map) {
   static Ground last{};
-  if (!(last.size == size)) last = {}, last = {size, cup_mesh(size.triangles), nullptr};
-  if (with_map && !last.map) last.map = std::make_unique<voxmap::Voxmap>(voxmap::voxelise(last.mesh, grid_of(size.resolution), serial_for()));
+  if (!(last.size == size))
+    last = {}, last = {size, cup_mesh(size.triangles), nullptr};
+  if (with_map && !last.map)
+    last.map = std::make_unique<voxmap::Voxmap>(
+        voxmap::voxelise(last.mesh, grid_of(size.resolution), serial_for()));
   return last;
 }
 
@@ -41,7 +46,8 @@ void forget_peak() { std::ofstream("/proc/self/clear_refs") << "5"; }
 double peak_mb() {
   std::ifstream status("/proc/self/status");
   for (std::string line; std::getline(status, line);)
-    if (line.starts_with("VmHWM:")) return std::stod(line.substr(6)) / 1024.0;
+    if (line.starts_with("VmHWM:"))
+      return std::stod(line.substr(6)) / 1024.0;
   return 0.0;
 }
 
@@ -66,7 +72,10 @@ void distances(benchmark::State& state, const Size& size) {
   const Ground& ground = ground_of(size, true);
   std::size_t bytes = 0;
   forget_peak();
-  for (auto _ : state) bytes = voxmap::build_distance_field(ground.mesh, *ground.map, {}, serial_for(), std::uint64_t{16} << 30).bytes();
+  for (auto _ : state)
+    bytes = voxmap::build_distance_field(ground.mesh, *ground.map, {}, serial_for(),
+                                         std::uint64_t{16} << 30)
+                .bytes();
   tell_map(state, *ground.map, bytes);
 }
 
@@ -74,7 +83,11 @@ void shell(benchmark::State& state, const Size& size) {
   const Ground& ground = ground_of(size, false);
   std::size_t points = 0;
   forget_peak();
-  for (auto _ : state) points = pointshell::make_exact_shell(pointshell::shell_points(ground.mesh, grid_of(size.resolution), serial_for()), grid_of(size.resolution)).size();
+  for (auto _ : state)
+    points = pointshell::make_exact_shell(
+                 pointshell::shell_points(ground.mesh, grid_of(size.resolution), serial_for()),
+                 grid_of(size.resolution))
+                 .size();
   state.counters["points"] = static_cast<double>(points);
   state.counters["peakMB"] = peak_mb();
 }
@@ -87,18 +100,30 @@ void find(benchmark::State& state, const Size& size, Place place) {
   hits.reserve(kPoints);
   const std::vector<Pose> poses = path(place);
   std::size_t n = 0;
-  for (auto _ : state) query.find(poses[n++ % poses.size()], hits);
+  for (auto _ : state)
+    query.find(poses[n++ % poses.size()], hits);
   const FrameCounts counts = frame_counts(*ground.map, place, kPoints);
-  state.counters["tested"] = counts.tested, state.counters["hits"] = counts.not_free, state.counters["groups"] = counts.looked_at;
+  state.counters["tested"] = counts.tested, state.counters["hits"] = counts.not_free,
+  state.counters["groups"] = counts.looked_at;
 }
 
 void add_rows(const std::string& of, const Size& size, bool with_distances, bool with_shell) {
-  const auto add = [&](const char* what, auto run, benchmark::TimeUnit unit) { benchmark::RegisterBenchmark((what + of).c_str(), run)->Unit(unit); };
-  add("voxels", [size](benchmark::State& state) { voxels(state, size); }, benchmark::kMillisecond);
+  const auto add = [&](const char* what, auto run, benchmark::TimeUnit unit) {
+    benchmark::RegisterBenchmark((what + of).c_str(), run)->Unit(unit);
+  };
+  add(
+      "voxels", [size](benchmark::State& state) { voxels(state, size); }, benchmark::kMillisecond);
   for (const Place place : {Place::kNear, Place::kLight, Place::kHeavy})
-    add(("find " + name_of(place)).c_str(), [size, place](benchmark::State& state) { find(state, size, place); }, benchmark::kMicrosecond);
-  if (with_distances) add("distances", [size](benchmark::State& state) { distances(state, size); }, benchmark::kMillisecond);
-  if (with_shell) add("shell", [size](benchmark::State& state) { shell(state, size); }, benchmark::kMillisecond);
+    add(("find " + name_of(place)).c_str(),
+        [size, place](benchmark::State& state) { find(state, size, place); },
+        benchmark::kMicrosecond);
+  if (with_distances)
+    add(
+        "distances", [size](benchmark::State& state) { distances(state, size); },
+        benchmark::kMillisecond);
+  if (with_shell)
+    add(
+        "shell", [size](benchmark::State& state) { shell(state, size); }, benchmark::kMillisecond);
 }
 
 }  // namespace
@@ -108,7 +133,10 @@ int main(int argc, char** argv) {
   using namespace voxtouch::bench;
   choose_instructions(argc, argv);
   for (const std::size_t triangles : {1'000U, 10'000U, 100'000U, 1'000'000U, 10'000'000U})
-    add_rows("/triangles/" + std::to_string(triangles), {triangles, 256}, triangles <= 1'000'000, true);
-  for (const int resolution : {128, 256, 512, 1024, 2048}) add_rows("/resolution/" + std::to_string(resolution), {10'000, resolution}, resolution <= 1024, resolution <= 1024);
+    add_rows("/triangles/" + std::to_string(triangles), {triangles, 256}, triangles <= 1'000'000,
+             true);
+  for (const int resolution : {128, 256, 512, 1024, 2048})
+    add_rows("/resolution/" + std::to_string(resolution), {10'000, resolution}, resolution <= 1024,
+             resolution <= 1024);
   return run_benchmarks(argc, argv);
 }

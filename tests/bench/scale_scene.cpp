@@ -12,15 +12,21 @@ double looked_at(const contact::ContactQuery& query, const Pose& pose) {
   source.edge = query.voxmap().grid().edge;
   const Mat3 rotation = pose.orientation.toRotationMatrix();
   for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column < 3; ++column) source.r[row][column] = rotation(row, column);
+    for (int column = 0; column < 3; ++column)
+      source.r[row][column] = rotation(row, column);
     source.t[row] = pose.position[row] - query.voxmap().grid().origin[row];
   }
   contact::QueryFrame frame;
-  if (!contact::make_query_frame(query.voxmap(), source, query.reach_m(), frame)) return 0.0;
-  const contact::QueryData data{&query.voxmap(), query.shell().size(), &query.tree(), nullptr, nullptr, nullptr};  // no point is looked at
+  if (!contact::make_query_frame(query.voxmap(), source, query.reach_m(), frame))
+    return 0.0;
+  const contact::QueryData data{&query.voxmap(), query.shell().size(),
+                                &query.tree(),   nullptr,
+                                nullptr,         nullptr};  // no point is looked at
   std::vector<std::uint32_t> leaves(query.shell().size() / contact::SphereTree::kLeafPoints + 1);
-  const contact::NearLeaves near = contact::near_leaves(data, frame, query.tree(), 0, SIZE_MAX, leaves.data());
-  return static_cast<double>((near.work - contact::SphereTree::kLeafPoints * near.count) / contact::kPointsPerLook);
+  const contact::NearLeaves near =
+      contact::near_leaves(data, frame, query.tree(), 0, SIZE_MAX, leaves.data());
+  return static_cast<double>((near.work - contact::SphereTree::kLeafPoints * near.count) /
+                             contact::kPointsPerLook);
 }
 
 }  // namespace
@@ -38,7 +44,8 @@ FrameCounts frame_counts(const voxmap::Voxmap& map, Place place, std::size_t poi
   const std::vector<Pose> poses = path(place);
   for (const Pose& pose : poses) {
     query.find(pose, hits);
-    sum.tested += hits.tested, sum.not_free += static_cast<double>(hits.surface.size() + hits.interior.size());
+    sum.tested += hits.tested,
+        sum.not_free += static_cast<double>(hits.surface.size() + hits.interior.size());
     sum.looked_at += looked_at(query, pose);
   }
   const auto frames = static_cast<double>(poses.size());

@@ -1,5 +1,6 @@
 #pragma once
-/// The cup as a mesh at any number of triangles and any resolution, and what a frame over it costs, counted: no clock.
+/// The cup as a mesh at any number of triangles and any resolution, and what a frame over it costs,
+/// counted: no clock.
 #include <cstddef>
 
 #include "core/voxmap/voxmap.hpp"
@@ -12,9 +13,9 @@ voxmap::Grid grid_of(int resolution);
 
 /// Of a frame, the mean over the path.
 struct FrameCounts {
-  double tested = 0.0;    ///< points
-  double not_free = 0.0;  ///< points that hit
-  double looked_at = 0.0; ///< groups of sixteen spheres of the culling tree
+  double tested = 0.0;     ///< points
+  double not_free = 0.0;   ///< points that hit
+  double looked_at = 0.0;  ///< groups of sixteen spheres of the culling tree
 };
 
 /// The tool has the same size and so many points whatever the resolution.

@@ -16,8 +16,17 @@ import sys
 import tempfile
 import time
 
-PROGRAMS = ("voxtouch", "voxtouch_device", "voxtouch_rendering", "voxtouch_coupling", "voxtouch_logger", "voxtouch_validator",
-            "voxtouch_fri_controller", "voxtouch_fci_robot", "voxtouch_import_mesh")
+PROGRAMS = (
+    "voxtouch",
+    "voxtouch_device",
+    "voxtouch_rendering",
+    "voxtouch_coupling",
+    "voxtouch_logger",
+    "voxtouch_validator",
+    "voxtouch_fri_controller",
+    "voxtouch_fci_robot",
+    "voxtouch_import_mesh",
+)
 ASK = r"""
 source "$1"; shift
 COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); COMPREPLY=()
@@ -27,8 +36,14 @@ printf '%s\n' "${COMPREPLY[@]}"
 
 
 def replies(root, binaries, *words):
-    run = subprocess.run(["bash", "-uc", ASK, "bash", root / "deploy/completion/voxtouch.bash", *words], capture_output=True, text=True,
-                         timeout=60, check=False, env={**os.environ, "PATH": f"{binaries}:{os.environ['PATH']}"})
+    run = subprocess.run(
+        ["bash", "-uc", ASK, "bash", root / "deploy/completion/voxtouch.bash", *words],
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+        env={**os.environ, "PATH": f"{binaries}:{os.environ['PATH']}"},
+    )
     return set(run.stdout.split()), run.stderr
 
 
@@ -39,8 +54,16 @@ CASES = (
     (("voxtouch", "up", "cup_f"), {"cup_field", "cup_friction"}, {"cup"}),
     (("voxtouch", "up", "cup", "--"), {"--motion", "--device", "--lockstep"}, {"--voxel"}),
     (("voxtouch", "up", "cup", "--motion", ""), {"slide", "hit"}, {"path", "motions"}),
-    (("voxtouch", "up", "cup", "--device", "sim"), {"sim-phantom", "sim-lwr", "sim:touch", "sim:fr3"}, {"phantom"}),
-    (("voxtouch", "up", "cup", "--device", "sim", ":", "omega"), {"omega_3", "omega_6", "omega_7"}, {"touch"}),
+    (
+        ("voxtouch", "up", "cup", "--device", "sim"),
+        {"sim-phantom", "sim-lwr", "sim:touch", "sim:fr3"},
+        {"phantom"},
+    ),
+    (
+        ("voxtouch", "up", "cup", "--device", "sim", ":", "omega"),
+        {"omega_3", "omega_6", "omega_7"},
+        {"touch"},
+    ),
     (("voxtouch", "up", "cup", "--device", "sim", ":"), {"omega_3", "touch"}, set()),
     (("voxtouch", "up", "cup", "--device", "repl"), {"replay:"}, {"sim-phantom"}),
     (("voxtouch", "up", "cup", "--device", "replay", ":", "/et"), {"/etc"}, {"touch"}),
@@ -68,7 +91,16 @@ def wrong_in_zsh(root, binaries):
     with tempfile.TemporaryDirectory() as home:
         zsh, terminal = pty.fork()
         if zsh == 0:
-            os.execve(shutil.which("zsh"), ["zsh", "-f", "-i"], {"PATH": f"{binaries}:/usr/bin:/bin", "TERM": "dumb", "HOME": home, "COLUMNS": "120"})
+            os.execve(
+                shutil.which("zsh"),
+                ["zsh", "-f", "-i"],
+                {
+                    "PATH": f"{binaries}:/usr/bin:/bin",
+                    "TERM": "dumb",
+                    "HOME": home,
+                    "COLUMNS": "120",
+                },
+            )
         seen = ""
 
         def waits_for(text, seconds=30.0):
@@ -80,10 +112,17 @@ def wrong_in_zsh(root, binaries):
             found, seen = text in seen, ""
             return found
 
-        os.write(terminal, f"fpath=({root}/deploy/completion $fpath); autoload -Uz compinit; compinit -u -D; echo rea''dy\n".encode())
+        os.write(
+            terminal,
+            f"fpath=({root}/deploy/completion $fpath); autoload -Uz compinit; compinit -u -D; echo rea''dy\n".encode(),
+        )
         if not waits_for("ready"):
             yield "zsh does not get ready"
-        for typed, wanted in (("voxtouch sta\t", "status "), ("voxtouch up cup --motion sl\t", "slide "), ("voxtouch rec\t", "recover ")):
+        for typed, wanted in (
+            ("voxtouch sta\t", "status "),
+            ("voxtouch up cup --motion sl\t", "slide "),
+            ("voxtouch rec\t", "recover "),
+        ):
             os.write(terminal, typed.encode())
             if not waits_for(wanted):
                 yield f"zsh makes no {wanted!r} of {typed!r}"
@@ -97,10 +136,15 @@ def wrong_effects(root, binaries):
     """Those of a scene that a rendering runs: a process of that name with such a command line stands in for it."""
     with tempfile.TemporaryDirectory() as folder:
         scene = pathlib.Path(folder) / "own.yaml"
-        scene.write_text("scene: own\neffects:\n  - viscosity: {damping_ns_per_m: 1}\n  - magnet: {x: 1}\n  - viscosity: {y: 2}\nmotions: {}\n",
-                         encoding="utf-8")
+        scene.write_text(
+            "scene: own\neffects:\n  - viscosity: {damping_ns_per_m: 1}\n  - magnet: {x: 1}\n  - viscosity: {y: 2}\nmotions: {}\n",
+            encoding="utf-8",
+        )
         named = pathlib.Path(folder) / "voxtouch_rendering"
-        with subprocess.Popen([str(named), "-c", "import time; time.sleep(60)", "--scene", str(scene)], executable=sys.executable) as process:
+        with subprocess.Popen(
+            [str(named), "-c", "import time; time.sleep(60)", "--scene", str(scene)],
+            executable=sys.executable,
+        ) as process:
             try:
                 given, err = replies(root, binaries, "voxtouch", "change", "")
             finally:
@@ -111,14 +155,37 @@ def wrong_effects(root, binaries):
 
 def wrong_pages(root, binaries, version):
     with tempfile.TemporaryDirectory() as folder:
-        subprocess.run([sys.executable, "-B", root / "deploy/tools/man_page.py", binaries, folder, *PROGRAMS[:7]], check=True, timeout=120)
+        subprocess.run(
+            [
+                sys.executable,
+                "-B",
+                root / "deploy/tools/man_page.py",
+                binaries,
+                folder,
+                *PROGRAMS[:7],
+            ],
+            check=True,
+            timeout=120,
+        )
         text = gzip.decompress((pathlib.Path(folder) / "voxtouch.1.gz").read_bytes()).decode()
-        for wanted in (f"voxtouch {version}", "VOXTOUCH UP", "VOXTOUCH DOCTOR", "\\-\\-lockstep", "/home/you/.local"):
+        for wanted in (
+            f"voxtouch {version}",
+            "VOXTOUCH UP",
+            "VOXTOUCH DOCTOR",
+            "\\-\\-lockstep",
+            "/home/you/.local",
+        ):
             if wanted not in text:
                 yield f"voxtouch.1 does not say '{wanted}'"
         for file in sorted(pathlib.Path(folder).iterdir()):
-            run = subprocess.run(["man", "--warnings", "-l", file], capture_output=True, text=True, timeout=60, check=False,
-                                 env={**os.environ, "LC_ALL": "C.UTF-8", "MANWIDTH": "400"})
+            run = subprocess.run(
+                ["man", "--warnings", "-l", file],
+                capture_output=True,
+                text=True,
+                timeout=60,
+                check=False,
+                env={**os.environ, "LC_ALL": "C.UTF-8", "MANWIDTH": "400"},
+            )
             if run.returncode or re.search("warning|error", run.stderr) or "NAME" not in run.stdout:
                 yield f"{file.name}: {run.stderr[:300]}"
 
@@ -127,10 +194,17 @@ def main(root, binaries, version):
     root, binaries = pathlib.Path(root), pathlib.Path(binaries)
     wrong = []
     for name in PROGRAMS:
-        run = subprocess.run([binaries / name, "--version"], capture_output=True, text=True, timeout=60, check=False)
+        run = subprocess.run(
+            [binaries / name, "--version"], capture_output=True, text=True, timeout=60, check=False
+        )
         if (run.returncode, run.stdout) != (0, version + "\n"):
             wrong.append(f"{name} --version: {run.returncode} '{run.stdout}' {run.stderr}")
-    wrong += [*wrong_completions(root, binaries), *wrong_in_zsh(root, binaries), *wrong_effects(root, binaries), *wrong_pages(root, binaries, version)]
+    wrong += [
+        *wrong_completions(root, binaries),
+        *wrong_in_zsh(root, binaries),
+        *wrong_effects(root, binaries),
+        *wrong_pages(root, binaries, version),
+    ]
     print("\n".join(wrong) or f"{len(CASES) + 1} completions, {len(PROGRAMS)} versions, 7 pages")
     return 1 if wrong else 0
 

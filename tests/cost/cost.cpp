@@ -17,22 +17,27 @@ struct Counted {
   nlohmann::json printed;
   double instructions = 0.0;
 };
-Counted counted(const std::string& arguments, std::map<std::string, std::string> environment, const std::string& what) {
+Counted counted(const std::string& arguments, std::map<std::string, std::string> environment,
+                const std::string& what) {
   const Finished run = Process({"/bin/sh", "-c",
-                                "exec valgrind --tool=callgrind --callgrind-out-file=/dev/null --instr-atstart=no --toggle-collect=counted_frame "
-                                "\"$PROGRAM\" " + arguments},
+                                "exec valgrind --tool=callgrind --callgrind-out-file=/dev/null "
+                                "--instr-atstart=no --toggle-collect=counted_frame "
+                                "\"$PROGRAM\" " +
+                                    arguments},
                                std::move(environment))
                            .wait(std::chrono::seconds(100));
   const std::string key = "Collected : ";
   const std::size_t place = run.err.find(key);
   if (run.status != 0 || place == std::string::npos)
-    throw std::runtime_error("valgrind (deploy/packages.txt names it) did not count " + what + ": " + run.err);
+    throw std::runtime_error("valgrind (deploy/packages.txt names it) did not count " + what +
+                             ": " + run.err);
   return {nlohmann::json::parse(run.out), std::stod(run.err.substr(place + key.size()))};
 }
 
 }  // namespace
 
-FrameCost cost_of(const std::filesystem::path& scene, const std::string& motion, const std::string& way) {
+FrameCost cost_of(const std::filesystem::path& scene, const std::string& motion,
+                  const std::string& way) {
   const Counted run = counted("\"$SCENE\" \"$MOTION\" \"$FRAMES\" \"$WAY\"",
                               {{"PROGRAM", VOXTOUCH_FRAME_COST},
                                {"SCENE", scene.string()},
@@ -43,7 +48,8 @@ FrameCost cost_of(const std::filesystem::path& scene, const std::string& motion,
   const nlohmann::json& j = run.printed;
   FrameCost out;
   out.instructions = run.instructions / kFrames;
-  out.live_bytes = j["live"], out.peak_bytes = j["peak"], out.plan_bytes = j["plan"], out.force = j["sum"];
+  out.live_bytes = j["live"], out.peak_bytes = j["peak"], out.plan_bytes = j["plan"],
+  out.force = j["sum"];
   return out;
 }
 

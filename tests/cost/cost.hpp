@@ -1,5 +1,6 @@
 #pragma once
-/// Instructions and heap of frames, counted by callgrind: the same number on any machine, however busy it is.
+/// Instructions and heap of frames, counted by callgrind: the same number on any machine, however
+/// busy it is.
 #include <filesystem>
 #include <string>
 
@@ -12,10 +13,11 @@ struct FrameCost {
 };
 
 /// `way`: see frame_cost.cpp. Throws with what valgrind said where it did not run.
-FrameCost cost_of(const std::filesystem::path& scene, const std::string& motion, const std::string& way);
+FrameCost cost_of(const std::filesystem::path& scene, const std::string& motion,
+                  const std::string& way);
 
 struct TumblingCost {
-  double instructions = 0.0;  ///< a frame
+  double instructions = 0.0;    ///< a frame
   int frames = 0, queries = 0;  ///< counted
 };
 /// Of the frames that tumbling_cost.cpp says. Throws likewise.

@@ -1,12 +1,14 @@
-// Renders frames of a scene in one of several ways, for callgrind to count and for the heap to be weighed. Counted is
-// `counted_frame` alone: building is not.
+// Renders frames of a scene in one of several ways, for callgrind to count and for the heap to be
+// weighed. Counted is `counted_frame` alone: building is not.
 //
-//   frame_cost SCENE MOTION FRAMES scene     what the ring runs: contact and the effects that the scene lists
-//   frame_cost SCENE MOTION FRAMES contact   contact alone, built by hand without build_scene: it has never heard of effects
-//   frame_cost SCENE MOTION FRAMES touch     contact alone of what build_scene made, whatever the scene's model and meshes are
-//   frame_cost SCENE MOTION FRAMES effects   the effects alone; the contact that they look at is rendered uncounted
+//   frame_cost SCENE MOTION FRAMES scene     what the ring runs: contact and the effects that the
+//   scene lists frame_cost SCENE MOTION FRAMES contact   contact alone, built by hand without
+//   build_scene: it has never heard of effects frame_cost SCENE MOTION FRAMES touch     contact
+//   alone of what build_scene made, whatever the scene's model and meshes are frame_cost SCENE
+//   MOTION FRAMES effects   the effects alone; the contact that they look at is rendered uncounted
 //
-// Prints `{"live": bytes, "peak": bytes, "plan": bytes, "sum": force}`: heap taken for what was built and while building it.
+// Prints `{"live": bytes, "peak": bytes, "plan": bytes, "sum": force}`: heap taken for what was
+// built and while building it.
 #include <array>
 #include <cstdlib>
 #include <cstring>
@@ -32,27 +34,35 @@ std::size_t live_bytes = 0, peak_bytes = 0;
 constexpr std::size_t kHeader = 16;  ///< keeps the alignment that malloc gives
 }  // namespace
 
-// What was asked for stands before each block: what malloc rounds it up to depends on what was there before. Not inlined: the
-// compiler would hold the one against the other and see malloc meet delete.
+// What was asked for stands before each block: what malloc rounds it up to depends on what was
+// there before. Not inlined: the compiler would hold the one against the other and see malloc meet
+// delete.
 __attribute__((noinline)) void* operator new(std::size_t size) {
   auto* p = static_cast<unsigned char*>(std::malloc(size + kHeader));
-  if (p == nullptr) throw std::bad_alloc();
+  if (p == nullptr)
+    throw std::bad_alloc();
   std::memcpy(p, &size, sizeof size);
   live_bytes += size;
-  if (live_bytes > peak_bytes) peak_bytes = live_bytes;
+  if (live_bytes > peak_bytes)
+    peak_bytes = live_bytes;
   return p + kHeader;
 }
 __attribute__((noinline)) void operator delete(void* p) noexcept {
-  if (p == nullptr) return;
+  if (p == nullptr)
+    return;
   std::size_t size = 0;
   unsigned char* const block = static_cast<unsigned char*>(p) - kHeader;
   std::memcpy(&size, block, sizeof size);
   live_bytes -= size;
   std::free(block);
 }
-__attribute__((noinline)) void operator delete(void* p, std::size_t) noexcept { operator delete(p); }
+__attribute__((noinline)) void operator delete(void* p, std::size_t) noexcept {
+  operator delete(p);
+}
 
-extern "C" __attribute__((noinline)) void counted_frame(const std::function<void()>& frame) { frame(); }
+extern "C" __attribute__((noinline)) void counted_frame(const std::function<void()>& frame) {
+  frame();
+}
 
 namespace voxtouch::test {
 namespace {
@@ -62,15 +72,19 @@ struct HandBuilt {
   explicit HandBuilt(const scene::Scene& scene) {
     const auto mesh = [&](const scene::MeshSpec& spec) {
       mesh::ImportOptions options;
-      options.scale = spec.scale, options.pose = spec.pose, options.voxel_size_m = scene.voxel_size_m;
+      options.scale = spec.scale, options.pose = spec.pose,
+      options.voxel_size_m = scene.voxel_size_m;
       return mesh::import_mesh(spec.path, options).mesh;
     };
-    const mesh::TriangleMesh fixed = mesh(scene.static_meshes.at(0)), moving = mesh(scene.dynamic_mesh);
-    voxmap = std::make_unique<voxmap::Voxmap>(voxmap::voxelise(fixed, voxmap::object_grid(fixed, scene.voxel_size_m), serial_for()));
+    const mesh::TriangleMesh fixed = mesh(scene.static_meshes.at(0)),
+                             moving = mesh(scene.dynamic_mesh);
+    voxmap = std::make_unique<voxmap::Voxmap>(
+        voxmap::voxelise(fixed, voxmap::object_grid(fixed, scene.voxel_size_m), serial_for()));
     pointshell::Pointshell shell = test::exact_shell(moving, scene.voxel_size_m);
-    const contact::ContactParameters parameters =
-        rendering::contact_parameters(scene.contact, contact::ContactModelKind::kAdapted, shell, {});
-    renderer = std::make_unique<contact::ContactRenderer>(*voxmap, std::move(shell), contact::ContactModelKind::kAdapted, parameters);
+    const contact::ContactParameters parameters = rendering::contact_parameters(
+        scene.contact, contact::ContactModelKind::kAdapted, shell, {});
+    renderer = std::make_unique<contact::ContactRenderer>(
+        *voxmap, std::move(shell), contact::ContactModelKind::kAdapted, parameters);
   }
   std::unique_ptr<voxmap::Voxmap> voxmap;
   std::unique_ptr<contact::ContactRenderer> renderer;
@@ -85,7 +99,9 @@ class Hand {
   rendering::ToolState at(int n) {
     rendering::ToolState tool;
     const MotionPoint point = motion_at(motion_, kBeginS + 1e-3 * n);
-    const auto draw = [this] { return 1e-5 * (static_cast<double>(random_() % 2001) / 1000.0 - 1.0); };
+    const auto draw = [this] {
+      return 1e-5 * (static_cast<double>(random_() % 2001) / 1000.0 - 1.0);
+    };
     const double x = draw(), y = draw(), z = draw();
     tool.pose = {point.position + Vec3(x, y, z), motion_.orientation};
     tool.twist.linear = point.velocity;
@@ -98,8 +114,8 @@ class Hand {
 };
 
 /// What the ring hands on of a frame, from a contact that knows nothing of effects.
-__attribute__((noinline)) rendering::SceneFrame contact_frame(contact::ContactRenderer& contact,
-                                                              const rendering::ToolState& tool) noexcept {
+__attribute__((noinline)) rendering::SceneFrame contact_frame(
+    contact::ContactRenderer& contact, const rendering::ToolState& tool) noexcept {
   rendering::SceneFrame frame;
   frame.object = tool.pose;
   frame.touch = contact.render(tool.pose);
@@ -122,7 +138,8 @@ int run(const std::string& file, const std::string& motion, int frames, const st
   else
     built = rendering::build_scene(scene, serial_for());
   const std::size_t live = live_bytes - before, peak = peak_bytes - before;
-  CALLGRIND_START_INSTRUMENTATION;  // what was built until here need not be watched, which would take most of the time
+  CALLGRIND_START_INSTRUMENTATION;  // what was built until here need not be watched, which would
+                                    // take most of the time
   double sum = 0.0;
   for (int n = 0; n < frames; ++n) {
     const rendering::ToolState tool = hand.at(n);
@@ -138,13 +155,14 @@ int run(const std::string& file, const std::string& motion, int frames, const st
       const std::span<const effects::ObjectContact> contacts = built->contacts().parts(touch);
       rendering::SceneRenderer& renderer = built->scene_renderer();
       counted_frame([&] {
-        frame.effects = renderer.effects().apply(renderer.look(tool, rendering::SceneRenderer::kDefaultStepS, time_s, contacts));
+        frame.effects = renderer.effects().apply(
+            renderer.look(tool, rendering::SceneRenderer::kDefaultStepS, time_s, contacts));
       });
     }
     sum += frame.wrench.force.norm() + frame.effects.wrench.force.norm();
   }
-  fmt::print("{{\"live\": {}, \"peak\": {}, \"plan\": {}, \"sum\": {}}}\n", live, peak, built ? built->plan().bytes : 0,
-             sum);
+  fmt::print("{{\"live\": {}, \"peak\": {}, \"plan\": {}, \"sum\": {}}}\n", live, peak,
+             built ? built->plan().bytes : 0, sum);
   return 0;
 }
 
@@ -152,6 +170,7 @@ int run(const std::string& file, const std::string& motion, int frames, const st
 }  // namespace voxtouch::test
 
 int main(int argc, char** argv) {
-  if (argc != 5) return 2;
+  if (argc != 5)
+    return 2;
   return voxtouch::test::run(argv[1], argv[2], std::atoi(argv[3]), argv[4]);
 }

@@ -1,4 +1,5 @@
-/// What a scene does not name costs nothing: no instruction of a frame, no byte. Counted, not timed.
+/// What a scene does not name costs nothing: no instruction of a frame, no byte. Counted, not
+/// timed.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -14,7 +15,8 @@ namespace {
 constexpr double kShare = 0.005;
 /// Building frame and sum of the effects, which neither the contact nor a single effect has.
 constexpr double kGlue = 400.0;
-/// Asking whether there is any effect, and whether a virtual tool, where a frame out of contact is 1,800 instructions.
+/// Asking whether there is any effect, and whether a virtual tool, where a frame out of contact is
+/// 1,800 instructions.
 constexpr double kAsking = 20.0;
 const std::filesystem::path kScenes = std::string(VOXTOUCH_DEPLOY) + "/scenes";
 
@@ -27,7 +29,8 @@ class FrameCostTest : public testing::Test {
     const std::string line = "effects: []", meshes = "../meshes";
     bool found = false;
     for (std::string text; std::getline(in, text); out << text << '\n') {
-      if (text.starts_with(line)) text = effects, found = true;
+      if (text.starts_with(line))
+        text = effects, found = true;
       for (std::size_t at; (at = text.find(meshes)) != std::string::npos;)
         text.replace(at, meshes.size(), std::string(VOXTOUCH_DEPLOY) + "/meshes");
     }
@@ -42,7 +45,8 @@ TEST_F(FrameCostTest, OfASceneWithoutEffectsIsThatOfContactThatHasNeverHeardOfTh
   const auto never = cylinder("bare", ""), none = cylinder("none", "effects: []");
   for (const char* motion : {"slide", "free"}) {
     SCOPED_TRACE(motion);
-    const FrameCost alone = cost_of(never, motion, "contact"), unnamed = cost_of(never, motion, "scene"),
+    const FrameCost alone = cost_of(never, motion, "contact"),
+                    unnamed = cost_of(never, motion, "scene"),
                     empty = cost_of(none, motion, "scene");
     EXPECT_EQ(alone.force > 0.0, motion == std::string("slide"));
     EXPECT_EQ(unnamed.force, alone.force);
@@ -64,14 +68,16 @@ TEST_F(FrameCostTest, OfASceneWithOneEffectIsThatOfTheContactAndThatEffect) {
   const auto none = cylinder("none", "effects: []"),
              one = cylinder("one", "effects: [{viscosity: {damping_ns_per_m: 0.5}}]");
   const FrameCost without = cost_of(none, "slide", "scene"), with = cost_of(one, "slide", "scene"),
-                  contact = cost_of(one, "slide", "contact"), effects = cost_of(one, "slide", "effects");
+                  contact = cost_of(one, "slide", "contact"),
+                  effects = cost_of(one, "slide", "effects");
   RecordProperty("contact", std::to_string(contact.instructions));
   RecordProperty("with_viscosity", std::to_string(with.instructions));
   RecordProperty("viscosity_alone", std::to_string(effects.instructions));
   EXPECT_NEAR(without.instructions, contact.instructions, kShare * contact.instructions);
   EXPECT_GT(with.instructions, without.instructions);
   EXPECT_GT(with.force, without.force);
-  EXPECT_NEAR(with.instructions, contact.instructions + effects.instructions, kShare * contact.instructions + kGlue);
+  EXPECT_NEAR(with.instructions, contact.instructions + effects.instructions,
+              kShare * contact.instructions + kGlue);
   EXPECT_GT(with.live_bytes, without.live_bytes);
   EXPECT_LT(with.live_bytes, without.live_bytes + 4'000.0);
 }
@@ -113,31 +119,40 @@ TEST_F(FrameCostTest, OfASceneWithAnEffectOfAnyKindIsThatOfItsContactAndThatEffe
   for (const effects::EffectKind* kind : effects::effect_kinds()) {
     const auto words = effects.find(std::string(kind->name));
     if (words == effects.end()) {
-      // A body's contact is found where it lies, not where the hand is; distances take a minute to build under valgrind.
-      EXPECT_TRUE(kind->name == "body" || kind->name == "proximity") << kind->name << " is not counted here";
+      // A body's contact is found where it lies, not where the hand is; distances take a minute to
+      // build under valgrind.
+      EXPECT_TRUE(kind->name == "body" || kind->name == "proximity")
+          << kind->name << " is not counted here";
       continue;
     }
     SCOPED_TRACE(words->first);
     for (const char* region : {"", ", region: {sphere: {centre: [0, 0, 0], radius: 1}}"}) {
-      const std::filesystem::path file =
-          cylinder(words->first, "effects: [{" + words->first + ": {" + words->second + "}" + region + "}]");
-      const FrameCost all = cost_of(file, "slide", "scene"), alone = cost_of(file, "slide", "effects");
-      EXPECT_LE(all.instructions, (1.0 + kShare) * (contact.instructions + alone.instructions) + kGlue) << region;
+      const std::filesystem::path file = cylinder(
+          words->first, "effects: [{" + words->first + ": {" + words->second + "}" + region + "}]");
+      const FrameCost all = cost_of(file, "slide", "scene"),
+                      alone = cost_of(file, "slide", "effects");
+      EXPECT_LE(all.instructions,
+                (1.0 + kShare) * (contact.instructions + alone.instructions) + kGlue)
+          << region;
       EXPECT_GE(all.instructions, contact.instructions) << region;
-      if (words->first != "viscosity") break;  // a region is the chain's, the same for all
+      if (words->first != "viscosity")
+        break;  // a region is the chain's, the same for all
     }
   }
 }
 
-/// The virtual tool's longest frames: those that use all their queries. Counted on AVX2, which callgrind shows programs at most.
+/// The virtual tool's longest frames: those that use all their queries. Counted on AVX2, which
+/// callgrind shows programs at most.
 TEST(TumblingCostTest, OfAFrameThatUsesAllItsQueriesIsBounded) {
   const TumblingCost cost = tumbling_cost();
   RecordProperty("instructions", std::to_string(cost.instructions));
   RecordProperty("frames", std::to_string(cost.frames));
-  std::printf("%.0f instructions a frame, of %d frames of %.2f queries\n", cost.instructions, cost.frames, cost.queries / static_cast<double>(cost.frames));
+  std::printf("%.0f instructions a frame, of %d frames of %.2f queries\n", cost.instructions,
+              cost.frames, cost.queries / static_cast<double>(cost.frames));
   EXPECT_GT(cost.frames, 50);
   EXPECT_EQ(cost.queries, 7 * cost.frames);
-  EXPECT_LT(cost.instructions, 500'000);  // 453,000 by GCC 12; with sums over rows and corners that went through memory 620,000
+  EXPECT_LT(cost.instructions, 500'000);  // 453,000 by GCC 12; with sums over rows and corners that
+                                          // went through memory 620,000
 }
 
 }  // namespace

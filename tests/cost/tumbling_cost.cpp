@@ -1,5 +1,6 @@
-// Frames of a box that tumbles at 3 m/s in and out of the cup, e = 2 mm (`virtual_tool_trials tumble`), for callgrind to count those in contact that use all
-// their queries and test many points: the longest there are. Prints `{"frames": counted, "queries": of them}`.
+// Frames of a box that tumbles at 3 m/s in and out of the cup, e = 2 mm (`virtual_tool_trials
+// tumble`), for callgrind to count those in contact that use all their queries and test many
+// points: the longest there are. Prints `{"frames": counted, "queries": of them}`.
 #include <functional>
 
 #include <fmt/format.h>
@@ -7,21 +8,27 @@
 
 #include "tests/experiments/virtual_tool/trials.hpp"
 
-extern "C" __attribute__((noipa)) void counted_frame(const std::function<void()>& frame) { frame(); }
+extern "C" __attribute__((noipa)) void counted_frame(const std::function<void()>& frame) {
+  frame();
+}
 
-constexpr std::uint32_t kManyPoints = 400;  ///< at one query, of 1,900 shell points and those of the cup's edges
+constexpr std::uint32_t kManyPoints =
+    400;  ///< at one query, of 1,900 shell points and those of the cup's edges
 
 int main() {
   using namespace voxtouch;
   virtual_tool::Rig rig(virtual_tool::scene_mesh("cup"), 0.002, virtual_tool::tumbling_box());
   virtual_tool::TumblingHand hand(3.0, 90.0, 1);
-  if (!rig.place(hand.pose())) return 2;
+  if (!rig.place(hand.pose()))
+    return 2;
   int frames = 0, queries = 0;
   CALLGRIND_START_INSTRUMENTATION;
   for (int n = 0; n < 1600; ++n) {
     const contact::VirtualTool before = rig.tool;
     const contact::VirtualToolFrame frame = rig.frame(hand.next());
-    if (!frame.constrained || frame.queries < contact::limits::kMaxQueriesInContact || frame.points_tested < kManyPoints) continue;
+    if (!frame.constrained || frame.queries < contact::limits::kMaxQueriesInContact ||
+        frame.points_tested < kManyPoints)
+      continue;
     rig.tool = before;
     counted_frame([&] { rig.frame(hand.pose()); });
     ++frames, queries += frame.queries;

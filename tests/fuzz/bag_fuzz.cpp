@@ -1,8 +1,9 @@
-// A bag's folder. First byte odd: the rest is its metadata.yaml; even: its file, in SQLite or MCAP, which its first bytes say. What is read is counted as it is handed out,
-// hashes twice the same, and messages of the ring are read into their types, or are none.
-#include "tests/support/whole_bag.hpp"
+// A bag's folder. First byte odd: the rest is its metadata.yaml; even: its file, in SQLite or MCAP,
+// which its first bytes say. What is read is counted as it is handed out, hashes twice the same,
+// and messages of the ring are read into their types, or are none.
 #include "tests/fuzz/wire.hpp"
 #include "tests/support/bag_hash.hpp"
+#include "tests/support/whole_bag.hpp"
 
 namespace {
 
@@ -13,10 +14,14 @@ void play(const bag::BagMessage& message, std::string_view type) {
   static fuzz::Wire<msg::ForceCommand> commands;
   static fuzz::Wire<msg::DeviceState> states;
   static fuzz::Wire<msg::ContactState> contacts;
-  const std::string_view cdr(reinterpret_cast<const char*>(message.bytes.data()), message.bytes.size());
-  if (type == msg::Type<msg::ForceCommand>::ros_name) commands.through(cdr, [](const msg::ForceCommand&) {});
-  if (type == msg::Type<msg::DeviceState>::ros_name) states.through(cdr, [](const msg::DeviceState&) {});
-  if (type == msg::Type<msg::ContactState>::ros_name) contacts.through(cdr, [](const msg::ContactState&) {});
+  const std::string_view cdr(reinterpret_cast<const char*>(message.bytes.data()),
+                             message.bytes.size());
+  if (type == msg::Type<msg::ForceCommand>::ros_name)
+    commands.through(cdr, [](const msg::ForceCommand&) {});
+  if (type == msg::Type<msg::DeviceState>::ros_name)
+    states.through(cdr, [](const msg::DeviceState&) {});
+  if (type == msg::Type<msg::ContactState>::ros_name)
+    contacts.through(cdr, [](const msg::ContactState&) {});
 }
 
 void check(const bag::WholeBag& reader) {
@@ -37,7 +42,8 @@ void check(const bag::WholeBag& reader) {
     const auto one = bag::hash_topic(reader, topic.name, bag::ring_sequence_number);
     const auto other = bag::hash_topic(reader, topic.name, bag::ring_sequence_number);
     FUZZ_REQUIRE(one.has_value() == other.has_value());
-    if (one) FUZZ_REQUIRE(one->hash == other->hash && one->messages == topic.message_count);
+    if (one)
+      FUZZ_REQUIRE(one->hash == other->hash && one->messages == topic.message_count);
   }
 }
 
@@ -47,9 +53,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   static const fuzz::Folder folder;
   fuzz::Bytes in(data, size);
   const bool metadata = in.take<std::uint8_t>() & 1;
-  const std::filesystem::path file = folder.write(metadata ? "metadata.yaml" : "bag_0.db3", in.rest());
+  const std::filesystem::path file =
+      folder.write(metadata ? "metadata.yaml" : "bag_0.db3", in.rest());
   if (metadata) {
-    if (const auto read = bag::read_metadata(file); !read) FUZZ_REQUIRE(!read.error().sentence.empty());
+    if (const auto read = bag::read_metadata(file); !read)
+      FUZZ_REQUIRE(!read.error().sentence.empty());
     (void)bag::WholeBag::open(folder.path());
   } else {
     const auto reader = bag::WholeBag::open(file);

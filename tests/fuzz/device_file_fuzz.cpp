@@ -1,4 +1,5 @@
-// Device files for the coupling's designer: text to numbers that the design's own entrance takes, or a sentence.
+// Device files for the coupling's designer: text to numbers that the design's own entrance takes,
+// or a sentence.
 #include "core/coupling/design/design_steps.hpp"
 #include "core/coupling/design/loop_parts.hpp"
 #include "core/fitting/design_problem.hpp"
@@ -10,7 +11,8 @@ namespace {
 using namespace voxtouch;
 
 void check(const coupling::design::AxisModel& axis) {
-  FUZZ_REQUIRE(axis.inertia_min > 0.0 && axis.inertia_min <= axis.inertia_max && std::isfinite(axis.inertia_max));
+  FUZZ_REQUIRE(axis.inertia_min > 0.0 && axis.inertia_min <= axis.inertia_max &&
+               std::isfinite(axis.inertia_max));
   FUZZ_REQUIRE(axis.damping >= 0.0 && std::isfinite(axis.damping));
   FUZZ_REQUIRE(axis.coulomb_friction >= 0.0 && std::isfinite(axis.coulomb_friction));
   FUZZ_REQUIRE(axis.resolution >= 0.0 && axis.resolution <= 0.1);
@@ -25,15 +27,19 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string text(reinterpret_cast<const char*>(data), size);
   const std::filesystem::path file = "/fuzz/device.yaml";
   try {
-    const coupling::design::DeviceModel device = coupling::design::model_of(scene::parse_device_file(text, file).description);
+    const coupling::design::DeviceModel device =
+        coupling::design::model_of(scene::parse_device_file(text, file).description);
     check(device.translation);
-    if (device.gives_torque) check(device.rotation);
+    if (device.gives_torque)
+      check(device.rotation);
     const coupling::design::LoopTiming& timing = device.timing;
-    FUZZ_REQUIRE(timing.period_s >= 1e-5 && timing.period_s <= 1.0 && timing.delay_s >= 0.0 && timing.delay_s <= 1.0);
+    FUZZ_REQUIRE(timing.period_s >= 1e-5 && timing.period_s <= 1.0 && timing.delay_s >= 0.0 &&
+                 timing.delay_s <= 1.0);
     FUZZ_REQUIRE(timing.jitter >= 0.0 && timing.jitter <= 10.0 && timing.lost_in_a_row >= 0);
     scene::Scene scene;
     scene.voxel_size_m = 0.002;
-    const coupling::design::DesignProblem problem = fitting::design_problem(scene, device, {10.0, 1000.0}, {0.1, 1.0});
+    const coupling::design::DesignProblem problem =
+        fitting::design_problem(scene, device, {10.0, 1000.0}, {0.1, 1.0});
     try {
       coupling::design::refuse_impossible(problem);
     } catch (const std::invalid_argument&) {  // a sentence, too

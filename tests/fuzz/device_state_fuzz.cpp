@@ -1,5 +1,5 @@
-// DeviceStates from the network, as the rendering takes them: a sample that is let through places the tool at a finite pose, and every
-// effect of a scene gives a finite force there.
+// DeviceStates from the network, as the rendering takes them: a sample that is let through places
+// the tool at a finite pose, and every effect of a scene gives a finite force there.
 #include <memory>
 
 #include "core/effects/effect_chain.hpp"
@@ -32,8 +32,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   effects::EffectChain effects(fuzz::all_effects());
   std::optional<std::int64_t> begin_ns;
   fuzz::each_message(wire, data, size, [&](const msg::DeviceState& state) {
-    if (mapping.update(runtime::from_msg(state.pose), runtime::from_msg(state.twist), state.buttons).refused) return;
-    if (!begin_ns) begin_ns = state.sample_time_ns;
+    if (mapping.update(runtime::from_msg(state.pose), runtime::from_msg(state.twist), state.buttons)
+            .refused)
+      return;
+    if (!begin_ns)
+      begin_ns = state.sample_time_ns;
     const rendering::ToolState& tool = mapping.tool();
     FUZZ_REQUIRE(tool.pose.finite() && std::abs(tool.pose.orientation.norm() - 1.0) < 1e-9);
     FUZZ_REQUIRE(tool.twist.finite());
@@ -42,7 +45,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     frame.time_s = runtime::seconds_between(*begin_ns, state.sample_time_ns);
     const effects::EffectPush push = effects.apply(frame);
     FUZZ_REQUIRE(push.wrench.finite() && push.stiffness.allFinite());
-    FUZZ_REQUIRE(push.stiffness_bound_n_per_m >= 0.0 && std::isfinite(push.stiffness_bound_n_per_m));
+    FUZZ_REQUIRE(push.stiffness_bound_n_per_m >= 0.0 &&
+                 std::isfinite(push.stiffness_bound_n_per_m));
   });
   return 0;
 }

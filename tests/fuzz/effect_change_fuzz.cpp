@@ -1,4 +1,5 @@
-// EffectChanges from the network, as the update server judges them: what is let through leaves every effect within its ranges and its force finite.
+// EffectChanges from the network, as the update server judges them: what is let through leaves
+// every effect within its ranges and its force finite.
 #include "core/effects/effect_chain.hpp"
 #include "tests/fuzz/effects.hpp"
 #include "tests/fuzz/wire.hpp"
@@ -15,7 +16,8 @@ void feel(effects::EffectChain& chain, double time_s) {
   frame.twist.linear = Vec3(0.1, 0.05, -0.2);
   frame.dt_s = 1e-3, frame.time_s = time_s;
   const effects::EffectPush push = chain.apply(frame);
-  FUZZ_REQUIRE(push.wrench.finite() && push.stiffness.allFinite() && std::isfinite(push.potential_j));
+  FUZZ_REQUIRE(push.wrench.finite() && push.stiffness.allFinite() &&
+               std::isfinite(push.potential_j));
 }
 
 }  // namespace
@@ -33,10 +35,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     cdr += in.take(length);
     wire.through(cdr, [&](const msg::EffectChange& m) {
       (void)effects::quotable(view(m.model));
-      const auto command = effects::judge(planned, {.action = static_cast<effects::EffectAction>((m.action - 1U) % 3U),
-                                           .effect = view(m.effect),
-                                           .parameter = view(m.parameter),
-                                           .value = {m.value[0], m.value[1], m.value[2]}});
+      const auto command = effects::judge(
+          planned, {.action = static_cast<effects::EffectAction>((m.action - 1U) % 3U),
+                    .effect = view(m.effect),
+                    .parameter = view(m.parameter),
+                    .value = {m.value[0], m.value[1], m.value[2]}});
       if (!command) {
         FUZZ_REQUIRE(!command.error().empty());
         return;
@@ -45,7 +48,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       chain.carry_out(*command);
       fuzz::require_good(planned[command->effect]);
     });
-    for (int k = 0; k < 3; ++k) feel(chain, time_s += 0.01);
+    for (int k = 0; k < 3; ++k)
+      feel(chain, time_s += 0.01);
   }
   return 0;
 }

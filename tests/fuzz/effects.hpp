@@ -1,5 +1,6 @@
 #pragma once
-/// One of each kind of effect that needs no scene around it, and what must hold of them whatever was changed.
+/// One of each kind of effect that needs no scene around it, and what must hold of them whatever
+/// was changed.
 #include <array>
 #include <string>
 #include <vector>
@@ -17,14 +18,18 @@ inline std::vector<effects::EffectSpec> all_effects() {
     spec.values = effects::EffectValues(kind->parameters);
     for (std::size_t n = 0; n < kind->parameters.size(); ++n) {
       const effects::EffectParameter& p = kind->parameters[n];
-      if (p.standard) continue;
+      if (p.standard)
+        continue;
       const double some = std::isfinite(p.high) ? 0.5 * (p.low + p.high) : p.low + 0.1;
-      spec.values.at(n) = p.shape == effects::ParameterShape::kDirection ? std::array{0.0, 0.0, 1.0}
-                          : p.shape == effects::ParameterShape::kWord || p.shape == effects::ParameterShape::kText ? std::array{0.0, 0.0, 0.0}
-                                                                : std::array{some, 0.0, 0.0};
+      spec.values.at(n) =
+          p.shape == effects::ParameterShape::kDirection ? std::array{0.0, 0.0, 1.0}
+          : p.shape == effects::ParameterShape::kWord || p.shape == effects::ParameterShape::kText
+              ? std::array{0.0, 0.0, 0.0}
+              : std::array{some, 0.0, 0.0};
     }
     const effects::EffectNeeds needs = kind->needs(spec.values);
-    if (!effects::check_values(*kind, spec.values).empty() || needs.body || needs.proximity_m > 0.0) continue;
+    if (!effects::check_values(*kind, spec.values).empty() || needs.body || needs.proximity_m > 0.0)
+      continue;
     all.push_back(std::move(spec));
   }
   return all;

@@ -1,8 +1,9 @@
 // What a Franka arm sends, or whoever answers in its place.
-// First byte: which version of the four, and what the rest is. Below 128: a stream of the command channel, cut as the next byte says;
-// messages never hold more than they brought. Else: states, each the last one with a few bytes patched, through decoder, session and
-// torque ramp: no number that is none, no force outside torque control, no torque beyond a joint's limit or a step, whatever the robot
-// claims to have been told.
+// First byte: which version of the four, and what the rest is. Below 128: a stream of the command
+// channel, cut as the next byte says; messages never hold more than they brought. Else: states,
+// each the last one with a few bytes patched, through decoder, session and torque ramp: no number
+// that is none, no force outside torque control, no torque beyond a joint's limit or a step,
+// whatever the robot claims to have been told.
 #include <algorithm>
 #include <array>
 #include <vector>
@@ -23,7 +24,8 @@ void stream(const fci::Dialect& dialect, fuzz::Bytes in) {
   while (!in.empty() && !reader.broken()) {
     const std::span<std::byte> room = reader.room();
     FUZZ_REQUIRE(!room.empty());
-    const std::string_view piece = in.take(std::min<std::size_t>(1 + in.take<std::uint8_t>(), room.size()));
+    const std::string_view piece =
+        in.take(std::min<std::size_t>(1 + in.take<std::uint8_t>(), room.size()));
     std::memcpy(room.data(), piece.data(), piece.size());
     reader.took(piece.size());
     while (const auto message = reader.next()) {
@@ -47,24 +49,32 @@ void states(const fci::Dialect& dialect, fuzz::Bytes in) {
   for (int n = 0; n < 128 && !in.empty(); ++n) {
     for (int patches = in.take<std::uint8_t>() & 7; patches > 0; --patches) {
       const std::size_t at = in.take<std::uint16_t>() % bytes.size();
-      const std::string_view patch = in.take(std::min<std::size_t>(in.take<std::uint8_t>() % 33, bytes.size() - at));
+      const std::string_view patch =
+          in.take(std::min<std::size_t>(in.take<std::uint8_t>() % 33, bytes.size() - at));
       std::memcpy(&bytes[at], patch.data(), patch.size());
     }
     fci::State state;
-    if (fci::decode(dialect, bytes, state) != fci::PacketFault::kNone) continue;
-    FUZZ_REQUIRE(state.q.allFinite() && state.dq.allFinite() && state.tau_d.allFinite() && state.errors >> fci::kErrors == 0);
+    if (fci::decode(dialect, bytes, state) != fci::PacketFault::kNone)
+      continue;
+    FUZZ_REQUIRE(state.q.allFinite() && state.dq.allFinite() && state.tau_d.allFinite() &&
+                 state.errors >> fci::kErrors == 0);
     session.see(state, 1e-3, false);
-    if (const auto due = session.due()) session.answered(*due, static_cast<fci::Outcome>(in.take<std::uint8_t>() % 14));
-    FUZZ_REQUIRE(!session.force_allowed() || (state.mode == fci::RobotMode::kMove && state.controller == fci::ControllerMode::kExternal));
+    if (const auto due = session.due())
+      session.answered(*due, static_cast<fci::Outcome>(in.take<std::uint8_t>() % 14));
+    FUZZ_REQUIRE(!session.force_allowed() || (state.mode == fci::RobotMode::kMove &&
+                                              state.controller == fci::ControllerMode::kExternal));
     session.listens() ? ramp.told(state.tau_d) : ramp.forget();
-    const Wrench push = session.force_allowed() ? Wrench{Vec3(20.0, -10.0, 30.0), Vec3(1.0, 0.0, -1.0)} : Wrench{};
+    const Wrench push =
+        session.force_allowed() ? Wrench{Vec3(20.0, -10.0, 30.0), Vec3(1.0, 0.0, -1.0)} : Wrench{};
     const arm::Joints torque = ramp.next(arm.at(state.q).jacobian, push, arm::Joints::Zero());
     FUZZ_REQUIRE(torque.allFinite() && (torque.array().abs() <= most.array() + kStep).all());
     FUZZ_REQUIRE(session.listens() || torque.isZero(0.0));
     std::array<std::byte, fci::kMaxCommandBytes> out;
     fci::Command back;
     const std::size_t size = fci::encode(dialect, {state.message_id, torque, false}, out);
-    FUZZ_REQUIRE(fci::decode(dialect, std::span(out).first(size), back) == fci::PacketFault::kNone && back.torque_nm == torque);
+    FUZZ_REQUIRE(fci::decode(dialect, std::span(out).first(size), back) ==
+                     fci::PacketFault::kNone &&
+                 back.torque_nm == torque);
   }
 }
 

@@ -1,5 +1,6 @@
-// ForceCommands from the network, through the gate and the guard before a device: what goes on is finite, within force, torque and
-// slew limits, and the last check before the wire has nothing to refuse.
+// ForceCommands from the network, through the gate and the guard before a device: what goes on is
+// finite, within force, torque and slew limits, and the last check before the wire has nothing to
+// refuse.
 #include "devices/command_gate.hpp"
 #include "devices/force_guard.hpp"
 #include "devices/limits.hpp"
@@ -33,14 +34,18 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto cycle = [&](const std::optional<devices::GuardInput>& command) {
     const Wrench out = guard.pass(command, static_cast<std::int64_t>(sample++) * kPeriodNs);
     FUZZ_REQUIRE(devices::check_command(out, description).has_value());
-    const double slack = 1.0 + 1e-9, dt_s = 3e-3;  // a gap opens the slew limit by the hold time at most
-    FUZZ_REQUIRE((out.force - last.force).norm() <= slack * description.max_force_rate_n_per_s * dt_s);
-    FUZZ_REQUIRE((out.torque - last.torque).norm() <= slack * description.max_torque_rate_nm_per_s * dt_s);
+    const double slack = 1.0 + 1e-9,
+                 dt_s = 3e-3;  // a gap opens the slew limit by the hold time at most
+    FUZZ_REQUIRE((out.force - last.force).norm() <=
+                 slack * description.max_force_rate_n_per_s * dt_s);
+    FUZZ_REQUIRE((out.torque - last.torque).norm() <=
+                 slack * description.max_torque_rate_nm_per_s * dt_s);
     last = out;
   };
   cycle({});
   fuzz::each_message(wire, data, size, [&](const msg::ForceCommand& command) {
-    const devices::GateVerdict verdict = gate.accept(1, command.session_id, command.sequence_number, sample);
+    const devices::GateVerdict verdict =
+        gate.accept(1, command.session_id, command.sequence_number, sample);
     guard.count(verdict);
     if (verdict == devices::GateVerdict::kAccepted)
       cycle(devices::GuardInput{runtime::from_msg(command.wrench), command.valid_until_ns});
@@ -48,7 +53,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       cycle({});
   });
   // Nobody speaks any more: zero after three periods and the fade.
-  for (int n = 0; n < 26; ++n) cycle({});
+  for (int n = 0; n < 26; ++n)
+    cycle({});
   FUZZ_REQUIRE(last.zero());
   return 0;
 }

@@ -1,8 +1,9 @@
 // FRI datagrams in both directions.
-// First byte odd: the rest is one datagram for both decoders; what they take is the same bytes again.
-// Even: a controller that follows the handshake talks to the driver, and the input patches what it sends: every answer is a command
-// that the decoder takes, without push outside command mode, within the joints' torques and the step that the arm may make.
-// The network is this file's own: it stands in for udp_socket.cpp, so that nothing depends on time or ports.
+// First byte odd: the rest is one datagram for both decoders; what they take is the same bytes
+// again. Even: a controller that follows the handshake talks to the driver, and the input patches
+// what it sends: every answer is a command that the decoder takes, without push outside command
+// mode, within the joints' torques and the step that the arm may make. The network is this file's
+// own: it stands in for udp_socket.cpp, so that nothing depends on time or ports.
 #include <deque>
 #include <memory>
 #include <vector>
@@ -34,14 +35,16 @@ bool UdpSocket::wait(std::chrono::nanoseconds) noexcept {
   return !g_network.to_driver.empty();
 }
 std::optional<UdpSocket::Datagram> UdpSocket::receive(std::span<std::byte> buffer) noexcept {
-  if (g_network.to_driver.empty()) return std::nullopt;
+  if (g_network.to_driver.empty())
+    return std::nullopt;
   const std::string bytes = std::move(g_network.to_driver.front());
   g_network.to_driver.pop_front();
   std::memcpy(buffer.data(), bytes.data(), std::min(bytes.size(), buffer.size()));
   return Datagram{bytes.size(), kController, std::chrono::nanoseconds(0)};
 }
 bool UdpSocket::send(std::span<const std::byte> datagram, const UdpEndpoint&) noexcept {
-  g_network.to_controller.emplace_back(reinterpret_cast<const char*>(datagram.data()), datagram.size());
+  g_network.to_controller.emplace_back(reinterpret_cast<const char*>(datagram.data()),
+                                       datagram.size());
   return true;
 }
 
@@ -54,9 +57,12 @@ using namespace voxtouch;
 template <class Packet>
 void encodes_back(std::string_view bytes) {
   Packet packet{};
-  if (lwr::fri::decode(std::as_bytes(std::span(bytes)), packet) != lwr::fri::PacketFault::kNone) return;
-  FUZZ_REQUIRE(bytes.size() == sizeof packet && std::memcmp(bytes.data(), &packet, sizeof packet) == 0);
-  if constexpr (std::is_same_v<Packet, lwr::fri::CmdPacket>) FUZZ_REQUIRE(lwr::fri::finite(packet));
+  if (lwr::fri::decode(std::as_bytes(std::span(bytes)), packet) != lwr::fri::PacketFault::kNone)
+    return;
+  FUZZ_REQUIRE(bytes.size() == sizeof packet &&
+               std::memcmp(bytes.data(), &packet, sizeof packet) == 0);
+  if constexpr (std::is_same_v<Packet, lwr::fri::CmdPacket>)
+    FUZZ_REQUIRE(lwr::fri::finite(packet));
 }
 
 lwr::LwrOptions usual_options() {
@@ -80,7 +86,8 @@ class Controller {
     msr_.data.cart_pos = lwr::fri::to_wire(lwr::LwrArm().flange(lwr::lwr_rest_posture()));
   }
 
-  /// One byte: patches to come, whether they stay, and whether the datagram is cut; each patch: where, how long, what.
+  /// One byte: patches to come, whether they stay, and whether the datagram is cut; each patch:
+  /// where, how long, what.
   void send(fuzz::Bytes& in) {
     const auto choice = in.take<std::uint8_t>();
     ++msr_.header.send_seq;
@@ -88,12 +95,15 @@ class Controller {
     lwr::fri::MsrPacket sent = msr_;
     for (int n = 0; n < (choice & 7); ++n) {
       const std::size_t at = in.take<std::uint16_t>() % sizeof sent;
-      const std::string_view bytes = in.take(std::min<std::size_t>(in.take<std::uint8_t>() % 33, sizeof sent - at));
+      const std::string_view bytes =
+          in.take(std::min<std::size_t>(in.take<std::uint8_t>() % 33, sizeof sent - at));
       std::memcpy(reinterpret_cast<char*>(&sent) + at, bytes.data(), bytes.size());
     }
-    if (choice & 8) msr_ = sent;
+    if (choice & 8)
+      msr_ = sent;
     std::string bytes(reinterpret_cast<const char*>(&sent), sizeof sent);
-    if (choice & 16) bytes.resize(in.take<std::uint16_t>() % 2048);
+    if (choice & 16)
+      bytes.resize(in.take<std::uint16_t>() % 2048);
     g_network.to_driver.push_back(std::move(bytes));
   }
 
@@ -112,16 +122,20 @@ class Controller {
 void hear(Controller& controller, const lwr::LwrDriver* driver, const lwr::LwrOptions& options) {
   for (const std::string& bytes : std::exchange(g_network.to_controller, {})) {
     lwr::fri::CmdPacket command{};
-    FUZZ_REQUIRE(lwr::fri::decode(std::as_bytes(std::span(bytes)), command) == lwr::fri::PacketFault::kNone);
+    FUZZ_REQUIRE(lwr::fri::decode(std::as_bytes(std::span(bytes)), command) ==
+                 lwr::fri::PacketFault::kNone);
     const lwr::LwrJoints torque = lwr::fri::from_wire(command.command.add_jnt_trq);
     FUZZ_REQUIRE((torque.array().abs() <= options.max_add_torque_nm.array() * (1.0 + 1e-6)).all());
-    const Vec6 wrench = Eigen::Map<const Eigen::Matrix<float, 6, 1>>(command.command.add_tcp_ft.data()).cast<double>();
+    const Vec6 wrench =
+        Eigen::Map<const Eigen::Matrix<float, 6, 1>>(command.command.add_tcp_ft.data())
+            .cast<double>();
     FUZZ_REQUIRE(wrench.head<3>().norm() < 1e3 && wrench.tail<3>().norm() < 1e3);
     const bool pushes = !torque.isZero(0.0) || !wrench.isZero(0.0);
     if (pushes) {
       FUZZ_REQUIRE(driver != nullptr);
       const lwr::fri::MsrPacket& msr = driver->measurement();
-      FUZZ_REQUIRE(msr.interface.state == lwr::fri::State::kCmd && (msr.robot.power & lwr::fri::kAllDrives) == lwr::fri::kAllDrives);
+      FUZZ_REQUIRE(msr.interface.state == lwr::fri::State::kCmd &&
+                   (msr.robot.power & lwr::fri::kAllDrives) == lwr::fri::kAllDrives);
       FUZZ_REQUIRE(msr.robot.error == 0);
     }
     controller.follow(command);

@@ -1,6 +1,7 @@
 #pragma once
-/// What the fuzz targets share. A target is one file with LLVMFuzzerTestOneInput: bytes from outside go through the project's own
-/// reader and checks, and what these let through must keep what is promised of it.
+/// What the fuzz targets share. A target is one file with LLVMFuzzerTestOneInput: bytes from
+/// outside go through the project's own reader and checks, and what these let through must keep
+/// what is promised of it.
 #include <unistd.h>
 
 #include <cmath>
@@ -15,10 +16,12 @@
 #include <string>
 #include <string_view>
 
-/// What must hold for every input that was let through. Ends the process, which is how libFuzzer learns of it.
-#define FUZZ_REQUIRE(condition)                                                 \
-  do {                                                                          \
-    if (!(condition)) ::voxtouch::fuzz::broken(#condition, __FILE__, __LINE__); \
+/// What must hold for every input that was let through. Ends the process, which is how libFuzzer
+/// learns of it.
+#define FUZZ_REQUIRE(condition)                                 \
+  do {                                                          \
+    if (!(condition))                                           \
+      ::voxtouch::fuzz::broken(#condition, __FILE__, __LINE__); \
   } while (false)
 
 namespace voxtouch::fuzz {
@@ -31,7 +34,8 @@ namespace voxtouch::fuzz {
 /// The input, taken from its front. Numbers that are not there any more are zero.
 class Bytes {
  public:
-  Bytes(const std::uint8_t* data, std::size_t size) : left_(reinterpret_cast<const char*>(data), size) {}
+  Bytes(const std::uint8_t* data, std::size_t size)
+      : left_(reinterpret_cast<const char*>(data), size) {}
 
   template <class T>
   T take() {
@@ -57,7 +61,8 @@ class Folder {
  public:
   Folder() {
     std::string name = (std::filesystem::temp_directory_path() / "voxtouch_fuzz_XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) std::abort();
+    if (mkdtemp(name.data()) == nullptr)
+      std::abort();
     path_ = name;
   }
   Folder(const Folder&) = delete;
@@ -67,7 +72,8 @@ class Folder {
     std::filesystem::remove_all(path_, ignored);
   }
   std::filesystem::path write(const std::string& name, std::string_view bytes) const {
-    std::ofstream(path_ / name, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    std::ofstream(path_ / name, std::ios::binary)
+        .write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
     return path_ / name;
   }
   const std::filesystem::path& path() const { return path_; }

@@ -25,7 +25,8 @@ struct State {
 void fill(void* out, std::size_t size) {
   const std::size_t n = std::min(size, g.left);
   std::memset(out, 0, size);
-  if (n > 0) std::memcpy(out, g.at, n);
+  if (n > 0)
+    std::memcpy(out, g.at, n);
   g.at += n, g.left -= n;
 }
 std::uint8_t byte() {
@@ -36,34 +37,43 @@ std::uint8_t byte() {
 
 std::size_t count_of(HDenum name) {
   switch (name) {
-    case kCurrentTransform: return 16;
-    case kMotorTemperature: return 6;
+    case kCurrentTransform:
+      return 16;
+    case kMotorTemperature:
+      return 6;
     case kCurrentPosition:
     case kCurrentForce:
-    case kCurrentTorque: return 3;
-    default: return 1;
+    case kCurrentTorque:
+      return 3;
+    default:
+      return 1;
   }
 }
 
-/// One byte says how: left as it was, whole doubles from the input, or a plausible value with the input's noise.
+/// One byte says how: left as it was, whole doubles from the input, or a plausible value with the
+/// input's noise.
 void answer(HDenum name, double* values) {
   const std::size_t count = count_of(name);
   const std::uint8_t how = byte();
-  if (how % 4 == 3) return;
+  if (how % 4 == 3)
+    return;
   for (std::size_t i = 0; i < count; ++i) {
     if (how % 4 == 2) {
       fill(&values[i], sizeof(double));
     } else {
       const bool diagonal = name == kCurrentTransform && (i % 5 == 0);
-      values[i] = (diagonal ? 1.0 : 0.0) + (name == kCurrentTransform ? 1e-4 : 0.5) * static_cast<std::int8_t>(byte());
-      if (name == kMotorTemperature) values[i] = byte() / 255.0;
+      values[i] = (diagonal ? 1.0 : 0.0) +
+                  (name == kCurrentTransform ? 1e-4 : 0.5) * static_cast<std::int8_t>(byte());
+      if (name == kMotorTemperature)
+        values[i] = byte() / 255.0;
     }
   }
 }
 
 void set(const double* values, std::array<double, 3>& out) {
   std::copy_n(values, 3, out.begin());
-  for (const double x : out) g.finite = g.finite && std::isfinite(x);
+  for (const double x : out)
+    g.finite = g.finite && std::isfinite(x);
 }
 
 }  // namespace
@@ -75,7 +85,8 @@ void fuzz_hd_say(const std::uint8_t* data, std::size_t size) {
   g.at = data, g.left = size;
 }
 void fuzz_hd_tick(void) {
-  if (g.callback != nullptr) g.callback(g.callback_data);
+  if (g.callback != nullptr)
+    g.callback(g.callback_data);
 }
 bool fuzz_hd_last(double* force3, double* torque3) {
   std::copy_n(g.force.begin(), 3, force3);
@@ -109,13 +120,17 @@ void hdGetIntegerv(HDenum, HDint* values) { fill(values, sizeof *values); }
 void hdGetDoublev(HDenum name, HDdouble* values) { answer(name, values); }
 HDstring hdGetString(HDenum) {
   const std::uint8_t how = byte();
-  if (how & 1) return nullptr;
-  constexpr const char* kNames[] = {"PHANTOM Omni", "PHANTOM Premium 3.0", "Touch", "\xff\x01 no text", ""};
+  if (how & 1)
+    return nullptr;
+  constexpr const char* kNames[] = {"PHANTOM Omni", "PHANTOM Premium 3.0", "Touch",
+                                    "\xff\x01 no text", ""};
   return kNames[how / 2 % 5];
 }
 void hdSetDoublev(HDenum name, const HDdouble* values) {
-  if (name == kCurrentForce) set(values, g.force);
-  if (name == kCurrentTorque) set(values, g.torque);
+  if (name == kCurrentForce)
+    set(values, g.force);
+  if (name == kCurrentTorque)
+    set(values, g.torque);
 }
 HDenum hdCheckCalibration() { return byte() < 240 ? kCalibrationOk : kCalibrationNeedsUpdate; }
 void hdUpdateCalibration(HDenum) {}

@@ -1,5 +1,5 @@
-// Numbers and files that a command line brings: the rest after the first byte, read as one of them. What is let through is finite and
-// in its range, and a hand's file reads back to what was written.
+// Numbers and files that a command line brings: the rest after the first byte, read as one of them.
+// What is let through is finite and in its range, and a hand's file reads back to what was written.
 #include <sstream>
 
 #include "devices/driver.hpp"
@@ -15,9 +15,12 @@ using namespace voxtouch;
 void settings(const std::string& text) try {
   const devices::DeviceSettings read = devices::parse_settings({text});
   const devices::SettingReader reader("fuzz", read, {"n", "w", "p", "v"});
-  if (const auto n = reader.number("n", -1e6, 1e6)) FUZZ_REQUIRE(std::abs(*n) <= 1e6);
-  if (const auto p = reader.whole("p", 1, 65535)) FUZZ_REQUIRE(*p > 0 && *p <= 65535);
-  if (const auto v = reader.vector("v")) FUZZ_REQUIRE(v->allFinite());
+  if (const auto n = reader.number("n", -1e6, 1e6))
+    FUZZ_REQUIRE(std::abs(*n) <= 1e6);
+  if (const auto p = reader.whole("p", 1, 65535))
+    FUZZ_REQUIRE(*p > 0 && *p <= 65535);
+  if (const auto v = reader.vector("v"))
+    FUZZ_REQUIRE(v->allFinite());
   (void)reader.whole("w", 0, 0xffffffffU);
 } catch (const devices::DeviceOpenError&) {
 }
@@ -49,9 +52,15 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto choice = in.take<std::uint8_t>();
   const std::string text(in.rest());
   switch (choice % 3) {
-    case 0: settings(text); break;
-    case 1: poses(text); break;
-    default: hand_file(text); break;
+    case 0:
+      settings(text);
+      break;
+    case 1:
+      poses(text);
+      break;
+    default:
+      hand_file(text);
+      break;
   }
   return 0;
 }

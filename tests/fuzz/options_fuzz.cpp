@@ -1,4 +1,5 @@
-// Texts behind the options of a command line: the check that the project adds, then what CLI11 makes of them.
+// Texts behind the options of a command line: the check that the project adds, then what CLI11
+// makes of them.
 #include <sched.h>
 
 #include <CLI/CLI.hpp>
@@ -18,7 +19,8 @@ void command_line(const std::string& text) {
   app.add_option("--positive", positive)->check(runtime::require_positive);
   app.add_option("--whole", whole)->check(runtime::require_whole);
   runtime::add_node_options(app, options, false);
-  for (const char* name : {"--positive=", "--whole=", "--seed=", "--domain=", "--rig=", "--cpu=", "--interface=", "--discovery-peer="}) {
+  for (const char* name : {"--positive=", "--whole=", "--seed=", "--domain=", "--rig=", "--cpu=",
+                           "--interface=", "--discovery-peer="}) {
     try {
       app.parse(std::vector<std::string>{name + text});
     } catch (const CLI::Error&) {
@@ -26,9 +28,12 @@ void command_line(const std::string& text) {
     }
     FUZZ_REQUIRE(std::isfinite(positive) && positive > 0.0);
     FUZZ_REQUIRE(options.domain <= 232);
-    FUZZ_REQUIRE(!options.realtime.cpu || (*options.realtime.cpu >= 0 && *options.realtime.cpu < CPU_SETSIZE));
-    FUZZ_REQUIRE(options.network_interface.find_first_of("<>&\"'/ \n") == std::string::npos);  // it goes into XML
-    for (const std::string& peer : options.discovery_peers) FUZZ_REQUIRE(peer.find_first_of("<>&\"'/ \n") == std::string::npos);
+    FUZZ_REQUIRE(!options.realtime.cpu ||
+                 (*options.realtime.cpu >= 0 && *options.realtime.cpu < CPU_SETSIZE));
+    FUZZ_REQUIRE(options.network_interface.find_first_of("<>&\"'/ \n") ==
+                 std::string::npos);  // it goes into XML
+    for (const std::string& peer : options.discovery_peers)
+      FUZZ_REQUIRE(peer.find_first_of("<>&\"'/ \n") == std::string::npos);
     const std::string rig = options.rig;
     FUZZ_REQUIRE(!rig.empty() && rig.find_first_of("/ \n\"") == std::string::npos);
   }

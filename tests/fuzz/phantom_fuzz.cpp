@@ -1,5 +1,6 @@
-// What the vendor's library hands over, through session, servo half and driver of the Phantom: whatever it says, a sample that is let
-// through is finite, and what is set is finite and within the limits that the driver itself has described.
+// What the vendor's library hands over, through session, servo half and driver of the Phantom:
+// whatever it says, a sample that is let through is finite, and what is set is finite and within
+// the limits that the driver itself has described.
 #include "devices/limits.hpp"
 #include "devices/phantom/phantom_driver.hpp"
 #include "tests/fuzz/fuzz.hpp"
@@ -20,7 +21,8 @@ phantom::PhantomOptions options() {
 void check(const DeviceDescription& d) {
   FUZZ_REQUIRE(d.max_force_n > 0.0 && std::isfinite(d.max_force_n));
   FUZZ_REQUIRE(d.max_torque_nm >= 0.0 && std::isfinite(d.max_torque_nm));
-  FUZZ_REQUIRE(d.rate_hz >= 400.0 && d.rate_hz <= 9000.0 && std::isfinite(d.max_force_rate_n_per_s));
+  FUZZ_REQUIRE(d.rate_hz >= 400.0 && d.rate_hz <= 9000.0 &&
+               std::isfinite(d.max_force_rate_n_per_s));
   FUZZ_REQUIRE(d.max_stiffness_n_per_m > 0.0 && std::isfinite(d.max_stiffness_n_per_m));
 }
 
@@ -35,12 +37,15 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     for (int n = 0; n < 40; ++n) {
       fuzz_hd_tick();
       const auto sample = driver.read(std::chrono::microseconds(0));
-      if (!sample && driver.servo().trouble().fatal() != phantom::hd::kSuccess) break;
+      if (!sample && driver.servo().trouble().fatal() != phantom::hd::kSuccess)
+        break;
       if (sample && sample->pose_valid) {
-        FUZZ_REQUIRE(sample->pose.finite() && std::abs(sample->pose.orientation.norm() - 1.0) < 1e-6);
+        FUZZ_REQUIRE(sample->pose.finite() &&
+                     std::abs(sample->pose.orientation.norm() - 1.0) < 1e-6);
         FUZZ_REQUIRE(sample->twist.finite());
       }
-      (void)driver.write({Vec3(0.0, 0.99 * d.max_force_n, 0.0), Vec3(0.0, 0.0, 0.99 * d.max_torque_nm)});
+      (void)driver.write(
+          {Vec3(0.0, 0.99 * d.max_force_n, 0.0), Vec3(0.0, 0.0, 0.99 * d.max_torque_nm)});
       double force[3], torque_mnm[3];
       FUZZ_REQUIRE(fuzz_hd_last(force, torque_mnm));
       FUZZ_REQUIRE(length_of(Vec3(force[0], force[1], force[2])) <= d.max_force_n);

@@ -1,4 +1,5 @@
-// Scene files: text to a scene that holds nothing but finite numbers within their ranges, or a sentence with its place.
+// Scene files: text to a scene that holds nothing but finite numbers within their ranges, or a
+// sentence with its place.
 #include <algorithm>
 
 #include "core/scene/scene_file.hpp"
@@ -21,7 +22,8 @@ void check(const scene::MeshSpec& mesh) {
     if (const auto* box = std::get_if<scene::BoxPrimitive>(&part))
       FUZZ_REQUIRE(usable(box->pose) && box->size_m.allFinite() && box->size_m.minCoeff() > 0.0);
     if (const auto* cylinder = std::get_if<scene::CylinderPrimitive>(&part))
-      FUZZ_REQUIRE(usable(cylinder->pose) && positive(cylinder->radius_m) && positive(cylinder->length_m));
+      FUZZ_REQUIRE(usable(cylinder->pose) && positive(cylinder->radius_m) &&
+                   positive(cylinder->length_m));
   }
 }
 
@@ -31,10 +33,13 @@ void check(const scene::ContactSpec& contact) {
 }
 
 void check(const Motion& motion) {
-  FUZZ_REQUIRE(!motion.path.empty() && positive(motion.speed_m_per_s) && not_negative(motion.hold_s));
+  FUZZ_REQUIRE(!motion.path.empty() && positive(motion.speed_m_per_s) &&
+               not_negative(motion.hold_s));
   FUZZ_REQUIRE(unit(motion.orientation));
-  for (const Vec3& point : motion.path) FUZZ_REQUIRE(point.allFinite());
-  if (motion.repeat_from) FUZZ_REQUIRE(*motion.repeat_from + 1 < motion.path.size());
+  for (const Vec3& point : motion.path)
+    FUZZ_REQUIRE(point.allFinite());
+  if (motion.repeat_from)
+    FUZZ_REQUIRE(*motion.repeat_from + 1 < motion.path.size());
   // What the hand is led by must be numbers at any time.
   for (const double time_s : {0.0, 1e-3, 1.0, 1e3, 1e15, 1e300}) {
     const MotionPoint point = motion_at(motion, time_s);
@@ -63,15 +68,22 @@ void check(const scene::Scene& scene) {
   check(scene.contact);
   for (const scene::ObjectSpec& object : scene.objects) {
     check(object.contact);
-    if (object.moves) check(*object.moves);
+    if (object.moves)
+      check(*object.moves);
   }
-  if (scene.grid_origin) FUZZ_REQUIRE(scene.grid_origin->allFinite());
-  for (const effects::EffectSpec& effect : scene.effects) check(effect);
-  for (const auto& [name, motion] : scene.motions) check(motion);
-  for (const coupling::CouplingIssue& issue : coupling::validate(scene.coupling, {}, scene::kSceneSampleTimeS)) FUZZ_REQUIRE(!issue.refuse);
+  if (scene.grid_origin)
+    FUZZ_REQUIRE(scene.grid_origin->allFinite());
+  for (const effects::EffectSpec& effect : scene.effects)
+    check(effect);
+  for (const auto& [name, motion] : scene.motions)
+    check(motion);
+  for (const coupling::CouplingIssue& issue :
+       coupling::validate(scene.coupling, {}, scene::kSceneSampleTimeS))
+    FUZZ_REQUIRE(!issue.refuse);
   FUZZ_REQUIRE(positive(scene.device.position_scale) && positive(scene.device.force_scale));
   FUZZ_REQUIRE(usable(scene.device.pose_WD) && usable(scene.device.pose_PT));
-  if (scene.device.clutch_button) FUZZ_REQUIRE(*scene.device.clutch_button < 32);
+  if (scene.device.clutch_button)
+    FUZZ_REQUIRE(*scene.device.clutch_button < 32);
 }
 
 }  // namespace

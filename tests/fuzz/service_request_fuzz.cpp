@@ -1,5 +1,6 @@
-// Requests of the rendering's services, as clients send them: what is stored at all is bounded, what is answered is of the parameters that there are, what
-// is let through leaves every effect within its ranges, and what is refused changes nothing and says why in words that can be printed.
+// Requests of the rendering's services, as clients send them: what is stored at all is bounded,
+// what is answered is of the parameters that there are, what is let through leaves every effect
+// within its ranges, and what is refused changes nothing and says why in words that can be printed.
 #include "nodes/rendering/effect_action.hpp"
 #include "nodes/rendering/request_limits.hpp"
 #include "tests/fuzz/effects.hpp"
@@ -15,9 +16,11 @@ using fuzz::Asked;
 std::string_view view(const char* text) { return text ? text : ""; }
 
 void require_sentence(const std::string& sentence) {
-  constexpr std::size_t kLongest = 4096;  // of names that are known, and 64 characters of one that is not
+  constexpr std::size_t kLongest =
+      4096;  // of names that are known, and 64 characters of one that is not
   FUZZ_REQUIRE(!sentence.empty() && sentence.size() < kLongest);
-  for (const char c : sentence) FUZZ_REQUIRE(static_cast<unsigned char>(c) >= 0x20 && c != 0x7f);
+  for (const char c : sentence)
+    FUZZ_REQUIRE(static_cast<unsigned char>(c) >= 0x20 && c != 0x7f);
 }
 
 /// The rendering without its threads: how its effects are set, and the way of every change to them.
@@ -26,11 +29,15 @@ class Rendering {
   std::vector<RosParameter> parameters() const { return parameters_of(scene_, effects_); }
 
   void list(const msg::rcl_interfaces_ListParameters::Request& request) const {
-    const std::vector<std::string> prefixes(request.prefixes._buffer, request.prefixes._buffer + request.prefixes._length);
+    const std::vector<std::string> prefixes(request.prefixes._buffer,
+                                            request.prefixes._buffer + request.prefixes._length);
     const std::vector<RosParameter> all = parameters();
     for (const std::string& name : list_parameters(all, prefixes, request.depth).names) {
       FUZZ_REQUIRE(find_parameter(all, name));
-      FUZZ_REQUIRE(prefixes.empty() || std::ranges::any_of(prefixes, [&](const std::string& prefix) { return name.starts_with(prefix); }));
+      FUZZ_REQUIRE(prefixes.empty() ||
+                   std::ranges::any_of(prefixes, [&](const std::string& prefix) {
+                     return name.starts_with(prefix);
+                   }));
     }
   }
 
@@ -40,19 +47,24 @@ class Rendering {
     ParameterMessages messages;
     for (const char* name : all_of(request.names)) {
       const RosParameter* known = find_parameter(all, name);
-      if (!known) continue;
+      if (!known)
+        continue;
       const auto descriptor = messages.descriptor(*known);
-      FUZZ_REQUIRE(view(descriptor.name) == name && descriptor.type == ParameterMessages::value(known->value).type && descriptor.type != 0);
+      FUZZ_REQUIRE(view(descriptor.name) == name &&
+                   descriptor.type == ParameterMessages::value(known->value).type &&
+                   descriptor.type != 0);
     }
   }
 
   void set(const msg::rcl_interfaces_Parameter& asked) {
     const std::vector<RosParameter> all = parameters();
     const auto wanted = change_of(all, asked);
-    if (!wanted) return require_sentence(wanted.error());
+    if (!wanted)
+      return require_sentence(wanted.error());
     const msg::EffectChange message = wanted->message();
     const RosParameter* known = find_parameter(all, view(asked.name));
-    if (change(std::span(&message, 1))) FUZZ_REQUIRE(known && !known->read_only);
+    if (change(std::span(&message, 1)))
+      FUZZ_REQUIRE(known && !known->read_only);
   }
 
   void set_together(std::span<const msg::rcl_interfaces_Parameter> asked) {
@@ -60,17 +72,21 @@ class Rendering {
     std::vector<ParameterChange> changes;
     for (const auto& parameter : asked) {
       auto wanted = change_of(all, parameter);
-      if (!wanted) return require_sentence(wanted.error());
+      if (!wanted)
+        return require_sentence(wanted.error());
       changes.push_back(std::move(*wanted));
     }
     std::vector<msg::EffectChange> messages;
-    for (const ParameterChange& wanted : changes) messages.push_back(wanted.message());
-    if (!change(messages)) FUZZ_REQUIRE(parameters() == all);  // all of them or none
+    for (const ParameterChange& wanted : changes)
+      messages.push_back(wanted.message());
+    if (!change(messages))
+      FUZZ_REQUIRE(parameters() == all);  // all of them or none
   }
 
   void change(const msg::ChangeEffect::Request& request) {
     msg::EffectChange message{};
-    message.action = request.action, message.effect = request.effect, message.parameter = request.parameter;
+    message.action = request.action, message.effect = request.effect,
+    message.parameter = request.parameter;
     std::ranges::copy(request.value, message.value);
     (void)change(std::span(&message, 1));
   }
@@ -79,14 +95,19 @@ class Rendering {
   bool change(std::span<const msg::EffectChange> messages) {
     std::vector<effects::EffectRequest> requests;
     for (const msg::EffectChange& m : messages)
-      requests.push_back({.action = effect_action(m.action), .effect = view(m.effect), .parameter = view(m.parameter), .value = {m.value[0], m.value[1], m.value[2]}});
+      requests.push_back({.action = effect_action(m.action),
+                          .effect = view(m.effect),
+                          .parameter = view(m.parameter),
+                          .value = {m.value[0], m.value[1], m.value[2]}});
     const auto commands = effects::judge(effects_, requests);
     if (!commands) {
       require_sentence(commands.error());
       return false;
     }
-    for (const effects::EffectCommand& command : *commands) effects::carry_out(effects_.at(command.effect), command);
-    for (const effects::EffectSpec& effect : effects_) fuzz::require_good(effect);
+    for (const effects::EffectCommand& command : *commands)
+      effects::carry_out(effects_.at(command.effect), command);
+    for (const effects::EffectSpec& effect : effects_)
+      fuzz::require_good(effect);
     return true;
   }
 
@@ -99,7 +120,8 @@ template <class Service, class Fits, class F>
 void receive(std::string_view cdr, Fits&& fits_in, F&& f) {
   static fuzz::Wire<typename Service::Request> wire;
   wire.through(cdr, [&](const typename Service::Request& request) {
-    if (fits_in(request)) f(request);
+    if (fits_in(request))
+      f(request);
   });
 }
 
@@ -108,22 +130,33 @@ void receive(Rendering& rendering, Asked asked, std::string_view cdr) {
   const auto named = [](const auto& request) { return names_fit(request); };
   const auto fitting = [](const auto& request) { return parameters_fit(request); };
   switch (asked) {
-    case Asked::kList: return receive<msg::rcl_interfaces_ListParameters>(cdr, prefixes_fit, [&](const auto& r) { rendering.list(r); });
-    case Asked::kGet: return receive<msg::rcl_interfaces_GetParameters>(cdr, named, tell);
-    case Asked::kTypes: return receive<msg::rcl_interfaces_GetParameterTypes>(cdr, named, tell);
-    case Asked::kDescribe: return receive<msg::rcl_interfaces_DescribeParameters>(cdr, named, tell);
+    case Asked::kList:
+      return receive<msg::rcl_interfaces_ListParameters>(cdr, prefixes_fit,
+                                                         [&](const auto& r) { rendering.list(r); });
+    case Asked::kGet:
+      return receive<msg::rcl_interfaces_GetParameters>(cdr, named, tell);
+    case Asked::kTypes:
+      return receive<msg::rcl_interfaces_GetParameterTypes>(cdr, named, tell);
+    case Asked::kDescribe:
+      return receive<msg::rcl_interfaces_DescribeParameters>(cdr, named, tell);
     case Asked::kSet:
       return receive<msg::rcl_interfaces_SetParameters>(cdr, fitting, [&](const auto& r) {
-        for (const auto& parameter : all_of(r.parameters)) rendering.set(parameter);
+        for (const auto& parameter : all_of(r.parameters))
+          rendering.set(parameter);
       });
-    case Asked::kSetTogether: return receive<msg::rcl_interfaces_SetParametersAtomically>(cdr, fitting, [&](const auto& r) { rendering.set_together(all_of(r.parameters)); });
-    case Asked::kChange: return receive<msg::ChangeEffect>(cdr, change_fits, [&](const auto& r) { rendering.change(r); });
+    case Asked::kSetTogether:
+      return receive<msg::rcl_interfaces_SetParametersAtomically>(
+          cdr, fitting, [&](const auto& r) { rendering.set_together(all_of(r.parameters)); });
+    case Asked::kChange:
+      return receive<msg::ChangeEffect>(cdr, change_fits,
+                                        [&](const auto& r) { rendering.change(r); });
   }
 }
 
 }  // namespace
 
-/// Requests one after the other, each behind a byte that names the service and two that say its length.
+/// Requests one after the other, each behind a byte that names the service and two that say its
+/// length.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   Rendering rendering;
   fuzz::Bytes in(data, size);

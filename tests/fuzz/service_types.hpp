@@ -9,13 +9,23 @@ struct RequestType {
   static constexpr const dds_topic_descriptor_t* descriptor = Service::request.descriptor;
   static constexpr std::string_view ros_name = Service::request.ros_name;
 };
-template <> struct Type<ChangeEffect::Request> : RequestType<ChangeEffect> {};
-template <> struct Type<rcl_interfaces_ListParameters::Request> : RequestType<rcl_interfaces_ListParameters> {};
-template <> struct Type<rcl_interfaces_GetParameters::Request> : RequestType<rcl_interfaces_GetParameters> {};
-template <> struct Type<rcl_interfaces_GetParameterTypes::Request> : RequestType<rcl_interfaces_GetParameterTypes> {};
-template <> struct Type<rcl_interfaces_DescribeParameters::Request> : RequestType<rcl_interfaces_DescribeParameters> {};
-template <> struct Type<rcl_interfaces_SetParameters::Request> : RequestType<rcl_interfaces_SetParameters> {};
-template <> struct Type<rcl_interfaces_SetParametersAtomically::Request> : RequestType<rcl_interfaces_SetParametersAtomically> {};
+template <>
+struct Type<ChangeEffect::Request> : RequestType<ChangeEffect> {};
+template <>
+struct Type<rcl_interfaces_ListParameters::Request> : RequestType<rcl_interfaces_ListParameters> {};
+template <>
+struct Type<rcl_interfaces_GetParameters::Request> : RequestType<rcl_interfaces_GetParameters> {};
+template <>
+struct Type<rcl_interfaces_GetParameterTypes::Request>
+    : RequestType<rcl_interfaces_GetParameterTypes> {};
+template <>
+struct Type<rcl_interfaces_DescribeParameters::Request>
+    : RequestType<rcl_interfaces_DescribeParameters> {};
+template <>
+struct Type<rcl_interfaces_SetParameters::Request> : RequestType<rcl_interfaces_SetParameters> {};
+template <>
+struct Type<rcl_interfaces_SetParametersAtomically::Request>
+    : RequestType<rcl_interfaces_SetParametersAtomically> {};
 
 }  // namespace voxtouch::msg
 

@@ -1,11 +1,12 @@
 #pragma once
-/// Messages as they come from the network: Cyclone DDS reads whatever bytes there are into the type as for any sender, or drops them.
+/// Messages as they come from the network: Cyclone DDS reads whatever bytes there are into the type
+/// as for any sender, or drops them.
 #include <dds/dds.h>
 
 #include <string>
 
-#include "tests/fuzz/fuzz.hpp"
 #include "nodes/bus/wire_form.hpp"
+#include "tests/fuzz/fuzz.hpp"
 
 namespace voxtouch::fuzz {
 
@@ -16,11 +17,14 @@ inline dds_entity_t participant() {
     constexpr const char* kAlone =
         "<General><Interfaces><NetworkInterface "
         "name='lo'/></Interfaces><AllowMulticast>false</AllowMulticast></General>"
-        "<Tracing><Verbosity>none</Verbosity></Tracing><Discovery><ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>100</MaxAutoParticipantIndex></"
+        "<Tracing><Verbosity>none</Verbosity></Tracing><Discovery><ParticipantIndex>auto</"
+        "ParticipantIndex><MaxAutoParticipantIndex>100</MaxAutoParticipantIndex></"
         "Discovery>";
-    if (dds_create_domain(kDomain, kAlone) < 0) std::abort();
+    if (dds_create_domain(kDomain, kAlone) < 0)
+      std::abort();
     const dds_entity_t made = dds_create_participant(kDomain, nullptr, nullptr);
-    if (made < 0) std::abort();
+    if (made < 0)
+      std::abort();
     return made;
   }();
   return it;
@@ -29,7 +33,8 @@ inline dds_entity_t participant() {
 template <class T>
 class Wire {
  public:
-  /// `cdr`: encapsulation header and body. Calls f(const T&) where it can be read as a T; false where not.
+  /// `cdr`: encapsulation header and body. Calls f(const T&) where it can be read as a T; false
+  /// where not.
   template <class F>
   bool through(std::string_view cdr, F&& f) {
     return form_.read(cdr, f);
@@ -39,7 +44,8 @@ class Wire {
   bus::WireForm<T> form_{participant()};
 };
 
-/// Types of fixed size: the input is one message after the other, each as little-endian CDR without its header.
+/// Types of fixed size: the input is one message after the other, each as little-endian CDR without
+/// its header.
 template <class T, class F>
 void each_message(Wire<T>& wire, const std::uint8_t* data, std::size_t size, F&& f) {
   constexpr std::size_t kMaxPieces = 64;  // more say no more, and take time

@@ -1,4 +1,5 @@
-/// `voxtouch accuracy` on parts of one's own, with nothing said but the part: every setting, within a minute of one core.
+/// `voxtouch accuracy` on parts of one's own, with nothing said but the part: every setting, within
+/// a minute of one core.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -15,18 +16,22 @@ namespace {
 double children_s() {
   rusage used{};
   getrusage(RUSAGE_CHILDREN, &used);
-  const auto seconds = [](const timeval& t) { return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec); };
+  const auto seconds = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  };
   return seconds(used.ru_utime) + seconds(used.ru_stime);
 }
 
 void expect_measured(const Part& part, const Part& tool, const std::string& name) {
   const TemporaryFolder folder;
   write_obj(part, folder / "part.obj"), write_obj(tool, folder / "tool.obj");
-  const Finished made = voxtouch({"new", (folder / "part.obj").string(), (folder / "tool.obj").string(), "--unit", "m", "--tool-unit", "m", "--out",
-                                  (folder / "part.yaml").string()});
+  const Finished made =
+      voxtouch({"new", (folder / "part.obj").string(), (folder / "tool.obj").string(), "--unit",
+                "m", "--tool-unit", "m", "--out", (folder / "part.yaml").string()});
   ASSERT_EQ(made.status, 0) << made.err;
   const double before = children_s();
-  const Finished run = voxtouch({"accuracy", (folder / "part.yaml").string(), "--json", "--csv", (folder / "part.csv").string()});
+  const Finished run = voxtouch({"accuracy", (folder / "part.yaml").string(), "--json", "--csv",
+                                 (folder / "part.csv").string()});
   const double took = children_s() - before;
   ASSERT_EQ(run.status, 0) << run.err;
   std::printf("%s: %.1f s of CPU\n", name.c_str(), took);
@@ -34,7 +39,10 @@ void expect_measured(const Part& part, const Part& tool, const std::string& name
   int share = -1, told_s = 0;  // the first line, before anything is measured
   const std::size_t first = run.err.find("accuracy: ");
   ASSERT_NE(first, std::string::npos) << run.err;
-  ASSERT_EQ(std::sscanf(run.err.c_str() + first, "accuracy: %d %%, about %d s left: ", &share, &told_s), 2) << run.err;
+  ASSERT_EQ(
+      std::sscanf(run.err.c_str() + first, "accuracy: %d %%, about %d s left: ", &share, &told_s),
+      2)
+      << run.err;
   EXPECT_EQ(share, 0);
   EXPECT_GT(told_s, took / 5.0);
   EXPECT_LT(told_s, took * 5.0);
@@ -48,12 +56,18 @@ void expect_measured(const Part& part, const Part& tool, const std::string& name
   }
   EXPECT_FALSE(rows[15]["refused"].is_null()) << "the exact virtual tool is known for balls";
   const nlohmann::json advice = nlohmann::json::parse(run.out)["advice"];
-  EXPECT_TRUE(advice["row"].is_null()) << "the scene renders a virtual tool, and nothing is known against it";
-  EXPECT_TRUE(advice["sentence"].get<std::string>().contains(rows[15]["refused"].get<std::string>())) << advice;
-  for (const auto& entry : std::filesystem::directory_iterator(folder.path())) EXPECT_NE(entry.path().extension(), ".part") << entry.path();
+  EXPECT_TRUE(advice["row"].is_null())
+      << "the scene renders a virtual tool, and nothing is known against it";
+  EXPECT_TRUE(
+      advice["sentence"].get<std::string>().contains(rows[15]["refused"].get<std::string>()))
+      << advice;
+  for (const auto& entry : std::filesystem::directory_iterator(folder.path()))
+    EXPECT_NE(entry.path().extension(), ".part") << entry.path();
 }
 
-TEST(AccuracyOfParts, EndsWithinAMinuteOfOneCoreForABracketAndAPeg) { expect_measured(bracket(), peg(), "bracket and peg"); }
+TEST(AccuracyOfParts, EndsWithinAMinuteOfOneCoreForABracketAndAPeg) {
+  expect_measured(bracket(), peg(), "bracket and peg");
+}
 
 }  // namespace
 }  // namespace voxtouch::test

@@ -1,4 +1,5 @@
-/// `voxtouch accuracy` from the command line: the table, JSON and CSV of a small scene, and what it refuses. Pictures: plot_test.py.
+/// `voxtouch accuracy` from the command line: the table, JSON and CSV of a small scene, and what it
+/// refuses. Pictures: plot_test.py.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -12,7 +13,8 @@ const std::string kPlane = std::string(VOXTOUCH_DEPLOY) + "/scenes/tilted_plane.
 
 /// A run of seconds: two sizes, few contacts.
 std::vector<std::string> small_run(std::vector<std::string> more) {
-  std::vector<std::string> all{"accuracy", kPlane, "--voxel-sizes", "0.004,0.002", "--contacts", "12"};
+  std::vector<std::string> all{"accuracy",    kPlane,       "--voxel-sizes",
+                               "0.004,0.002", "--contacts", "12"};
   all.insert(all.end(), more.begin(), more.end());
   return all;
 }
@@ -26,16 +28,18 @@ nlohmann::json small_json(std::vector<std::string> more) {
 
 TEST(AccuracyVerb, MeasuresEverySettingAskedFor) {
   const TemporaryFolder folder;
-  const Finished run = voxtouch(small_run(
-      {"--json", "--csv", (folder / "a.csv").string(), "--seed", "5"}));
+  const Finished run =
+      voxtouch(small_run({"--json", "--csv", (folder / "a.csv").string(), "--seed", "5"}));
   ASSERT_EQ(run.status, 0) << run.err;
-  EXPECT_NE(run.err.find(" settings on 12 contacts each"), std::string::npos) << "nothing said on standard error";
+  EXPECT_NE(run.err.find(" settings on 12 contacts each"), std::string::npos)
+      << "nothing said on standard error";
   const nlohmann::json j = nlohmann::json::parse(run.out);  // stdout is the object and nothing else
   EXPECT_EQ(j["ok"], true);
   EXPECT_EQ(j["options"]["seed"], 5);
   EXPECT_EQ(j["options"]["contacts"], 12);
   EXPECT_FALSE(j["conditions"]["processor"].get<std::string>().empty());
-  EXPECT_NE(j["conditions"]["flags"].get<std::string>().find("-ffp-contract=off"), std::string::npos);
+  EXPECT_NE(j["conditions"]["flags"].get<std::string>().find("-ffp-contract=off"),
+            std::string::npos);
   ASSERT_EQ(j["rows"].size(), 12u);
   for (const auto& row : j["rows"]) {
     SCOPED_TRACE(row.dump());
@@ -64,13 +68,32 @@ TEST(AccuracyVerb, MeasuresEverySettingAskedFor) {
   ASSERT_EQ(csv.size(), 12u);
   for (std::size_t i = 0; i < csv.size(); ++i) {
     EXPECT_EQ(csv.text(i, "model"), j["rows"][i]["model"]);
-    for (const char* key : {"voxel_m", "shell_voxel_m", "shell_points", "bytes", "contacts", "missed", "missed_share", "direction_mean_deg", "direction_median_deg", "force_ratio",
-                            "direction_p95_deg", "magnitude_noise", "torque_error_m", "onset_error_m", "onset_worst_m",
-                            "median_us", "p95_us", "worst_us", "queries_per_frame", "build_s"})
+    for (const char* key : {"voxel_m",
+                            "shell_voxel_m",
+                            "shell_points",
+                            "bytes",
+                            "contacts",
+                            "missed",
+                            "missed_share",
+                            "direction_mean_deg",
+                            "direction_median_deg",
+                            "force_ratio",
+                            "direction_p95_deg",
+                            "magnitude_noise",
+                            "torque_error_m",
+                            "onset_error_m",
+                            "onset_worst_m",
+                            "median_us",
+                            "p95_us",
+                            "worst_us",
+                            "queries_per_frame",
+                            "build_s"})
       if (const nlohmann::json& value = j["rows"][i][key]; !value.is_null()) {
         EXPECT_EQ(csv.number(i, key), value.get<double>()) << key;
       } else {
-        EXPECT_TRUE(csv.text(i, "model") == "virtual_tool" && std::string(key).starts_with("onset_")) << key << " of " << i;
+        EXPECT_TRUE(csv.text(i, "model") == "virtual_tool" &&
+                    std::string(key).starts_with("onset_"))
+            << key << " of " << i;
       }
   }
 }
@@ -90,23 +113,24 @@ TEST(AccuracyVerb, GivesTheSameErrorsForTheSameSeedAndOthersForAnother) {
 }
 
 TEST(AccuracyVerb, TellsAPersonInATableAndEndsWithTheAdvice) {
-  const Finished run = voxtouch(small_run({"--models", "adapted,field", "--want-direction-deg", "90"}));
+  const Finished run =
+      voxtouch(small_run({"--models", "adapted,field", "--want-direction-deg", "90"}));
   ASSERT_EQ(run.status, 0) << run.err;
-  for (const char* word : {"direction [deg]", "time [us]", "  adapted\n", "  field\n", "*> ", "CPU time", " 90 deg "})
+  for (const char* word :
+       {"direction [deg]", "time [us]", "  adapted\n", "  field\n", "*> ", "CPU time", " 90 deg "})
     EXPECT_NE(run.out.find(word), std::string::npos) << word << " in\n" << run.out;
 }
 
 TEST(AccuracyVerb, SaysWhatComesNearestAndExitsWithOneWhereTheWishIsNotMet) {
   const Finished run = voxtouch(small_run({"--models", "original", "--within-us", "0.001"}));
   EXPECT_EQ(run.status, 1);
-  EXPECT_NE(run.out.find("original/"), std::string::npos)
-      << run.out;
+  EXPECT_NE(run.out.find("original/"), std::string::npos) << run.out;
   EXPECT_EQ(run.err.find("error:"), std::string::npos) << run.err;
 }
 
 TEST(AccuracyVerb, ShowsASettingThatCannotBeBuiltAsARowWithTheReason) {
-  const Finished run = voxtouch({"accuracy", kPlane, "--models", "adapted", "--weights", "one", "--voxel-sizes",
-                                 "0.004,1e-7", "--contacts", "8", "--json"});
+  const Finished run = voxtouch({"accuracy", kPlane, "--models", "adapted", "--weights", "one",
+                                 "--voxel-sizes", "0.004,1e-7", "--contacts", "8", "--json"});
   ASSERT_EQ(run.status, 0) << run.err;
   const nlohmann::json rows = nlohmann::json::parse(run.out)["rows"];
   ASSERT_EQ(rows.size(), 2u);
@@ -121,13 +145,15 @@ void expect_refused(const std::vector<std::string>& more, const std::string& say
   all.insert(all.end(), more.begin(), more.end());
   const Finished run = voxtouch(all);
   std::string call;
-  for (const std::string& word : all) call += " " + word;
+  for (const std::string& word : all)
+    call += " " + word;
   SCOPED_TRACE("voxtouch" + call + "\n" + run.err);
   EXPECT_NE(run.status, 0);
   EXPECT_LT(run.status, 128) << "a signal ended it";
   EXPECT_EQ(run.out, "");
   EXPECT_NE(run.err.find(says), std::string::npos) << "expected: " << says;
-  EXPECT_EQ(run.err.find(" settings on "), std::string::npos) << "it measured before it looked at its arguments";
+  EXPECT_EQ(run.err.find(" settings on "), std::string::npos)
+      << "it measured before it looked at its arguments";
 }
 
 TEST(AccuracyVerb, RefusesWhatCannotBeMeasuredBeforeItMeasures) {
@@ -153,8 +179,8 @@ TEST(AccuracyVerb, RefusesWhatCannotBeMeasuredBeforeItMeasures) {
 TEST(AccuracyVerb, LeavesNoFileBehindWhereTheSceneIsRefused) {
   const TemporaryFolder folder;
   std::ofstream(folder / "bad.yaml") << "scene: 1\n";
-  const Finished run =
-      voxtouch({"accuracy", (folder / "bad.yaml").string(), "--csv", (folder / "a.csv").string(), "--json"});
+  const Finished run = voxtouch(
+      {"accuracy", (folder / "bad.yaml").string(), "--csv", (folder / "a.csv").string(), "--json"});
   EXPECT_EQ(run.status, 1);
   EXPECT_EQ(nlohmann::json::parse(run.out)["ok"], false);
   EXPECT_FALSE(std::filesystem::exists(folder / "a.csv"));
@@ -162,16 +188,16 @@ TEST(AccuracyVerb, LeavesNoFileBehindWhereTheSceneIsRefused) {
 }
 
 TEST(AccuracyVerb, TakesTheSceneBeforeOrAfterItsLists) {
-  const Finished run =
-      voxtouch({"accuracy", "--contacts", "4", "--voxel-sizes", "0.004", "--models", "original", kPlane});
+  const Finished run = voxtouch(
+      {"accuracy", "--contacts", "4", "--voxel-sizes", "0.004", "--models", "original", kPlane});
   EXPECT_EQ(run.status, 0) << run.err;
 }
 
 TEST(AccuracyVerb, TeachesWithItsHelp) {
   const Finished run = voxtouch({"accuracy", "--help"});
   EXPECT_EQ(run.status, 0);
-  for (const char* word : {"Examples", "--want-direction-deg", "--within-us",
-                           "--shell-densities", "Pareto"})
+  for (const char* word :
+       {"Examples", "--want-direction-deg", "--within-us", "--shell-densities", "Pareto"})
     EXPECT_NE(run.out.find(word), std::string::npos) << word;
 }
 

@@ -1,4 +1,5 @@
-/// Calls that cannot be answered: a status that is not 0, a sentence on standard error, nothing on standard output.
+/// Calls that cannot be answered: a status that is not 0, a sentence on standard error, nothing on
+/// standard output.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -16,7 +17,8 @@ const std::string kMesh = (kVectors / "meshes/sphere.obj").string();
 void expect_refused(const std::vector<std::string>& arguments, const std::string& says) {
   const Finished run = voxtouch(arguments);
   std::string call;
-  for (const std::string& argument : arguments) call += " " + argument;
+  for (const std::string& argument : arguments)
+    call += " " + argument;
   SCOPED_TRACE("voxtouch" + call + "\n" + run.err);
   EXPECT_NE(run.status, 0);
   EXPECT_LT(run.status, 128) << "a signal ended it";
@@ -31,7 +33,9 @@ class BadCall : public testing::Test {
     std::ofstream(folder_ / name) << text;
     return (folder_ / name).string();
   }
-  std::string poses(const std::string& row) const { return file("poses.csv", "qw,qx,qy,qz,tx,ty,tz\n" + row + "\n"); }
+  std::string poses(const std::string& row) const {
+    return file("poses.csv", "qw,qx,qy,qz,tx,ty,tz\n" + row + "\n");
+  }
 
   TemporaryFolder folder_;
 };
@@ -56,19 +60,22 @@ TEST_F(BadCall, OfProbeWithAModelThatIsNotThere) {
 }
 
 TEST_F(BadCall, OfProbeWithPosesThatAreNone) {
-  for (const char* row : {"nan,0,0,0,0,0,0", "1,0,0,0,0,0,nan", "1,0,0,0,inf,0,0", "1,0,0,0,1e999,0,0",
-                          "0,0,0,0,0,0,0", "1e-4,0,0,0,0,0,0", "1e4,0,0,0,0,0,0", "1,0,0,0,0,0", "1,0,0,0,0,0,one",
-                          "1,0,0,0,0,0,0x1p3", "1,0,0,0,0,0,1;2"})
+  for (const char* row :
+       {"nan,0,0,0,0,0,0", "1,0,0,0,0,0,nan", "1,0,0,0,inf,0,0", "1,0,0,0,1e999,0,0",
+        "0,0,0,0,0,0,0", "1e-4,0,0,0,0,0,0", "1e4,0,0,0,0,0,0", "1,0,0,0,0,0", "1,0,0,0,0,0,one",
+        "1,0,0,0,0,0,0x1p3", "1,0,0,0,0,0,1;2"})
     expect_refused({"probe", kScene, "--poses", poses(row)}, "poses.csv:2");
   for (const char* model : {"original", "reference"})
-    expect_refused({"probe", kScene, "--model", model, "--poses", poses("1,0,0,0,0,0,0\nnan,0,0,0,0,0,0")},
-                   "poses.csv:3");
+    expect_refused(
+        {"probe", kScene, "--model", model, "--poses", poses("1,0,0,0,0,0,0\nnan,0,0,0,0,0,0")},
+        "poses.csv:3");
   expect_refused({"probe", kScene, "--poses", file("empty.csv", "")}, "empty.csv");
   expect_refused({"probe", kScene, "--poses", file("other.csv", "x,y,z\n1,2,3\n")}, "'qw'");
 }
 
 TEST_F(BadCall, OfProbeWithAPoseFarOutsideAnyGridIsAnsweredWithNoContact) {
-  const Finished run = voxtouch({"probe", kScene, "--poses", poses("1,0,0,0,1e300,0,0\n1,0,0,0,-1e12,1e12,0")});
+  const Finished run =
+      voxtouch({"probe", kScene, "--poses", poses("1,0,0,0,1e300,0,0\n1,0,0,0,-1e12,1e12,0")});
   EXPECT_EQ(run.status, 0) << run.err;
   EXPECT_EQ(run.out, "nS,nI,coh,fx,fy,fz,tx,ty,tz\n0,0,0,0,0,0,0,0,0\n0,0,0,0,0,0,0,0,0\n");
 }

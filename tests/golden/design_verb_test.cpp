@@ -1,4 +1,5 @@
-/// `voxtouch design`: the report, its JSON, and what it refuses. The stable region and its picture: plot_test.py.
+/// `voxtouch design`: the report, its JSON, and what it refuses. The stable region and its picture:
+/// plot_test.py.
 #include <gtest/gtest.h>
 
 #include "tests/golden/golden.hpp"
@@ -11,21 +12,22 @@ const std::string kCup = std::string(VOXTOUCH_DEPLOY) + "/scenes/cup.yaml";
 TEST(DesignVerb, TellsAPersonWhatRunsWithWhichMarginAndWhatWouldHelp) {
   const Finished run = voxtouch({"design", "--device", "sim-phantom", "--scene", kCup});
   EXPECT_EQ(run.status, 0) << run.err;
-  for (const char* word :
-       {"shaping filter", "margin", "unstable from", "paper's way", "UNSTABLE", "What limits", "What would help"})
+  for (const char* word : {"shaping filter", "margin", "unstable from", "paper's way", "UNSTABLE",
+                           "What limits", "What would help"})
     EXPECT_NE(run.out.find(word), std::string::npos) << word << " in\n" << run.out;
 }
 
 TEST(DesignVerb, GivesOneJsonObjectWhoseMarginIsTheOneAskedFor) {
   for (const double margin : {1.5, 2.0, 3.0}) {
-    const Finished run = voxtouch({"design", "--device", "sim-phantom", "--kind", "shaping_filter", "--gain-margin",
-                                   std::to_string(margin), "--json"});
+    const Finished run = voxtouch({"design", "--device", "sim-phantom", "--kind", "shaping_filter",
+                                   "--gain-margin", std::to_string(margin), "--json"});
     ASSERT_EQ(run.status, 0) << run.err;
     const nlohmann::json j = nlohmann::json::parse(run.out);
     EXPECT_EQ(j["ok"], true);
     EXPECT_GE(j["translation"]["gain_margin"].get<double>(), margin * (1 - 1e-9));
     EXPECT_NEAR(j["translation"]["critical_stiffness"].get<double>(),
-                j["translation"]["shown_stiffness"].get<double>() * j["translation"]["gain_margin"].get<double>(),
+                j["translation"]["shown_stiffness"].get<double>() *
+                    j["translation"]["gain_margin"].get<double>(),
                 1e-6 * j["translation"]["critical_stiffness"].get<double>());
     EXPECT_EQ(j["paper_recipe"]["released"]["stable"], false);
   }
@@ -40,8 +42,8 @@ TEST(DesignVerb, ThePapersRecipeIsStableWhereTheContactIsSoftAndTheDeviceDamped)
 }
 
 TEST(DesignVerb, DesignsForADeviceThatALabHasWrittenDown) {
-  const Finished run =
-      voxtouch({"design", "--device", std::string(VOXTOUCH_DEPLOY) + "/devices/premium_3.yaml", "--json"});
+  const Finished run = voxtouch(
+      {"design", "--device", std::string(VOXTOUCH_DEPLOY) + "/devices/premium_3.yaml", "--json"});
   ASSERT_EQ(run.status, 0) << run.err;
   EXPECT_GT(nlohmann::json::parse(run.out)["translation"]["shown_stiffness"].get<double>(), 250.0);
 }

@@ -26,7 +26,8 @@ std::vector<std::string> cells_of(const std::string& line) {
 
 std::string file_text(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
-  if (!in) throw std::runtime_error("cannot read " + file.string());
+  if (!in)
+    throw std::runtime_error("cannot read " + file.string());
   std::stringstream text;
   text << in.rdbuf();
   return text.str();
@@ -40,7 +41,8 @@ Table Table::parse(const std::string& text) {
   std::string line;
   std::getline(in, line);
   table.header_ = cells_of(line);
-  for (std::size_t c = 0; c < table.header_.size(); ++c) table.column_[table.header_[c]] = c;
+  for (std::size_t c = 0; c < table.header_.size(); ++c)
+    table.column_[table.header_[c]] = c;
   while (std::getline(in, line)) {
     table.rows_.push_back(cells_of(line));
     if (table.rows_.back().size() != table.header_.size())
@@ -56,7 +58,8 @@ const std::string& Table::text(std::size_t row, const std::string& column) const
 double Table::number(std::size_t row, const std::string& column) const {
   const std::string& cell = text(row, column);
   const auto value = parse_number<double>(cell);
-  if (!value) throw std::runtime_error("no number: '" + cell + "'");
+  if (!value)
+    throw std::runtime_error("no number: '" + cell + "'");
   return *value;
 }
 
@@ -71,6 +74,8 @@ Finished voxtouch(const std::vector<std::string>& arguments) {
   return Process(all).wait();
 }
 
-Finished shell(const std::string& line) { return Process({"/bin/sh", "-c", line}, {{"VOXTOUCH", kProgram}}).wait(); }
+Finished shell(const std::string& line) {
+  return Process({"/bin/sh", "-c", line}, {{"VOXTOUCH", kProgram}}).wait();
+}
 
 }  // namespace voxtouch::test

@@ -31,7 +31,8 @@ nlohmann::json plan_json(std::vector<std::string> more, int status = 0) {
 
 const nlohmann::json& part(const nlohmann::json& plan, const std::string& name) {
   for (const auto& part : plan["parts"])
-    if (part["name"] == name) return part;
+    if (part["name"] == name)
+      return part;
   throw std::runtime_error("no part " + name);
 }
 
@@ -40,15 +41,16 @@ TEST(PlanVerb, SaysTheSameOnEveryMachineWhereNothingIsMeasured) {
   const Finished first = voxtouch(call), second = voxtouch(call);
   ASSERT_EQ(first.status, 0) << first.err;
   EXPECT_EQ(first.out, second.out);
-  EXPECT_EQ(first.out, file_text(kData / "golden/plan_cylinder.txt")) << "voxtouch plan deploy/scenes/cylinder.yaml --no-measure";
+  EXPECT_EQ(first.out, file_text(kData / "golden/plan_cylinder.txt"))
+      << "voxtouch plan deploy/scenes/cylinder.yaml --no-measure";
   EXPECT_EQ(plan_json({kCylinder, "--no-measure"}),
             nlohmann::json::parse(file_text(kData / "golden/plan_cylinder.json")));
 }
 
 TEST(PlanVerb, MeasuresEachPartBesideWhatIsExpectedOfIt) {
   const TemporaryFolder folder;
-  const nlohmann::json j = plan_json({with_effects(folder, "[{viscosity: {damping_ns_per_m: 1}}]"), "--device",
-                                      "sim-phantom", "--frames", "200"});
+  const nlohmann::json j = plan_json({with_effects(folder, "[{viscosity: {damping_ns_per_m: 1}}]"),
+                                      "--device", "sim-phantom", "--frames", "200"});
   EXPECT_EQ(j["ok"], true);
   const nlohmann::json& m = j["measured"];
   EXPECT_EQ(m["along"], "circle") << "the first motion by name";
@@ -68,13 +70,17 @@ TEST(PlanVerb, MeasuresEachPartBesideWhatIsExpectedOfIt) {
     EXPECT_TRUE(part(j, name)["measured_ns"].is_null()) << name;
 }
 
-/// A hand at rest or on its way straight in keeps the rows of the frame before: such frames say nothing of what a virtual tool takes.
+/// A hand at rest or on its way straight in keeps the rows of the frame before: such frames say
+/// nothing of what a virtual tool takes.
 TEST(PlanVerb, TimesAVirtualToolWhoseHandSlides) {
   const TemporaryFolder folder;
   std::string text = file_text(kScenes + "/cup_virtual_tool.yaml");
-  for (std::size_t at; (at = text.find("../meshes")) != std::string::npos;) text.replace(at, 9, std::string(VOXTOUCH_DEPLOY) + "/meshes");
+  for (std::size_t at; (at = text.find("../meshes")) != std::string::npos;)
+    text.replace(at, 9, std::string(VOXTOUCH_DEPLOY) + "/meshes");
   std::ofstream(folder / "still.yaml") << text.substr(0, text.find("motions:"));
-  for (const std::string& scene : {kScenes + "/cup_virtual_tool.yaml", kScenes + "/press_virtual_tool.yaml", (folder / "still.yaml").string()}) {
+  for (const std::string& scene :
+       {kScenes + "/cup_virtual_tool.yaml", kScenes + "/press_virtual_tool.yaml",
+        (folder / "still.yaml").string()}) {
     SCOPED_TRACE(scene);
     const nlohmann::json j = plan_json({scene, "--frames", "60"});
     const nlohmann::json& m = j["measured"];
@@ -84,7 +90,8 @@ TEST(PlanVerb, TimesAVirtualToolWhoseHandSlides) {
     EXPECT_LE(m["frame_median_ns"], m["frame_p95_ns"]);
     EXPECT_GT(part(j, "virtual tool")["measured_ns"], 0.0);
     EXPECT_GT(part(j, "virtual tool")["expected_ns"], 0.0);
-    EXPECT_TRUE(part(j, "contact model field")["measured_ns"].is_null()) << "counted with the virtual tool";
+    EXPECT_TRUE(part(j, "contact model field")["measured_ns"].is_null())
+        << "counted with the virtual tool";
   }
 }
 
@@ -95,20 +102,26 @@ TEST(PlanVerb, TakesSeededPlacesWhereTheSceneHasNoMotion) {
   const nlohmann::json j = plan_json({(folder / "scene.yaml").string(), "--frames", "50"});
   EXPECT_TRUE(j["measured"]["along"].is_null());
   EXPECT_GT(j["measured"]["touching"], 0);
-  EXPECT_EQ(j["measured"]["touching"], plan_json({(folder / "scene.yaml").string(), "--frames", "50"})["measured"]["touching"]);
-  EXPECT_TRUE(part(j, "coupling")["measured_ns"].is_null()) << "it is designed for a device, and none is named";
+  EXPECT_EQ(j["measured"]["touching"], plan_json({(folder / "scene.yaml").string(), "--frames",
+                                                  "50"})["measured"]["touching"]);
+  EXPECT_TRUE(part(j, "coupling")["measured_ns"].is_null())
+      << "it is designed for a device, and none is named";
 }
 
 TEST(PlanVerb, BuildsForTheModelThatIsNamed) {
-  const nlohmann::json j = plan_json({kScenes + "/cup_field.yaml", "--model", "adapted", "--no-measure"});
+  const nlohmann::json j =
+      plan_json({kScenes + "/cup_field.yaml", "--model", "adapted", "--no-measure"});
   EXPECT_EQ(j["contact_model"], "adapted");
   EXPECT_EQ(j.dump().find("\"distance field\""), std::string::npos);
-  EXPECT_GT(part(plan_json({kScenes + "/cup_field.yaml", "--no-measure"}), "distance field")["bytes"], 100'000);
+  EXPECT_GT(
+      part(plan_json({kScenes + "/cup_field.yaml", "--no-measure"}), "distance field")["bytes"],
+      100'000);
 }
 
 TEST(PlanVerb, SaysWhatTheDeviceCannotShowAndExitsWithOneWhereItCannotRun) {
   const TemporaryFolder folder;
-  const std::string turning = with_effects(folder, "[{viscosity: {damping_ns_per_m: 1, damping_nms_per_rad: 0.01}}]");
+  const std::string turning =
+      with_effects(folder, "[{viscosity: {damping_ns_per_m: 1, damping_nms_per_rad: 0.01}}]");
   const Finished run = voxtouch({"plan", turning, "--device", "sim-phantom", "--no-measure"});
   EXPECT_EQ(run.status, 1);
   for (const char* word : {"sim-phantom", "'viscosity'", "torque"})
@@ -122,7 +135,8 @@ TEST(PlanVerb, SaysWhatTheDeviceCannotShowAndExitsWithOneWhereItCannotRun) {
 TEST(PlanVerb, TellsAPersonInATable) {
   const Finished run = voxtouch({"plan", kCylinder, "--frames", "50", "--device", "sim-phantom"});
   ASSERT_EQ(run.status, 0) << run.err;
-  for (const char* word : {"expected ns    measured ns", "culling tree", "(pointshell)", "Topics", "Left out", "compare ratios", "On sim-phantom"})
+  for (const char* word : {"expected ns    measured ns", "culling tree", "(pointshell)", "Topics",
+                           "Left out", "compare ratios", "On sim-phantom"})
     EXPECT_NE(run.out.find(word), std::string::npos) << word << " in\n" << run.out;
 }
 

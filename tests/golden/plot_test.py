@@ -25,22 +25,29 @@ BIN, DEPLOY = (pathlib.Path(argument).resolve() for argument in sys.argv[1:3])
 spec = importlib.util.spec_from_file_location("plot", DEPLOY / "tools" / "plot.py")
 plot = importlib.util.module_from_spec(spec)
 spec.loader.exec_module(plot)
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "experiments" / "stability_map"))
+sys.path.insert(
+    0, str(pathlib.Path(__file__).resolve().parents[1] / "experiments" / "stability_map")
+)
 import draw_map  # noqa: E402
 import plot_accuracy  # noqa: E402
 from plot_accuracy import LEAST_DIRECTION_DEG  # noqa: E402
 from plot_forces import read_run  # noqa: E402
 from plot_layout import overlap  # noqa: E402
+
 FEW = ["--voxel-sizes", "0.004,0.002", "--contacts", "8"]
 
 
 def voxtouch(*words, **more):
-    return subprocess.run([BIN / "voxtouch", *map(str, words)], capture_output=True, text=True, **more)
+    return subprocess.run(
+        [BIN / "voxtouch", *map(str, words)], capture_output=True, text=True, **more
+    )
 
 
 def tool_alone(*words, **more):
     """The tool as a process of its own."""
-    return subprocess.run([DEPLOY / "tools" / "plot.py", *map(str, words)], capture_output=True, text=True, **more)
+    return subprocess.run(
+        [DEPLOY / "tools" / "plot.py", *map(str, words)], capture_output=True, text=True, **more
+    )
 
 
 def tool(*words):
@@ -87,7 +94,15 @@ class Pictures(unittest.TestCase):
     # ------------------------------------------------------------------------------------------------------------ the verbs
     def test_accuracy_draws_the_models_that_were_measured_and_no_other(self):
         file = self.at / "models.png"
-        done = voxtouch("accuracy", DEPLOY / "scenes/tilted_plane.yaml", *FEW, "--models", "adapted,field", "--plot", file)
+        done = voxtouch(
+            "accuracy",
+            DEPLOY / "scenes/tilted_plane.yaml",
+            *FEW,
+            "--models",
+            "adapted,field",
+            "--plot",
+            file,
+        )
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertRegex(done.stderr, rf"{re.escape(str(file))} .*\b6 settings")
         with Image.open(file) as image:
@@ -99,7 +114,18 @@ class Pictures(unittest.TestCase):
 
     def test_design_draws_a_region_that_holds_the_chosen_point_and_writes_it_as_csv(self):
         file, table = self.at / "region.png", self.at / "region.csv"
-        done = voxtouch("design", "--device", "sim-phantom", "--kind", "shaping_filter", "--plot", file, "--csv", table, "--json")
+        done = voxtouch(
+            "design",
+            "--device",
+            "sim-phantom",
+            "--kind",
+            "shaping_filter",
+            "--plot",
+            file,
+            "--csv",
+            table,
+            "--json",
+        )
         self.assertEqual(done.returncode, 0, done.stderr)
         data = json.loads(done.stdout)
         region, chosen = data["region"], data["translation"]["shown_stiffness"]
@@ -108,38 +134,79 @@ class Pictures(unittest.TestCase):
         self.assertEqual(len(rows), 64)
         for key in rows[0]:
             self.assertEqual([float(r[key]) if r[key] else None for r in rows], region[key], key)
-        above = next(i for i, hz in enumerate(region["cutoff_hz"]) if hz >= data["coupling"]["cutoff_hz"])
+        above = next(
+            i for i, hz in enumerate(region["cutoff_hz"]) if hz >= data["coupling"]["cutoff_hz"]
+        )
         bracket = [region["certified_n_per_m"][i] for i in (above - 1, above)]
-        self.assertLessEqual(chosen, max(bracket) * 1.001, "the chosen point is not certified in its own region")
-        paper, at_5_hz = data["paper_recipe"], min(range(64), key=lambda i: abs(region["cutoff_hz"][i] - 5.0))
-        self.assertGreater(paper["stiffness_n_per_m"], region["critical_undamped_n_per_m"][at_5_hz], "released, the paper's recipe is unstable")
+        self.assertLessEqual(
+            chosen, max(bracket) * 1.001, "the chosen point is not certified in its own region"
+        )
+        paper, at_5_hz = data["paper_recipe"], min(
+            range(64), key=lambda i: abs(region["cutoff_hz"][i] - 5.0)
+        )
+        self.assertGreater(
+            paper["stiffness_n_per_m"],
+            region["critical_undamped_n_per_m"][at_5_hz],
+            "released, the paper's recipe is unstable",
+        )
         for colour in (plot.BLUE, plot.GREEN, plot.RED):
             self.assertGreater(painted(file, colour), 300, colour)
 
     def test_design_draws_the_law_that_was_chosen_with_its_point_where_it_is_certified(self):
         for kind in ("direct", "spring_damper"):
             file = self.at / f"{kind}.png"
-            done = voxtouch("design", "--device", "sim-phantom", "--kind", kind, "--plot", file, "--json")
-            data = json.loads(done.stdout)  # a spring-damper is infeasible here, and drawn all the same
+            done = voxtouch(
+                "design", "--device", "sim-phantom", "--kind", kind, "--plot", file, "--json"
+            )
+            data = json.loads(
+                done.stdout
+            )  # a spring-damper is infeasible here, and drawn all the same
             law, shown = data["region"]["law"], data["translation"]["shown_stiffness"]
             self.assertEqual(law["kind"], kind)
             place = next(i for i, x in enumerate(law["x"]) if x >= law["chosen"])
             around = [law["certified_n_per_m"][i] for i in (place - 1, place)]
-            self.assertTrue(0.9 * min(around) < shown < 1.001 * max(around), f"{kind}: {shown} N/m is not on the border of its region: {around}")
-            self.assertAlmostEqual(law["critical_n_per_m"][place], data["region"]["gain_margin"] * law["certified_n_per_m"][place], 6)
+            self.assertTrue(
+                0.9 * min(around) < shown < 1.001 * max(around),
+                f"{kind}: {shown} N/m is not on the border of its region: {around}",
+            )
+            self.assertAlmostEqual(
+                law["critical_n_per_m"][place],
+                data["region"]["gain_margin"] * law["certified_n_per_m"][place],
+                6,
+            )
             with plot.matplotlib.rc_context(plot.STYLE):
                 figure = plot.design_figure(data)[0]
                 self.judge(figure)
-            points = [tuple(line.get_xydata()[0]) for line in figure.axes[1].lines if line.get_marker() == "o"]
+            points = [
+                tuple(line.get_xydata()[0])
+                for line in figure.axes[1].lines
+                if line.get_marker() == "o"
+            ]
             self.assertEqual(points, [(law["chosen"], shown)])
             self.assertGreater(painted(file, plot.GREEN), 300)
-        self.assertNotIn("law", json.loads(voxtouch("design", "--device", "sim-phantom", "--kind", "shaping_filter", "--json").stdout)["region"])
+        self.assertNotIn(
+            "law",
+            json.loads(
+                voxtouch(
+                    "design", "--device", "sim-phantom", "--kind", "shaping_filter", "--json"
+                ).stdout
+            )["region"],
+        )
 
     def test_without_matplotlib_one_sentence_says_what_to_install_before_anything_is_measured(self):
         (self.at / "hidden").mkdir(exist_ok=True)
-        (self.at / "hidden" / "matplotlib.py").write_text('raise ImportError("hidden by this test")\n')
+        (self.at / "hidden" / "matplotlib.py").write_text(
+            'raise ImportError("hidden by this test")\n'
+        )
         environment = {**os.environ, "PYTHONPATH": str(self.at / "hidden")}
-        done = voxtouch("accuracy", DEPLOY / "scenes/tilted_plane.yaml", "--json", "--plot", self.at / "refused.png", env=environment)
+        done = voxtouch(
+            "accuracy",
+            DEPLOY / "scenes/tilted_plane.yaml",
+            "--json",
+            "--plot",
+            self.at / "refused.png",
+            env=environment,
+        )
         self.refused(done, "matplotlib", "install python3-matplotlib")
         self.assertEqual(len(done.stderr.strip().splitlines()), 1, done.stderr)
         told = json.loads(done.stdout)
@@ -151,8 +218,14 @@ class Pictures(unittest.TestCase):
         self.assertEqual(tool_alone("--help", env=environment).returncode, 0)
 
     def test_a_verb_refuses_a_picture_it_cannot_write_before_it_measures(self):
-        for verb, name, says in ((["accuracy", DEPLOY / "scenes/tilted_plane.yaml"], "refused.gif", ".png, .svg or .pdf"),
-                                 (["design"], "none/refused.png", "could not be written")):
+        for verb, name, says in (
+            (
+                ["accuracy", DEPLOY / "scenes/tilted_plane.yaml"],
+                "refused.gif",
+                ".png, .svg or .pdf",
+            ),
+            (["design"], "none/refused.png", "could not be written"),
+        ):
             done = voxtouch(*verb, "--plot", self.at / name)
             self.refused(done, name, says)
             self.assertEqual(done.stdout, "")
@@ -177,55 +250,100 @@ class Pictures(unittest.TestCase):
 
     def test_forces_of_a_bag_are_those_that_the_run_counted(self):
         bag, file = self.at / "bag", self.at / "forces.png"
-        run = voxtouch("up", DEPLOY / "scenes/cup.yaml", "--device", "sim-phantom", "--motion", "slide", "--duration", "2", "--lockstep",
-                       "--one-process", "--record", bag, "--no-report", "--json")
+        run = voxtouch(
+            "up",
+            DEPLOY / "scenes/cup.yaml",
+            "--device",
+            "sim-phantom",
+            "--motion",
+            "slide",
+            "--duration",
+            "2",
+            "--lockstep",
+            "--one-process",
+            "--record",
+            bag,
+            "--no-report",
+            "--json",
+        )
         self.assertEqual(run.returncode, 0, run.stderr)
         summary = json.loads(run.stdout)
         self.assertGreater(summary["contact_samples"], 100)
         contact, returned, _ = read_run(bag, "haptic")
         self.assertEqual(len(contact["t"]), summary["samples"])
-        self.assertEqual(sum(1 for force in contact["all"] if force > 1e-9), summary["contact_samples"])
+        self.assertEqual(
+            sum(1 for force in contact["all"] if force > 1e-9), summary["contact_samples"]
+        )
         self.assertAlmostEqual(max(returned["force"]), summary["max_force_n"], 5)
         self.assertGreater(max(contact["depth"]), 0.1)
         self.assertLess(max(contact["depth"]), 10.0)
         done = tool("forces", bag, file, "--note", "cup, slide, lockstep")
         self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertIn(f"{summary['samples']} samples, {summary['contact_samples']} with contact", done.stdout)
+        self.assertIn(
+            f"{summary['samples']} samples, {summary['contact_samples']} with contact", done.stdout
+        )
         for colour in (plot.ORANGE, plot.BLUE, plot.PURPLE):
             self.assertGreater(painted(file, colour), 200, colour)
         with plot.matplotlib.rc_context(plot.STYLE):
             figure = plot.forces_figure(bag)[0]
             self.judge(figure)
             self.assertIn(f" {max(returned['force']):.2g} N ", figure._suptitle.get_text())
-            self.assertTrue(any("nobody" in " ".join(text.get_text().split()) for text in figure.axes[0].texts))
+            self.assertTrue(
+                any("nobody" in " ".join(text.get_text().split()) for text in figure.axes[0].texts)
+            )
             self.judge(plot.forces_figure(bag, note="conditions " * 40)[0])
         self.refused(tool("forces", bag, self.at / "refused.png", "--from", "50"), "--from 50")
-        self.refused(tool("forces", bag, self.at / "refused.png", "--rig", "other"), "/other/rendering/contact")
+        self.refused(
+            tool("forces", bag, self.at / "refused.png", "--rig", "other"),
+            "/other/rendering/contact",
+        )
 
     def test_the_tool_says_the_version_of_the_build_that_it_belongs_to(self):
-        told, of_build = (subprocess.run([BIN / program, "--version"], capture_output=True, text=True, timeout=60, check=True).stdout for program in ("voxtouch_plot", "voxtouch"))
+        told, of_build = (
+            subprocess.run(
+                [BIN / program, "--version"], capture_output=True, text=True, timeout=60, check=True
+            ).stdout
+            for program in ("voxtouch_plot", "voxtouch")
+        )
         self.assertEqual(told, of_build)
 
     def test_runs_side_by_side_share_their_axes_and_an_empty_bag_is_refused(self):
         for scene in ("cup", "cup_virtual_tool"):
-            done = voxtouch("up", DEPLOY / f"scenes/{scene}.yaml", "--device", "sim-phantom", "--motion", "hit", "--duration", "3.2", "--lockstep",
-                            "--record", self.at / scene)
+            done = voxtouch(
+                "up",
+                DEPLOY / f"scenes/{scene}.yaml",
+                "--device",
+                "sim-phantom",
+                "--motion",
+                "hit",
+                "--duration",
+                "3.2",
+                "--lockstep",
+                "--record",
+                self.at / scene,
+            )
             self.assertEqual(done.returncode, 0, done.stderr)
         with plot.matplotlib.rc_context(plot.STYLE):
             figure, _ = plot.beside_figure([self.at / "cup", self.at / "cup_virtual_tool"])
             self.judge(figure)
         self.assertEqual([len(axis.lines) for axis in figure.axes], [2, 2])
-        self.refused(tool("beside", self.at / "cup", self.at / "nothing", self.at / "refused.png"), "nothing")
+        self.refused(
+            tool("beside", self.at / "cup", self.at / "nothing", self.at / "refused.png"), "nothing"
+        )
 
     def test_what_cannot_be_drawn_is_refused_in_a_sentence(self):
         (self.at / "words.json").write_text("not json")
         (self.at / "told.json").write_text('{"ok": false, "problems": ["the scene is not there"]}')
         (self.at / "empty").mkdir(exist_ok=True)
         (self.at / "broken").mkdir(exist_ok=True)
-        (self.at / "broken" / "a.db3").write_text("no database, but long enough to be read as one" * 10)
+        (self.at / "broken" / "a.db3").write_text(
+            "no database, but long enough to be read as one" * 10
+        )
         picture = self.at / "refused.png"
         self.refused(tool("accuracy", self.at / "none.json", picture), "none.json")
-        self.refused(tool("design", self.at / "words.json", picture), "is not JSON", "voxtouch design")
+        self.refused(
+            tool("design", self.at / "words.json", picture), "is not JSON", "voxtouch design"
+        )
         self.refused(tool("design", self.at / "run.json", picture), "voxtouch design --json")
         self.refused(tool("accuracy", self.at / "told.json", picture), "the scene is not there")
         (self.at / "old.json").write_text('{"rows": [], "wish": null}')
@@ -234,12 +352,20 @@ class Pictures(unittest.TestCase):
         self.refused(tool("forces", self.at / "broken", picture), "read (")
         self.refused(tool("check", self.at / "empty.png" / "refused.png"), "empty.png/refused.png")
         for name in ("refused.gif", "refused"):
-            self.refused(tool("accuracy", self.at / "run.json", self.at / name), name, ".png, .svg or .pdf")
+            self.refused(
+                tool("accuracy", self.at / "run.json", self.at / name), name, ".png, .svg or .pdf"
+            )
 
     def test_a_full_disk_leaves_no_picture_and_no_part_of_one(self):
         def small_files():
             resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))
-        self.refused(tool_alone("accuracy", self.at / "run.json", self.at / "refused.svg", preexec_fn=small_files), "refused.svg")
+
+        self.refused(
+            tool_alone(
+                "accuracy", self.at / "run.json", self.at / "refused.svg", preexec_fn=small_files
+            ),
+            "refused.svg",
+        )
 
     # ---------------------------------------------------------------------------------------------------- what a reader sees
     def judge(self, figure):
@@ -253,7 +379,11 @@ class Pictures(unittest.TestCase):
             texts += axis.get_legend().get_texts() if axis.get_legend() else []
         for text in (t for t in texts if t.get_visible() and t.get_text()):
             box = text.get_window_extent()
-            self.assertGreater(overlap(box, page), 0.98 * box.width * box.height, f"'{text.get_text()}' leaves the picture")
+            self.assertGreater(
+                overlap(box, page),
+                0.98 * box.width * box.height,
+                f"'{text.get_text()}' leaves the picture",
+            )
         for axis in figure.axes:
             for word in (axis.get_xlabel(), axis.get_ylabel()):
                 self.assertTrue(not word or "[" in word, f"'{word}' has no unit")
@@ -270,10 +400,16 @@ class Pictures(unittest.TestCase):
             self.judge(figure)
             drawn = {tuple(point) for line in figure.axes[0].lines for point in line.get_xydata()}
             for row in self.run_json["rows"]:
-                self.assertIn((row["median_us"], max(row["direction_mean_deg"], LEAST_DIRECTION_DEG)), drawn)
+                self.assertIn(
+                    (row["median_us"], max(row["direction_mean_deg"], LEAST_DIRECTION_DEG)), drawn
+                )
             figure, _ = plot.page_figure(self.run_json)
             self.judge(figure)
-            own = [r for r in self.run_json["rows"] if r["voxel_m"] == self.run_json["scene_voxel_m"] and r["weights"] == "area"]
+            own = [
+                r
+                for r in self.run_json["rows"]
+                if r["voxel_m"] == self.run_json["scene_voxel_m"] and r["weights"] == "area"
+            ]
             self.assertEqual(len(figure.axes[3].get_yticklabels()), len(own))
             drawn = {tuple(point) for line in figure.axes[0].lines for point in line.get_xydata()}
             for row in own:
@@ -284,26 +420,53 @@ class Pictures(unittest.TestCase):
             figure, _ = plot.accuracy_figure(advised)
             self.judge(figure)
             self.assertIn(f"{best['model']} at ", figure._suptitle.get_text())
-            self.assertRegex(figure._suptitle.get_text(), rf"\b{best['direction_mean_deg']:.2g} deg .*\b{best['median_us']:.2g} µs")
-            design = json.loads(voxtouch("design", "--scene", DEPLOY / "scenes/cup.yaml", "--json").stdout)
+            self.assertRegex(
+                figure._suptitle.get_text(),
+                rf"\b{best['direction_mean_deg']:.2g} deg .*\b{best['median_us']:.2g} µs",
+            )
+            design = json.loads(
+                voxtouch("design", "--scene", DEPLOY / "scenes/cup.yaml", "--json").stdout
+            )
             figure = plot.design_figure(design)[0]
             self.judge(figure)
-            self.assertIn(f"{design['translation']['shown_stiffness']:.4g} N/m ", figure._suptitle.get_text())
+            self.assertIn(
+                f"{design['translation']['shown_stiffness']:.4g} N/m ", figure._suptitle.get_text()
+            )
 
-    def test_the_title_of_the_page_tells_of_the_worst_depth_and_not_of_one_where_a_curve_crosses_the_truth(self):
+    def test_the_title_of_the_page_tells_of_the_worst_depth_and_not_of_one_where_a_curve_crosses_the_truth(
+        self,
+    ):
         def row(model, *ratios):
-            return {"model": model, "depths": [{"edges": e, "force_ratio": r} for e, r in zip((0.25, 1.0, 4.0), ratios)]}
-        title = plot_accuracy.page_title([row("adapted", 2.4, 0.48, 0.99), row("field", 0.92, 0.9, 0.95), row("virtual_tool", 0.88, 0.96, 0.99)])
+            return {
+                "model": model,
+                "depths": [
+                    {"edges": e, "force_ratio": r} for e, r in zip((0.25, 1.0, 4.0), ratios)
+                ],
+            }
+
+        title = plot_accuracy.page_title(
+            [
+                row("adapted", 2.4, 0.48, 0.99),
+                row("field", 0.92, 0.9, 0.95),
+                row("virtual_tool", 0.88, 0.96, 0.99),
+            ]
+        )
         self.assertTrue(title.endswith("field 90 % (1 e), adapted 240 % (0.25 e)"), title)
 
     def test_a_stability_map_is_grey_where_nothing_touches(self):
         table = self.at / "map.csv"
         with open(table, "w", encoding="utf-8") as out:
-            out.write("model,radius_voxels,depth_voxels,tilt_deg,energy_share,energy_per_crossing,mean_force_n,largest_step\n")
+            out.write(
+                "model,radius_voxels,depth_voxels,tilt_deg,energy_share,energy_per_crossing,mean_force_n,largest_step\n"
+            )
             for model in draw_map.BOUND:
-                for radius, depth, tilt in ((r, d, t) for r in (2.5, 5.0, 20.0) for d in (0.1, 1.0) for t in (0.0, 45.0)):
+                for radius, depth, tilt in (
+                    (r, d, t) for r in (2.5, 5.0, 20.0) for d in (0.1, 1.0) for t in (0.0, 45.0)
+                ):
                     touches = not (model == "adapted" and depth == 0.1 and tilt == 0.0)
-                    out.write(f"{model},{radius},{depth},{tilt},{1e-2 / radius if depth < 1 else -1e-3},0,{1 if touches else 0},0\n")
+                    out.write(
+                        f"{model},{radius},{depth},{tilt},{1e-2 / radius if depth < 1 else -1e-3},0,{1 if touches else 0},0\n"
+                    )
         with plot.matplotlib.rc_context(plot.STYLE):
             figure, _ = draw_map.stability_figure(table)
             self.judge(figure)
@@ -312,7 +475,9 @@ class Pictures(unittest.TestCase):
             draw_map.main(table, self.at / "map.png")
         with self.assertRaisesRegex(SystemExit, "stability_map --out"):
             draw_map.stability_figure(self.at / "words.json")
-        self.assertGreater(painted(self.at / "map.png", "#d9d9d9"), 5000, "the cell without contact is not grey")
+        self.assertGreater(
+            painted(self.at / "map.png", "#d9d9d9"), 5000, "the cell without contact is not grey"
+        )
 
     def test_wishes_zeros_and_nothing_at_all_are_drawn_too(self):
         wished = json.loads(json.dumps(self.run_json))
@@ -320,14 +485,18 @@ class Pictures(unittest.TestCase):
         wished["rows"][0].update(direction_mean_deg=0.0, magnitude_noise=0.0)
         nothing = json.loads(json.dumps(self.run_json))
         for row in nothing["rows"]:
-            row.update(median_us=None, direction_mean_deg=None, magnitude_noise=None, refused="too large")
+            row.update(
+                median_us=None, direction_mean_deg=None, magnitude_noise=None, refused="too large"
+            )
         nothing["advice"].update(row=None, front=[], knee=None, met=None)
         for name, data in (("wished", wished), ("nothing", nothing)):
             with self.subTest(name), plot.matplotlib.rc_context(plot.STYLE):
                 self.judge(plot.accuracy_figure(data)[0])
                 self.judge(plot.page_figure(data)[0])
                 plot.save(plot.accuracy_figure(data)[0], self.at / f"{name}.png")
-        self.assertGreater(painted(self.at / "wished.png", plot.RED), painted(self.at / "nothing.png", plot.RED))
+        self.assertGreater(
+            painted(self.at / "wished.png", plot.RED), painted(self.at / "nothing.png", plot.RED)
+        )
 
 
 if __name__ == "__main__":

@@ -1,5 +1,5 @@
-/// `voxtouch probe` on scene files against the vectors' pose files: counts, sets, forces and torques through the
-/// whole program, from the mesh file to the printed digits.
+/// `voxtouch probe` on scene files against the vectors' pose files: counts, sets, forces and
+/// torques through the whole program, from the mesh file to the printed digits.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -24,23 +24,27 @@ void PrintTo(const Case& c, std::ostream* out) { *out << c.name << ", " << c.mod
 std::vector<Case> cases() {
   std::vector<Case> all;
   for (const auto& pose_file : vector_index().at("poses")) {
-    const std::string name = std::filesystem::path(pose_file.at("file").get<std::string>()).stem().string();
-    for (const char* model : {"original", "adapted"}) all.push_back({name, model});
+    const std::string name =
+        std::filesystem::path(pose_file.at("file").get<std::string>()).stem().string();
+    for (const char* model : {"original", "adapted"})
+      all.push_back({name, model});
   }
   return all;
 }
 
 class ProbeVerb : public testing::TestWithParam<Case> {};
-INSTANTIATE_TEST_SUITE_P(PoseFiles, ProbeVerb, testing::ValuesIn(cases()),
-                         [](const auto& test) { return test.param.name + "__" + test.param.model; });
+INSTANTIATE_TEST_SUITE_P(PoseFiles, ProbeVerb, testing::ValuesIn(cases()), [](const auto& test) {
+  return test.param.name + "__" + test.param.model;
+});
 
 TEST_P(ProbeVerb, PrintsTheVectorsCountsSetsForcesAndTorques) {
   const Case& c = GetParam();
-  const Finished run =
-      voxtouch({"probe", c.scene().string(), "--poses", c.poses().string(), "--model", c.model, "--points"});
+  const Finished run = voxtouch(
+      {"probe", c.scene().string(), "--poses", c.poses().string(), "--model", c.model, "--points"});
   ASSERT_EQ(run.status, 0) << run.err;
   const Table ours = Table::parse(run.out), theirs = Table::read(c.poses());
-  EXPECT_EQ(ours.header(), (std::vector<std::string>{"nS", "nI", "coh", "fx", "fy", "fz", "tx", "ty", "tz", "S"}));
+  EXPECT_EQ(ours.header(),
+            (std::vector<std::string>{"nS", "nI", "coh", "fx", "fy", "fz", "tx", "ty", "tz", "S"}));
   ASSERT_EQ(ours.size(), theirs.size());
   const std::string prefix = c.model.substr(0, 1);
   double largest = 0.0;
@@ -53,20 +57,22 @@ TEST_P(ProbeVerb, PrintsTheVectorsCountsSetsForcesAndTorques) {
     touching += ours.text(row, "nS") != "0";
     for (const char axis : {'x', 'y', 'z'})
       for (const auto& [mine, vectors] : {std::pair{'f', 'F'}, std::pair{'t', 'T'}}) {
-        const double off = ours.number(row, {mine, axis}) - theirs.number(row, prefix + vectors + axis);
+        const double off =
+            ours.number(row, {mine, axis}) - theirs.number(row, prefix + vectors + axis);
         EXPECT_LE(std::abs(off), kTolerance) << mine << axis;
         largest = std::max(largest, std::abs(off));
       }
   }
   EXPECT_GT(touching, ours.size() / 2);
-  std::printf("%s, %s: %zu poses, %zu with contact, largest difference %.1e\n", c.name.c_str(), c.model.c_str(),
-              ours.size(), touching, largest);
+  std::printf("%s, %s: %zu poses, %zu with contact, largest difference %.1e\n", c.name.c_str(),
+              c.model.c_str(), ours.size(), touching, largest);
 }
 
 const Case kOne{"sphere__cylinder__exact", "adapted"};
 
 TEST(Probe, TakesTheScenesModelWhereNoneIsNamedAndPrintsPointsOnlyOnRequest) {
-  const std::vector<std::string> call{"probe", kOne.scene().string(), "--poses", kOne.poses().string()};
+  const std::vector<std::string> call{"probe", kOne.scene().string(), "--poses",
+                                      kOne.poses().string()};
   const auto with = [&](std::vector<std::string> more) {
     more.insert(more.begin(), call.begin(), call.end());
     return voxtouch(more).out;
@@ -85,8 +91,8 @@ TEST(Probe, ReadsPosesFromStandardInput) {
 }
 
 TEST(Probe, PrintsTheSameBytesOnEveryRunAndInEveryLocale) {
-  const std::string call =
-      fmt::format("\"$VOXTOUCH\" probe '{}' --points --poses '{}'", kOne.scene().string(), kOne.poses().string());
+  const std::string call = fmt::format("\"$VOXTOUCH\" probe '{}' --points --poses '{}'",
+                                       kOne.scene().string(), kOne.poses().string());
   const std::string once = shell(call).out;
   EXPECT_EQ(once, shell(call).out);
   EXPECT_EQ(once, shell("LC_ALL=de_DE.UTF-8 " + call).out);
@@ -96,7 +102,8 @@ TEST(Probe, ReferencePrintsTheGapToDeclaredPrimitives) {
   const std::filesystem::path scene = std::filesystem::path(VOXTOUCH_DEPLOY) / "scenes/plane.yaml";
   const Finished run = shell(fmt::format(
       "printf 'tx,ty,tz,qw,qx,qy,qz\\n0,0,0.05,1,0,0,0\\n0.01,-0.02,0.0085,2,0,0,0\\n' | "
-      "\"$VOXTOUCH\" probe '{}' --model reference --poses -", scene.string()));
+      "\"$VOXTOUCH\" probe '{}' --model reference --poses -",
+      scene.string()));
   ASSERT_EQ(run.status, 0) << run.err;
   const Table gaps = Table::parse(run.out);
   ASSERT_EQ(gaps.size(), 2U);

@@ -1,4 +1,5 @@
-/// Scenes that cannot be built: each is refused with a sentence, by the library and by the command line.
+/// Scenes that cannot be built: each is refused with a sentence, by the library and by the command
+/// line.
 #include <gtest/gtest.h>
 
 #include <sys/stat.h>
@@ -28,9 +29,11 @@ const std::filesystem::path kMeshes = std::filesystem::path(VOXTOUCH_DEPLOY) / "
 class RefusedScene : public testing::Test {
  protected:
   /// A scene file of the sphere over a static mesh; `more` are further keys of that.
-  std::filesystem::path scene(const std::string& mesh, const std::string& more = "", double voxel_m = 0.002) const {
+  std::filesystem::path scene(const std::string& mesh, const std::string& more = "",
+                              double voxel_m = 0.002) const {
     std::ofstream(folder_ / "scene.yaml") << fmt::format(
-        "scene: refused\nvoxel_size: {}\nstatic:\n  - {{mesh: {}{}}}\ndynamic: {{mesh: {}, scale: 0.01}}\n"
+        "scene: refused\nvoxel_size: {}\nstatic:\n  - {{mesh: {}{}}}\ndynamic: {{mesh: {}, scale: "
+        "0.01}}\n"
         "contact: {{model: adapted, stiffness_n_per_m: 10}}\n",
         voxel_m, mesh, more, (kMeshes / "sphere.obj").string());
     return folder_ / "scene.yaml";
@@ -46,12 +49,15 @@ class RefusedScene : public testing::Test {
   }
   /// The same through `voxtouch probe`, with the address space limited to 1 GB.
   Finished probed(const std::filesystem::path& file) const {
-    return shell(fmt::format("{}printf 'qw,qx,qy,qz,tx,ty,tz\\n1,0,0,0,0,0,0\\n' | "
-                             "\"$VOXTOUCH\" probe '{}' --poses -", kLimit, file.string()));
+    return shell(
+        fmt::format("{}printf 'qw,qx,qy,qz,tx,ty,tz\\n1,0,0,0,0,0,0\\n' | "
+                    "\"$VOXTOUCH\" probe '{}' --poses -",
+                    kLimit, file.string()));
   }
   void expect_refused(const std::filesystem::path& file, const std::string& says) const {
     const std::string sentence = refusal(file);
-    EXPECT_NE(sentence.find(says), std::string::npos) << "'" << sentence << "' does not hold: " << says;
+    EXPECT_NE(sentence.find(says), std::string::npos)
+        << "'" << sentence << "' does not hold: " << says;
     const Finished run = probed(file);
     EXPECT_EQ(run.status, 1) << run.err;
     EXPECT_EQ(run.out, "");
@@ -73,10 +79,12 @@ TEST_F(RefusedScene, HasAMeshFileWithoutReadPermission) {
   std::filesystem::copy_file(kMeshes / "cup.obj", folder_ / "locked.obj");
   chmod((folder_ / "locked.obj").c_str(), 0);
   std::filesystem::permissions(folder_.path(), std::filesystem::perms(0755));
-  // Nobody may not even reach the project's own folder: all that the scene names stands in the test's.
+  // Nobody may not even reach the project's own folder: all that the scene names stands in the
+  // test's.
   std::filesystem::copy_file(kMeshes / "sphere.obj", folder_ / "sphere.obj");
   const std::filesystem::path locked = folder_ / "locked.yaml";
-  std::ofstream(locked) << "scene: locked\nvoxel_size: 0.002\nstatic: [{mesh: locked.obj}]\ndynamic: {mesh: sphere.obj, scale: 0.01}\n"
+  std::ofstream(locked) << "scene: locked\nvoxel_size: 0.002\nstatic: [{mesh: "
+                           "locked.obj}]\ndynamic: {mesh: sphere.obj, scale: 0.01}\n"
                            "contact: {model: adapted, stiffness_n_per_m: 10}\n";
   const uid_t me = geteuid();
   ASSERT_EQ(seteuid(me == 0 ? 65534 : me), 0);  // root may read everything: be nobody for this line
@@ -86,7 +94,8 @@ TEST_F(RefusedScene, HasAMeshFileWithoutReadPermission) {
 }
 
 TEST_F(RefusedScene, HasAMeshFileThatOpensButCannotBeRead) {
-  const std::filesystem::path unreadable = "/proc/self/mem";  // at its start nothing is mapped: fails for root as well
+  const std::filesystem::path unreadable =
+      "/proc/self/mem";  // at its start nothing is mapped: fails for root as well
   ASSERT_TRUE(std::filesystem::exists(unreadable)) << "/proc must be mounted";
   std::filesystem::create_symlink(unreadable, folder_ / "broken.obj");
   expect_refused(scene("broken.obj"), "broken.obj");
@@ -112,7 +121,8 @@ TEST_F(RefusedScene, NeedsMoreMemoryThanAVoxmapMayTake) {
     EXPECT_NE(sentence.find("TiB"), std::string::npos) << sentence;
     expect_refused(file, "larger voxel size");
   }
-  EXPECT_THROW(rendering::build_scene(scene::load_scene(scene(cup, ", scale: 1000")), serial_for()), voxmap::VoxelBudgetError);
+  EXPECT_THROW(rendering::build_scene(scene::load_scene(scene(cup, ", scale: 1000")), serial_for()),
+               voxmap::VoxelBudgetError);
 }
 
 }  // namespace

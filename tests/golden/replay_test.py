@@ -17,18 +17,38 @@ import time
 import unittest
 
 BIN, DEPLOY = (pathlib.Path(argument).resolve() for argument in sys.argv[1:3])
-STATE, CONTACT, COMMAND = "/haptic/device/state", "/haptic/rendering/contact", "/haptic/coupling/command"
+STATE, CONTACT, COMMAND = (
+    "/haptic/device/state",
+    "/haptic/rendering/contact",
+    "/haptic/coupling/command",
+)
 ASKED, MADE = "/haptic/rendering/change", "/haptic/rendering/made"
-HEADER, NUMBER = 4, 12  # bytes of CDR's encapsulation; where the sequence number of a ring's message stands
-POSE = 28               # and a device state's pose
+HEADER, NUMBER = (
+    4,
+    12,
+)  # bytes of CDR's encapsulation; where the sequence number of a ring's message stands
+POSE = 28  # and a device state's pose
 
 
 def voxtouch(*words, **more):
-    return subprocess.run([BIN / "voxtouch", *map(str, words)], capture_output=True, text=True, timeout=400, **more)
+    return subprocess.run(
+        [BIN / "voxtouch", *map(str, words)], capture_output=True, text=True, timeout=400, **more
+    )
 
 
 def up_words(bag, scene, *words):
-    return ["up", scene, "--device", "sim-phantom", "--one-process", "--no-report", "--record", bag, "--json", *words]
+    return [
+        "up",
+        scene,
+        "--device",
+        "sim-phantom",
+        "--one-process",
+        "--no-report",
+        "--record",
+        bag,
+        "--json",
+        *words,
+    ]
 
 
 def record(bag, scene, *words):
@@ -54,11 +74,18 @@ def edit(bag, sql, *values):
 
 def messages(bag, topic):
     with sqlite3.connect(f"file:{database(bag)}?mode=ro", uri=True) as connection:
-        return connection.execute("SELECT messages.id, data FROM messages JOIN topics ON topics.id = topic_id WHERE name = ? ORDER BY messages.id", (topic,)).fetchall()
+        return connection.execute(
+            "SELECT messages.id, data FROM messages JOIN topics ON topics.id = topic_id WHERE name = ? ORDER BY messages.id",
+            (topic,),
+        ).fetchall()
 
 
 def message_of(bag, topic, number):
-    return next((row, data) for row, data in messages(bag, topic) if struct.unpack_from("<Q", data, NUMBER)[0] == number)
+    return next(
+        (row, data)
+        for row, data in messages(bag, topic)
+        if struct.unpack_from("<Q", data, NUMBER)[0] == number
+    )
 
 
 def scene_of(folder, name, *replacements):
@@ -78,8 +105,23 @@ class Storages(unittest.TestCase):
     def test_a_split_bag_in_mcap_gives_the_same_bits_and_has_its_report(self):
         with tempfile.TemporaryDirectory(prefix="voxtouch_test_replay_") as folder:
             bag = pathlib.Path(folder) / "cup"
-            record(bag, DEPLOY / "scenes/cup.yaml", "--motion", "slide", "--lockstep", "--duration", "1.5", "--record-format", "mcap", "--record-split-s", "0.6")
-            self.assertEqual(sorted(file.name for file in bag.glob("*.mcap")), ["cup_0.mcap", "cup_1.mcap", "cup_2.mcap"])
+            record(
+                bag,
+                DEPLOY / "scenes/cup.yaml",
+                "--motion",
+                "slide",
+                "--lockstep",
+                "--duration",
+                "1.5",
+                "--record-format",
+                "mcap",
+                "--record-split-s",
+                "0.6",
+            )
+            self.assertEqual(
+                sorted(file.name for file in bag.glob("*.mcap")),
+                ["cup_0.mcap", "cup_1.mcap", "cup_2.mcap"],
+            )
             self.assertEqual(list(bag.glob("*.db3")), [])
             status, told, said = replay(bag)
             self.assertEqual(status, 0, said)
@@ -94,7 +136,15 @@ class Replay(unittest.TestCase):
     def setUpClass(cls):
         cls.whole = tempfile.TemporaryDirectory(prefix="voxtouch_test_replay_")
         cls.cup = pathlib.Path(cls.whole.name) / "cup"
-        record(cls.cup, DEPLOY / "scenes/cup.yaml", "--motion", "slide", "--lockstep", "--duration", "2")
+        record(
+            cls.cup,
+            DEPLOY / "scenes/cup.yaml",
+            "--motion",
+            "slide",
+            "--lockstep",
+            "--duration",
+            "2",
+        )
 
     @classmethod
     def tearDownClass(cls):
@@ -114,8 +164,14 @@ class Replay(unittest.TestCase):
         status, said, err = replay(bag)
         self.assertEqual(status, 0, f"{said} {err}")
         self.assertEqual(said["contact"]["compared"], samples, said)
-        self.assertGreaterEqual(said["command"]["compared"], samples, "more where DDS gave the coupling a contact twice")
-        self.assertEqual((said["contact"]["differ"], said["command"]["differ"], said["missing"]), (0, 0, []), said)
+        self.assertGreaterEqual(
+            said["command"]["compared"], samples, "more where DDS gave the coupling a contact twice"
+        )
+        self.assertEqual(
+            (said["contact"]["differ"], said["command"]["differ"], said["missing"]),
+            (0, 0, []),
+            said,
+        )
         return said
 
     def refused(self, bag, *words):
@@ -130,31 +186,72 @@ class Replay(unittest.TestCase):
         self.assertGreater(said["felt"]["returned"]["recorded"]["largest_n"], 0.1)
         self.assertEqual(said["felt"]["returned"]["recorded"], said["felt"]["returned"]["replayed"])
         text = voxtouch("replay", self.cup).stdout
-        for fact in (r"'cup'", r"sim-phantom", r"lockstep", r"2000 samples in 1\.999 s", r"contact +2000 samples .* all equal", r"command +2000 samples .* all equal"):
+        for fact in (
+            r"'cup'",
+            r"sim-phantom",
+            r"lockstep",
+            r"2000 samples in 1\.999 s",
+            r"contact +2000 samples .* all equal",
+            r"command +2000 samples .* all equal",
+        ):
             self.assertRegex(text, fact)
 
     def test_a_recorded_hand_meets_in_a_live_ring_what_it_met_and_the_run_is_not_called_good(self):
         played = self.folder / "played"
-        ran = voxtouch("up", DEPLOY / "scenes/cup.yaml", "--device", f"replay:{self.cup}", "--lockstep", "--one-process", "--no-report", "--record", played, "--json")
+        ran = voxtouch(
+            "up",
+            DEPLOY / "scenes/cup.yaml",
+            "--device",
+            f"replay:{self.cup}",
+            "--lockstep",
+            "--one-process",
+            "--no-report",
+            "--record",
+            played,
+            "--json",
+        )
         told = json.loads(ran.stdout)
         self.assertEqual((ran.returncode, told["ok"]), (1, False), ran.stderr)
-        self.assertEqual([problem for problem in told["problems"] if "recording" not in problem], [], "nothing else is wrong")
+        self.assertEqual(
+            [problem for problem in told["problems"] if "recording" not in problem],
+            [],
+            "nothing else is wrong",
+        )
         self.assertIn(f"recording ({self.cup})", told["problems"][0])
         self.assertIn("recording of 2.0 s", ran.stderr)
         for topic in (CONTACT, COMMAND):  # behind the session, which is another
-            before, after = ([data[NUMBER:] for _, data in messages(bag, topic)] for bag in (self.cup, played))
+            before, after = (
+                [data[NUMBER:] for _, data in messages(bag, topic)] for bag in (self.cup, played)
+            )
             self.assertEqual(len(before), 2000)
             self.assertEqual(before, after, topic)
-        flags = [{struct.unpack_from("<I", data, len(data) - 4)[0] for _, data in messages(bag, STATE)} for bag in (self.cup, played)]
-        self.assertTrue(all(not flag & 32 for flag in flags[0]) and all(flag & 32 for flag in flags[1]), flags)
+        flags = [
+            {struct.unpack_from("<I", data, len(data) - 4)[0] for _, data in messages(bag, STATE)}
+            for bag in (self.cup, played)
+        ]
+        self.assertTrue(
+            all(not flag & 32 for flag in flags[0]) and all(flag & 32 for flag in flags[1]), flags
+        )
         self.assertEqual(replay(played)[0], 0, "and its recording is one that can be replayed")
 
     def test_a_recorded_hand_is_played_slower_and_over_what_a_bag_has_lost(self):
         bag, played = self.copy(), self.folder / "slow"
         row, _ = message_of(bag, STATE, 700)
         self.assertEqual(edit(bag, "DELETE FROM messages WHERE id = ?", row), 1)
-        ran = voxtouch("up", DEPLOY / "scenes/cup.yaml", "--device", f"replay:{bag}", "--device-option", "speed=0.5", "--lockstep", "--one-process", "--no-report", "--record",
-                       played, "--json")
+        ran = voxtouch(
+            "up",
+            DEPLOY / "scenes/cup.yaml",
+            "--device",
+            f"replay:{bag}",
+            "--device-option",
+            "speed=0.5",
+            "--lockstep",
+            "--one-process",
+            "--no-report",
+            "--record",
+            played,
+            "--json",
+        )
         self.assertRegex(ran.stderr, r"\b1 gaps\b.* 2 ms")
         states = messages(played, STATE)
         self.assertEqual(len(states), 3999)
@@ -163,15 +260,22 @@ class Replay(unittest.TestCase):
         self.assertEqual(half[0:1400:2], whole[0:700])
         self.assertEqual(half[1402::2], whole[701:])
         self.assertNotEqual(half[1400], whole[700], "it is reckoned")
-        self.assertTrue(all(abs(a - b) < 1e-4 for a, b in zip(half[1400], whole[700])), "and close: within some steps of the encoder")
+        self.assertTrue(
+            all(abs(a - b) < 1e-4 for a, b in zip(half[1400], whole[700])),
+            "and close: within some steps of the encoder",
+        )
 
     def other_build(self, *lines):
         """A build's folder whose program is this build's, and what it wrote is changed by `lines` of Python."""
         program = self.folder / "other/bin/voxtouch"
         program.parent.mkdir(parents=True)
-        program.write_text(f"#!/usr/bin/python3\nimport sqlite3, struct, subprocess, sys\n"
-                           f"status = subprocess.run([{str(BIN / 'voxtouch')!r}, *sys.argv[1:]]).returncode\n"
-                           f"made = sys.argv[sys.argv.index('--write') + 1]\n" + "\n".join(lines) + "\nsys.exit(status)\n")
+        program.write_text(
+            f"#!/usr/bin/python3\nimport sqlite3, struct, subprocess, sys\n"
+            f"status = subprocess.run([{str(BIN / 'voxtouch')!r}, *sys.argv[1:]]).returncode\n"
+            f"made = sys.argv[sys.argv.index('--write') + 1]\n"
+            + "\n".join(lines)
+            + "\nsys.exit(status)\n"
+        )
         program.chmod(0o755)
         return program.parents[1]
 
@@ -180,28 +284,57 @@ class Replay(unittest.TestCase):
         self.assertEqual(replay(self.cup, "--write", made)[0], 0)
         self.equal(made, 2000)
         for topic in (STATE, CONTACT, COMMAND, MADE):
-            self.assertEqual([data for _, data in messages(made, topic)], [data for _, data in messages(self.cup, topic)], topic)
+            self.assertEqual(
+                [data for _, data in messages(made, topic)],
+                [data for _, data in messages(self.cup, topic)],
+                topic,
+            )
         scene = scene_of(self.folder, "cup", ("stiffness_n_per_m: 30}", "stiffness_n_per_m: 15}"))
-        self.assertEqual(replay(self.cup, "--scene", scene, "--write", changed)[0], 1, "the recording is of the stiffer scene")
+        self.assertEqual(
+            replay(self.cup, "--scene", scene, "--write", changed)[0],
+            1,
+            "the recording is of the stiffer scene",
+        )
         status, said, err = replay(changed, "--scene", scene)
-        self.assertEqual((status, said["contact"]["differ"], said["command"]["differ"]), (0, 0, 0), err)
+        self.assertEqual(
+            (status, said["contact"]["differ"], said["command"]["differ"]), (0, 0, 0), err
+        )
         self.assertIn("exists", self.refused(self.cup, "--write", made))
 
     def test_two_builds_are_held_against_each_other_on_a_recorded_hand(self):
         status, said, _ = replay(self.cup, "--against", BIN.parent)
-        self.assertEqual((status, said["ok"], said["other_build"], said["bag"]), (0, True, str(BIN.parent), str(self.cup)))
+        self.assertEqual(
+            (status, said["ok"], said["other_build"], said["bag"]),
+            (0, True, str(BIN.parent), str(self.cup)),
+        )
         bag = self.copy()  # what was recorded does not count
         row, data = message_of(bag, COMMAND, 900)
-        edit(bag, "UPDATE messages SET data = ? WHERE id = ?", data[:NUMBER + 24] + struct.pack("<d", 1.5) + data[NUMBER + 32:], row)
-        other = self.other_build("import glob", "with sqlite3.connect(glob.glob(made + '/*.db3')[0]) as bag:",
-                                 f"    rows = bag.execute(\"SELECT messages.id, data FROM messages JOIN topics ON topics.id = topic_id WHERE name = '{COMMAND}'\").fetchall()",
-                                 f"    row, data = next(r for r in rows if struct.unpack_from('<Q', r[1], {NUMBER})[0] == 700)",
-                                 f"    x = struct.unpack_from('<d', data, {NUMBER + 24})[0]",
-                                 f"    bag.execute('UPDATE messages SET data = ? WHERE id = ?', (data[:{NUMBER + 24}] + struct.pack('<d', x + 0.25) + data[{NUMBER + 32}:], row))")
+        edit(
+            bag,
+            "UPDATE messages SET data = ? WHERE id = ?",
+            data[: NUMBER + 24] + struct.pack("<d", 1.5) + data[NUMBER + 32 :],
+            row,
+        )
+        other = self.other_build(
+            "import glob",
+            "with sqlite3.connect(glob.glob(made + '/*.db3')[0]) as bag:",
+            f"    rows = bag.execute(\"SELECT messages.id, data FROM messages JOIN topics ON topics.id = topic_id WHERE name = '{COMMAND}'\").fetchall()",
+            f"    row, data = next(r for r in rows if struct.unpack_from('<Q', r[1], {NUMBER})[0] == 700)",
+            f"    x = struct.unpack_from('<d', data, {NUMBER + 24})[0]",
+            f"    bag.execute('UPDATE messages SET data = ? WHERE id = ?', (data[:{NUMBER + 24}] + struct.pack('<d', x + 0.25) + data[{NUMBER + 32}:], row))",
+        )
         picture = self.folder / "builds.svg"
         status, said, err = replay(bag, "--against", other, "--plot", picture)
-        self.assertEqual((status, said["contact"]["differ"], said["command"]["differ"]), (1, 0, 1), err)
-        self.assertEqual([said["command"]["first"]["sample"], [field["field"] for field in said["command"]["first"]["fields"]]], [700, ["wrench.force.x"]])
+        self.assertEqual(
+            (status, said["contact"]["differ"], said["command"]["differ"]), (1, 0, 1), err
+        )
+        self.assertEqual(
+            [
+                said["command"]["first"]["sample"],
+                [field["field"] for field in said["command"]["first"]["fields"]],
+            ],
+            [700, ["wrench.force.x"]],
+        )
         self.assertAlmostEqual(said["command"]["largest_force"]["n"], 0.25)
         self.assertIn("other build", picture.read_text())
         self.assertIn(f"{other} makes", voxtouch("replay", bag, "--against", other).stdout)
@@ -216,36 +349,94 @@ class Replay(unittest.TestCase):
 
     def test_what_holds_no_hand_is_not_played(self):
         empty = self.copy()
-        edit(empty, "DELETE FROM messages WHERE topic_id IN (SELECT id FROM topics WHERE name = '/haptic/device/description')")
+        edit(
+            empty,
+            "DELETE FROM messages WHERE topic_id IN (SELECT id FROM topics WHERE name = '/haptic/device/description')",
+        )
         unit = self.copy("unit")
         row, data = message_of(unit, STATE, 5)
-        edit(unit, "UPDATE messages SET data = ? WHERE id = ?", data[:POSE] + struct.pack("<d", float("nan")) + data[POSE + 8:], row)
-        for bag, words, says in ((empty, (), "does not say what device gave its samples"), (unit, (), "pose of the device that this version does not read"),
-                                 (self.folder / "none", (), "none"), (self.cup, ("--device-option", "rig=other"), "holds no rig 'other', but haptic"),
-                                 (self.cup, ("--device-option", "speed=20"), "speed is '20'"), (self.cup, ("--hand", "pen"), "recorded hand goes where it was recorded")):
-            ran = voxtouch("up", DEPLOY / "scenes/cup.yaml", "--device", f"replay:{bag}", "--lockstep", "--one-process", "--no-report", "--no-record", *words)
+        edit(
+            unit,
+            "UPDATE messages SET data = ? WHERE id = ?",
+            data[:POSE] + struct.pack("<d", float("nan")) + data[POSE + 8 :],
+            row,
+        )
+        for bag, words, says in (
+            (empty, (), "does not say what device gave its samples"),
+            (unit, (), "pose of the device that this version does not read"),
+            (self.folder / "none", (), "none"),
+            (self.cup, ("--device-option", "rig=other"), "holds no rig 'other', but haptic"),
+            (self.cup, ("--device-option", "speed=20"), "speed is '20'"),
+            (self.cup, ("--hand", "pen"), "recorded hand goes where it was recorded"),
+        ):
+            ran = voxtouch(
+                "up",
+                DEPLOY / "scenes/cup.yaml",
+                "--device",
+                f"replay:{bag}",
+                "--lockstep",
+                "--one-process",
+                "--no-report",
+                "--no-record",
+                *words,
+            )
             self.assertEqual(ran.returncode, 1, says)
             self.assertIn(says, ran.stderr + ran.stdout)
 
     def test_moving_objects_and_a_virtual_tool_give_the_same_bits(self):
-        for scene, motion in (("objects", "slide"), ("cup_virtual_tool", "slide"), ("block", "fall")):
+        for scene, motion in (
+            ("objects", "slide"),
+            ("cup_virtual_tool", "slide"),
+            ("block", "fall"),
+        ):
             with self.subTest(scene):
-                record(self.folder / scene, DEPLOY / f"scenes/{scene}.yaml", "--motion", motion, "--lockstep", "--duration", "2")
+                record(
+                    self.folder / scene,
+                    DEPLOY / f"scenes/{scene}.yaml",
+                    "--motion",
+                    motion,
+                    "--lockstep",
+                    "--duration",
+                    "2",
+                )
                 self.equal(self.folder / scene, 2000)
 
     def test_the_clutch_gives_the_same_bits(self):
         scene = scene_of(self.folder, "plane")
-        text = re.sub(r"^device:.*$", "device: {position_scale: 1, force_scale: 1, clutch_button: 0}", scene.read_text(), flags=re.M)
-        scene.write_text(re.sub(r"^motions:.*$", "motions:\n  clutched: {path: [[0, 0, 0.03], [0, 0, 0.007]], speed_m_per_s: 0.1, hold_s: 0.2, "
-                                "press: [{button: 0, from_s: 1, to_s: 1.5}]}", text, flags=re.M))
-        record(self.folder / "bag", scene, "--motion", "clutched", "--lockstep", "--duration", "2.5")
-        clutched = [data for _, data in messages(self.folder / "bag", COMMAND) if struct.unpack_from("<3d", data, HEADER + 32) == (0.0, 0.0, 0.0)]
+        text = re.sub(
+            r"^device:.*$",
+            "device: {position_scale: 1, force_scale: 1, clutch_button: 0}",
+            scene.read_text(),
+            flags=re.M,
+        )
+        scene.write_text(
+            re.sub(
+                r"^motions:.*$",
+                "motions:\n  clutched: {path: [[0, 0, 0.03], [0, 0, 0.007]], speed_m_per_s: 0.1, hold_s: 0.2, "
+                "press: [{button: 0, from_s: 1, to_s: 1.5}]}",
+                text,
+                flags=re.M,
+            )
+        )
+        record(
+            self.folder / "bag", scene, "--motion", "clutched", "--lockstep", "--duration", "2.5"
+        )
+        clutched = [
+            data
+            for _, data in messages(self.folder / "bag", COMMAND)
+            if struct.unpack_from("<3d", data, HEADER + 32) == (0.0, 0.0, 0.0)
+        ]
         self.assertGreater(len(clutched), 500)
         self.equal(self.folder / "bag", 2500)
 
     def change(self, bag, scene, changes, *words):
         """Records a run that is changed while it runs: by numbers of samples in lockstep, else at once."""
-        ring = subprocess.Popen([BIN / "voxtouch", *map(str, up_words(bag, scene, *words))], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        ring = subprocess.Popen(
+            [BIN / "voxtouch", *map(str, up_words(bag, scene, *words))],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
         try:
             for change in changes:
                 for _ in range(60):
@@ -260,30 +451,73 @@ class Replay(unittest.TestCase):
             ring.communicate()
 
     def test_changes_and_a_scene_that_is_built_anew_hold_from_their_samples(self):
-        changes = [("friction", "coulomb=0.2", "--from-sample", 4000), ("friction", "stiffness_n_per_m=80", "--from-sample", 10000),
-                   ("--reload", "--voxel-size", 0.003, "--from-sample", 16000)]
-        self.change(self.folder / "bag", DEPLOY / "scenes/cup_friction.yaml", changes, "--motion", "slide", "--lockstep", "--duration", "20")
+        changes = [
+            ("friction", "coulomb=0.2", "--from-sample", 4000),
+            ("friction", "stiffness_n_per_m=80", "--from-sample", 10000),
+            ("--reload", "--voxel-size", 0.003, "--from-sample", 16000),
+        ]
+        self.change(
+            self.folder / "bag",
+            DEPLOY / "scenes/cup_friction.yaml",
+            changes,
+            "--motion",
+            "slide",
+            "--lockstep",
+            "--duration",
+            "20",
+        )
         bag = self.folder / "bag"
         self.assertEqual(self.equal(bag, 20000)["changes"], 3)
         self.assertEqual(len(messages(bag, MADE)), 3)
         before = pathlib.Path(shutil.copytree(bag, self.folder / "before"))
         forget = "DELETE FROM messages WHERE topic_id = (SELECT id FROM topics WHERE name = ?)"
         edit(bag, forget, ASKED)
-        self.assertEqual(self.equal(bag, 20000)["changes"], 3, "the record of what was made is enough")
+        self.assertEqual(
+            self.equal(bag, 20000)["changes"], 3, "the record of what was made is enough"
+        )
         edit(before, forget, MADE)
         edit(before, "DELETE FROM topics WHERE name = ?", MADE)
-        self.assertEqual(self.equal(before, 20000)["changes"], 3, "a bag of before has question and answer")
+        self.assertEqual(
+            self.equal(before, 20000)["changes"], 3, "a bag of before has question and answer"
+        )
         edit(bag, forget, MADE)
         status, said, _ = replay(bag)
         self.assertEqual((status, said["changes"]), (1, 0))
-        self.assertTrue(any(re.search(r"\b3 changes\b.*\b0\b", s) for s in said["missing"]), said["missing"])
+        self.assertTrue(
+            any(re.search(r"\b3 changes\b.*\b0\b", s) for s in said["missing"]), said["missing"]
+        )
 
     def test_a_record_more_than_the_rendering_counts_is_said(self):
         """As in a bag of `ros2 bag record`, which takes a stranger's record too: our recorder refuses it (tests/ring/forged_record_test.cpp)."""
         bag = self.copy()
         session = struct.unpack_from("<Q", message_of(bag, STATE, 0)[1], HEADER)[0]
-        forged = b"\0\1\0\0" + struct.pack("<QQQI I9s3x I1s7x 3dd I1s", 0, session, 1000, 1, 9, b"friction\0", 1, b"\0", 0.0, 0.0, 0.0, 0.0, 1, b"\0")
-        self.assertEqual(edit(bag, "INSERT INTO messages (topic_id, timestamp, data) SELECT id, ?, ? FROM topics WHERE name = ?", 1_000_000_000, forged, MADE), 1)
+        forged = b"\0\1\0\0" + struct.pack(
+            "<QQQI I9s3x I1s7x 3dd I1s",
+            0,
+            session,
+            1000,
+            1,
+            9,
+            b"friction\0",
+            1,
+            b"\0",
+            0.0,
+            0.0,
+            0.0,
+            0.0,
+            1,
+            b"\0",
+        )
+        self.assertEqual(
+            edit(
+                bag,
+                "INSERT INTO messages (topic_id, timestamp, data) SELECT id, ?, ? FROM topics WHERE name = ?",
+                1_000_000_000,
+                forged,
+                MADE,
+            ),
+            1,
+        )
         status, said, err = replay(bag)
         self.assertEqual((status, said["changes"]), (0, 1), f"{said} {err}")
         self.assertIn("sample 1000", said["missing"][0])
@@ -300,16 +534,28 @@ class Replay(unittest.TestCase):
         return said
 
     def test_a_run_in_real_time_gives_the_same_bits_or_says_what_is_missing(self):
-        record(self.folder / "bag", DEPLOY / "scenes/cup.yaml", "--motion", "slide", "--duration", "3")
+        record(
+            self.folder / "bag", DEPLOY / "scenes/cup.yaml", "--motion", "slide", "--duration", "3"
+        )
         said = self.real_time(self.folder / "bag")
         self.assertFalse(said["lockstep"])
 
     def test_in_real_time_the_commands_tell_from_where_a_new_design_holds(self):
-        self.change(self.folder / "bag", DEPLOY / "scenes/cup_friction.yaml", [("friction", "stiffness_n_per_m=80", "--from-sample", 2000)],
-                    "--motion", "slide", "--duration", "6")
+        self.change(
+            self.folder / "bag",
+            DEPLOY / "scenes/cup_friction.yaml",
+            [("friction", "stiffness_n_per_m=80", "--from-sample", 2000)],
+            "--motion",
+            "slide",
+            "--duration",
+            "6",
+        )
         said = self.real_time(self.folder / "bag")
         self.assertEqual(said["changes"], 1)
-        self.assertTrue(said["missing"] or any(note.startswith("Design 2 began ") for note in said["notes"]), said)
+        self.assertTrue(
+            said["missing"] or any(note.startswith("Design 2 began ") for note in said["notes"]),
+            said,
+        )
 
     def test_one_bit_of_a_device_sample_is_found_at_its_sample(self):
         bag = self.copy()
@@ -330,21 +576,36 @@ class Replay(unittest.TestCase):
 
     def test_a_wrench_from_outside_is_felt_from_the_sample_that_saw_it_until_it_is_late(self):
         bag = self.folder / "bag"
-        record(bag, DEPLOY / "scenes/cup_external.yaml", "--motion", "rest", "--lockstep", "--duration", "1")
+        record(
+            bag,
+            DEPLOY / "scenes/cup_external.yaml",
+            "--motion",
+            "rest",
+            "--lockstep",
+            "--duration",
+            "1",
+        )
         self.equal(bag, 1000)
-        session, number, time_ns = struct.unpack_from("<QQq", message_of(bag, STATE, 500)[1], HEADER)
+        session, number, time_ns = struct.unpack_from(
+            "<QQq", message_of(bag, STATE, 500)[1], HEADER
+        )
         taken = struct.pack("<4xQQq6d", session, number, time_ns, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0)
         insert = "INSERT INTO messages (topic_id, timestamp, data) SELECT id, ?, ? FROM topics WHERE name = '/haptic/rendering/external'"
         self.assertEqual(edit(bag, insert, time_ns, b"\x00\x01\x00\x00" + taken[4:]), 1)
         status, said, _ = replay(bag)
         self.assertEqual((status, said["contact"]["first"]["sample"]), (1, 500), said)
-        self.assertIn("effects_wrench.force.y", [f["field"] for f in said["contact"]["first"]["fields"]])
+        self.assertIn(
+            "effects_wrench.force.y", [f["field"] for f in said["contact"]["first"]["fields"]]
+        )
         # 50 ms until it is late, 20 ms of fade from 1 N with 50 N/s; the hand rests, so that it is given no energy.
         self.assertTrue(68 <= said["contact"]["differ"] <= 74, said)
 
     def test_one_bit_of_a_recorded_answer_is_found_and_nothing_else(self):
-        for topic, at, name, field in ((CONTACT, HEADER + 24 + 112, "contact", "wrench.force.x"), (COMMAND, HEADER + 32, "command", "wrench.force.x"),
-                                       (COMMAND, HEADER + 108, "command", "injected_n")):
+        for topic, at, name, field in (
+            (CONTACT, HEADER + 24 + 112, "contact", "wrench.force.x"),
+            (COMMAND, HEADER + 32, "command", "wrench.force.x"),
+            (COMMAND, HEADER + 108, "command", "injected_n"),
+        ):
             with self.subTest(topic):
                 bag = self.copy(f"{name}.{field}")
                 row, data = message_of(bag, topic, 777)
@@ -352,8 +613,16 @@ class Replay(unittest.TestCase):
                 changed[at] ^= 1
                 edit(bag, "UPDATE messages SET data = ? WHERE id = ?", bytes(changed), row)
                 status, said, _ = replay(bag)
-                self.assertEqual((status, said["contact"]["differ"] + said["command"]["differ"]), (1, 1), said)
-                self.assertEqual((said[name]["first"]["sample"], [f["field"] for f in said[name]["first"]["fields"]]), (777, [field]))
+                self.assertEqual(
+                    (status, said["contact"]["differ"] + said["command"]["differ"]), (1, 1), said
+                )
+                self.assertEqual(
+                    (
+                        said[name]["first"]["sample"],
+                        [f["field"] for f in said[name]["first"]["fields"]],
+                    ),
+                    (777, [field]),
+                )
 
     def test_another_scene_is_said_and_its_forces_stand_beside_the_recorded_ones(self):
         scene = scene_of(self.folder, "cup", ("voxel_size: 0.002", "voxel_size: 0.003"))
@@ -361,13 +630,18 @@ class Replay(unittest.TestCase):
         ran = voxtouch("replay", self.cup, "--scene", scene, "--plot", picture)
         self.assertEqual(ran.returncode, 1, ran.stderr)
         self.assertRegex(ran.stdout, r"'cup' \([0-9a-f]{16}\).*'cup' \([0-9a-f]{16}\)")
-        self.assertRegex(ran.stdout, r"returned +\d+\.\d{3} +\d+\.\d{3} +\d+\.\d % +\d+\.\d{3} +\d+\.\d{3} +\d+\.\d %")
+        self.assertRegex(
+            ran.stdout,
+            r"returned +\d+\.\d{3} +\d+\.\d{3} +\d+\.\d % +\d+\.\d{3} +\d+\.\d{3} +\d+\.\d %",
+        )
         self.assertEqual(picture.read_bytes()[:4], b"\x89PNG")
         status, said, _ = replay(self.cup, "--scene", scene)
         self.assertEqual((status, said["scene"]["same"]), (1, False))
         self.assertGreater(said["contact"]["differ"], 100)
         self.assertGreater(said["contact"]["largest_force"]["n"], 0.01)
-        self.assertNotEqual(said["felt"]["rendered"]["recorded"], said["felt"]["rendered"]["replayed"])
+        self.assertNotEqual(
+            said["felt"]["rendered"]["recorded"], said["felt"]["rendered"]["replayed"]
+        )
 
     def test_a_scene_file_that_has_changed_since_or_is_gone_is_said(self):
         scene = scene_of(self.folder, "plane")
@@ -375,7 +649,11 @@ class Replay(unittest.TestCase):
         self.equal(self.folder / "bag", 1000)
         scene.write_text(scene.read_text() + "# a word more\n")
         status, said, _ = replay(self.folder / "bag")
-        self.assertEqual((status, said["scene"]["same"]), (0, False), "it is another file, and gives the same bits")
+        self.assertEqual(
+            (status, said["scene"]["same"]),
+            (0, False),
+            "it is another file, and gives the same bits",
+        )
         scene.unlink()
         self.assertIn("--scene", self.refused(self.folder / "bag"))
 
@@ -393,7 +671,12 @@ class Replay(unittest.TestCase):
             for number in (0, 1):
                 edit(bag, "DELETE FROM messages WHERE id = ?", message_of(bag, topic, number)[0])
         _, said, _ = replay(bag)
-        self.assertTrue(any(re.search(r"\b2 contacts\b.*\bsample 0\b.*\bsample 2\b", s) for s in said["missing"]), said["missing"])
+        self.assertTrue(
+            any(
+                re.search(r"\b2 contacts\b.*\bsample 0\b.*\bsample 2\b", s) for s in said["missing"]
+            ),
+            said["missing"],
+        )
         bag = self.copy("silent")
         for topic in (STATE, CONTACT, COMMAND):
             edit(bag, "DELETE FROM messages WHERE id = ?", message_of(bag, topic, 900)[0])
@@ -402,12 +685,19 @@ class Replay(unittest.TestCase):
 
     def test_a_command_that_the_recorder_got_twice_is_made_once(self):
         bag = self.copy()
-        edit(bag, "INSERT INTO messages (topic_id, timestamp, data) SELECT topic_id, timestamp, data FROM messages WHERE id = ?", message_of(bag, COMMAND, 1300)[0])
+        edit(
+            bag,
+            "INSERT INTO messages (topic_id, timestamp, data) SELECT topic_id, timestamp, data FROM messages WHERE id = ?",
+            message_of(bag, COMMAND, 1300)[0],
+        )
         self.assertIn("1 messages", self.equal(bag, 2000)["notes"][0])
 
     def test_what_cannot_be_replayed_gets_a_sentence(self):
         bag = self.copy("undescribed")
-        edit(bag, "DELETE FROM messages WHERE topic_id = (SELECT id FROM topics WHERE name = '/haptic/device/description')")
+        edit(
+            bag,
+            "DELETE FROM messages WHERE topic_id = (SELECT id FROM topics WHERE name = '/haptic/device/description')",
+        )
         self.assertIn("/haptic/device/description", self.refused(bag))
         bag = self.copy("truncated")
         os.truncate(database(bag), database(bag).stat().st_size // 2)
@@ -416,7 +706,11 @@ class Replay(unittest.TestCase):
         edit(bag, "UPDATE topics SET name = '/camera' || name, type = 'sensor_msgs/msg/Image'")
         self.assertIn("/<rig>/device/state", self.refused(bag))
         bag = self.copy("other version")
-        edit(bag, "UPDATE messages SET data = substr(data, 1, 100) WHERE topic_id = (SELECT id FROM topics WHERE name = ?)", STATE)
+        edit(
+            bag,
+            "UPDATE messages SET data = substr(data, 1, 100) WHERE topic_id = (SELECT id FROM topics WHERE name = ?)",
+            STATE,
+        )
         self.assertIn("another version", self.refused(bag))
         bag = self.copy("empty")
         edit(bag, "DELETE FROM messages")

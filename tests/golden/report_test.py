@@ -34,22 +34,36 @@ SHELL = {**os.environ, "LC_ALL": "C.UTF-8"}
 
 
 def voxtouch(*words, **more):
-    return subprocess.run([BIN / "voxtouch", *map(str, words)], capture_output=True, text=True, env={**SHELL, **more.pop("env", {})}, **more)
+    return subprocess.run(
+        [BIN / "voxtouch", *map(str, words)],
+        capture_output=True,
+        text=True,
+        env={**SHELL, **more.pop("env", {})},
+        **more,
+    )
 
 
 def up(*words, scene=DEPLOY / "scenes/cup.yaml", **more):
-    return voxtouch("up", scene, "--device", "sim-phantom", "--one-process", "--json", *words, **more)
+    return voxtouch(
+        "up", scene, "--device", "sim-phantom", "--one-process", "--json", *words, **more
+    )
 
 
 def rows(bag, topic):
     """Messages of a topic without their encapsulation, read by this test alone."""
     with sqlite3.connect(f"file:{next(bag.glob('*.db3'))}?mode=ro", uri=True) as connection:
-        return [data[4:] for (data,) in connection.execute(
-            "SELECT data FROM messages JOIN topics ON topics.id = topic_id WHERE name = ? ORDER BY messages.id", (topic,))]
+        return [
+            data[4:]
+            for (data,) in connection.execute(
+                "SELECT data FROM messages JOIN topics ON topics.id = topic_id WHERE name = ? ORDER BY messages.id",
+                (topic,),
+            )
+        ]
 
 
 class Page(html.parser.HTMLParser):
     """What a browser would find: texts by section, attributes, and whether every element is closed."""
+
     VOID = {"meta", "br", "link", "img", "input", "hr"}
 
     def __init__(self, file):
@@ -81,7 +95,9 @@ class Page(html.parser.HTMLParser):
             self.text += data + " "
 
     def every(self, tag, key):
-        return [attributes[key] for name, attributes in self.tags if name == tag and key in attributes]
+        return [
+            attributes[key] for name, attributes in self.tags if name == tag and key in attributes
+        ]
 
 
 class Reports(unittest.TestCase):
@@ -105,7 +121,10 @@ class Reports(unittest.TestCase):
 
     def says(self, page, *sentences):
         for sentence in sentences:
-            self.assertTrue(sentence in page.text, f"the page does not say '{sentence}'; it says: {page.text[:600]} ...")
+            self.assertTrue(
+                sentence in page.text,
+                f"the page does not say '{sentence}'; it says: {page.text[:600]} ...",
+            )
 
     def report_of(self, bag, *words):
         """The page that the verb writes."""
@@ -136,15 +155,20 @@ class Reports(unittest.TestCase):
     def alter(self, bag, topic, at, new, first=0, count=1 << 30):
         """Other bytes at a place, counted behind the encapsulation, of some messages of a topic."""
         with sqlite3.connect(next(bag.glob("*.db3"))) as connection:
-            for row, data in connection.execute("SELECT m.id, data FROM messages m JOIN topics t ON t.id = topic_id WHERE name = ? ORDER BY m.id LIMIT ? OFFSET ?",
-                                                (f"/haptic/{topic}", count, first)).fetchall():
-                connection.execute("UPDATE messages SET data = ? WHERE id = ?", (data[:at + 4] + new + data[at + 4 + len(new):], row))
+            for row, data in connection.execute(
+                "SELECT m.id, data FROM messages m JOIN topics t ON t.id = topic_id WHERE name = ? ORDER BY m.id LIMIT ? OFFSET ?",
+                (f"/haptic/{topic}", count, first),
+            ).fetchall():
+                connection.execute(
+                    "UPDATE messages SET data = ? WHERE id = ?",
+                    (data[: at + 4] + new + data[at + 4 + len(new) :], row),
+                )
         connection.close()
         return bag
 
     # ------------------------------------------------------------------------------------------------------------- figures
     def test_the_figures_are_those_of_the_summary_and_of_the_bytes_of_the_bag(self):
-        figures, = self.page.figures
+        (figures,) = self.page.figures
         commands = rows(self.bag, "/haptic/coupling/command")
         force = [math.dist((0, 0, 0), struct.unpack_from("<3d", m, 32)) for m in commands]
         states = rows(self.bag, "/haptic/device/state")
@@ -153,7 +177,10 @@ class Reports(unittest.TestCase):
         self.assertGreater(self.summary["max_force_n"], 0.1)
         for value in (self.summary["max_force_n"], max(force)):
             self.assertAlmostEqual(figures["max_force_n"], value, 9)
-        for value in (self.summary["answered"], len({struct.unpack_from("<Q", m, 8) for m in commands} & numbers)):
+        for value in (
+            self.summary["answered"],
+            len({struct.unpack_from("<Q", m, 8) for m in commands} & numbers),
+        ):
             self.assertEqual(figures["answered"], value)
         for value in (self.summary["rate_hz"], (len(stamps) - 1) / (stamps[-1] - stamps[0])):
             self.assertAlmostEqual(figures["rate_hz"], value, 6)
@@ -162,7 +189,10 @@ class Reports(unittest.TestCase):
         self.assertEqual(figures["held_samples"], self.summary["held_samples"])
         for name in ("capped_samples", "bounded_samples", "passivity_samples"):
             self.assertEqual(figures[name], self.summary["coupling"][name])
-        limit, = {struct.unpack_from("<d", m, 8 + 4 + 12 + 8 + 0)[0] for m in rows(self.bag, "/haptic/device/description")}
+        (limit,) = {
+            struct.unpack_from("<d", m, 8 + 4 + 12 + 8 + 0)[0]
+            for m in rows(self.bag, "/haptic/device/description")
+        }
         self.assertAlmostEqual(figures["share_of_limit"], max(force) / limit, 9)
         self.says(self.page, f"{max(force):.3g} N")
 
@@ -183,7 +213,11 @@ class Reports(unittest.TestCase):
         self.assertEqual(self.page.problems, [])
         for key in ("src", "href", "xlink:href", "data", "action"):
             for tag in {tag for tag, _ in self.page.tags}:
-                self.assertEqual([link for link in self.page.every(tag, key) if not link.startswith("#")], [], f"<{tag} {key}>")
+                self.assertEqual(
+                    [link for link in self.page.every(tag, key) if not link.startswith("#")],
+                    [],
+                    f"<{tag} {key}>",
+                )
         for word in ("@import", "url(http", "<img", "<iframe"):
             self.assertNotIn(word, self.page.source)
         ids = [attributes["id"] for _, attributes in self.page.tags if "id" in attributes]
@@ -197,32 +231,73 @@ class Reports(unittest.TestCase):
         self.assertLess(len(self.page.source), 2_000_000)
 
     def test_light_and_dark_both_have_every_colour_and_enough_contrast(self):
-        light, dark = (dict(pair.split(":", 1) for pair in part.split("}")[0].replace("\n", "").replace(" ", "").split(";") if pair.startswith("--"))
-                       for part in run_page.CSS.split(":root")[1:3] for part in [part.split("{", 1)[1]])
+        light, dark = (
+            dict(
+                pair.split(":", 1)
+                for pair in part.split("}")[0].replace("\n", "").replace(" ", "").split(";")
+                if pair.startswith("--")
+            )
+            for part in run_page.CSS.split(":root")[1:3]
+            for part in [part.split("{", 1)[1]]
+        )
 
         def luminance(colour):
             colour = colour if len(colour) == 7 else "#" + "".join(2 * c for c in colour[1:])
-            parts = [int(colour[i:i + 2], 16) / 255 for i in (1, 3, 5)]
-            return sum(w * (c / 12.92 if c <= 0.03928 else ((c + 0.055) / 1.055) ** 2.4) for w, c in zip((0.2126, 0.7152, 0.0722), parts))
+            parts = [int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5)]
+            return sum(
+                w * (c / 12.92 if c <= 0.03928 else ((c + 0.055) / 1.055) ** 2.4)
+                for w, c in zip((0.2126, 0.7152, 0.0722), parts)
+            )
+
         for theme in (light, dark):
-            for name in ("ink", "quiet", "returned", "contact", "y", "z", "depth", "bad", "good", "link"):
+            for name in (
+                "ink",
+                "quiet",
+                "returned",
+                "contact",
+                "y",
+                "z",
+                "depth",
+                "bad",
+                "good",
+                "link",
+            ):
                 for ground in ("panel", "ground"):
-                    a, b = sorted((luminance(theme["--" + name]), luminance(theme["--" + ground])), reverse=True)
+                    a, b = sorted(
+                        (luminance(theme["--" + name]), luminance(theme["--" + ground])),
+                        reverse=True,
+                    )
                     self.assertGreater((a + 0.05) / (b + 0.05), 4.5, f"{name} on {ground}")
         for name in run_pictures.THEME.values():
             self.assertIn("--" + name, light)
             self.assertIn("--" + name, dark)
         for name, colour in vars(run_pictures).items():
-            self.assertTrue(not isinstance(colour, str) or not colour.startswith("#") or colour in run_pictures.THEME, f"{name} does not follow the page")
-        drawn = {word for word in self.page.source.replace(";", " ").replace('"', " ").split() if len(word) == 7 and word[0] == "#" and
-                 all(c in "0123456789abcdef" for c in word[1:])}
+            self.assertTrue(
+                not isinstance(colour, str)
+                or not colour.startswith("#")
+                or colour in run_pictures.THEME,
+                f"{name} does not follow the page",
+            )
+        drawn = {
+            word
+            for word in self.page.source.replace(";", " ").replace('"', " ").split()
+            if len(word) == 7 and word[0] == "#" and all(c in "0123456789abcdef" for c in word[1:])
+        }
         in_css = set(run_page.CSS.replace(";", " ").split())
         self.assertEqual(drawn - in_css, set(), "a colour of a picture does not follow the page")
 
     def test_titles_say_what_is_seen_and_the_caption_tells_the_two_forces_apart(self):
-        figures, = self.page.figures
-        self.says(self.page, f"{figures['max_force_n']:.3g} N", f"{figures['max_depth_mm']:.3g} mm deep",
-                  "[N]", "[mm]", "[mJ]", "[s]", "[%]")
+        (figures,) = self.page.figures
+        self.says(
+            self.page,
+            f"{figures['max_force_n']:.3g} N",
+            f"{figures['max_depth_mm']:.3g} mm deep",
+            "[N]",
+            "[mm]",
+            "[mJ]",
+            "[s]",
+            "[%]",
+        )
         run = run_data.Run(self.bag)
         for name in ("force", "peak", "felt", "depth", "latency", "energy"):
             axes = getattr(run_pictures, name + "_picture")([run]).axes
@@ -233,9 +308,16 @@ class Reports(unittest.TestCase):
     def test_coupling_scene_and_what_went_wrong_are_told_in_sentences(self):
         self.says(self.page, "margin of 2")
         self.says(self.page, "Voxmap of 1")
-        on_a_busy_machine = [row for row in run_data.Run(self.bag).faults() if "hang" in row[4] or "stood still" in row[4]]  # a node tells that of another
+        on_a_busy_machine = [
+            row
+            for row in run_data.Run(self.bag).faults()
+            if "hang" in row[4] or "stood still" in row[4]
+        ]  # a node tells that of another
         self.assertEqual(run_data.Run(self.bag).faults(), on_a_busy_machine)
-        unsaid = self.copy("unsaid", "DELETE FROM messages WHERE topic_id = (SELECT id FROM topics WHERE name = '/haptic/node_status')")
+        unsaid = self.copy(
+            "unsaid",
+            "DELETE FROM messages WHERE topic_id = (SELECT id FROM topics WHERE name = '/haptic/node_status')",
+        )
         self.says(self.report_of(unsaid), "no flag")
         self.says(self.page, "no latency")
 
@@ -244,16 +326,34 @@ class Reports(unittest.TestCase):
         self.assertEqual(json.loads(verdict.read_text()), self.summary)
         self.says(self.page, f"A good run: all {len(self.summary['limits'])} limits", "energy_debt")
         bad = self.at / "bad"
-        ended = up("--motion", "slide", "--duration", "0.5", "--lockstep", "--limit", "validated_share=1.5", "--record", bad)
+        ended = up(
+            "--motion",
+            "slide",
+            "--duration",
+            "0.5",
+            "--lockstep",
+            "--limit",
+            "validated_share=1.5",
+            "--record",
+            bad,
+        )
         self.assertEqual(ended.returncode, 1)
         page = Page(bad / "report.html")
         self.assertEqual(page.problems, [])
-        self.says(page, "Not a good run", *json.loads(ended.stdout)["problems"], "at least 1.5", "not met")
+        self.says(
+            page, "Not a good run", *json.loads(ended.stdout)["problems"], "at least 1.5", "not met"
+        )
         unjudged = self.copy("unjudged", "")
         (unjudged / verdict.name).unlink()
         self.says(self.report_of(unjudged), "No verdict")
-        for broken in ("", "[1]", "{", '{"limits": {}}', '{"ok": true, "limits": [], "problems": [], "notes": []}',
-                       '{"ok": true, "limits": {"a": {"value": "b"}}, "problems": [], "notes": []}'):
+        for broken in (
+            "",
+            "[1]",
+            "{",
+            '{"limits": {}}',
+            '{"ok": true, "limits": [], "problems": [], "notes": []}',
+            '{"ok": true, "limits": {"a": {"value": "b"}}, "problems": [], "notes": []}',
+        ):
             (unjudged / verdict.name).write_text(broken)
             self.says(self.report_of(unjudged), "No verdict")
 
@@ -263,36 +363,71 @@ class Reports(unittest.TestCase):
         line = self.page.source.split("<pre>")[1].split("</pre>")[0]
         line = html.unescape(line)
         self.assertNotIn("--record", line)
-        again = subprocess.run(["bash", "-c", f"{line} --no-report --record '{self.at / 'again'}'"], capture_output=True, text=True)
+        again = subprocess.run(
+            ["bash", "-c", f"{line} --no-report --record '{self.at / 'again'}'"],
+            capture_output=True,
+            text=True,
+        )
         self.assertEqual(again.returncode, 0, again.stderr)
         for topic in ("device/state", "rendering/contact", "coupling/command"):
-            self.assertEqual([m[8:] for m in rows(self.bag, f"/haptic/{topic}")], [m[8:] for m in rows(self.at / "again", f"/haptic/{topic}")], topic)
+            self.assertEqual(
+                [m[8:] for m in rows(self.bag, f"/haptic/{topic}")],
+                [m[8:] for m in rows(self.at / "again", f"/haptic/{topic}")],
+                topic,
+            )
         self.assertFalse((self.at / "again" / "report.html").exists())
 
     def test_two_runs_stand_side_by_side_on_one_scale(self):
         other = self.at / "other"
-        self.assertEqual(up("--motion", "hit", "--duration", "3", "--lockstep", "--record", other, "--no-report").returncode, 0)
+        self.assertEqual(
+            up(
+                "--motion", "hit", "--duration", "3", "--lockstep", "--record", other, "--no-report"
+            ).returncode,
+            0,
+        )
         page = self.report_of(self.bag, "--beside", other)
         self.assertEqual(page.problems, [])
         self.assertEqual([f["samples"] for f in page.figures], [2000, 3000])
         self.says(page, "a run: at most")
         self.says(page, "other: at most")
         with plot.matplotlib.rc_context(run_pictures.ON_THE_PAGE):
-            for picture in (run_pictures.force_picture, run_pictures.felt_picture, run_pictures.depth_picture, run_pictures.energy_picture):
+            for picture in (
+                run_pictures.force_picture,
+                run_pictures.felt_picture,
+                run_pictures.depth_picture,
+                run_pictures.energy_picture,
+            ):
                 left, right = picture([run_data.Run(self.bag), run_data.Run(other)]).axes[:2]
-                self.assertEqual((left.get_ylim(), left.get_xlim()), (right.get_ylim(), right.get_xlim()))
+                self.assertEqual(
+                    (left.get_ylim(), left.get_xlim()), (right.get_ylim(), right.get_xlim())
+                )
 
     # ------------------------------------------------------------------------------------------------------- bags of any kind
     def test_faults_stand_on_the_page_with_their_times(self):
         """Three stretches without an answer, a command that the coupling held and a contact that the reference disputes."""
-        bag = self.copy("faulty", *(f"DELETE FROM messages WHERE id IN (SELECT m.id FROM messages m JOIN topics t ON t.id = m.topic_id "
-                                    f"WHERE t.name = '/haptic/coupling/command' ORDER BY m.id LIMIT {n} OFFSET {at})"
-                                    for at, n in ((1500, 30), (1000, 20), (500, 10))))
-        for topic, place, at, value in (("coupling/command", 100, 104, 2), ("rendering/contact", 200, 576, 128), ("validation", 50, 64, 2)):
+        bag = self.copy(
+            "faulty",
+            *(
+                f"DELETE FROM messages WHERE id IN (SELECT m.id FROM messages m JOIN topics t ON t.id = m.topic_id "
+                f"WHERE t.name = '/haptic/coupling/command' ORDER BY m.id LIMIT {n} OFFSET {at})"
+                for at, n in ((1500, 30), (1000, 20), (500, 10))
+            ),
+        )
+        for topic, place, at, value in (
+            ("coupling/command", 100, 104, 2),
+            ("rendering/contact", 200, 576, 128),
+            ("validation", 50, 64, 2),
+        ):
             self.alter(bag, topic, at, struct.pack("<I", value), place, 1)
         page = self.report_of(bag)
-        for words in (("0.500 to 0.509", "10", "no answer"), ("1.000 to 1.019", "20", "no answer"), ("1.500 to 1.529", "30", "no answer"),
-                      ("0.100", "1", "held"), ("0.200", "1", "missed"), ("reference disagree",)):
+        for words in (
+            ("0.500 to 0.509", "10", "no answer"),
+            ("1.000 to 1.019", "20", "no answer"),
+            ("1.500 to 1.529", "30", "no answer"),
+            ("0.100", "1", "held"),
+            ("0.200", "1", "missed"),
+            ("reference disagree",),
+        ):
             self.says(page, *words)
         self.assertEqual(page.figures[0]["answered"], 2000 - 60)
 
@@ -304,12 +439,22 @@ class Reports(unittest.TestCase):
         many = [1e-5 * i for i in range(20000) if not 4000 <= i < 9000]
         x, y = plot.curve(many, [math.sin(i) for i in range(len(many))], 3.5e-5)
         self.assertEqual(int(sum(map(math.isnan, y))), 1)
-        bag = self.copy("gap", "DELETE FROM messages WHERE topic_id = (SELECT id FROM topics WHERE name = '/haptic/rendering/contact') AND timestamp BETWEEN "
-                        "(SELECT min(timestamp) + 500000000 FROM messages WHERE timestamp > 0) AND "
-                        "(SELECT min(timestamp) + 900000000 FROM messages WHERE timestamp > 0)")
+        bag = self.copy(
+            "gap",
+            "DELETE FROM messages WHERE topic_id = (SELECT id FROM topics WHERE name = '/haptic/rendering/contact') AND timestamp BETWEEN "
+            "(SELECT min(timestamp) + 500000000 FROM messages WHERE timestamp > 0) AND "
+            "(SELECT min(timestamp) + 900000000 FROM messages WHERE timestamp > 0)",
+        )
         for figure in (run_pictures.force_picture([run_data.Run(bag)]), plot.forces_figure(bag)[0]):
-            line, = (one for one in figure.axes[0].lines if "contact" in str(one.get_label()) and "effects" not in str(one.get_label()))
-            self.assertTrue(any(math.isnan(v) for v in line.get_ydata()), "a line is drawn where nothing was recorded")
+            (line,) = (
+                one
+                for one in figure.axes[0].lines
+                if "contact" in str(one.get_label()) and "effects" not in str(one.get_label())
+            )
+            self.assertTrue(
+                any(math.isnan(v) for v in line.get_ydata()),
+                "a line is drawn where nothing was recorded",
+            )
 
     def test_of_many_samples_no_peak_is_lost_and_few_points_are_drawn(self):
         n = 600_000
@@ -332,9 +477,19 @@ class Reports(unittest.TestCase):
         with plot.matplotlib.rc_context(plot.STYLE):
             figure, axes = new_figure("a", "b")
             axes[0][0].set_xlim(0, 4)
-            self.assertEqual(plot.mark_beyond(axes[0][0], [1e-3 * i for i in range(4000)], spiked, limit, "N", plot.RED), 1)
+            self.assertEqual(
+                plot.mark_beyond(
+                    axes[0][0], [1e-3 * i for i in range(4000)], spiked, limit, "N", plot.RED
+                ),
+                1,
+            )
             self.assertIn("up to 50 N at 2.00 s", axes[0][0].texts[-1].get_text())
-            self.assertEqual(plot.mark_beyond(axes[0][0], [1e-3 * i for i in range(4000)], usual, limit, "N", plot.RED), 0)
+            self.assertEqual(
+                plot.mark_beyond(
+                    axes[0][0], [1e-3 * i for i in range(4000)], usual, limit, "N", plot.RED
+                ),
+                0,
+            )
 
     def test_of_a_bag_that_is_none_or_not_ours_a_sentence_is_said(self):
         (self.at / "empty").mkdir()
@@ -346,38 +501,84 @@ class Reports(unittest.TestCase):
         (self.at / "packed" / "x.db3.zstd").write_bytes(b"x")
         self.refused(self.at / "packed", "compressed")
         (self.at / "broken").mkdir()
-        (self.at / "broken" / "x.db3").write_text("no database, but long enough to be read as one" * 100)
+        (self.at / "broken" / "x.db3").write_text(
+            "no database, but long enough to be read as one" * 100
+        )
         self.refused(self.at / "broken", "read (")
         (self.at / "foreign").mkdir()
         with sqlite3.connect(self.at / "foreign" / "x.db3") as connection:
-            connection.execute("CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT, type TEXT, serialization_format TEXT, offered_qos_profiles TEXT)")
-            connection.execute("CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER, timestamp INTEGER, data BLOB)")
-            connection.execute("INSERT INTO topics VALUES (1, '/chatter', 'std_msgs/msg/String', 'cdr', '')")
+            connection.execute(
+                "CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT, type TEXT, serialization_format TEXT, offered_qos_profiles TEXT)"
+            )
+            connection.execute(
+                "CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER, timestamp INTEGER, data BLOB)"
+            )
+            connection.execute(
+                "INSERT INTO topics VALUES (1, '/chatter', 'std_msgs/msg/String', 'cdr', '')"
+            )
             connection.execute("INSERT INTO messages VALUES (1, 1, 5, x'00010000')")
         connection.close()
         self.refused(self.at / "foreign", "no recording")
         self.refused(self.copy("unsampled", "DELETE FROM messages"), "nothing")
-        self.refused(self.copy("short", "UPDATE messages SET data = substr(data, 1, 40)"), "this version")
+        self.refused(
+            self.copy("short", "UPDATE messages SET data = substr(data, 1, 40)"), "this version"
+        )
 
     def test_a_bag_without_contact_without_latency_or_without_words_says_so(self):
         still = self.at / "still"
-        self.assertEqual(up("--motion", "free", "--duration", "1", "--lockstep", "--record", still, "--no-report", scene=DEPLOY / "scenes/cup.yaml").returncode, 0)
+        self.assertEqual(
+            up(
+                "--motion",
+                "free",
+                "--duration",
+                "1",
+                "--lockstep",
+                "--record",
+                still,
+                "--no-report",
+                scene=DEPLOY / "scenes/cup.yaml",
+            ).returncode,
+            0,
+        )
         page = self.report_of(still)
         self.says(page, "no force")
         topic = "DELETE FROM messages WHERE topic_id IN (SELECT id FROM topics WHERE name IN ({}))"
-        in_real_time = self.alter(self.copy("silent", topic.format("'/haptic/node_status'")), "device/state", 132, bytes(4))
-        self.says(self.report_of(in_real_time), "told none",
-                  "no latency", "which command")
-        page = self.report_of(self.copy("bare", topic.format("'/haptic/coupling/command', '/haptic/coupling/design', '/haptic/rendering/plan', "
-                                                             "'/haptic/device/description', '/haptic/validation'")))
+        in_real_time = self.alter(
+            self.copy("silent", topic.format("'/haptic/node_status'")),
+            "device/state",
+            132,
+            bytes(4),
+        )
+        self.says(self.report_of(in_real_time), "told none", "no latency", "which command")
+        page = self.report_of(
+            self.copy(
+                "bare",
+                topic.format(
+                    "'/haptic/coupling/command', '/haptic/coupling/design', '/haptic/rendering/plan', "
+                    "'/haptic/device/description', '/haptic/validation'"
+                ),
+            )
+        )
         for sentence in ("no command", "no design", "no plan"):
             self.says(page, sentence)
-        page = self.report_of(self.copy("states", topic.format("'/haptic/coupling/command', '/haptic/rendering/contact', '/haptic/validation'")))
+        page = self.report_of(
+            self.copy(
+                "states",
+                topic.format(
+                    "'/haptic/coupling/command', '/haptic/rendering/contact', '/haptic/validation'"
+                ),
+            )
+        )
         self.assertEqual(page.figures[0]["samples"], 2000)
 
     def test_numbers_that_are_none_leave_a_page_all_the_same(self):
         bag = self.copy("nan")
-        for topic, at in (("coupling/command", 32), ("rendering/contact", 184), ("rendering/contact", 328), ("coupling/command", 80)):
+        for topic, at in (
+            ("coupling/command", 32),
+            ("rendering/contact", 184),
+            ("rendering/contact", 328),
+            ("coupling/command", 80),
+        ):
             self.alter(bag, topic, at, struct.pack("<d", math.nan), 1000, 50)
         page = self.report_of(bag)
         self.assertTrue(math.isfinite(page.figures[0]["max_force_n"]))
@@ -388,16 +589,22 @@ class Reports(unittest.TestCase):
         for turn in range(12):
             bag = self.copy(f"spoiled {turn}")
             with sqlite3.connect(next(bag.glob("*.db3"))) as connection:
-                for row, data in connection.execute("SELECT id, data FROM messages ORDER BY topic_id, id").fetchall():
+                for row, data in connection.execute(
+                    "SELECT id, data FROM messages ORDER BY topic_id, id"
+                ).fetchall():
                     if dice.random() < (0.3 if len(data) > 200 else 0.002):
                         new = bytearray(data)
                         for _ in range(3):
-                            new[dice.randrange(4, len(new))] = dice.choice((0, 127, 255, dice.randrange(256)))
-                        connection.execute("UPDATE messages SET data = ? WHERE id = ?", (bytes(new), row))
+                            new[dice.randrange(4, len(new))] = dice.choice(
+                                (0, 127, 255, dice.randrange(256))
+                            )
+                        connection.execute(
+                            "UPDATE messages SET data = ? WHERE id = ?", (bytes(new), row)
+                        )
             connection.close()
             if turn % 4 == 3:
                 file, whole = next(bag.glob("*.db3")), next(bag.glob("*.db3")).read_bytes()
-                file.write_bytes(whole[:dice.randrange(len(whole))])
+                file.write_bytes(whole[: dice.randrange(len(whole))])
             with self.subTest(f"turn {turn}"):
                 try:
                     run_page.page([run_data.Run(bag)])
@@ -406,12 +613,31 @@ class Reports(unittest.TestCase):
 
     def test_a_ring_that_was_killed_has_a_page_that_says_so(self):
         bag = self.at / "killed"
-        ring = subprocess.Popen([BIN / "voxtouch", "up", DEPLOY / "scenes/cup.yaml", "--motion", "slide", "--record", bag], stdout=subprocess.DEVNULL,
-                                stderr=subprocess.PIPE, text=True, start_new_session=True, env=SHELL)
+        ring = subprocess.Popen(
+            [
+                BIN / "voxtouch",
+                "up",
+                DEPLOY / "scenes/cup.yaml",
+                "--motion",
+                "slide",
+                "--record",
+                bag,
+            ],
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+            text=True,
+            start_new_session=True,
+            env=SHELL,
+        )
         for line in ring.stderr:
             if " samples " in line and int(line.split()[0]) > 1500:
                 break
-        for process in [int(word) for word in pathlib.Path(f"/proc/{ring.pid}/task/{ring.pid}/children").read_text().split()] + [ring.pid]:
+        for process in [
+            int(word)
+            for word in pathlib.Path(f"/proc/{ring.pid}/task/{ring.pid}/children")
+            .read_text()
+            .split()
+        ] + [ring.pid]:
             os.kill(process, signal.SIGKILL)
         ring.wait()
         ring.stderr.close()
@@ -427,8 +653,19 @@ class Reports(unittest.TestCase):
         self.assertIn(f"report: {self.bag / 'report.html'}", self.done.stderr)
         self.assertNotIn("report", self.summary)
         (self.at / "hidden").mkdir()
-        (self.at / "hidden" / "matplotlib.py").write_text('raise ImportError("hidden by this test")\n')
-        done = up("--motion", "slide", "--duration", "1", "--lockstep", "--record", self.at / "plain", env={"PYTHONPATH": str(self.at / "hidden")})
+        (self.at / "hidden" / "matplotlib.py").write_text(
+            'raise ImportError("hidden by this test")\n'
+        )
+        done = up(
+            "--motion",
+            "slide",
+            "--duration",
+            "1",
+            "--lockstep",
+            "--record",
+            self.at / "plain",
+            env={"PYTHONPATH": str(self.at / "hidden")},
+        )
         self.assertEqual(done.returncode, 0, done.stderr)
         told = [line for line in done.stderr.splitlines() if "report" in line]
         self.assertEqual(len(told), 1, done.stderr)
@@ -438,10 +675,21 @@ class Reports(unittest.TestCase):
 
     def test_up_waits_a_few_seconds_at_most_and_the_page_comes_all_the_same(self):
         (self.at / "slow").mkdir()
-        (self.at / "slow" / "numpy.py").write_text("import time, sys, importlib\ntime.sleep(8)\nsys.path = [p for p in sys.path if not p.endswith('slow')]\n"
-                                                   "del sys.modules['numpy']\nsys.modules['numpy'] = importlib.import_module('numpy')\n")
+        (self.at / "slow" / "numpy.py").write_text(
+            "import time, sys, importlib\ntime.sleep(8)\nsys.path = [p for p in sys.path if not p.endswith('slow')]\n"
+            "del sys.modules['numpy']\nsys.modules['numpy'] = importlib.import_module('numpy')\n"
+        )
         begun = time.monotonic()
-        done = up("--motion", "slide", "--duration", "0.5", "--lockstep", "--record", self.at / "later", env={"PYTHONPATH": str(self.at / "slow")})
+        done = up(
+            "--motion",
+            "slide",
+            "--duration",
+            "0.5",
+            "--lockstep",
+            "--record",
+            self.at / "later",
+            env={"PYTHONPATH": str(self.at / "slow")},
+        )
         took = time.monotonic() - begun
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertIn("still being", done.stderr)

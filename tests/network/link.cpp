@@ -1,8 +1,10 @@
-/// emulated_link: a network switch between cards with delay and loss, in user space. A frame that comes in at one card leaves after the delay, in
-/// order, at the card behind which its receiver was last heard, or at all others; each is lost with the probability, by a seeded generator. Lines
-/// on stdin change it while it runs: "cut" loses all, "heal" ends that (it says when each began, Unix time), "no multicast" loses what is multicast from then on (broadcasts, by which
-/// hosts find each other's cards, pass), "end" ends the program, which then says how many frames it carried and lost.
-/// usage: emulated_link DELAY_MS LOSS SEED CARD CARD...
+/// emulated_link: a network switch between cards with delay and loss, in user space. A frame that
+/// comes in at one card leaves after the delay, in order, at the card behind which its receiver was
+/// last heard, or at all others; each is lost with the probability, by a seeded generator. Lines on
+/// stdin change it while it runs: "cut" loses all, "heal" ends that (it says when each began, Unix
+/// time), "no multicast" loses what is multicast from then on (broadcasts, by which hosts find each
+/// other's cards, pass), "end" ends the program, which then says how many frames it carried and
+/// lost. usage: emulated_link DELAY_MS LOSS SEED CARD CARD...
 #include <arpa/inet.h>
 #include <net/ethernet.h>
 #include <net/if.h>
@@ -36,8 +38,12 @@ int open_card(const char* name) {
   address.sll_family = AF_PACKET;
   address.sll_protocol = htons(ETH_P_ALL);
   address.sll_ifindex = static_cast<int>(if_nametoindex(name));
-  packet_mreq all{.mr_ifindex = address.sll_ifindex, .mr_type = PACKET_MR_PROMISC, .mr_alen = 0, .mr_address = {}};
-  if (card < 0 || address.sll_ifindex == 0 || bind(card, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||
+  packet_mreq all{.mr_ifindex = address.sll_ifindex,
+                  .mr_type = PACKET_MR_PROMISC,
+                  .mr_alen = 0,
+                  .mr_address = {}};
+  if (card < 0 || address.sll_ifindex == 0 ||
+      bind(card, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||
       setsockopt(card, SOL_PACKET, PACKET_ADD_MEMBERSHIP, &all, sizeof all) != 0)
     throw std::runtime_error(std::string("the card ") + name + " cannot be opened");
   return card;
@@ -50,7 +56,8 @@ struct Frame {
 
   Address address(std::size_t at) const {
     Address found;
-    std::copy_n(bytes.begin() + static_cast<std::ptrdiff_t>(at), found.size(), reinterpret_cast<char*>(found.data()));
+    std::copy_n(bytes.begin() + static_cast<std::ptrdiff_t>(at), found.size(),
+                reinterpret_cast<char*>(found.data()));
     return found;
   }
   Address receiver() const { return address(0); }
@@ -59,14 +66,19 @@ struct Frame {
 
 /// To a group of hosts, and not to all.
 bool is_multicast(const Address& receiver) {
-  return (receiver[0] & 1U) != 0 && std::ranges::any_of(receiver, [](unsigned char byte) { return byte != 0xff; });
+  return (receiver[0] & 1U) != 0 &&
+         std::ranges::any_of(receiver, [](unsigned char byte) { return byte != 0xff; });
 }
 
 class Link {
  public:
   Link(double delay_ms, double loss, std::uint64_t seed, const std::vector<const char*>& cards)
-      : delay_(std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double, std::milli>(delay_ms))), lost_(loss), random_(seed) {
-    for (const char* card : cards) polled_.push_back({open_card(card), POLLIN, 0});
+      : delay_(std::chrono::duration_cast<Clock::duration>(
+            std::chrono::duration<double, std::milli>(delay_ms))),
+        lost_(loss),
+        random_(seed) {
+    for (const char* card : cards)
+      polled_.push_back({open_card(card), POLLIN, 0});
     polled_.push_back({STDIN_FILENO, POLLIN, 0});
   }
 
@@ -74,10 +86,13 @@ class Link {
     while (!ended_) {
       const timespec patience = until_next();
       ppoll(polled_.data(), polled_.size(), &patience, nullptr);
-      if (polled_.back().revents) obey();
+      if (polled_.back().revents)
+        obey();
       for (std::size_t card = 0; card < cards(); ++card)
-        if (polled_[card].revents) take(card);
-      for (; !queue_.empty() && queue_.front().due <= Clock::now(); queue_.pop_front()) give(queue_.front());
+        if (polled_[card].revents)
+          take(card);
+      for (; !queue_.empty() && queue_.front().due <= Clock::now(); queue_.pop_front())
+        give(queue_.front());
     }
     std::printf("%lu frames carried, %lu lost\n", carried_, dropped_);
   }
@@ -87,7 +102,8 @@ class Link {
 
   timespec until_next() const {
     Clock::duration wait = std::chrono::milliseconds(100);
-    if (!queue_.empty()) wait = std::clamp(queue_.front().due - Clock::now(), Clock::duration::zero(), wait);
+    if (!queue_.empty())
+      wait = std::clamp(queue_.front().due - Clock::now(), Clock::duration::zero(), wait);
     const auto ns = std::chrono::duration_cast<std::chrono::nanoseconds>(wait).count();
     return {ns / 1'000'000'000, ns % 1'000'000'000};
   }
@@ -97,12 +113,16 @@ class Link {
     for (;;) {
       sockaddr_ll from{};
       socklen_t size = sizeof from;
-      const ssize_t count = recvfrom(polled_[card].fd, bytes.data(), bytes.size(), 0, reinterpret_cast<sockaddr*>(&from), &size);
-      if (count <= 0) return;
-      if (from.sll_pkttype == PACKET_OUTGOING || count < static_cast<ssize_t>(sizeof(ether_header))) continue;  // ours
+      const ssize_t count = recvfrom(polled_[card].fd, bytes.data(), bytes.size(), 0,
+                                     reinterpret_cast<sockaddr*>(&from), &size);
+      if (count <= 0)
+        return;
+      if (from.sll_pkttype == PACKET_OUTGOING || count < static_cast<ssize_t>(sizeof(ether_header)))
+        continue;  // ours
       Frame frame{Clock::now() + delay_, card, {bytes.begin(), bytes.begin() + count}};
       behind_[frame.sender()] = card;
-      if (no_multicast_ && is_multicast(frame.receiver())) continue;
+      if (no_multicast_ && is_multicast(frame.receiver()))
+        continue;
       if (cut_ || lost_(random_))
         ++dropped_;
       else
@@ -120,17 +140,21 @@ class Link {
   void obey() {
     std::array<char, 256> text{};
     const ssize_t count = read(STDIN_FILENO, text.data(), text.size());
-    if (count <= 0) ended_ = true;
-    std::istringstream lines(std::string(text.data(), count > 0 ? static_cast<std::size_t>(count) : 0));
+    if (count <= 0)
+      ended_ = true;
+    std::istringstream lines(
+        std::string(text.data(), count > 0 ? static_cast<std::size_t>(count) : 0));
     for (std::string line; std::getline(lines, line);) {
-      if (line == "end") ended_ = true;
+      if (line == "end")
+        ended_ = true;
       if (line == "cut" || line == "heal") {
         cut_ = line == "cut";
         const auto now = std::chrono::system_clock::now().time_since_epoch();
         std::printf("%s %.6f\n", line.c_str(), std::chrono::duration<double>(now).count());
         std::fflush(stdout);
       }
-      if (line == "no multicast") no_multicast_ = true;
+      if (line == "no multicast")
+        no_multicast_ = true;
     }
   }
 
@@ -152,9 +176,12 @@ int main(int argc, char** argv) {
     return 1;
   }
   const sched_param first{.sched_priority = 60};
-  sched_setscheduler(0, SCHED_FIFO, &first);  // where it is allowed: the link is no part of what is measured
+  sched_setscheduler(0, SCHED_FIFO,
+                     &first);  // where it is allowed: the link is no part of what is measured
   try {
-    Link(std::atof(argv[1]), std::atof(argv[2]), std::strtoull(argv[3], nullptr, 10), {argv + 4, argv + argc}).run();
+    Link(std::atof(argv[1]), std::atof(argv[2]), std::strtoull(argv[3], nullptr, 10),
+         {argv + 4, argv + argc})
+        .run();
   } catch (const std::exception& error) {
     std::fprintf(stderr, "error: %s\n", error.what());
     return 1;

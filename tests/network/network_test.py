@@ -48,7 +48,9 @@ class Host:
 
     def __init__(self, name, address):
         self.address = address
-        self.holder = subprocess.Popen(["unshare", "-n", "cat"], stdin=subprocess.PIPE, stdout=subprocess.DEVNULL)
+        self.holder = subprocess.Popen(
+            ["unshare", "-n", "cat"], stdin=subprocess.PIPE, stdout=subprocess.DEVNULL
+        )
         own = os.readlink("/proc/self/ns/net")
         while os.readlink(f"/proc/{self.holder.pid}/ns/net") == own:
             time.sleep(0.01)
@@ -56,11 +58,28 @@ class Host:
         run("ip", "link", "add", self.end, "type", "veth", "peer", "name", name)
         run("ip", "link", "set", name, "netns", str(self.holder.pid))
         run("ip", "link", "set", self.end, "up")
-        for words in (("link", "set", "lo", "up"), ("link", "set", name, "up"), ("address", "add", address + "/24", "dev", name)):
+        for words in (
+            ("link", "set", "lo", "up"),
+            ("link", "set", name, "up"),
+            ("address", "add", address + "/24", "dev", name),
+        ):
             run(*self.inside("ip", *words))
-        self.mac = json.loads(subprocess.run(self.inside("ip", "-j", "link", "show", name), check=True, capture_output=True, text=True).stdout)[0]["address"]
+        self.mac = json.loads(
+            subprocess.run(
+                self.inside("ip", "-j", "link", "show", name),
+                check=True,
+                capture_output=True,
+                text=True,
+            ).stdout
+        )[0]["address"]
         # What leaves a veth has no checksum yet: frames that are carried by a program need one.
-        run(*self.inside(sys.executable, "-c", f"import sys; sys.path.insert(0, {str(pathlib.Path(__file__).parent)!r}); import network_test; network_test.whole_checksums({name!r})"))
+        run(
+            *self.inside(
+                sys.executable,
+                "-c",
+                f"import sys; sys.path.insert(0, {str(pathlib.Path(__file__).parent)!r}); import network_test; network_test.whole_checksums({name!r})",
+            )
+        )
 
     def inside(self, *arguments):
         return ["nsenter", "-t", str(self.holder.pid), "-n", *map(str, arguments)]
@@ -75,6 +94,7 @@ def whole_checksums(card):
     command = struct.pack("II", 0x17, 0)
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as any_socket:
         import array
+
         value = array.array("B", command)
         request = struct.pack("16sP", card.encode(), value.buffer_info()[0])
         fcntl.ioctl(any_socket, 0x8946, request)
@@ -83,17 +103,53 @@ def whole_checksums(card):
 class Ring:
     """`multicast`: the switch carries it; else all nodes are told of the other hosts. `cut`: from the start on."""
 
-    def __init__(self, bin_folder, delay_ms=0.0, loss=0.0, network_delay_ms=0.0, multicast=True, cut=False, secured=False, seed=1):
+    def __init__(
+        self,
+        bin_folder,
+        delay_ms=0.0,
+        loss=0.0,
+        network_delay_ms=0.0,
+        multicast=True,
+        cut=False,
+        secured=False,
+        seed=1,
+    ):
         self.folder = tempfile.TemporaryDirectory(prefix="voxtouch_test_network_")
         self.bin, self.bag, self.nodes = bin_folder, pathlib.Path(self.folder.name) / "bag", {}
-        self.hosts = {name: Host(name, f"10.78.0.{n}") for n, name in enumerate(("device", "rendering", "coupling"), 1)}
+        self.hosts = {
+            name: Host(name, f"10.78.0.{n}")
+            for n, name in enumerate(("device", "rendering", "coupling"), 1)
+        }
         # A kernel asks for the hardware address of another host once a second, which is not what is tried here: it is written down.
         for own in self.hosts.values():
             for other in self.hosts.values():
                 if other is not own:
-                    run(*own.inside("ip", "neigh", "replace", other.address, "lladdr", other.mac, "nud", "permanent", "dev", own.card))
-        self.link = subprocess.Popen([bin_folder / "emulated_link", str(delay_ms), str(loss), str(seed), *(host.end for host in self.hosts.values())],
-                                     stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+                    run(
+                        *own.inside(
+                            "ip",
+                            "neigh",
+                            "replace",
+                            other.address,
+                            "lladdr",
+                            other.mac,
+                            "nud",
+                            "permanent",
+                            "dev",
+                            own.card,
+                        )
+                    )
+        self.link = subprocess.Popen(
+            [
+                bin_folder / "emulated_link",
+                str(delay_ms),
+                str(loss),
+                str(seed),
+                *(host.end for host in self.hosts.values()),
+            ],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
         RINGS.append(self)
         self.common = ["--domain", "0"]
         if secured:
@@ -109,50 +165,98 @@ class Ring:
         self.start("rendering", "rendering", *scene)
         self.start("coupling", "coupling", *scene)
         self.start("logger", "device", "--bag", self.bag)
-        self.start("device", "device", *scene, "--device", "sim-phantom", "--motion", "press", "--network-delay", network_delay_ms, "--fault-records",
-                   self.folder.name + "/faults")
+        self.start(
+            "device",
+            "device",
+            *scene,
+            "--device",
+            "sim-phantom",
+            "--motion",
+            "press",
+            "--network-delay",
+            network_delay_ms,
+            "--fault-records",
+            self.folder.name + "/faults",
+        )
 
     def joined(self, host):
         """How a program on this host joins the ring."""
-        others = [other.address for name, other in self.hosts.items() if name != host] if self.peers else []
-        return ["--interface", self.hosts[host].card, *self.common, *(word for other in others for word in ("--discovery-peer", other))]
+        others = (
+            [other.address for name, other in self.hosts.items() if name != host]
+            if self.peers
+            else []
+        )
+        return [
+            "--interface",
+            self.hosts[host].card,
+            *self.common,
+            *(word for other in others for word in ("--discovery-peer", other)),
+        ]
 
     def start(self, node, host, *more):
         with open(pathlib.Path(self.folder.name) / f"{node}.txt", "w") as text:
-            self.nodes[node] = subprocess.Popen(self.hosts[host].inside(self.bin / f"voxtouch_{node}", *self.joined(host), *more), stdout=subprocess.DEVNULL,
-                                                stderr=text, preexec_fn=os.setsid)
+            self.nodes[node] = subprocess.Popen(
+                self.hosts[host].inside(self.bin / f"voxtouch_{node}", *self.joined(host), *more),
+                stdout=subprocess.DEVNULL,
+                stderr=text,
+                preexec_fn=os.setsid,
+            )
 
     def said(self, node):
         return (pathlib.Path(self.folder.name) / f"{node}.txt").read_text()
 
     def refusal(self):
         """Of the coupling, or of the rendering, where no spring of a virtual tool could be shown."""
-        return next((line for node in ("coupling", "rendering") for line in self.said(node).splitlines() if "No coupling holds" in line), "")
+        return next(
+            (
+                line
+                for node in ("coupling", "rendering")
+                for line in self.said(node).splitlines()
+                if "No coupling holds" in line
+            ),
+            "",
+        )
 
     def kill(self):
         """What is left where a case ended in the middle."""
-        for process in (*self.nodes.values(), self.link, *(host.holder for host in self.hosts.values())):
+        for process in (
+            *self.nodes.values(),
+            self.link,
+            *(host.holder for host in self.hosts.values()),
+        ):
             if process.poll() is None:
                 process.kill()
                 process.wait()
 
     def status(self):
         """Of the device, as `voxtouch status` on its host hears it; that takes 2.5 s."""
-        end = subprocess.run(self.hosts["device"].inside(self.bin / "voxtouch", "status", "--rig", "haptic", *self.joined("device"), "--json"),
-                             stdout=subprocess.PIPE, text=True, check=False)
+        end = subprocess.run(
+            self.hosts["device"].inside(
+                self.bin / "voxtouch", "status", "--rig", "haptic", *self.joined("device"), "--json"
+            ),
+            stdout=subprocess.PIPE,
+            text=True,
+            check=False,
+        )
         nodes = json.loads(end.stdout).get("rigs", {}).values()
         return next((node for rig in nodes for node in rig if node["node"] == "device"), {})
 
     def wait_for_answers(self, patience_s=40.0):
         """A busy machine builds the scene and finds the coupling later. Not for ever: of a coupling that is refused none come."""
         end = time.monotonic() + patience_s
-        while time.monotonic() < end and not self.refusal() and not (self.status().get("answered_share") or 0.0) > 0.5:
+        while (
+            time.monotonic() < end
+            and not self.refusal()
+            and not (self.status().get("answered_share") or 0.0) > 0.5
+        ):
             pass
 
     def wait_until_all_have_joined(self, patience_s=30.0):
         """Each says what it waits for once it has built what it needs and has joined."""
         end = time.monotonic() + patience_s
-        while time.monotonic() < end and not all("waiting for" in self.said(node) for node in ("rendering", "coupling")):
+        while time.monotonic() < end and not all(
+            "waiting for" in self.said(node) for node in ("rendering", "coupling")
+        ):
             time.sleep(0.05)
         while time.monotonic() < end and not self.bag.exists():
             time.sleep(0.05)
@@ -182,16 +286,21 @@ class Ring:
 def topic(bag, name):
     database = next(bag.glob("*.db3"))
     with sqlite3.connect(f"file:{database}?mode=ro", uri=True) as connection:
-        return [(1e-9 * taken, data[HEADER:]) for taken, data in connection.execute(
-            "SELECT timestamp, data FROM messages JOIN topics ON topics.id = topic_id WHERE name = ? ORDER BY messages.id", (name,))]
+        return [
+            (1e-9 * taken, data[HEADER:])
+            for taken, data in connection.execute(
+                "SELECT timestamp, data FROM messages JOIN topics ON topics.id = topic_id WHERE name = ? ORDER BY messages.id",
+                (name,),
+            )
+        ]
 
 
 def states(bag):
     """(when it was taken here [s], the device's time [s], force on) of each sample of the device, whose clock falls behind with each overrun."""
     out = []
     for taken, data in topic(bag, "/haptic/device/state"):
-        time_ns, = struct.unpack_from("<q", data, 16)
-        flags, = struct.unpack_from("<I", data, 24 + 56 + 48 + 4)
+        (time_ns,) = struct.unpack_from("<q", data, 16)
+        (flags,) = struct.unpack_from("<I", data, 24 + 56 + 48 + 4)
         out.append((taken, 1e-9 * time_ns, bool(flags & 4)))
     return out
 
@@ -206,7 +315,7 @@ def commands(bag):
     """(sequence number, force [N]) of each command, by number."""
     out = {}
     for _, data in topic(bag, "/haptic/coupling/command"):
-        number, = struct.unpack_from("<Q", data, 8)
+        (number,) = struct.unpack_from("<Q", data, 8)
         out[number] = math.sqrt(sum(x * x for x in struct.unpack_from("<3d", data, 32)))
     return sorted(out.items())
 
@@ -217,23 +326,29 @@ def statuses(bag):
     for taken, data in topic(bag, "/haptic/node_status"):
         texts, at = [], 0
         for _ in ("node", "host"):
-            size, = struct.unpack_from("<I", data, at)
-            texts.append(data[at + 4:at + 3 + size].decode())
+            (size,) = struct.unpack_from("<I", data, at)
+            texts.append(data[at + 4 : at + 3 + size].decode())
             at += (4 + size + 3) & ~3
-        session, = struct.unpack_from("<Q", data, (at + 4 + 16 + 7) & ~7)
+        (session,) = struct.unpack_from("<Q", data, (at + 4 + 16 + 7) & ~7)
         out.append((taken, texts[0], session))
     return out
 
 
 def heard_again(bag, healed_at):
     """What is heard first of each other host, of the coupling also that it is ready for the session; and when [s]."""
+
     def first(times):
         return min((t for t in times if t > healed_at), default=math.inf)
 
     of = statuses(bag)
-    yield from ((f"statuses of {node}", first(t for t, name, _ in of if name == node)) for node in ("rendering", "coupling"))
+    yield from (
+        (f"statuses of {node}", first(t for t, name, _ in of if name == node))
+        for node in ("rendering", "coupling")
+    )
     yield "contacts", first(t for t, _ in topic(bag, "/haptic/rendering/contact"))
-    yield "the session of coupling", first(t for t, name, session in of if name == "coupling" and session)
+    yield "the session of coupling", first(
+        t for t, name, session in of if name == "coupling" and session
+    )
     yield "its design", first(t for t, _ in topic(bag, "/haptic/coupling/design"))
     yield "commands", first(t for t, _ in topic(bag, "/haptic/coupling/command"))
 
@@ -244,7 +359,15 @@ HELD = 4  # a command is held for three periods: the next one that comes is at m
 def largest_step(forces):
     """Of commands as they may follow each other at a device that loses some [N]."""
     by_number = dict(forces)
-    return max((abs(by_number[n + k] - force) for n, force in forces for k in range(1, HELD + 1) if n + k in by_number), default=0.0)
+    return max(
+        (
+            abs(by_number[n + k] - force)
+            for n, force in forces
+            for k in range(1, HELD + 1)
+            if n + k in by_number
+        ),
+        default=0.0,
+    )
 
 
 RAMP_N = 0.6  # so much from one command to the next is the virtual tool's spring at the speeds of `press`, and far under the guard's slew limit
@@ -254,10 +377,22 @@ def expect_met(ring, healed_at):
     """From the first frame that passed to the statuses by which all know each other, and to the first command, which comes when the coupling is designed."""
     heard = statuses(ring.bag)
     session = next(s for _, node, s in heard if node == "device" and s)
-    met = {node: min((taken for taken, name, s in heard if name == node and s == session and taken > healed_at), default=math.inf)
-           for node in ("device", "rendering", "coupling")}
+    met = {
+        node: min(
+            (
+                taken
+                for taken, name, s in heard
+                if name == node and s == session and taken > healed_at
+            ),
+            default=math.inf,
+        )
+        for node in ("device", "rendering", "coupling")
+    }
     slowest = max(met.values()) - healed_at
-    expect(slowest < 2.0, f"all nodes of three hosts have met after {slowest:.2f} s, the coupling's design among them")
+    expect(
+        slowest < 2.0,
+        f"all nodes of three hosts have met after {slowest:.2f} s, the coupling's design among them",
+    )
 
 
 def steady(bin_folder, meet=False, seconds=3.0, **network):
@@ -274,7 +409,10 @@ def steady(bin_folder, meet=False, seconds=3.0, **network):
     if meet:
         expect_met(ring, healed_at)
     else:
-        expect(abs(ring.lost_share - network.get("loss", 0.0)) < 0.005, f"the network lost {100 * ring.lost_share:.1f} % of the frames")
+        expect(
+            abs(ring.lost_share - network.get("loss", 0.0)) < 0.005,
+            f"the network lost {100 * ring.lost_share:.1f} % of the frames",
+        )
     samples = states(ring.bag)
     pressed = [sample for sample in samples if sample[0] > begun + 1.0]  # the force has ramped in
     share = sum(on for _, _, on in pressed) / max(1, len(pressed))
@@ -282,8 +420,14 @@ def steady(bin_folder, meet=False, seconds=3.0, **network):
 
 
 def expect_felt(share, forces, least_share=0.95):
-    expect(share > least_share, f"force in {100 * share:.1f} % of the samples in contact, {max((f for _, f in forces), default=0.0):.2f} N at most")
-    expect(largest_step(forces) < RAMP_N, f"commands that may follow each other differ by {largest_step(forces):.2f} N at most")
+    expect(
+        share > least_share,
+        f"force in {100 * share:.1f} % of the samples in contact, {max((f for _, f in forces), default=0.0):.2f} N at most",
+    )
+    expect(
+        largest_step(forces) < RAMP_N,
+        f"commands that may follow each other differ by {largest_step(forces):.2f} N at most",
+    )
 
 
 def case_plain(bin_folder, meet=True, **network):
@@ -296,8 +440,14 @@ def case_delay(bin_folder, delay_ms):
     """Three ways make a round."""
     device, share, _, _ = steady(bin_folder, delay_ms=delay_ms)
     sentence = device.get("sentence", "")
-    expect(share < 0.05, f"not designed for {delay_ms} ms each way: force in {100 * share:.1f} % of the samples")
-    expect("too late for any force" in sentence and "--network-delay" in sentence, f"the device says so: {sentence}")
+    expect(
+        share < 0.05,
+        f"not designed for {delay_ms} ms each way: force in {100 * share:.1f} % of the samples",
+    )
+    expect(
+        "too late for any force" in sentence and "--network-delay" in sentence,
+        f"the device says so: {sentence}",
+    )
     network_ms = 3 * delay_ms + 2
     _, share, forces, refusal = steady(bin_folder, delay_ms=delay_ms, network_delay_ms=network_ms)
     print(f"  designed for {network_ms} ms:", flush=True)
@@ -324,25 +474,45 @@ def case_cut(bin_folder, seconds, **network):
     last = max(t for _, t, _ in samples if t <= cut_at - behind_s(samples, cut_at))
     expect(next(on for taken, t, on in samples if t == last), "force until the cut")
     forced = max((t for taken, t, on in samples if taken < healed_at and on), default=-math.inf)
-    expect(forced - last < 0.030, f"zero {1e3 * (forced - last):.1f} ms of the device's samples after the cut, and until it heals")
+    expect(
+        forced - last < 0.030,
+        f"zero {1e3 * (forced - last):.1f} ms of the device's samples after the cut, and until it heals",
+    )
     back = next((taken for taken, _, on in samples if taken > healed_at and on), math.inf)
-    print("  after healing the logger has " + ", ".join(f"{what} from {1e3 * (when - healed_at):.0f} ms on" for what, when in heard_again(ring.bag, healed_at)), flush=True)
+    print(
+        "  after healing the logger has "
+        + ", ".join(
+            f"{what} from {1e3 * (when - healed_at):.0f} ms on"
+            for what, when in heard_again(ring.bag, healed_at)
+        ),
+        flush=True,
+    )
     expect(back - healed_at < 0.5, f"force again {1e3 * (back - healed_at):.0f} ms after healing")
 
 
-CASES = {"plain": case_plain, "peers": lambda b: case_plain(b, multicast=False), "secured": lambda b: case_plain(b, meet=False, multicast=False, secured=True),
-         **{f"delay_{ms}": (lambda b, ms=ms: case_delay(b, ms)) for ms in (2, 10)},
-         **{f"loss_{p}": (lambda b, p=p: case_loss(b, p)) for p in (1, 5, 10)},
-         **{f"cut_{s}": (lambda b, s=s: case_cut(b, float(s))) for s in ("0.5", "2", "5")},
-         "cut_peers": lambda b: case_cut(b, 2.0, multicast=False)}
+CASES = {
+    "plain": case_plain,
+    "peers": lambda b: case_plain(b, multicast=False),
+    "secured": lambda b: case_plain(b, meet=False, multicast=False, secured=True),
+    **{f"delay_{ms}": (lambda b, ms=ms: case_delay(b, ms)) for ms in (2, 10)},
+    **{f"loss_{p}": (lambda b, p=p: case_loss(b, p)) for p in (1, 5, 10)},
+    **{f"cut_{s}": (lambda b, s=s: case_cut(b, float(s))) for s in ("0.5", "2", "5")},
+    "cut_peers": lambda b: case_cut(b, 2.0, multicast=False),
+}
 
 
 def main():
     if "VOXTOUCH_IN_NAMESPACE" not in os.environ:
-        if subprocess.run(["unshare", "-n", "true"], stderr=subprocess.DEVNULL, check=False).returncode:
+        if subprocess.run(
+            ["unshare", "-n", "true"], stderr=subprocess.DEVNULL, check=False
+        ).returncode:
             print("This machine allows no network namespaces.")
             return 77
-        return subprocess.run(["unshare", "-n", sys.executable, *sys.argv], env=os.environ | {"VOXTOUCH_IN_NAMESPACE": "1"}, check=False).returncode
+        return subprocess.run(
+            ["unshare", "-n", sys.executable, *sys.argv],
+            env=os.environ | {"VOXTOUCH_IN_NAMESPACE": "1"},
+            check=False,
+        ).returncode
     for case in (list(CASES) if sys.argv[1] == "all" else [sys.argv[1]]) * int((*sys.argv, 1)[3]):
         print(case, flush=True)
         try:

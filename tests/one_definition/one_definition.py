@@ -39,8 +39,12 @@ class Build:
     def __init__(self, folder):
         self.folder = pathlib.Path(folder).resolve()
         cache = (self.folder / "CMakeCache.txt").read_text().splitlines()
-        self.root = pathlib.Path(next(l.split("=", 1)[1] for l in cache if l.startswith("CMAKE_HOME_DIRECTORY")))
-        self.compiler = next(l.split("=", 1)[1] for l in cache if l.startswith("CMAKE_CXX_COMPILER:"))
+        self.root = pathlib.Path(
+            next(l.split("=", 1)[1] for l in cache if l.startswith("CMAKE_HOME_DIRECTORY"))
+        )
+        self.compiler = next(
+            l.split("=", 1)[1] for l in cache if l.startswith("CMAKE_CXX_COMPILER:")
+        )
         self.together = set()  # (source, unit of the build folder that includes it)
         self.entries = []  # (source relative to the root, object, flags)
         for entry in json.loads((self.folder / "compile_commands.json").read_text()):
@@ -51,13 +55,20 @@ class Build:
                 continue
             relative = source.relative_to(home)
             if home == self.folder:
-                self.together |= {(str(pathlib.Path(line.split('"')[1]).relative_to(self.root)), str(relative))
-                                  for line in source.read_text().splitlines() if line.startswith("#include") and str(self.root) in line}
+                self.together |= {
+                    (str(pathlib.Path(line.split('"')[1]).relative_to(self.root)), str(relative))
+                    for line in source.read_text().splitlines()
+                    if line.startswith("#include") and str(self.root) in line
+                }
             words = shlex.split(entry["command"])
             if relative.parts[0] in PRODUCTION:
-                self.entries.append((str(relative), self.folder / words[words.index("-o") + 1], words))
+                self.entries.append(
+                    (str(relative), self.folder / words[words.index("-o") + 1], words)
+                )
         if not self.entries:
-            sys.exit(f"{self.folder} has no compiled sources of {', '.join(PRODUCTION)}: configure it first (deploy/build).")
+            sys.exit(
+                f"{self.folder} has no compiled sources of {', '.join(PRODUCTION)}: configure it first (deploy/build)."
+            )
 
     def objects(self):
         return {o: s for s, o, _ in self.entries if o.exists()}
@@ -77,7 +88,7 @@ class Build:
 def symbols(objects, *options):
     """(object, letter, name, location) of each symbol that these objects define."""
     for begin in range(0, len(objects), 200):
-        out = run(["nm", "-A", "--defined-only", *options, *objects[begin:begin + 200]]).stdout
+        out = run(["nm", "-A", "--defined-only", *options, *objects[begin : begin + 200]]).stdout
         for line in out.splitlines():
             path, rest = line.split(":", 1)
             words = rest.split(None, 3)
@@ -87,10 +98,18 @@ def symbols(objects, *options):
 
 def mixed(strong, weak):
     """Sentences for names with definitions in several places; both: name -> set of places."""
-    findings = {n: f"is defined in {' and in '.join(sorted(p))}" for n, p in strong.items() if len(p) > 1}
+    findings = {
+        n: f"is defined in {' and in '.join(sorted(p))}" for n, p in strong.items() if len(p) > 1
+    }
     for name in strong.keys() & weak.keys():
-        findings[name] = f"is defined in {' and '.join(sorted(strong[name]))}, and inline in {' and '.join(sorted(weak[name]))}"
-    findings |= {n: f"is defined inline in {' and in '.join(sorted(p))}" for n, p in weak.items() if len(p) > 1}
+        findings[
+            name
+        ] = f"is defined in {' and '.join(sorted(strong[name]))}, and inline in {' and '.join(sorted(weak[name]))}"
+    findings |= {
+        n: f"is defined inline in {' and in '.join(sorted(p))}"
+        for n, p in weak.items()
+        if len(p) > 1
+    }
     name_of = readable(list(findings))
     return [f"{name_of[n]} {text}." for n, text in findings.items()]
 
@@ -101,26 +120,53 @@ def check_headers(build):
         sys.exit(f"{build.folder} has no objects yet: build first (deploy/build).")
     headers = sorted(h for folder in PRODUCTION for h in (build.root / folder).rglob("*.hpp"))
     with tempfile.TemporaryDirectory() as folder:
-        unit, unit_object = pathlib.Path(folder, "all_headers.cpp"), pathlib.Path(folder, "all_headers.o")
+        unit, unit_object = pathlib.Path(folder, "all_headers.cpp"), pathlib.Path(
+            folder, "all_headers.o"
+        )
         unit.write_text("".join(f'#include "{h}"\n' for h in headers))
         # -O0 and kept: every inline function leaves a symbol. (Templates do so where they are used: they cannot be strong.)
-        made = run([build.compiler, "-std=c++23", "-O0", "-w", "-g1", "-fkeep-inline-functions", *build.flags(), "-c", unit, "-o", unit_object],
-                   cwd=build.folder)
+        made = run(
+            [
+                build.compiler,
+                "-std=c++23",
+                "-O0",
+                "-w",
+                "-g1",
+                "-fkeep-inline-functions",
+                *build.flags(),
+                "-c",
+                unit,
+                "-o",
+                unit_object,
+            ],
+            cwd=build.folder,
+        )
         if made.returncode:
-            lines = [l for l in made.stderr.splitlines() if ": error: " in l or ": note: previous" in l]
-            return ["All headers do not compile as one unit: " + "\n  ".join(lines or made.stderr.splitlines()[:20])]
+            lines = [
+                l for l in made.stderr.splitlines() if ": error: " in l or ": note: previous" in l
+            ]
+            return [
+                "All headers do not compile as one unit: "
+                + "\n  ".join(lines or made.stderr.splitlines()[:20])
+            ]
         strong = collections.defaultdict(set)
         for path, letter, name, _ in symbols(list(objects)):
             if letter in STRONG:
                 strong[name].add(objects[pathlib.Path(path)])
         # A test may compile a source by itself that stands in a unit as well: it is one definition.
         for places in strong.values():
-            places -= {source for source, unit in build.together if source in places and unit in places}
-        weak = {name: {"a header"} for _, letter, name, _ in symbols([unit_object]) if letter in WEAK}
+            places -= {
+                source for source, unit in build.together if source in places and unit in places
+            }
+        weak = {
+            name: {"a header"} for _, letter, name, _ in symbols([unit_object]) if letter in WEAK
+        }
         if strong.keys() & weak.keys():  # which header takes half a minute to ask
             for _, _, name, place in symbols([unit_object], "-l"):
                 weak[name] = {short(place, build.root) or "a header"}
-    print(f"{len(headers)} headers, {len(objects)} of {len(build.entries)} objects, {len(strong)} strong names, {len(weak)} inline ones")
+    print(
+        f"{len(headers)} headers, {len(objects)} of {len(build.entries)} objects, {len(strong)} strong names, {len(weak)} inline ones"
+    )
     return mixed(strong, weak)
 
 
@@ -136,17 +182,44 @@ def short(place, root):
 def check_objects(build):
     objects = build.objects()
     if len(objects) < len(build.entries):
-        sys.exit(f"{build.folder} has {len(objects)} of {len(build.entries)} objects: build its target `programs` first.")
+        sys.exit(
+            f"{build.folder} has {len(objects)} of {len(build.entries)} objects: build its target `programs` first."
+        )
     findings = []
     with tempfile.TemporaryDirectory() as folder:
-        linked = run([build.compiler, "-O0", "-flto", "-r", "-flinker-output=nolto-rel", "-flto-partition=one", "-Wodr", "-Wl,-z,muldefs",
-                      *objects, "-o", pathlib.Path(folder, "all.o")], cwd=build.folder)
+        linked = run(
+            [
+                build.compiler,
+                "-O0",
+                "-flto",
+                "-r",
+                "-flinker-output=nolto-rel",
+                "-flto-partition=one",
+                "-Wodr",
+                "-Wl,-z,muldefs",
+                *objects,
+                "-o",
+                pathlib.Path(folder, "all.o"),
+            ],
+            cwd=build.folder,
+        )
         if linked.returncode:
             sys.exit("The objects do not link together:\n" + linked.stderr)
         lines = linked.stderr.splitlines()
         for warning, other in zip(lines, lines[1:] + [""]):
             if "[-Wodr]" in warning:
-                findings.append(warning + "\n  " + next((l for l in lines[lines.index(warning):] if "different type" in l or "note" in l), other))
+                findings.append(
+                    warning
+                    + "\n  "
+                    + next(
+                        (
+                            l
+                            for l in lines[lines.index(warning) :]
+                            if "different type" in l or "note" in l
+                        ),
+                        other,
+                    )
+                )
         plain = {}  # without the plugin's view: nm reads the machine code's own symbols and lines
         for number, (path, source) in enumerate(objects.items()):
             copy = pathlib.Path(folder, f"{number}.o")
@@ -163,7 +236,9 @@ def check_objects(build):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("what", choices=["headers", "objects"])
     parser.add_argument("build")
     ask = parser.parse_args()
@@ -171,7 +246,11 @@ def main():
     findings = check_headers(build) if ask.what == "headers" else check_objects(build)
     for finding in findings:
         print(finding)
-    print(f"{len(findings)} names have more than one definition." if findings else "Every name has one definition.")
+    print(
+        f"{len(findings)} names have more than one definition."
+        if findings
+        else "Every name has one definition."
+    )
     return 1 if findings else 0
 
 

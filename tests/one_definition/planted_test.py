@@ -20,24 +20,50 @@ TWO_INCLUDES = '#include "devices/two.hpp"\n'
 PLANTED = {  # name: (changed files, which checks find it, what they name)
     "nothing": ({}, [], ""),
     "a type in two headers": (
-        {"devices/two.hpp": "#pragma once\nnamespace p { class Step { public: double x, y; }; inline int same() { return 1; } }\n",
-         "devices/two.cpp": TWO_INCLUDES + "namespace p { Step s; int use() { return same() + int(s.x); } }\n"},
-        ["headers", "objects"], "Step"),
+        {
+            "devices/two.hpp": "#pragma once\nnamespace p { class Step { public: double x, y; }; inline int same() { return 1; } }\n",
+            "devices/two.cpp": TWO_INCLUDES
+            + "namespace p { Step s; int use() { return same() + int(s.x); } }\n",
+        },
+        ["headers", "objects"],
+        "Step",
+    ),
     "a function inline in a header and strong in a source file": (
-        {"devices/two.hpp": "#pragma once\nnamespace p { struct Other { double x; }; inline int same() { return 1; }\n"
-                            "inline bool clamp(double& v) { if (v != v) v = 0; return false; } }\n",
-         "devices/two.cpp": TWO_INCLUDES + "namespace p { int use() { double v = 1; return same() + clamp(v); } }\n"},
-        ["headers", "objects"], "p::clamp(double&)"),
+        {
+            "devices/two.hpp": "#pragma once\nnamespace p { struct Other { double x; }; inline int same() { return 1; }\n"
+            "inline bool clamp(double& v) { if (v != v) v = 0; return false; } }\n",
+            "devices/two.cpp": TWO_INCLUDES
+            + "namespace p { int use() { double v = 1; return same() + clamp(v); } }\n",
+        },
+        ["headers", "objects"],
+        "p::clamp(double&)",
+    ),
     "a function strong in two source files": (
-        {"devices/two.cpp": TWO_INCLUDES + "namespace p { bool clamp(double&) { return false; } int use() { return same(); } }\n"},
-        ["headers", "objects"], "p::clamp(double&)"),
+        {
+            "devices/two.cpp": TWO_INCLUDES
+            + "namespace p { bool clamp(double&) { return false; } int use() { return same(); } }\n"
+        },
+        ["headers", "objects"],
+        "p::clamp(double&)",
+    ),
     "a type in a source file": (
-        {"devices/two.cpp": TWO_INCLUDES + "namespace p { struct Step { double x[3]; }; Step s; int use() { return same() + int(s.x[0]); } }\n"},
-        ["objects"], "Step"),
+        {
+            "devices/two.cpp": TWO_INCLUDES
+            + "namespace p { struct Step { double x[3]; }; Step s; int use() { return same() + int(s.x[0]); } }\n"
+        },
+        ["objects"],
+        "Step",
+    ),
     "a function inline in two source files": (
-        {"core/one.cpp": SOUND["core/one.cpp"] + "namespace p { inline int twice() { return 1; } int a() { return twice(); } }\n",
-         "devices/two.cpp": TWO_INCLUDES + "namespace p { inline int twice() { return 2; } int use() { return same() + twice(); } }\n"},
-        ["objects"], "p::twice()"),
+        {
+            "core/one.cpp": SOUND["core/one.cpp"]
+            + "namespace p { inline int twice() { return 1; } int a() { return twice(); } }\n",
+            "devices/two.cpp": TWO_INCLUDES
+            + "namespace p { inline int twice() { return 2; } int use() { return same() + twice(); } }\n",
+        },
+        ["objects"],
+        "p::twice()",
+    ),
 }
 
 
@@ -50,10 +76,26 @@ def make(root, files, compiler):
     for name in files:
         if name.endswith(".cpp"):
             target = name.replace("/", "_") + ".o"
-            command = [compiler, "-std=c++23", "-O0", "-g1", "-flto", "-ffat-lto-objects", f"-I{root}", "-o", target, "-c", str(root / name)]
+            command = [
+                compiler,
+                "-std=c++23",
+                "-O0",
+                "-g1",
+                "-flto",
+                "-ffat-lto-objects",
+                f"-I{root}",
+                "-o",
+                target,
+                "-c",
+                str(root / name),
+            ]
             subprocess.run(command, cwd=build, check=True)
-            commands.append({"directory": str(build), "file": str(root / name), "command": " ".join(command)})
-    (build / "CMakeCache.txt").write_text(f"CMAKE_HOME_DIRECTORY:INTERNAL={root}\nCMAKE_CXX_COMPILER:STRING={compiler}\n")
+            commands.append(
+                {"directory": str(build), "file": str(root / name), "command": " ".join(command)}
+            )
+    (build / "CMakeCache.txt").write_text(
+        f"CMAKE_HOME_DIRECTORY:INTERNAL={root}\nCMAKE_CXX_COMPILER:STRING={compiler}\n"
+    )
     (build / "compile_commands.json").write_text(json.dumps(commands))
     return build
 
@@ -64,10 +106,14 @@ def main():
         with tempfile.TemporaryDirectory() as folder:
             build = make(pathlib.Path(folder).resolve(), SOUND | changed, sys.argv[1])
             for check in ("headers", "objects"):
-                told = subprocess.run([sys.executable, "-B", CHECK, check, build], capture_output=True, text=True)
+                told = subprocess.run(
+                    [sys.executable, "-B", CHECK, check, build], capture_output=True, text=True
+                )
                 wanted = check in finders
                 good = told.returncode == int(wanted) and (not wanted or name in told.stdout)
-                print(f"{'ok  ' if good else 'FAIL'} {check:8} {'finds' if wanted else 'passes'} {fault}")
+                print(
+                    f"{'ok  ' if good else 'FAIL'} {check:8} {'finds' if wanted else 'passes'} {fault}"
+                )
                 if not good:
                     print(told.stdout, told.stderr)
                     failures += 1

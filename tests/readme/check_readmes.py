@@ -21,21 +21,31 @@ CELL = 120
 
 
 def readmes(root):
-    return sorted(f for f in root.rglob("*.md") if not any(p.startswith((".", "build")) for p in f.relative_to(root).parts))
+    return sorted(
+        f
+        for f in root.rglob("*.md")
+        if not any(p.startswith((".", "build")) for p in f.relative_to(root).parts)
+    )
 
 
 def code_of(text):
     """Commands and words in code, one at a time: each line of a fenced block, and each span in backticks."""
     fenced = re.compile(r"^```.*?\n(.*?)^```", re.DOTALL | re.MULTILINE)
     for block in fenced.findall(text):
-        yield from (line.split(" # ")[0].strip().removeprefix("$ ") for line in block.replace("\\\n", " ").splitlines())
+        yield from (
+            line.split(" # ")[0].strip().removeprefix("$ ")
+            for line in block.replace("\\\n", " ").splitlines()
+        )
     for span in re.findall(r"`([^`]+)`", fenced.sub("", text)):
         yield " ".join(span.split())
 
 
 def anchors(text):
-    return {re.sub(r"[^\w\- ]", "", line.lstrip("# ")).strip().lower().replace(" ", "-")
-            for line in text.splitlines() if line.startswith("#")}
+    return {
+        re.sub(r"[^\w\- ]", "", line.lstrip("# ")).strip().lower().replace(" ", "-")
+        for line in text.splitlines()
+        if line.startswith("#")
+    }
 
 
 def wrong_links(file, text):
@@ -54,7 +64,9 @@ def wrong_paths(root, folder, words):
     for word in words:
         word = word.rstrip(".,:;)").split("::")[0]
         if "/" in word and word.split("/")[0] in TOP:
-            pattern = re.sub(r"<[^>]*>|(?<![A-Za-z])[A-Z](?![A-Za-z])", "*", word)  # <effect>, X: any
+            pattern = re.sub(
+                r"<[^>]*>|(?<![A-Za-z])[A-Z](?![A-Za-z])", "*", word
+            )  # <effect>, X: any
             if not glob.glob(glob.escape(str(root)) + "/" + pattern):
                 yield f"the path '{word}' does not exist"
         elif re.fullmatch(r"[\w/]+\.(hpp|cpp|py|cmake)", word) and not list(folder.rglob(word)):
@@ -87,7 +99,12 @@ class Programs:
 
     @functools.cache
     def help(self, *words):
-        run = subprocess.run([self.folder / words[0], *words[1:], "--help"], capture_output=True, text=True, timeout=60)
+        run = subprocess.run(
+            [self.folder / words[0], *words[1:], "--help"],
+            capture_output=True,
+            text=True,
+            timeout=60,
+        )
         return run.stdout + run.stderr
 
     @functools.cached_property
@@ -97,12 +114,15 @@ class Programs:
 
 
 def wrong_commands(programs, words):
-    at = next((n for n, word in enumerate(words) if word == "voxtouch" or word.startswith("build/bin/")), None)
+    at = next(
+        (n for n, word in enumerate(words) if word == "voxtouch" or word.startswith("build/bin/")),
+        None,
+    )
     if at is None and words and programs.known(words[0]):
         at = 0
     if at is None:
         return
-    called, rest = [words[at].removeprefix("build/bin/")], words[at + 1:]
+    called, rest = [words[at].removeprefix("build/bin/")], words[at + 1 :]
     if not programs.known(called[0]):
         yield f"there is no program '{words[at]}'"
         return

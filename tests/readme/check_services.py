@@ -15,7 +15,11 @@ def options(text):
 
 def calls(root):
     """(file, program, text behind it) of every program that is started, with what stands in rig.conf for it."""
-    settings = dict(re.findall(r"^#?([A-Z_]+)=(.*)", (root / "deploy/services/rig.conf").read_text(), re.MULTILINE))
+    settings = dict(
+        re.findall(
+            r"^#?([A-Z_]+)=(.*)", (root / "deploy/services/rig.conf").read_text(), re.MULTILINE
+        )
+    )
     for unit in sorted((root / "deploy/services").glob("voxtouch-*@.service")):
         text = re.search(r"^ExecStart=.*?/usr/bin/(\w+)(.*)$", unit.read_text(), re.MULTILINE)
         for name in re.findall(r"\$\{?([A-Z_]+)", text[2]):
@@ -24,22 +28,43 @@ def calls(root):
             yield unit.name, text[1], settings.get(name, "")
         yield unit.name, text[1], text[2]
     compose = root / "deploy/compose.yaml"
-    for program, text in re.findall(r"entrypoint:.*?(voxtouch_\w+)(.*\n.*?command:.*)$", compose.read_text(), re.MULTILINE):
+    for program, text in re.findall(
+        r"entrypoint:.*?(voxtouch_\w+)(.*\n.*?command:.*)$", compose.read_text(), re.MULTILINE
+    ):
         yield compose.name, program, text
 
 
 def faults(root, binaries):
     found = list(calls(root))
-    if {program for _, program, _ in found} != {f"voxtouch_{n}" for n in ("device", "rendering", "coupling", "validator", "logger")}:
+    if {program for _, program, _ in found} != {
+        f"voxtouch_{n}" for n in ("device", "rendering", "coupling", "validator", "logger")
+    }:
         yield "not each node is started"
     for file, program, text in found:
-        said = subprocess.run([binaries / program, "--help"], capture_output=True, text=True, timeout=60).stdout
-        yield from (f"{file}: '{program}' has no option '{option}'" for option in options(text) if not re.search(rf"(^|[\s,]){option}\b", said))
-    for line in re.findall(r"^COPY (?!--from)(.*) \S+$", (root / "deploy/Containerfile").read_text(), re.MULTILINE):
-        yield from (f"Containerfile: '{path}' does not exist" for path in line.split() if not (root / path).exists())
+        said = subprocess.run(
+            [binaries / program, "--help"], capture_output=True, text=True, timeout=60
+        ).stdout
+        yield from (
+            f"{file}: '{program}' has no option '{option}'"
+            for option in options(text)
+            if not re.search(rf"(^|[\s,]){option}\b", said)
+        )
+    for line in re.findall(
+        r"^COPY (?!--from)(.*) \S+$", (root / "deploy/Containerfile").read_text(), re.MULTILINE
+    ):
+        yield from (
+            f"Containerfile: '{path}' does not exist"
+            for path in line.split()
+            if not (root / path).exists()
+        )
     if "Restart=no\n" not in (root / "deploy/services/voxtouch-device@.service").read_text():
         yield "a device would begin again by itself under systemd"
-    if 'restart: "no"' not in re.search(r"  device:\n(.*?)\n  rendering:", (root / "deploy/compose.yaml").read_text(), re.DOTALL)[1]:
+    if (
+        'restart: "no"'
+        not in re.search(
+            r"  device:\n(.*?)\n  rendering:", (root / "deploy/compose.yaml").read_text(), re.DOTALL
+        )[1]
+    ):
         yield "a device would begin again by itself in its container"
 
 

@@ -43,8 +43,13 @@ PLANTED = {  # fault: (what stands there, what stands there instead, a word of t
 def sentences(text, binaries):
     with tempfile.TemporaryDirectory() as folder:
         root = pathlib.Path(folder)
-        for name, content in {"README.md": text, "core/README.md": "# Core\n\n## Law\n", "core/law.cpp": "", "deploy/force.svg": "",
-                              "deploy/run": "case $1 in --fast) ;; esac\n"}.items():
+        for name, content in {
+            "README.md": text,
+            "core/README.md": "# Core\n\n## Law\n",
+            "core/law.cpp": "",
+            "deploy/force.svg": "",
+            "deploy/run": "case $1 in --fast) ;; esac\n",
+        }.items():
             (root / name).parent.mkdir(exist_ok=True)
             (root / name).write_text(content, encoding="utf-8")
         return list(check_readmes.faults(root, check_readmes.Programs(pathlib.Path(binaries))))

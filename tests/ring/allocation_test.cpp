@@ -1,4 +1,5 @@
-// The ring's loops allocate nothing after their start; what Cyclone DDS itself allocates is counted and said.
+// The ring's loops allocate nothing after their start; what Cyclone DDS itself allocates is counted
+// and said.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -25,9 +26,11 @@ Count read_count(const std::filesystem::path& file) {
 
 TEST(Allocation, OursIsZeroInDeviceRenderingAndCouplingLoops) {
   const TemporaryFolder folder;
-  const std::string scene = std::string(VOXTOUCH_DEPLOY) + "/scenes/cup.yaml", domain = fresh_domain();
+  const std::string scene = std::string(VOXTOUCH_DEPLOY) + "/scenes/cup.yaml",
+                    domain = fresh_domain();
   const auto node = [&](const std::string& name, std::vector<std::string> more) {
-    std::vector<std::string> a = {VOXTOUCH_BIN "/voxtouch_" + name, "--scene", scene, "--domain", domain};
+    std::vector<std::string> a = {VOXTOUCH_BIN "/voxtouch_" + name, "--scene", scene, "--domain",
+                                  domain};
     a.insert(a.end(), more.begin(), more.end());
     return std::make_unique<Process>(
         a, std::map<std::string, std::string>{{"LD_PRELOAD", VOXTOUCH_COUNTER},
@@ -46,7 +49,8 @@ TEST(Allocation, OursIsZeroInDeviceRenderingAndCouplingLoops) {
     EXPECT_EQ(count.ours, 0) << name;
     EXPECT_GE(count.dds, 0) << name;
     const double per_sample = static_cast<double>(count.dds) / 4000.0;
-    std::printf("%s: ours %ld, Cyclone DDS %ld in 4 s (%.3f a sample)\n", name, count.ours, count.dds, per_sample);
+    std::printf("%s: ours %ld, Cyclone DDS %ld in 4 s (%.3f a sample)\n", name, count.ours,
+                count.dds, per_sample);
     RecordProperty(std::string(name) + "_dds_allocations_per_sample", std::to_string(per_sample));
   }
 }
@@ -66,7 +70,8 @@ TEST(Allocation, OursIsZeroInTheRenderingLoopWhileItIsChanged) {
                      {"VOXTOUCH_COUNT_FILE", (folder / "rendering").string()},
                      {"VOXTOUCH_COUNT_FROM_S", "2"},
                      {"VOXTOUCH_COUNT_TO_S", "7"}});
-  Process device({VOXTOUCH_BIN "/voxtouch_device", "--scene", file, "--domain", domain, "--motion", "slide", "--duration", "9"});
+  Process device({VOXTOUCH_BIN "/voxtouch_device", "--scene", file, "--domain", domain, "--motion",
+                  "slide", "--duration", "9"});
   std::this_thread::sleep_for(std::chrono::milliseconds(2500));
   const auto change = [&](std::vector<std::string> words) {
     words.insert(words.begin(), {VOXTOUCH_BIN "/voxtouch", "change", "--domain", domain});
@@ -74,7 +79,8 @@ TEST(Allocation, OursIsZeroInTheRenderingLoopWhileItIsChanged) {
     EXPECT_EQ(end.status, 0) << end.err;
   };
   change({"viscosity", "off", "on", "gain", "0.5", "damping_ns_per_m=1"});
-  change({"--reload", "--voxel-size", "0.0015"});  // the old scene fades out and is freed within the window
+  change({"--reload", "--voxel-size",
+          "0.0015"});  // the old scene fades out and is freed within the window
   EXPECT_EQ(device.wait().status, 0);
   rendering.signal(15);
   EXPECT_EQ(rendering.wait().status, 0);
@@ -84,10 +90,11 @@ TEST(Allocation, OursIsZeroInTheRenderingLoopWhileItIsChanged) {
 TEST(Allocation, IsSeenByTheCounterWhereItHappens) {
   const TemporaryFolder folder;
   // The command line itself allocates in its main thread: the counter must see that.
-  Process up({VOXTOUCH_BIN "/voxtouch", "--help"}, {{"LD_PRELOAD", VOXTOUCH_COUNTER},
-                                                    {"VOXTOUCH_COUNT_FILE", (folder / "up").string()},
-                                                    {"VOXTOUCH_COUNT_FROM_S", "0"},
-                                                    {"VOXTOUCH_COUNT_TO_S", "60"}});
+  Process up({VOXTOUCH_BIN "/voxtouch", "--help"},
+             {{"LD_PRELOAD", VOXTOUCH_COUNTER},
+              {"VOXTOUCH_COUNT_FILE", (folder / "up").string()},
+              {"VOXTOUCH_COUNT_FROM_S", "0"},
+              {"VOXTOUCH_COUNT_TO_S", "60"}});
   up.wait();
   EXPECT_GT(read_count(folder / "up").ours, 10);
 }

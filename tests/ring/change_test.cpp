@@ -1,4 +1,5 @@
-// A ring that is changed while it runs: nothing is felt of it but the change itself, and in lockstep it gives the same bits.
+// A ring that is changed while it runs: nothing is felt of it but the change itself, and in
+// lockstep it gives the same bits.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -23,7 +24,8 @@ using std::chrono::milliseconds;
 using namespace msg::effect_change;
 constexpr double kDamping = 2.0;
 
-/// plane.yaml as through oil, in a folder of the test. `smooth`: with a contact model that does not step at voxel borders.
+/// plane.yaml as through oil, in a folder of the test. `smooth`: with a contact model that does not
+/// step at voxel borders.
 std::string oily_plane(const TemporaryFolder& folder, bool smooth = false) {
   std::ifstream in(shipped_scene("plane"));
   std::stringstream text;
@@ -35,9 +37,14 @@ std::string oily_plane(const TemporaryFolder& folder, bool smooth = false) {
   };
   replace("../meshes", std::string(VOXTOUCH_DEPLOY) + "/meshes");
   replace("effects: []", "effects: [{viscosity: {damping_ns_per_m: 2}}]");
-  // Damped without a bound and on a filtered velocity the hand keeps its height for tens of samples, where a step of the force by a change is to be seen.
-  replace("{design: auto, kind: shaping_filter}", "{design: auto, kind: shaping_filter, damper_share: 0, damping_floor: 0, velocity_windows: false}");
-  if (smooth) replace("{model: adapted, stiffness_n_per_m: 30}", "{model: field, stiffness_n_per_m3: 8.0e+6}");
+  // Damped without a bound and on a filtered velocity the hand keeps its height for tens of
+  // samples, where a step of the force by a change is to be seen.
+  replace("{design: auto, kind: shaping_filter}",
+          "{design: auto, kind: shaping_filter, damper_share: 0, damping_floor: 0, "
+          "velocity_windows: false}");
+  if (smooth)
+    replace("{model: adapted, stiffness_n_per_m: 30}",
+            "{model: field, stiffness_n_per_m3: 8.0e+6}");
   const auto file = folder / "oily_plane.yaml";
   std::ofstream(file) << scene;
   return file.string();
@@ -56,8 +63,10 @@ class Asker {
  public:
   Asker()
       : participant_({static_cast<std::uint32_t>(std::stoul(fresh_domain())), "lo", "asker"}),
-        changes_(participant_, qos::kEffectChange, "haptic", qos::profile(qos::kEffectChange.profile)),
-        answers_(participant_, qos::kEffectChanged, "haptic", qos::profile(qos::kEffectChanged.profile)) {}
+        changes_(participant_, qos::kEffectChange, "haptic",
+                 qos::profile(qos::kEffectChange.profile)),
+        answers_(participant_, qos::kEffectChanged, "haptic",
+                 qos::profile(qos::kEffectChanged.profile)) {}
 
   bool find() {
     return until([&] { return changes_.matched_count() > 0 && answers_.matched_count() > 0; });
@@ -70,17 +79,20 @@ class Asker {
     m.value[0] = w.value;
     m.from_sample = w.from_sample;
     m.voxel_size_m = w.voxel_size_m;
-    m.effect = runtime::lend(w.effect), m.parameter = runtime::lend(w.parameter), m.model = runtime::lend(w.model);
+    m.effect = runtime::lend(w.effect), m.parameter = runtime::lend(w.parameter),
+    m.model = runtime::lend(w.model);
     changes_.write(m);
   }
-  /// Whether all of `changes` were made. Each is sent, and sent again ten times a second, until it has an answer, and the next one only then: the
-  /// ring makes changes in order, and its reader may find this writer later than the writer has found the reader.
+  /// Whether all of `changes` were made. Each is sent, and sent again ten times a second, until it
+  /// has an answer, and the next one only then: the ring makes changes in order, and its reader may
+  /// find this writer later than the writer has found the reader.
   bool make(const std::vector<Change>& changes) {
     for (const Change& change : changes) {
       const std::uint64_t request = ++sent_;
       int looks = 0;
       until([&] {
-        if (looks++ % 50 == 0) send(change, request);
+        if (looks++ % 50 == 0)
+          send(change, request);
         return take_answers(), heard_.contains(request);
       });
     }
@@ -91,7 +103,8 @@ class Asker {
 
  private:
   static bool until(const std::function<bool()>& holds) {
-    for (int i = 0; i < 15'000 && !holds(); ++i) std::this_thread::sleep_for(milliseconds(2));
+    for (int i = 0; i < 15'000 && !holds(); ++i)
+      std::this_thread::sleep_for(milliseconds(2));
     return holds();
   }
   bus::Participant participant_;
@@ -100,8 +113,10 @@ class Asker {
   void take_answers() {
     answers_.take_each([&](const msg::EffectChanged& a) {
       heard_.insert(a.request);
-      if (a.result == msg::effect_changed::kResultRefused) problems += std::string(a.sentence) + "\n";
-      if (a.result == msg::effect_changed::kResultDone) made_.insert(a.request);
+      if (a.result == msg::effect_changed::kResultRefused)
+        problems += std::string(a.sentence) + "\n";
+      if (a.result == msg::effect_changed::kResultDone)
+        made_.insert(a.request);
     });
   }
   std::uint64_t sent_ = 0;
@@ -110,8 +125,10 @@ class Asker {
 
 /// A lockstep run of `scene` with `changes`, recorded under `name`.
 void lockstep(const TemporaryFolder& folder, const std::string& name, const std::string& motion,
-              const std::vector<Change>& changes, std::vector<std::string> more = {}, bool smooth = false) {
-  more.insert(more.end(), {"--lockstep", "--motion", motion, "--duration", "5", "--record", (folder / name).string()});
+              const std::vector<Change>& changes, std::vector<std::string> more = {},
+              bool smooth = false) {
+  more.insert(more.end(), {"--lockstep", "--motion", motion, "--duration", "5", "--record",
+                           (folder / name).string()});
   Asker asker;
   Process up(up_arguments(oily_plane(folder, smooth), more));
   ASSERT_TRUE(asker.find());
@@ -125,14 +142,17 @@ void lockstep(const TemporaryFolder& folder, const std::string& name, const std:
 
 std::map<std::string, bag::TopicHash> hashes(const std::filesystem::path& folder) {
   const auto bag = bag::WholeBag::open(folder);
-  if (!bag) throw std::runtime_error(bag.error().sentence);
+  if (!bag)
+    throw std::runtime_error(bag.error().sentence);
   std::map<std::string, bag::TopicHash> all;
-  for (const char* topic :
-       {"device/state", "rendering/contact", "coupling/command", "validation", "rendering/plan", "coupling/design"}) {
-    const bool latched = std::string(topic) == "rendering/plan" || std::string(topic) == "coupling/design";
-    const auto hash =
-        bag::hash_topic(*bag, std::string("/haptic/") + topic, latched ? bag::KeyOf{} : bag::ring_sequence_number);
-    if (!hash) throw std::runtime_error(hash.error().sentence);
+  for (const char* topic : {"device/state", "rendering/contact", "coupling/command", "validation",
+                            "rendering/plan", "coupling/design"}) {
+    const bool latched =
+        std::string(topic) == "rendering/plan" || std::string(topic) == "coupling/design";
+    const auto hash = bag::hash_topic(*bag, std::string("/haptic/") + topic,
+                                      latched ? bag::KeyOf{} : bag::ring_sequence_number);
+    if (!hash)
+      throw std::runtime_error(hash.error().sentence);
     all[topic] = *hash;
   }
   return all;
@@ -152,21 +172,26 @@ double largest_step(const std::vector<T>& all, std::size_t first, std::size_t la
 }
 /// The same where the tool has been in contact for a while: a first touch is a step of its own.
 template <class T, class F>
-double largest_step_in_contact(const std::vector<msg::ContactState>& contacts, const std::vector<T>& all, F&& force) {
+double largest_step_in_contact(const std::vector<msg::ContactState>& contacts,
+                               const std::vector<T>& all, F&& force) {
   double most = 0.0;
   for (std::size_t i = 1; i < all.size(); ++i)
     if (contacts[i].surface_hits > 0 && contacts[i - 1].surface_hits > 0)
       most = std::max(most, step(force(all[i - 1]), force(all[i])));
   return most;
 }
-/// The same of commands, where the tool has kept its height for 20 samples; `looked_at`: how many those are.
-double largest_resting_step(const std::vector<msg::ContactState>& contacts, const std::vector<msg::ForceCommand>& all, std::size_t first, std::size_t last,
-                            std::size_t& looked_at) {
+/// The same of commands, where the tool has kept its height for 20 samples; `looked_at`: how many
+/// those are.
+double largest_resting_step(const std::vector<msg::ContactState>& contacts,
+                            const std::vector<msg::ForceCommand>& all, std::size_t first,
+                            std::size_t last, std::size_t& looked_at) {
   double most = 0.0;
   std::size_t still = 0;
   for (std::size_t i = first - 20; i < last; ++i) {
-    still = contacts[i].tool_pose.position.z == contacts[i - 1].tool_pose.position.z ? still + 1 : 0;
-    if (i < first || still < 20) continue;
+    still =
+        contacts[i].tool_pose.position.z == contacts[i - 1].tool_pose.position.z ? still + 1 : 0;
+    if (i < first || still < 20)
+      continue;
     most = std::max(most, step(all[i - 1].wrench.force, all[i].wrench.force));
     ++looked_at;
   }
@@ -185,10 +210,11 @@ std::vector<msg::ForceCommand> commands(const TemporaryFolder& folder, const std
 
 TEST(Change, OfAnEffectInContactIsNoStepOfTheForceAndGivesTheSameBitsTwice) {
   const TemporaryFolder folder;
-  const std::vector<Change> changes = {{kActionSwitch, 0.0, 1500},
-                                    {kActionSwitch, 1.0, 2000},
-                                    {kActionValue, 0.5, 2500, 0.0, "viscosity", "damping_ns_per_m"},
-                                    {kActionGain, 0.3, 2600}};
+  const std::vector<Change> changes = {
+      {kActionSwitch, 0.0, 1500},
+      {kActionSwitch, 1.0, 2000},
+      {kActionValue, 0.5, 2500, 0.0, "viscosity", "damping_ns_per_m"},
+      {kActionGain, 0.3, 2600}};
   lockstep(folder, "plain", "slide", {});
   lockstep(folder, "first", "slide", changes);
   lockstep(folder, "second", "slide", changes, {"--one-process"});
@@ -196,27 +222,34 @@ TEST(Change, OfAnEffectInContactIsNoStepOfTheForceAndGivesTheSameBitsTwice) {
   ASSERT_EQ(changed.size(), 5000U);
   EXPECT_GT(changed[1499].surface_hits, 0U) << "in contact";
   EXPECT_GT(std::abs(changed[1499].effects_wrench.force.x), 0.05);
-  for (std::size_t i = 0; i < 1500; ++i) ASSERT_EQ(plain[i].wrench.force.x, changed[i].wrench.force.x) << i;
+  for (std::size_t i = 0; i < 1500; ++i)
+    ASSERT_EQ(plain[i].wrench.force.x, changed[i].wrench.force.x) << i;
   EXPECT_EQ(changed[1650].effects_wrench.force.x, 0.0);
   EXPECT_LT(changed[2200].effects_wrench.force.x, -0.05);
-  // The tool moves at up to 0.1 m/s: a ramp of a tenth of a second takes at most this much a sample.
-  const double ramp = kDamping * 0.1 * 0.001 / 0.1, before = largest_step(plain, 1400, 3000, kEffects);
+  // The tool moves at up to 0.1 m/s: a ramp of a tenth of a second takes at most this much a
+  // sample.
+  const double ramp = kDamping * 0.1 * 0.001 / 0.1,
+               before = largest_step(plain, 1400, 3000, kEffects);
   EXPECT_LE(largest_step(changed, 1400, 3000, kEffects), before + ramp);
   const double felt_before = largest_step(commands(folder, "plain"), 1400, 3000, kForce),
                felt = largest_step(commands(folder, "first"), 1400, 3000, kForce);
   RecordProperty("largest_step_n", std::to_string(felt));
   RecordProperty("largest_step_without_a_change_n", std::to_string(felt_before));
-  std::printf("largest step of the command: %.5f N, without a change %.5f N; a ramp may add %.5f N\n", felt,
-              felt_before, ramp);
+  std::printf(
+      "largest step of the command: %.5f N, without a change %.5f N; a ramp may add %.5f N\n", felt,
+      felt_before, ramp);
   EXPECT_LE(felt, felt_before + ramp);
-  // Until the first change both runs are the same one, so its hundred samples can be compared, where the hand keeps its height: a step
-  // of its encoder, which one of the hands makes and the other not, is answered by the damping for some samples.
+  // Until the first change both runs are the same one, so its hundred samples can be compared,
+  // where the hand keeps its height: a step of its encoder, which one of the hands makes and the
+  // other not, is answered by the damping for some samples.
   std::size_t looked_at = 0;
-  const double first = largest_resting_step(changed, commands(folder, "first"), 1500, 1600, looked_at);
+  const double first =
+      largest_resting_step(changed, commands(folder, "first"), 1500, 1600, looked_at);
   EXPECT_GE(looked_at, 20U);
   EXPECT_LE(first, largest_step(commands(folder, "plain"), 1500, 1600, kForce) + ramp);
   const auto once = hashes(folder / "first"), second = hashes(folder / "second");
-  for (const auto& [topic, hash] : once) EXPECT_TRUE(hash == second.at(topic)) << topic;
+  for (const auto& [topic, hash] : once)
+    EXPECT_TRUE(hash == second.at(topic)) << topic;
   EXPECT_FALSE(once.at("rendering/contact") == hashes(folder / "plain").at("rendering/contact"));
 }
 
@@ -228,24 +261,30 @@ TEST(Change, ToASceneThatWasBuiltAnewInContactIsNoStepOfTheForceAndGivesTheSameB
   lockstep(folder, "second", "slide", changes, {"--one-process"}, true);
   const auto plain = contacts(folder, "plain"), changed = contacts(folder, "first");
   ASSERT_EQ(changed.size(), 5000U);
-  for (std::size_t i = 0; i < 1800; ++i) ASSERT_EQ(plain[i].wrench.force.z, changed[i].wrench.force.z) << i;
+  for (std::size_t i = 0; i < 1800; ++i)
+    ASSERT_EQ(plain[i].wrench.force.z, changed[i].wrench.force.z) << i;
   EXPECT_EQ(changed[1799].model, msg::contact_state::kModelField);
   EXPECT_EQ(changed[2000].model, msg::contact_state::kModelAdapted);
   for (std::size_t i = 0; i < changed.size(); ++i)
-    ASSERT_EQ((changed[i].flags & msg::contact_state::kFlagFading) != 0, i >= 1800 && i < 2000) << i;
+    ASSERT_EQ((changed[i].flags & msg::contact_state::kFlagFading) != 0, i >= 1800 && i < 2000)
+        << i;
   const double way = std::abs(changed[2000].wrench.force.z - changed[1799].wrench.force.z);
   EXPECT_GT(changed[1799].wrench.force.z, 0.1) << "in contact";
-  // The hand sinks or rises by the change, and each step of its encoder is a step of the force: the run without a change has the
-  // like where the hand comes down. Where the height stays, nothing but the fade may be seen (the two scenes differ by up to twice
-  // as much on the way as from its begin to its end, for the hand moves).
-  const double fade = 2.0 * way * 0.001 / 0.2, before = largest_step_in_contact(plain, plain, kForce),
+  // The hand sinks or rises by the change, and each step of its encoder is a step of the force: the
+  // run without a change has the like where the hand comes down. Where the height stays, nothing
+  // but the fade may be seen (the two scenes differ by up to twice as much on the way as from its
+  // begin to its end, for the hand moves).
+  const double fade = 2.0 * way * 0.001 / 0.2,
+               before = largest_step_in_contact(plain, plain, kForce),
                after = largest_step(changed, 1790, 2010, kForce);
   double resting = 0.0;
   for (std::size_t i = 1790; i < 2010; ++i)
     if (changed[i].tool_pose.position.z == changed[i - 1].tool_pose.position.z)
-      resting = std::max(resting, std::abs(contact_alone(changed[i]) - contact_alone(changed[i - 1])));
+      resting =
+          std::max(resting, std::abs(contact_alone(changed[i]) - contact_alone(changed[i - 1])));
   std::printf(
-      "contact: %.4f N to %.4f N; largest step %.5f N (%.5f N at one height), without a change %.5f N; a fade may add "
+      "contact: %.4f N to %.4f N; largest step %.5f N (%.5f N at one height), without a change "
+      "%.5f N; a fade may add "
       "%.5f N\n",
       changed[1799].wrench.force.z, changed[2000].wrench.force.z, after, resting, before, fade);
   EXPECT_GT(way, 2.0 * (before + fade)) << "the two scenes must differ, or nothing is shown";
@@ -256,9 +295,11 @@ TEST(Change, ToASceneThatWasBuiltAnewInContactIsNoStepOfTheForceAndGivesTheSameB
   std::printf("command: largest step %.5f N, without a change %.5f N\n", felt, felt_before);
   EXPECT_LE(felt, felt_before + fade);
   const auto first = hashes(folder / "first"), second = hashes(folder / "second");
-  for (const auto& [topic, hash] : first) EXPECT_TRUE(hash == second.at(topic)) << topic;
+  for (const auto& [topic, hash] : first)
+    EXPECT_TRUE(hash == second.at(topic)) << topic;
   EXPECT_EQ(first.at("rendering/plan").messages, 2U);
-  EXPECT_EQ(first.at("coupling/design").messages, 2U) << "designed anew for what the new scene can show";
+  EXPECT_EQ(first.at("coupling/design").messages, 2U)
+      << "designed anew for what the new scene can show";
 }
 
 TEST(Change, GarbageOnTheTopicIsNotFelt) {
@@ -266,8 +307,8 @@ TEST(Change, GarbageOnTheTopicIsNotFelt) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   lockstep(folder, "plain", "slide", {});
   Asker asker;
-  Process up(up_arguments(oily_plane(folder), {"--lockstep", "--motion", "slide", "--duration", "5", "--record",
-                                               (folder / "garbage").string()}));
+  Process up(up_arguments(oily_plane(folder), {"--lockstep", "--motion", "slide", "--duration", "5",
+                                               "--record", (folder / "garbage").string()}));
   ASSERT_TRUE(asker.find());
   for (int i = 0; i < 300; ++i) {
     asker.send({kActionGain, kNan});
@@ -280,7 +321,8 @@ TEST(Change, GarbageOnTheTopicIsNotFelt) {
   const Finished end = up.wait(std::chrono::seconds(120));
   ASSERT_EQ(end.status, 0) << end.err << end.out;
   const auto plain = hashes(folder / "plain"), garbage = hashes(folder / "garbage");
-  for (const auto& [topic, hash] : plain) EXPECT_TRUE(hash == garbage.at(topic)) << topic;
+  for (const auto& [topic, hash] : plain)
+    EXPECT_TRUE(hash == garbage.at(topic)) << topic;
 }
 
 // --- the verb
@@ -326,7 +368,8 @@ TEST(ChangeVerb, SaysWhatWasDoneOrWhyNot) {
   EXPECT_EQ(end.status, 0) << end.err << end.out;
 }
 
-/// What is refused at the start is refused while running: by the same sentence, whichever way it comes.
+/// What is refused at the start is refused while running: by the same sentence, whichever way it
+/// comes.
 TEST(ChangeVerb, IsRefusedWhatTheDeviceDoesNotStand) {
   const TemporaryFolder folder;
   const auto file = folder / "cup_viscosity.yaml";
@@ -335,7 +378,8 @@ TEST(ChangeVerb, IsRefusedWhatTheDeviceDoesNotStand) {
     std::stringstream text;
     text << in.rdbuf();
     std::string scene = text.str();
-    for (const auto& [from, to] : {std::pair<std::string, std::string>{"../meshes", std::string(VOXTOUCH_DEPLOY) + "/meshes"},
+    for (const auto& [from, to] : {std::pair<std::string, std::string>{
+                                       "../meshes", std::string(VOXTOUCH_DEPLOY) + "/meshes"},
                                    {"damping_ns_per_m: 1}", "damping_ns_per_m: " + damping + "}"}})
       for (std::size_t at = 0; (at = scene.find(from, at)) != std::string::npos; at += to.size())
         scene.replace(at, from.size(), to);

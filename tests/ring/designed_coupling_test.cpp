@@ -1,4 +1,5 @@
-// The designed coupling in the whole ring: the cup, abruptly and sliding, held lightly, usually, firmly, and let go.
+// The designed coupling in the whole ring: the cup, abruptly and sliding, held lightly, usually,
+// firmly, and let go.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -18,7 +19,8 @@ constexpr double kPeriodS = 1e-3, kDurationS = 6.0;
 /// Largest distance between two coordinates of one axis, over the samples [from, to).
 double peak_to_peak(const std::vector<Vec3>& points, std::size_t from, std::size_t to) {
   Vec3 low = points[from], high = points[from];
-  for (std::size_t i = from; i < to; ++i) low = low.cwiseMin(points[i]), high = high.cwiseMax(points[i]);
+  for (std::size_t i = from; i < to; ++i)
+    low = low.cwiseMin(points[i]), high = high.cwiseMax(points[i]);
   return (high - low).maxCoeff();
 }
 
@@ -28,49 +30,58 @@ struct Recorded {
   double lowest_energy_j = 0.0;
 };
 
-Recorded touch_cup(const std::string& device, const std::string& motion, std::vector<std::string> hand) {
+Recorded touch_cup(const std::string& device, const std::string& motion,
+                   std::vector<std::string> hand) {
   const TemporaryFolder folder;
-  hand.insert(hand.end(), {"--device", device, "--motion", motion, "--lockstep", "--one-process", "--duration",
-                           std::to_string(kDurationS), "--record", (folder / "bag").string()});
+  hand.insert(hand.end(),
+              {"--device", device, "--motion", motion, "--lockstep", "--one-process", "--duration",
+               std::to_string(kDurationS), "--record", (folder / "bag").string()});
   const RingResult run = run_ring(shipped_scene("cup"), hand);
   EXPECT_EQ(run.process.status, 0) << run.process.err << run.process.out;
   Recorded out;
   out.summary = run.summary;
   for (const auto& m : read_ring_topic<msg::DeviceState>(folder / "bag", "/haptic/device/state"))
     out.position.push_back(runtime::from_msg(m.pose).position);
-  for (const auto& m : read_ring_topic<msg::ForceCommand>(folder / "bag", "/haptic/coupling/command")) {
+  for (const auto& m :
+       read_ring_topic<msg::ForceCommand>(folder / "bag", "/haptic/coupling/command")) {
     out.force.push_back(runtime::from_msg(m.wrench).force);
     out.lowest_energy_j = std::min(out.lowest_energy_j, m.energy_j);
   }
   return out;
 }
 
-/// What the passivity observer promises (core/coupling/passivity.hpp): no deeper in debt than five times the work that the largest
-/// force could do over the longest way of one period in contact.
+/// What the passivity observer promises (core/coupling/passivity.hpp): no deeper in debt than five
+/// times the work that the largest force could do over the longest way of one period in contact.
 double energy_bound_j(const Recorded& r) {
   double force = 0.0, way = 0.0;
   for (std::size_t i = 1; i < std::min(r.position.size(), r.force.size()); ++i) {
-    if (r.force[i].isZero(0.0)) continue;
+    if (r.force[i].isZero(0.0))
+      continue;
     force = std::max(force, r.force[i].norm());
     way = std::max(way, (r.position[i] - r.position[i - 1]).norm());
   }
   return -5.0 * force * way;
 }
 
-/// The largest force of the first 100 ms of the first contact over the mean from 45 to 55 ms after it.
+/// The largest force of the first 100 ms of the first contact over the mean from 45 to 55 ms after
+/// it.
 double first_peak_over_later(const std::vector<Vec3>& force) {
   const auto begin = std::ranges::find_if(force, [](const Vec3& f) { return f.norm() > 0.02; });
-  if (force.end() - begin < 160) return std::numeric_limits<double>::quiet_NaN();
-  const auto peak = std::max_element(begin, begin + 100, [](const Vec3& a, const Vec3& b) { return a.norm() < b.norm(); });
+  if (force.end() - begin < 160)
+    return std::numeric_limits<double>::quiet_NaN();
+  const auto peak = std::max_element(
+      begin, begin + 100, [](const Vec3& a, const Vec3& b) { return a.norm() < b.norm(); });
   double later = 0.0;
-  for (auto f = peak + 45; f < peak + 56; ++f) later += f->norm() / 11.0;
+  for (auto f = peak + 45; f < peak + 56; ++f)
+    later += f->norm() / 11.0;
   return peak->norm() / later;
 }
 
 /// The median of the force while `hit` rests on the wall.
 double steady_n(const std::vector<Vec3>& force) {
   std::vector<double> sizes;
-  for (std::size_t i = 4300; i < 5300; ++i) sizes.push_back(force.at(i).norm());
+  for (std::size_t i = 4300; i < 5300; ++i)
+    sizes.push_back(force.at(i).norm());
   std::ranges::nth_element(sizes, sizes.begin() + 500);
   return sizes[500];
 }
@@ -84,7 +95,8 @@ struct Case {
 
 void PrintTo(const Case& c, std::ostream* out) {
   *out << c.device << " " << c.motion;
-  for (const std::string& word : c.hand) *out << " " << word;
+  for (const std::string& word : c.hand)
+    *out << " " << word;
 }
 
 class DesignedCoupling : public testing::TestWithParam<Case> {};
@@ -97,16 +109,19 @@ TEST_P(DesignedCoupling, TouchesTheCupWithoutASustainedOscillationAndWithinItsEn
   EXPECT_NE(r.summary["coupling"]["status"], "infeasible");
   EXPECT_GE(r.summary["coupling"]["gain_margin"].get<double>(), 2.0 - 1e-6);
   EXPECT_EQ(r.summary["validator"]["disagree"], 0);
-  // A firm arm that strikes at 0.2 m/s meets the injected damping at once: a step that the guard may have to lead over.
+  // A firm arm that strikes at 0.2 m/s meets the injected damping at once: a step that the guard
+  // may have to lead over.
   EXPECT_LE(r.summary["guard"]["clamped"], 3);
   EXPECT_GE(r.lowest_energy_j, energy_bound_j(r));
   RecordProperty("lowest_energy_j", std::to_string(r.lowest_energy_j));
   RecordProperty("energy_bound_j", std::to_string(energy_bound_j(r)));
   if (c.hand.empty()) {
-    EXPECT_LE(first_peak_over_later(r.force), 1.5) << "a touch is felt as the contact, not as the damper";
+    EXPECT_LE(first_peak_over_later(r.force), 1.5)
+        << "a touch is felt as the contact, not as the damper";
     RecordProperty("first_peak_over_later", std::to_string(first_peak_over_later(r.force)));
   }
-  // `hit` rests on the wall from about 2.9 to 5.4 s; a tool that was let go at 4.2 s comes to rest wherever it is.
+  // `hit` rests on the wall from about 2.9 to 5.4 s; a tool that was let go at 4.2 s comes to rest
+  // wherever it is.
   if (std::string(c.motion) == "hit" || !c.hand.empty()) {
     const bool let_go = !c.hand.empty() && c.hand.front() == "--let-go-at";
     if (std::string(c.motion) == "hit" || let_go) {
@@ -134,14 +149,18 @@ std::vector<Case> cases() {
 INSTANTIATE_TEST_SUITE_P(Cup, DesignedCoupling, testing::ValuesIn(cases()));
 
 /// The cup with other lines for coupling and contact, where they are given.
-std::string cup_with(const TemporaryFolder& folder, const std::string& coupling, const std::string& contact) {
+std::string cup_with(const TemporaryFolder& folder, const std::string& coupling,
+                     const std::string& contact) {
   const std::string file = (folder / "cup_with.yaml").string();
   std::ifstream in(shipped_scene("cup"));
   std::ofstream out(file);
   for (std::string line; std::getline(in, line);) {
-    if (line.starts_with("coupling:") && !coupling.empty()) line = "coupling: " + coupling;
-    if (line.starts_with("contact:") && !contact.empty()) line = "contact: " + contact;
-    if (const auto at = line.find("../meshes"); at != std::string::npos) line.replace(at, 9, std::string(VOXTOUCH_DEPLOY) + "/meshes");
+    if (line.starts_with("coupling:") && !coupling.empty())
+      line = "coupling: " + coupling;
+    if (line.starts_with("contact:") && !contact.empty())
+      line = "contact: " + contact;
+    if (const auto at = line.find("../meshes"); at != std::string::npos)
+      line.replace(at, 9, std::string(VOXTOUCH_DEPLOY) + "/meshes");
     out << line << "\n";
   }
   return file;
@@ -149,22 +168,33 @@ std::string cup_with(const TemporaryFolder& folder, const std::string& coupling,
 
 double held_n(const std::string& scene, const std::string& device) {
   const TemporaryFolder bag;
-  // A coupling that is not certified for the device is a problem of such a run; its force is looked at all the same.
-  run_ring(scene, {"--device", device, "--motion", "hit", "--lockstep", "--one-process", "--duration", "6", "--record", (bag / "bag").string()});
+  // A coupling that is not certified for the device is a problem of such a run; its force is looked
+  // at all the same.
+  run_ring(scene, {"--device", device, "--motion", "hit", "--lockstep", "--one-process",
+                   "--duration", "6", "--record", (bag / "bag").string()});
   std::vector<Vec3> force;
-  for (const auto& m : read_ring_topic<msg::ForceCommand>(bag / "bag", "/haptic/coupling/command")) force.push_back(runtime::from_msg(m.wrench).force);
+  for (const auto& m : read_ring_topic<msg::ForceCommand>(bag / "bag", "/haptic/coupling/command"))
+    force.push_back(runtime::from_msg(m.wrench).force);
   return steady_n(force);
 }
 
-/// On a sim-phantom the contact itself, of 30 N/m a point, is softer than the coupling may show: a stiffer one holds more than the paper's did.
+/// On a sim-phantom the contact itself, of 30 N/m a point, is softer than the coupling may show: a
+/// stiffer one holds more than the paper's did.
 TEST(DesignedCoupling, HoldsTheForceOfThePapersFilterAtTheSameHand) {
   const TemporaryFolder folder;
   for (const char* device : {"sim-phantom", "sim-lwr"}) {
     const double designed = steady_n(touch_cup(device, "hit", {}).force),
-                 papers = held_n(cup_with(folder, "{kind: shaping_filter, cutoff_hz: 5, damping_ratio: 1, gain: 1}", ""), device),
-                 stiffer = held_n(cup_with(folder, "", "{model: adapted, stiffness_n_per_m: 45}"), device);
-    std::printf("%s: designed %.3f N, with 45 N/m a point %.3f N, the paper's 5 Hz %.3f N\n", device, designed, stiffer, papers);
-    EXPECT_GE(designed, 0.96 * papers) << device;  // a sim-phantom's dry friction holds it within some hundredths of a newton
+                 papers = held_n(
+                     cup_with(folder,
+                              "{kind: shaping_filter, cutoff_hz: 5, damping_ratio: 1, gain: 1}",
+                              ""),
+                     device),
+                 stiffer = held_n(cup_with(folder, "", "{model: adapted, stiffness_n_per_m: 45}"),
+                                  device);
+    std::printf("%s: designed %.3f N, with 45 N/m a point %.3f N, the paper's 5 Hz %.3f N\n",
+                device, designed, stiffer, papers);
+    EXPECT_GE(designed, 0.96 * papers)
+        << device;  // a sim-phantom's dry friction holds it within some hundredths of a newton
     EXPECT_GE(stiffer, 1.1 * papers) << device;
   }
 }
@@ -176,14 +206,17 @@ std::string refusal_at_start(const std::string& coupling, const std::string& eff
   std::ifstream in(shipped_scene("plane"));
   std::ofstream out(scene);
   for (std::string line; std::getline(in, line);) {
-    if (line.starts_with("coupling:")) line = "coupling: " + coupling;
-    if (line.starts_with("effects:")) line = "effects: " + effects;
+    if (line.starts_with("coupling:"))
+      line = "coupling: " + coupling;
+    if (line.starts_with("effects:"))
+      line = "effects: " + effects;
     if (const auto at = line.find("../meshes"); at != std::string::npos)
       line.replace(at, 9, std::string(VOXTOUCH_DEPLOY) + "/meshes");
     out << line << "\n";
   }
   out.close();
-  const RingResult run = run_ring(scene.string(), {"--motion", "hit", "--duration", "2", "--no-record"});
+  const RingResult run =
+      run_ring(scene.string(), {"--motion", "hit", "--duration", "2", "--no-record"});
   EXPECT_EQ(run.process.status, 1);
   EXPECT_FALSE(run.summary.contains("max_force_n")) << "nodes ran: " << run.process.out;
   return run.summary.is_null() ? run.process.err : run.summary["problems"].dump();
@@ -195,7 +228,8 @@ TEST(DesignedCoupling, IsRefusedBeforeAnythingStartsWhereNothingHoldsForTheDevic
 }
 
 TEST(DesignedCoupling, IsRefusedBeforeAnythingStartsWhereTheEffectsDampMoreThanTheDeviceStands) {
-  const std::string problems = refusal_at_start("{design: auto}", "[{viscosity: {damping_ns_per_m: 90}}]");
+  const std::string problems =
+      refusal_at_start("{design: auto}", "[{viscosity: {damping_ns_per_m: 90}}]");
   EXPECT_NE(problems.find("90 Ns/m"), std::string::npos) << problems;
 }
 

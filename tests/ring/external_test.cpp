@@ -1,4 +1,5 @@
-// The loop closed through a node outside the ring, the simplest form of teleoperation: it reads the tool's pose and writes a spring's wrench.
+// The loop closed through a node outside the ring, the simplest form of teleoperation: it reads the
+// tool's pose and writes a spring's wrench.
 #include <gtest/gtest.h>
 
 #include <signal.h>
@@ -17,7 +18,8 @@ namespace {
 
 using std::chrono::milliseconds;
 constexpr double kSpringNPerM = 40.0, kMaxN = 1.5, kTimeoutS = 0.05, kFadeS = 0.05;
-constexpr double kCentre[] = {-0.09, -0.03, 0.08};  // 30 mm above where the hand of `rest` wants to be
+constexpr double kCentre[] = {-0.09, -0.03,
+                              0.08};  // 30 mm above where the hand of `rest` wants to be
 
 /// A node of somebody's own, as a thread: a spring from the tool's last pose to a point.
 class Remote {
@@ -25,7 +27,9 @@ class Remote {
   Remote()
       : participant_({static_cast<std::uint32_t>(std::stoul(fresh_domain())), "lo", "remote"}),
         poses_(participant_, qos::kPose, "haptic", qos::profile(qos::ProfileId::kTap)),
-        wrenches_(participant_, qos::external_topic("/sim/wrench"), "haptic", qos::profile(qos::ProfileId::kTap)), thread_([this] { run(); }) {}
+        wrenches_(participant_, qos::external_topic("/sim/wrench"), "haptic",
+                  qos::profile(qos::ProfileId::kTap)),
+        thread_([this] { run(); }) {}
   ~Remote() {
     stop_ = true;
     thread_.join();
@@ -40,7 +44,8 @@ class Remote {
     while (!stop_) {
       poses_.take_each([&](const msg::geometry_msgs_PoseStamped& p) {
         const auto& at = p.pose.position;
-        m.wrench.force = {kSpringNPerM * (kCentre[0] - at.x), kSpringNPerM * (kCentre[1] - at.y), kSpringNPerM * (kCentre[2] - at.z)};
+        m.wrench.force = {kSpringNPerM * (kCentre[0] - at.x), kSpringNPerM * (kCentre[1] - at.y),
+                          kSpringNPerM * (kCentre[2] - at.z)};
         wrenches_.write(m);
         ++written_;
       });
@@ -55,28 +60,37 @@ class Remote {
   std::thread thread_;
 };
 
-double size(const msg::geometry_msgs_Wrench& w) { return std::hypot(w.force.x, w.force.y, w.force.z); }
+double size(const msg::geometry_msgs_Wrench& w) {
+  return std::hypot(w.force.x, w.force.y, w.force.z);
+}
 
-/// Whether values came in time for half a second up to `at_ns`, so that a machine with other work has kept nobody waiting and the force stood for what was written.
+/// Whether values came in time for half a second up to `at_ns`, so that a machine with other work
+/// has kept nobody waiting and the force stood for what was written.
 bool was_fed(const std::vector<msg::ExternalSample>& taken, std::int64_t at_ns) {
   std::int64_t before = at_ns - 500'000'000;
   for (const msg::ExternalSample& one : taken) {
-    if (one.sample_time_ns < at_ns - 500'000'000 || one.sample_time_ns > at_ns) continue;
-    if (one.sample_time_ns - before > 40'000'000) return false;
+    if (one.sample_time_ns < at_ns - 500'000'000 || one.sample_time_ns > at_ns)
+      continue;
+    if (one.sample_time_ns - before > 40'000'000)
+      return false;
     before = one.sample_time_ns;
   }
   return at_ns - before <= 40'000'000;
 }
 
-TEST(ExternalRing, ALoopThatIsClosedOutsideIsStableBoundedFadesWhenItsNodeStopsAndIsReplayedBitByBit) {
+TEST(ExternalRing,
+     ALoopThatIsClosedOutsideIsStableBoundedFadesWhenItsNodeStopsAndIsReplayedBitByBit) {
   const TemporaryFolder folder;
   const std::filesystem::path bag = folder / "bag";
-  Process up(up_arguments(shipped_scene("cup_external"), {"--device", "sim-phantom", "--motion", "rest", "--record", bag.string()}));
-  for (int i = 0; i < 1500 && !runs(up); ++i) std::this_thread::sleep_for(milliseconds(20));
+  Process up(up_arguments(shipped_scene("cup_external"), {"--device", "sim-phantom", "--motion",
+                                                          "rest", "--record", bag.string()}));
+  for (int i = 0; i < 1500 && !runs(up); ++i)
+    std::this_thread::sleep_for(milliseconds(20));
   ASSERT_TRUE(runs(up)) << up.err();
   {
     Remote remote;
-    for (int i = 0; i < 1000 && remote.written() < 300; ++i) std::this_thread::sleep_for(milliseconds(20));
+    for (int i = 0; i < 1000 && remote.written() < 300; ++i)
+      std::this_thread::sleep_for(milliseconds(20));
     EXPECT_GE(remote.written(), 300);
   }
   std::this_thread::sleep_for(milliseconds(1000));
@@ -88,21 +102,27 @@ TEST(ExternalRing, ALoopThatIsClosedOutsideIsStableBoundedFadesWhenItsNodeStopsA
   EXPECT_NE(end.err.find("/sim/wrench"), std::string::npos) << end.err;
   EXPECT_NE(end.out.find("No certificate"), std::string::npos) << end.out;
   EXPECT_GT(summary["external"]["external_samples"], 100);
-  EXPECT_LE(summary["external"]["external_given_j"], 0.05 + 0.05 * 10.0) << "energy_j and ten seconds of power_w";
+  EXPECT_LE(summary["external"]["external_given_j"], 0.05 + 0.05 * 10.0)
+      << "energy_j and ten seconds of power_w";
 
   const auto contacts = read_ring_topic<msg::ContactState>(bag, "/haptic/rendering/contact");
   const auto commands = read_ring_topic<msg::ForceCommand>(bag, "/haptic/coupling/command");
   const auto taken = read_ring_topic<msg::ExternalSample>(bag, "/haptic/rendering/external");
   ASSERT_GT(taken.size(), 100U);
-  const std::int64_t last_ns = taken.back().sample_time_ns, gone_ns = last_ns + static_cast<std::int64_t>(1e9 * (kTimeoutS + kFadeS)) + 2'000'000;
+  const std::int64_t last_ns = taken.back().sample_time_ns,
+                     gone_ns = last_ns + static_cast<std::int64_t>(1e9 * (kTimeoutS + kFadeS)) +
+                               2'000'000;
   double most_n = 0.0, most_command_n = 0.0, low = 1e9, high = 0.0;
   int ended = 0;
-  for (const msg::ForceCommand& c : commands) most_command_n = std::max(most_command_n, size(c.wrench));
+  for (const msg::ForceCommand& c : commands)
+    most_command_n = std::max(most_command_n, size(c.wrench));
   for (const msg::ContactState& c : contacts) {
     const double force = size(c.effects_wrench);
     most_n = std::max(most_n, force);
-    if (c.sample_time_ns > last_ns - 1'000'000'000 && was_fed(taken, c.sample_time_ns)) low = std::min(low, force), high = std::max(high, force);
-    if (c.sample_time_ns <= gone_ns) continue;
+    if (c.sample_time_ns > last_ns - 1'000'000'000 && was_fed(taken, c.sample_time_ns))
+      low = std::min(low, force), high = std::max(high, force);
+    if (c.sample_time_ns <= gone_ns)
+      continue;
     ASSERT_EQ(force, 0.0) << "the force has faded, by the samples' own time";
     ++ended;
   }
@@ -110,14 +130,19 @@ TEST(ExternalRing, ALoopThatIsClosedOutsideIsStableBoundedFadesWhenItsNodeStopsA
   EXPECT_LE(most_n, kMaxN);
   EXPECT_GT(most_command_n, 0.3) << "the hand felt it";
   EXPECT_LE(most_command_n, 1.2 * kMaxN) << "the filter's overshoot";
-  EXPECT_LE(high - low, 0.1 * kMaxN) << "in the last second of the closed loop the force stands: from " << low << " to " << high << " N";
+  EXPECT_LE(high - low, 0.1 * kMaxN)
+      << "in the last second of the closed loop the force stands: from " << low << " to " << high
+      << " N";
   EXPECT_GT(ended, 100);
 
-  const Finished replay = Process({VOXTOUCH_BIN "/voxtouch", "replay", bag.string(), "--json"}).wait();
+  const Finished replay =
+      Process({VOXTOUCH_BIN "/voxtouch", "replay", bag.string(), "--json"}).wait();
   const nlohmann::json said = nlohmann::json::parse(replay.out, nullptr, false);
   ASSERT_TRUE(said.is_object()) << replay.err;
   EXPECT_GT(said["contact"]["compared"], 1000);
-  if (!said["missing"].empty()) return;  // a recorder on a busy machine may lose samples: the replay says which, and bits may differ for it
+  if (!said["missing"].empty())
+    return;  // a recorder on a busy machine may lose samples: the replay says which, and bits may
+             // differ for it
   EXPECT_EQ(said["contact"]["differ"], 0) << said;
   EXPECT_EQ(said["command"]["differ"], 0) << said;
 }

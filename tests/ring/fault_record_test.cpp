@@ -14,52 +14,67 @@ namespace {
 
 using std::chrono::milliseconds;
 
-double force_n(const msg::ForceCommand& c) { return std::hypot(c.wrench.force.x, c.wrench.force.y, c.wrench.force.z); }
+double force_n(const msg::ForceCommand& c) {
+  return std::hypot(c.wrench.force.x, c.wrench.force.y, c.wrench.force.z);
+}
 
 /// A machine that is busy may have brought about others before it.
 std::filesystem::path newest(const std::filesystem::path& folder, const std::string& node) {
   std::filesystem::path found = folder / (node + "1");
-  for (int n = 2; std::filesystem::exists(folder / (node + std::to_string(n))); ++n) found = folder / (node + std::to_string(n));
+  for (int n = 2; std::filesystem::exists(folder / (node + std::to_string(n))); ++n)
+    found = folder / (node + std::to_string(n));
   return found;
 }
 
 TEST(FaultRecord, OfAKilledRenderingHoldsWhatDeviceAndCouplingSawInTheTwoSecondsBefore) {
   const TemporaryFolder folder;
-  Process up(up_arguments(shipped_scene("cup"), {"--motion", "slide", "--duration", "60", "--record", (folder / "bag").string()}));
-  for (int i = 0; i < 1500 && !runs(up); ++i) std::this_thread::sleep_for(milliseconds(20));
-  std::this_thread::sleep_for(milliseconds(1340));  // in the middle of the first touch: without force nothing fades
+  Process up(up_arguments(shipped_scene("cup"), {"--motion", "slide", "--duration", "60",
+                                                 "--record", (folder / "bag").string()}));
+  for (int i = 0; i < 1500 && !runs(up); ++i)
+    std::this_thread::sleep_for(milliseconds(20));
+  std::this_thread::sleep_for(
+      milliseconds(1340));  // in the middle of the first touch: without force nothing fades
   ::kill(child_called(up.pid(), "voxtouch_rendering"), SIGKILL);
   const Finished end = up.wait();
   EXPECT_EQ(end.status, 1);
-  const std::filesystem::path device = newest(folder / "bag_faults", "device_"), coupling = newest(folder / "bag_faults", "coupling_");
+  const std::filesystem::path device = newest(folder / "bag_faults", "device_"),
+                              coupling = newest(folder / "bag_faults", "coupling_");
   ASSERT_TRUE(std::filesystem::exists(device / "fault.json")) << end.out << end.err;
   ASSERT_TRUE(std::filesystem::exists(coupling / "fault.json")) << end.out << end.err;
-  EXPECT_NE(end.out.find((folder / "bag_faults" / "device_").string()), std::string::npos) << end.out;
+  EXPECT_NE(end.out.find((folder / "bag_faults" / "device_").string()), std::string::npos)
+      << end.out;
 
   const auto states = read_ring_topic<msg::DeviceState>(device, "/haptic/device/state");
   const auto given = read_ring_topic<msg::ForceCommand>(device, "/haptic/device/given");
-  ASSERT_GT(states.size(), 100U) << "a fault of the machine's making begins the record anew, shortly before";
+  ASSERT_GT(states.size(), 100U)
+      << "a fault of the machine's making begins the record anew, shortly before";
   ASSERT_LE(states.size(), 2000U);
   ASSERT_EQ(given.size(), states.size());
   EXPECT_TRUE(std::ranges::is_sorted(states, {}, &msg::DeviceState::sequence_number));
   EXPECT_GT(force_n(std::ranges::max(given, {}, force_n)), 0.05) << "it was in contact";
-  EXPECT_GT(read_ring_topic<msg::ForceCommand>(device, "/haptic/coupling/command").size(), states.size() / 2);
+  EXPECT_GT(read_ring_topic<msg::ForceCommand>(device, "/haptic/coupling/command").size(),
+            states.size() / 2);
   EXPECT_FALSE(read_ring_topic<msg::ContactState>(coupling, "/haptic/rendering/contact").empty());
   // The bag of the run has the same samples.
   const auto recorded = read_ring_topic<msg::DeviceState>(folder / "bag", "/haptic/device/state");
-  const auto same = std::ranges::find(recorded, states[50].sequence_number, &msg::DeviceState::sequence_number);
+  const auto same =
+      std::ranges::find(recorded, states[50].sequence_number, &msg::DeviceState::sequence_number);
   ASSERT_NE(same, recorded.end());
   EXPECT_EQ(std::memcmp(&*same, &states[50], sizeof *same), 0);
 }
 
-/// 35 kN/m at the hand of a device that can show 800 N/m, through a coupling set by hand that is hardly damped.
+/// 35 kN/m at the hand of a device that can show 800 N/m, through a coupling set by hand that is
+/// hardly damped.
 std::filesystem::path unstable_scene(const std::filesystem::path& folder) {
   std::ifstream in(shipped_scene("plane"));
   std::ofstream out(folder / "unstable.yaml");
   for (std::string line; std::getline(in, line);) {
-    if (line.starts_with("coupling:")) line = "coupling: {kind: shaping_filter, cutoff_hz: 5, damping_ratio: 0.1, gain: 1}";
-    if (line.starts_with("contact:")) line = "contact: {model: field, stiffness_n_per_m3: 3e7}";
-    if (const auto at = line.find("../meshes"); at != std::string::npos) line.replace(at, 9, std::string(VOXTOUCH_DEPLOY) + "/meshes");
+    if (line.starts_with("coupling:"))
+      line = "coupling: {kind: shaping_filter, cutoff_hz: 5, damping_ratio: 0.1, gain: 1}";
+    if (line.starts_with("contact:"))
+      line = "contact: {model: field, stiffness_n_per_m3: 3e7}";
+    if (const auto at = line.find("../meshes"); at != std::string::npos)
+      line.replace(at, 9, std::string(VOXTOUCH_DEPLOY) + "/meshes");
     out << line << "\n";
   }
   return folder / "unstable.yaml";
@@ -67,14 +82,17 @@ std::filesystem::path unstable_scene(const std::filesystem::path& folder) {
 
 TEST(ForceLock, OfAnUnstableContactHoldsUntilAPersonSaysRecover) {
   const TemporaryFolder folder;
-  Process up(up_arguments(unstable_scene(folder.path()), {"--motion", "hit", "--duration", "0", "--record", (folder / "bag").string()}));
+  Process up(up_arguments(unstable_scene(folder.path()), {"--motion", "hit", "--duration", "0",
+                                                          "--record", (folder / "bag").string()}));
   const auto hears = [&](const char* words) {
-    for (int i = 0; i < 1500 && up.err().find(words) == std::string::npos; ++i) std::this_thread::sleep_for(milliseconds(20));
+    for (int i = 0; i < 1500 && up.err().find(words) == std::string::npos; ++i)
+      std::this_thread::sleep_for(milliseconds(20));
     return up.err().find(words) != std::string::npos;
   };
   ASSERT_TRUE(hears("voxtouch recover")) << up.err();
   std::this_thread::sleep_for(milliseconds(1200));
-  Process recover(std::vector<std::string>{VOXTOUCH_BIN "/voxtouch", "recover", "--domain", fresh_domain()});
+  Process recover(
+      std::vector<std::string>{VOXTOUCH_BIN "/voxtouch", "recover", "--domain", fresh_domain()});
   const Finished said = recover.wait();
   EXPECT_EQ(said.status, 0) << said.out << said.err;
   EXPECT_NE(said.out.find("the coupling"), std::string::npos) << said.out;
@@ -88,7 +106,8 @@ TEST(ForceLock, OfAnUnstableContactHoldsUntilAPersonSaysRecover) {
 }
 
 TEST(ForceLock, IsNotThereToBeOpenedWhereNothingIsLocked) {
-  Process recover(std::vector<std::string>{VOXTOUCH_BIN "/voxtouch", "recover", "--rig", "nobody", "--domain", fresh_domain(), "--json"});
+  Process recover(std::vector<std::string>{VOXTOUCH_BIN "/voxtouch", "recover", "--rig", "nobody",
+                                           "--domain", fresh_domain(), "--json"});
   const Finished said = recover.wait();
   EXPECT_EQ(said.status, 1);
   EXPECT_NE(said.out.find("'nobody'"), std::string::npos) << said.out;
@@ -96,7 +115,9 @@ TEST(ForceLock, IsNotThereToBeOpenedWhereNothingIsLocked) {
 
 TEST(FaultRecord, OfAGoodRunIsNone) {
   const TemporaryFolder folder;
-  const RingResult r = run_ring(shipped_scene("cup"), {"--lockstep", "--one-process", "--motion", "slide", "--duration", "3", "--record", (folder / "bag").string()});
+  const RingResult r =
+      run_ring(shipped_scene("cup"), {"--lockstep", "--one-process", "--motion", "slide",
+                                      "--duration", "3", "--record", (folder / "bag").string()});
   ASSERT_EQ(r.process.status, 0) << r.process.err << r.process.out;
   EXPECT_FALSE(std::filesystem::exists(folder / "bag_faults"));
 }

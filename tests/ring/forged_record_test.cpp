@@ -1,4 +1,5 @@
-// Somebody writes a record of a change that the rendering never made, into a ring that is recorded: the bag has it not, and its replay says so.
+// Somebody writes a record of a change that the rendering never made, into a ring that is recorded:
+// the bag has it not, and its replay says so.
 #include <gtest/gtest.h>
 
 #include <csignal>
@@ -15,34 +16,44 @@ namespace voxtouch::test {
 namespace {
 
 bool comes(const std::function<bool()>& holds) {
-  for (int i = 0; i < 30'000 && !holds(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  for (int i = 0; i < 30'000 && !holds(); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
   return holds();
 }
 
 TEST(ForgedRecord, IsNotInTheBagAndItsReplayGivesTheSameBits) {
   const TemporaryFolder folder;
-  const bus::Participant participant({static_cast<std::uint32_t>(std::stoul(fresh_domain())), "lo", "forger"});
+  const bus::Participant participant(
+      {static_cast<std::uint32_t>(std::stoul(fresh_domain())), "lo", "forger"});
   runtime::NodeRegistry registry(participant, "haptic");
-  bus::Writer<msg::EffectChange> made(participant, qos::kEffectMade, "haptic", qos::profile(qos::kEffectMade.profile));
+  bus::Writer<msg::EffectChange> made(participant, qos::kEffectMade, "haptic",
+                                      qos::profile(qos::kEffectMade.profile));
   const auto bag = folder / "bag";
-  Process up(up_arguments(shipped_scene("cup_friction"), {"--lockstep", "--motion", "slide", "--record", bag.string()}));
+  Process up(up_arguments(shipped_scene("cup_friction"),
+                          {"--lockstep", "--motion", "slide", "--record", bag.string()}));
   const auto figure = [&](const std::string& node, const char* name) {
     registry.update();
     const auto report = registry.find(node);
     return report ? runtime::value_of(report->figures, name) : 0.0;
   };
-  ASSERT_TRUE(comes([&] { return made.matched_count() > 0 && figure("rendering", "samples") > 1500; })) << up.err();
+  ASSERT_TRUE(comes([&] {
+    return made.matched_count() > 0 && figure("rendering", "samples") > 1500;
+  })) << up.err();
   // What it forges is the ring's in all but who wrote it.
   const std::string friction = "friction", none;
   msg::EffectChange forged{};
-  forged.session_id = registry.find("rendering")->session_id, forged.from_sample = 700, forged.action = msg::effect_change::kActionSwitch;
+  forged.session_id = registry.find("rendering")->session_id, forged.from_sample = 700,
+  forged.action = msg::effect_change::kActionSwitch;
   forged.effect = runtime::lend(friction), forged.parameter = forged.model = runtime::lend(none);
   made.write(forged);
-  Process change({VOXTOUCH_BIN "/voxtouch", "change", "friction", "gain", "0.5", "--domain", fresh_domain()});
+  Process change(
+      {VOXTOUCH_BIN "/voxtouch", "change", "friction", "gain", "0.5", "--domain", fresh_domain()});
   const Finished changed = change.wait();
   EXPECT_EQ(changed.status, 0) << changed.err;
   // Its status says so, and is in the bag: the logger hears itself before anybody else does.
-  ASSERT_TRUE(comes([&] { return figure("logger", "refused_records") == 1.0 && figure("rendering", "changes") == 1.0; })) << registry.find("logger")->message;
+  ASSERT_TRUE(comes([&] {
+    return figure("logger", "refused_records") == 1.0 && figure("rendering", "changes") == 1.0;
+  })) << registry.find("logger")->message;
   up.signal(SIGINT);
   const Finished end = up.wait(std::chrono::seconds(120));
   EXPECT_EQ(end.status, 1) << "a second writer is no good run" << end.err;

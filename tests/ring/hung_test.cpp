@@ -1,4 +1,5 @@
-// A node that hangs is named, by `up` and by the other nodes, and the run is no good one; in lockstep nobody waits for it for ever.
+// A node that hangs is named, by `up` and by the other nodes, and the run is no good one; in
+// lockstep nobody waits for it for ever.
 #include <gtest/gtest.h>
 
 #include <signal.h>
@@ -22,21 +23,28 @@ using std::chrono::seconds;
 using Clock = std::chrono::steady_clock;
 
 bool wait_until(const std::function<bool()>& holds, milliseconds patience) {
-  for (const auto until = Clock::now() + patience; !holds(); std::this_thread::sleep_for(milliseconds(2)))
-    if (Clock::now() > until) return false;
+  for (const auto until = Clock::now() + patience; !holds();
+       std::this_thread::sleep_for(milliseconds(2)))
+    if (Clock::now() > until)
+      return false;
   return true;
 }
 
-double ms_since(Clock::time_point begin) { return std::chrono::duration<double, std::milli>(Clock::now() - begin).count(); }
+double ms_since(Clock::time_point begin) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+}
 
 /// Who hangs by what the others' statuses say.
 class Onlooker {
  public:
-  Onlooker() : participant_({static_cast<std::uint32_t>(std::stoi(fresh_domain())), "lo", "onlooker"}), registry_(participant_, "haptic") {}
+  Onlooker()
+      : participant_({static_cast<std::uint32_t>(std::stoi(fresh_domain())), "lo", "onlooker"}),
+        registry_(participant_, "haptic") {}
   bool sees_it_said(const std::string& sentence, const std::string& not_by) {
     registry_.update();
     for (const runtime::NodeReport& report : registry_.reports())
-      if (report.node != not_by && report.message.find(sentence) != std::string::npos) return true;
+      if (report.node != not_by && report.message.find(sentence) != std::string::npos)
+        return true;
     return false;
   }
 
@@ -53,8 +61,9 @@ const auto kNodes = testing::Values("device", "rendering", "coupling", "validato
 TEST_P(StoppedNode, IsNamedByUpAndByTheOthersAndTheRunIsNoGoodOne) {
   const std::string node = GetParam();
   const TemporaryFolder folder;
-  Process up(up_arguments(shipped_scene("cup"), {"--motion", "slide", "--duration", "4.5", "--record", (folder / "bag").string(),
-                                                 "--limit", "silence_s=0.4"}));
+  Process up(
+      up_arguments(shipped_scene("cup"), {"--motion", "slide", "--duration", "4.5", "--record",
+                                          (folder / "bag").string(), "--limit", "silence_s=0.4"}));
   Onlooker onlooker;
   ASSERT_TRUE(wait_until([&] { return runs(up); }, seconds(30))) << up.err();
   std::this_thread::sleep_for(milliseconds(500));
@@ -66,15 +75,19 @@ TEST_P(StoppedNode, IsNamedByUpAndByTheOthersAndTheRunIsNoGoodOne) {
   const std::string sentence = node + " hangs";
   EXPECT_TRUE(wait_until(
       [&] {
-        if (up_ms == 0.0 && up.err().find(sentence) != std::string::npos) up_ms = ms_since(stopped);
-        if (others_ms == 0.0 && onlooker.sees_it_said(sentence, node)) others_ms = ms_since(stopped);
+        if (up_ms == 0.0 && up.err().find(sentence) != std::string::npos)
+          up_ms = ms_since(stopped);
+        if (others_ms == 0.0 && onlooker.sees_it_said(sentence, node))
+          others_ms = ms_since(stopped);
         return up_ms > 0.0 && others_ms > 0.0;
       },
       seconds(4)))
       << up.err();
   ::kill(pid, SIGCONT);
-  RecordProperty("named_by_up_ms", std::to_string(up_ms)), RecordProperty("named_by_others_ms", std::to_string(others_ms));
-  std::printf("%s: named by up after %.0f ms, by another node after %.0f ms\n", node.c_str(), up_ms, others_ms);
+  RecordProperty("named_by_up_ms", std::to_string(up_ms)),
+      RecordProperty("named_by_others_ms", std::to_string(others_ms));
+  std::printf("%s: named by up after %.0f ms, by another node after %.0f ms\n", node.c_str(), up_ms,
+              others_ms);
   const Finished end = up.wait();
   EXPECT_EQ(end.status, 1) << end.err;
   EXPECT_NE(end.err.find(node + " is heard"), std::string::npos) << end.err;
@@ -91,8 +104,8 @@ TEST_P(StoppedNode, IsNamedByUpAndByTheOthersAndTheRunIsNoGoodOne) {
 
 INSTANTIATE_TEST_SUITE_P(RealTime, StoppedNode, kNodes, only_name);
 
-/// A node, and the limit that a second and a half of its standstill breaks. Validator and logger find all that came meanwhile in the
-/// buffers of their sockets.
+/// A node, and the limit that a second and a half of its standstill breaks. Validator and logger
+/// find all that came meanwhile in the buffers of their sockets.
 struct Broken {
   const char *node, *limit;
 };
@@ -102,10 +115,13 @@ class StoppedForAWhile : public testing::TestWithParam<Broken> {};
 TEST_P(StoppedForAWhile, BreaksTheLimitThatIsThereForIt) {
   const auto [node, limit] = GetParam();
   const TemporaryFolder folder;
-  std::vector<std::string> more = {"--motion", "slide", "--duration", "4", "--record", (folder / "bag").string(),
-                                   "--limit", "silence_s=inf"};
-  const std::map<std::string, std::string> values = {
-      {"rate_share", "0.95"}, {"overrun_share", "0.05"}, {"answered_share", "0.95"}, {"deadline_miss_share", "0.0001"}};
+  std::vector<std::string> more = {"--motion", "slide",        "--duration",
+                                   "4",        "--record",     (folder / "bag").string(),
+                                   "--limit",  "silence_s=inf"};
+  const std::map<std::string, std::string> values = {{"rate_share", "0.95"},
+                                                     {"overrun_share", "0.05"},
+                                                     {"answered_share", "0.95"},
+                                                     {"deadline_miss_share", "0.0001"}};
   more.insert(more.end(), {"--limit", std::string(limit) + "=" + values.at(limit)});
   Process up(up_arguments(shipped_scene("cup"), more));
   ASSERT_TRUE(wait_until([&] { return runs(up); }, seconds(30))) << up.err();
@@ -121,29 +137,37 @@ TEST_P(StoppedForAWhile, BreaksTheLimitThatIsThereForIt) {
   ASSERT_TRUE(summary.is_object()) << end.out << end.err;
   EXPECT_EQ(summary["ok"], false);
   EXPECT_EQ(summary["limits"][limit]["met"], false) << summary["limits"].dump();
-  EXPECT_EQ(summary["guard"]["refused"], summary["guard"]["refused_late"]) << "nobody else sent a command";
+  EXPECT_EQ(summary["guard"]["refused"], summary["guard"]["refused_late"])
+      << "nobody else sent a command";
 }
 
 INSTANTIATE_TEST_SUITE_P(RealTime, StoppedForAWhile,
-                         testing::Values(Broken{"device", "rate_share"}, Broken{"device", "overrun_share"},
-                                         Broken{"rendering", "answered_share"}, Broken{"coupling", "deadline_miss_share"}),
-                         [](const auto& one) { return std::string(one.param.node) + "_" + one.param.limit; });
+                         testing::Values(Broken{"device", "rate_share"},
+                                         Broken{"device", "overrun_share"},
+                                         Broken{"rendering", "answered_share"},
+                                         Broken{"coupling", "deadline_miss_share"}),
+                         [](const auto& one) {
+                           return std::string(one.param.node) + "_" + one.param.limit;
+                         });
 
 TEST(HungDisk, IsNamedAndTheRunIsNoGoodOne) {
   const TemporaryFolder folder;
   const std::string flag = (folder / "hangs").string();
-  Process up(up_arguments(shipped_scene("cup"), {"--motion", "slide", "--duration", "5", "--record", (folder / "bag").string(),
-                                                 "--limit", "silence_s=0.4"}),
-             {{"LD_PRELOAD", VOXTOUCH_HUNG_DISK}, {"VOXTOUCH_TEST_DISK_HANGS", flag}});
+  Process up(
+      up_arguments(shipped_scene("cup"), {"--motion", "slide", "--duration", "5", "--record",
+                                          (folder / "bag").string(), "--limit", "silence_s=0.4"}),
+      {{"LD_PRELOAD", VOXTOUCH_HUNG_DISK}, {"VOXTOUCH_TEST_DISK_HANGS", flag}});
   Onlooker onlooker;
   ASSERT_TRUE(wait_until([&] { return runs(up); }, seconds(30))) << up.err();
   std::this_thread::sleep_for(milliseconds(1000));
   std::ofstream(flag) << "now";
   const auto stopped = Clock::now();
-  EXPECT_TRUE(wait_until([&] { return up.err().find("logger hangs") != std::string::npos; }, seconds(4)))
+  EXPECT_TRUE(
+      wait_until([&] { return up.err().find("logger hangs") != std::string::npos; }, seconds(4)))
       << up.err();
   std::printf("disk: named by up after %.0f ms\n", ms_since(stopped));
-  EXPECT_TRUE(wait_until([&] { return onlooker.sees_it_said("logger hangs", "logger"); }, seconds(2)));
+  EXPECT_TRUE(
+      wait_until([&] { return onlooker.sees_it_said("logger hangs", "logger"); }, seconds(2)));
   std::filesystem::remove(flag);
   const Finished end = up.wait();
   EXPECT_EQ(end.status, 1) << end.err;
@@ -157,12 +181,14 @@ TEST(HungDisk, IsNamedAndTheRunIsNoGoodOne) {
 TEST(HungDisk, ThatIsStoppedMeanwhileLosesNothing) {
   const TemporaryFolder folder;
   const std::string flag = (folder / "hangs").string();
-  Process up(up_arguments(shipped_scene("cup"), {"--motion", "slide", "--duration", "0", "--record", (folder / "bag").string()}),
+  Process up(up_arguments(shipped_scene("cup"), {"--motion", "slide", "--duration", "0", "--record",
+                                                 (folder / "bag").string()}),
              {{"LD_PRELOAD", VOXTOUCH_HUNG_DISK}, {"VOXTOUCH_TEST_DISK_HANGS", flag}});
   ASSERT_TRUE(wait_until([&] { return runs(up); }, seconds(30))) << up.err();
   std::this_thread::sleep_for(milliseconds(1000));
   std::ofstream(flag) << "now";
-  EXPECT_TRUE(wait_until([&] { return up.err().find("logger hangs") != std::string::npos; }, seconds(4)));
+  EXPECT_TRUE(
+      wait_until([&] { return up.err().find("logger hangs") != std::string::npos; }, seconds(4)));
   up.signal(SIGINT);
   std::this_thread::sleep_for(milliseconds(2500));
   std::filesystem::remove(flag);
@@ -176,14 +202,18 @@ TEST(HungDisk, ThatIsStoppedMeanwhileLosesNothing) {
 
 class StoppedInLockstep : public testing::TestWithParam<const char*> {};
 
-/// `up` has told of samples: before the first of them all nodes are there, but the ring has not begun.
-bool has_samples(const Process& up) { return std::regex_search(up.err(), std::regex(" [1-9][0-9]* samples  force")); }
+/// `up` has told of samples: before the first of them all nodes are there, but the ring has not
+/// begun.
+bool has_samples(const Process& up) {
+  return std::regex_search(up.err(), std::regex(" [1-9][0-9]* samples  force"));
+}
 
 TEST_P(StoppedInLockstep, EndsTheRunWithASentence) {
   const std::string node = GetParam();
   const TemporaryFolder folder;
-  Process up(up_arguments(shipped_scene("cup"),
-                          {"--motion", "slide", "--duration", "3000", "--lockstep", "--record", (folder / "bag").string()}));
+  Process up(
+      up_arguments(shipped_scene("cup"), {"--motion", "slide", "--duration", "3000", "--lockstep",
+                                          "--record", (folder / "bag").string()}));
   ASSERT_TRUE(wait_until([&] { return has_samples(up); }, seconds(30))) << up.err();
   const pid_t pid = child_called(up.pid(), "voxtouch_" + node);
   ASSERT_NE(pid, 0);
@@ -201,11 +231,17 @@ INSTANTIATE_TEST_SUITE_P(Lockstep, StoppedInLockstep, kNodes, only_name);
 
 /// It has said nothing yet, so only who waits for it can tell.
 TEST(StoppedInLockstep, IsNamedWhileTheOthersWaitForItToStart) {
-  Process up(up_arguments(shipped_scene("cup"), {"--motion", "slide", "--duration", "1", "--lockstep", "--no-record"}));
+  Process up(up_arguments(shipped_scene("cup"),
+                          {"--motion", "slide", "--duration", "1", "--lockstep", "--no-record"}));
   pid_t validator = 0;
-  ASSERT_TRUE(wait_until([&] { return (validator = child_called(up.pid(), "voxtouch_validator")) != 0; }, seconds(30))) << up.err();
+  ASSERT_TRUE(wait_until(
+      [&] { return (validator = child_called(up.pid(), "voxtouch_validator")) != 0; }, seconds(30)))
+      << up.err();
   ASSERT_EQ(::kill(validator, SIGSTOP), 0);
-  EXPECT_TRUE(wait_until([&] { return std::regex_search(up.err(), std::regex("waiting.* validator\n")); }, seconds(20))) << up.err();
+  EXPECT_TRUE(
+      wait_until([&] { return std::regex_search(up.err(), std::regex("waiting.* validator\n")); },
+                 seconds(20)))
+      << up.err();
   EXPECT_EQ(up.err().find(" samples  force"), std::string::npos) << up.err();
   ::kill(validator, SIGCONT);
   EXPECT_EQ(up.wait(seconds(50)).status, 0) << up.err();
@@ -214,14 +250,22 @@ TEST(StoppedInLockstep, IsNamedWhileTheOthersWaitForItToStart) {
 TEST(StoppedInLockstep, EndsNodesThatWereStartedByHandToo) {
   const std::string scene = shipped_scene("plane");
   const auto start = [&](const std::string& node, std::vector<std::string> more) {
-    std::vector<std::string> a = {VOXTOUCH_BIN "/voxtouch_" + node, "--scene", scene, "--domain", fresh_domain(),
-                                  "--lockstep", "--peers", "rendering,coupling"};
+    std::vector<std::string> a = {VOXTOUCH_BIN "/voxtouch_" + node,
+                                  "--scene",
+                                  scene,
+                                  "--domain",
+                                  fresh_domain(),
+                                  "--lockstep",
+                                  "--peers",
+                                  "rendering,coupling"};
     a.insert(a.end(), more.begin(), more.end());
     return std::make_unique<Process>(a);
   };
   const auto rendering = start("rendering", {}), coupling = start("coupling", {});
   const auto device = start("device", {"--motion", "slide", "--duration", "3000"});
-  ASSERT_TRUE(wait_until([&] { return device->err().find("running") != std::string::npos; }, seconds(30))) << device->err();
+  ASSERT_TRUE(
+      wait_until([&] { return device->err().find("running") != std::string::npos; }, seconds(30)))
+      << device->err();
   std::this_thread::sleep_for(milliseconds(500));
   device->signal(SIGSTOP);
   for (Process* node : {rendering.get(), coupling.get()}) {

@@ -1,4 +1,5 @@
-// `voxtouch up` that is given too little, or numbers and names that are none: a sentence, no signal, nothing left behind.
+// `voxtouch up` that is given too little, or numbers and names that are none: a sentence, no
+// signal, nothing left behind.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -9,10 +10,12 @@
 namespace voxtouch::test {
 namespace {
 
-const std::vector<std::string> kShort = {"--motion", "free", "--duration", "0.05", "--lockstep", "--no-record"};
+const std::vector<std::string> kShort = {"--motion", "free",       "--duration",
+                                         "0.05",     "--lockstep", "--no-record"};
 
 Finished run_with_descriptors(int most) {
-  std::vector<std::string> arguments = {"/bin/sh", "-c", "ulimit -n " + std::to_string(most) + "; exec \"$@\"", "sh"};
+  std::vector<std::string> arguments = {
+      "/bin/sh", "-c", "ulimit -n " + std::to_string(most) + "; exec \"$@\"", "sh"};
   const std::vector<std::string> up = up_arguments(shipped_scene("plane"), kShort);
   arguments.insert(arguments.end(), up.begin(), up.end());
   return Process(arguments).wait(std::chrono::seconds(60));
@@ -23,7 +26,8 @@ TEST(Descriptors, TooFewAreSaidAndNoProcessDiesOfThem) {
     const Finished end = run_with_descriptors(most);
     EXPECT_NE(end.status, 0) << most;
     EXPECT_LT(end.status, 128) << most << " ended by a signal: " << end.err;
-    if (most >= 10) {  // with fewer, the loader finds no libraries, or the scene's mesh cannot be opened
+    if (most >=
+        10) {  // with fewer, the loader finds no libraries, or the scene's mesh cannot be opened
       EXPECT_NE(end.err.find("DDS needs 64"), std::string::npos) << most << ": " << end.err;
     }
   }
@@ -32,7 +36,8 @@ TEST(Descriptors, TooFewAreSaidAndNoProcessDiesOfThem) {
 }
 
 TEST(Options, ThatAreNoneAreRefusedAtOnce) {
-  const std::string huge(1 << 17, '9');  // the longest argument that the kernel takes is a little longer
+  const std::string huge(1 << 17,
+                         '9');  // the longest argument that the kernel takes is a little longer
   const std::vector<std::pair<const char*, std::vector<std::string>>> bad = {
       {"--cpu", {"99999", "-1", "", "0x10", huge.substr(0, 100'000)}},
       {"--seed", {"99999999999999999999999", "-1", "nan", ""}},
@@ -46,7 +51,8 @@ TEST(Options, ThatAreNoneAreRefusedAtOnce) {
   for (const auto& [option, values] : bad)
     for (const std::string& value : values) {
       std::vector<std::string> more = {"--lockstep", "--no-record", option, value};
-      if (option != std::string("--duration")) more.insert(more.end(), {"--duration", "0.05"});
+      if (option != std::string("--duration"))
+        more.insert(more.end(), {"--duration", "0.05"});
       const Finished end = run_ring(shipped_scene("plane"), more).process;
       EXPECT_NE(end.status, 0) << option << " " << value.substr(0, 80);
       EXPECT_LT(end.status, 128) << option << " " << value.substr(0, 80);
@@ -61,9 +67,11 @@ std::string struck_plane(const TemporaryFolder& folder) {
   std::stringstream text;
   text << std::ifstream(shipped_scene("plane")).rdbuf();
   std::string scene = text.str();
-  for (const auto& [from, to] : {std::pair<std::string, std::string>{"../meshes", VOXTOUCH_DEPLOY "/meshes"},
-                                 {"speed_m_per_s: 0.2, hold_s: 2.6", "speed_m_per_s: 8, hold_s: 0.2"}})
-    for (std::size_t at = 0; (at = scene.find(from, at)) != std::string::npos; at += to.size()) scene.replace(at, from.size(), to);
+  for (const auto& [from, to] :
+       {std::pair<std::string, std::string>{"../meshes", VOXTOUCH_DEPLOY "/meshes"},
+        {"speed_m_per_s: 0.2, hold_s: 2.6", "speed_m_per_s: 8, hold_s: 0.2"}})
+    for (std::size_t at = 0; (at = scene.find(from, at)) != std::string::npos; at += to.size())
+      scene.replace(at, from.size(), to);
   const auto file = folder / "struck_plane.yaml";
   std::ofstream(file) << scene;
   return file.string();
@@ -71,25 +79,35 @@ std::string struck_plane(const TemporaryFolder& folder) {
 
 TEST(Missed, ARunInWhichAWallMayHaveBeenPassedUnseenIsNoGoodOne) {
   const TemporaryFolder folder;
-  const RingResult run = run_ring(struck_plane(folder), {"--motion", "hit", "--duration", "2", "--lockstep", "--no-record"});
+  const RingResult run = run_ring(
+      struck_plane(folder), {"--motion", "hit", "--duration", "2", "--lockstep", "--no-record"});
   EXPECT_EQ(run.process.status, 1);
   EXPECT_GT(run.summary["missed_samples"], 10);
-  EXPECT_GT(run.summary["fast_samples"], run.summary["missed_samples"]) << "above the plane nothing can have been passed";
+  EXPECT_GT(run.summary["fast_samples"], run.summary["missed_samples"])
+      << "above the plane nothing can have been passed";
   bool told = false;
-  for (const auto& problem : run.summary["problems"]) told |= problem.get<std::string>().find("passed something unseen") != std::string::npos;
+  for (const auto& problem : run.summary["problems"])
+    told |= problem.get<std::string>().find("passed something unseen") != std::string::npos;
   EXPECT_TRUE(told) << run.process.out;
 }
 
-/// A ball of 10 mm on a plate of 2 mm, where the hand wants through at 20 mm/s; on a voxel grid of 2 mm.
+/// A ball of 10 mm on a plate of 2 mm, where the hand wants through at 20 mm/s; on a voxel grid of
+/// 2 mm.
 std::string pressed_plate(const TemporaryFolder& folder, const std::string& contact) {
   std::ofstream plate(folder / "plate.obj");
-  for (int k = 0; k < 8; ++k) plate << "v " << (k & 1 ? 0.06 : -0.06) << " " << (k & 2 ? 0.06 : -0.06) << " " << (k & 4 ? 0.0 : -0.002) << "\n";
+  for (int k = 0; k < 8; ++k)
+    plate << "v " << (k & 1 ? 0.06 : -0.06) << " " << (k & 2 ? 0.06 : -0.06) << " "
+          << (k & 4 ? 0.0 : -0.002) << "\n";
   plate << "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
   plate.close();
   const std::string file = (folder / "pressed.yaml").string();
-  std::ofstream(file) << "scene: pressed\nvoxel_size: 0.002\nstatic: [{mesh: plate.obj}]\ndynamic: {mesh: " << VOXTOUCH_DEPLOY
-                      << "/meshes/sphere.obj, scale: 0.01, parts: [{sphere: {radius: 0.01}}]}\ncontact: {" << contact << "}\ncoupling: {design: auto, kind: shaping_filter}\n"
-                      << "motions: {it: {path: [[0.003, 0.002, 0.013], [0.003, 0.002, -0.02]], speed_m_per_s: 0.02, hold_s: 0.3}}\n";
+  std::ofstream(file)
+      << "scene: pressed\nvoxel_size: 0.002\nstatic: [{mesh: plate.obj}]\ndynamic: {mesh: "
+      << VOXTOUCH_DEPLOY
+      << "/meshes/sphere.obj, scale: 0.01, parts: [{sphere: {radius: 0.01}}]}\ncontact: {"
+      << contact << "}\ncoupling: {design: auto, kind: shaping_filter}\n"
+      << "motions: {it: {path: [[0.003, 0.002, 0.013], [0.003, 0.002, -0.02]], speed_m_per_s: "
+         "0.02, hold_s: 0.3}}\n";
   return file;
 }
 
@@ -97,8 +115,10 @@ TEST(ModelAlone, ARunInWhichAWallWasPassedSlowlyIsNoGoodOne) {
   for (const char* model : {"original", "adapted"}) {
     SCOPED_TRACE(model);
     const TemporaryFolder folder;
-    const RingResult run = run_ring(pressed_plate(folder, std::string("model: ") + model + ", stiffness_n_per_m: 30, rendering: model_alone"),
-                                    {"--motion", "it", "--duration", "3", "--lockstep", "--one-process", "--no-record"});
+    const RingResult run = run_ring(
+        pressed_plate(folder, std::string("model: ") + model +
+                                  ", stiffness_n_per_m: 30, rendering: model_alone"),
+        {"--motion", "it", "--duration", "3", "--lockstep", "--one-process", "--no-record"});
     EXPECT_EQ(run.process.status, 1);
     EXPECT_EQ(run.summary["fast_samples"], 0);
     EXPECT_EQ(run.summary["held_samples"], 0);
@@ -110,13 +130,15 @@ TEST(ModelAlone, ARunInWhichAWallWasPassedSlowlyIsNoGoodOne) {
 
 TEST(ModelAlone, ARunThatOnlyTouchesIsAGoodOne) {
   const TemporaryFolder folder;
-  std::string scene = pressed_plate(folder, "model: adapted, stiffness_n_per_m: 30, rendering: model_alone");
+  std::string scene =
+      pressed_plate(folder, "model: adapted, stiffness_n_per_m: 30, rendering: model_alone");
   std::stringstream text;
   text << std::ifstream(scene).rdbuf();
   std::string touched = text.str();
   touched.replace(touched.find("-0.02]"), 5, "0.0095");
   std::ofstream(scene) << touched;
-  const RingResult run = run_ring(scene, {"--motion", "it", "--duration", "2", "--lockstep", "--one-process", "--no-record"});
+  const RingResult run = run_ring(
+      scene, {"--motion", "it", "--duration", "2", "--lockstep", "--one-process", "--no-record"});
   EXPECT_EQ(run.process.status, 0) << run.process.out;
   EXPECT_GT(run.summary["contact_samples"], 500);
   EXPECT_EQ(run.summary["passing_samples"], 0);

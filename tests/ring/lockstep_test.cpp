@@ -1,4 +1,5 @@
-// Lockstep: the same run gives the same bits, whatever else the machine does and however the nodes are spread.
+// Lockstep: the same run gives the same bits, whatever else the machine does and however the nodes
+// are spread.
 #include <gtest/gtest.h>
 
 #include <signal.h>
@@ -18,24 +19,28 @@ namespace {
 /// Hash per topic, in the order of sequence numbers.
 std::map<std::string, bag::TopicHash> hashes(const std::filesystem::path& folder) {
   const auto bag = bag::WholeBag::open(folder);
-  if (!bag) throw std::runtime_error(bag.error().sentence);
+  if (!bag)
+    throw std::runtime_error(bag.error().sentence);
   std::map<std::string, bag::TopicHash> all;
-  for (const char* topic : {"device/state", "rendering/contact", "coupling/command", "validation", "device/description",
-                            "rendering/plan", "coupling/design"}) {
+  for (const char* topic : {"device/state", "rendering/contact", "coupling/command", "validation",
+                            "device/description", "rendering/plan", "coupling/design"}) {
     const bool latched = std::string(topic).find("description") != std::string::npos ||
                          std::string(topic).find("plan") != std::string::npos ||
                          std::string(topic).find("design") != std::string::npos;
-    const auto hash =
-        bag::hash_topic(*bag, std::string("/haptic/") + topic, latched ? bag::KeyOf{} : bag::ring_sequence_number);
-    if (!hash) throw std::runtime_error(hash.error().sentence);
+    const auto hash = bag::hash_topic(*bag, std::string("/haptic/") + topic,
+                                      latched ? bag::KeyOf{} : bag::ring_sequence_number);
+    if (!hash)
+      throw std::runtime_error(hash.error().sentence);
     all[topic] = *hash;
   }
   return all;
 }
 
-std::map<std::string, bag::TopicHash> lockstep_run(const TemporaryFolder& folder, const std::string& name,
+std::map<std::string, bag::TopicHash> lockstep_run(const TemporaryFolder& folder,
+                                                   const std::string& name,
                                                    std::vector<std::string> more) {
-  more.insert(more.end(), {"--lockstep", "--motion", "slide", "--duration", "4", "--record", (folder / name).string()});
+  more.insert(more.end(), {"--lockstep", "--motion", "slide", "--duration", "4", "--record",
+                           (folder / name).string()});
   const RingResult r = run_ring(shipped_scene("cup"), more);
   EXPECT_EQ(r.process.status, 0) << r.process.err << r.process.out;
   EXPECT_EQ(r.summary["ring_latency_us"]["p50"], 0.0) << "measured durations read 0 in lockstep";
@@ -50,11 +55,13 @@ TEST(Lockstep, GivesTheSameBitsAloneBesideABurnerAndInOneProcess) {
   for (int i = 0; i < 2; ++i)
     burners.emplace_back([&burn] {
       volatile double x = 1.0;
-      while (burn.load(std::memory_order_relaxed)) x = x * 1.0000001;
+      while (burn.load(std::memory_order_relaxed))
+        x = x * 1.0000001;
     });
   const auto beside = lockstep_run(folder, "beside", {});
   burn = false;
-  for (std::thread& burner : burners) burner.join();
+  for (std::thread& burner : burners)
+    burner.join();
   const auto together = lockstep_run(folder, "together", {"--one-process"});
   for (const auto& [topic, hash] : alone) {
     EXPECT_GT(hash.messages, 0U) << topic;
@@ -72,8 +79,8 @@ TEST(Lockstep, OfAnotherSceneOrDeviceGivesOtherBits) {
 }
 
 TEST(Lockstep, EndsWithZeroForceAndANonZeroStatusWhenAPeerFallsSilent) {
-  Process up(
-      up_arguments(shipped_scene("plane"), {"--lockstep", "--motion", "slide", "--duration", "3000", "--no-record"}));
+  Process up(up_arguments(shipped_scene("plane"), {"--lockstep", "--motion", "slide", "--duration",
+                                                   "3000", "--no-record"}));
   for (int i = 0; i < 1500 && !runs(up); ++i)
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   const pid_t coupling = child_called(up.pid(), "voxtouch_coupling");
@@ -83,8 +90,7 @@ TEST(Lockstep, EndsWithZeroForceAndANonZeroStatusWhenAPeerFallsSilent) {
   ::kill(coupling, SIGCONT);
   const Finished end = up.wait();
   EXPECT_EQ(end.status, 1);
-  EXPECT_NE(end.out.find("coupling has"), std::string::npos)
-      << end.out << end.err;
+  EXPECT_NE(end.out.find("coupling has"), std::string::npos) << end.out << end.err;
 }
 
 struct Case {
@@ -94,18 +100,22 @@ struct Case {
 
 void PrintTo(const Case& c, std::ostream* out) { *out << c.scene << ", " << c.device; }
 
-/// In one process: Lockstep.* above holds that its bits are those of five, and it takes less than half of the time.
+/// In one process: Lockstep.* above holds that its bits are those of five, and it takes less than
+/// half of the time.
 class ShippedScene : public testing::TestWithParam<Case> {
  protected:
-  static RingResult run(const std::string& motion, const std::string& duration_s, std::vector<std::string> more) {
-    more.insert(more.end(), {"--lockstep", "--one-process", "--device", GetParam().device, "--motion", motion, "--duration", duration_s});
+  static RingResult run(const std::string& motion, const std::string& duration_s,
+                        std::vector<std::string> more) {
+    more.insert(more.end(), {"--lockstep", "--one-process", "--device", GetParam().device,
+                             "--motion", motion, "--duration", duration_s});
     return run_ring(shipped_scene(GetParam().scene), more);
   }
   /// For a motion that touches: of a run of 6 s.
   static void expect_touch_that_the_validator_agrees_with(const RingResult& r) {
     EXPECT_GT(r.summary["contact_samples"], 500);
     EXPECT_EQ(r.summary["validator"]["disagree"], 0);
-    EXPECT_GE(r.summary["validator"]["decided"], 0.2 * r.summary["validator"]["checked"].get<double>());
+    EXPECT_GE(r.summary["validator"]["decided"],
+              0.2 * r.summary["validator"]["checked"].get<double>());
     EXPECT_LT(r.summary["max_force_n"], 0.6 * GetParam().max_force_n);
   }
 };
@@ -115,7 +125,8 @@ double magnitude(const msg::ForceCommand& c) {
 }
 
 /// Largest difference between any two forces of the window, over the axes.
-double peak_to_peak(const std::vector<msg::ForceCommand>& commands, std::size_t first, std::size_t last) {
+double peak_to_peak(const std::vector<msg::ForceCommand>& commands, std::size_t first,
+                    std::size_t last) {
   Eigen::Array3d low = Eigen::Array3d::Constant(1e9), high = -low;
   for (std::size_t i = first; i < last; ++i) {
     const auto& f = commands[i].wrench.force;
@@ -130,9 +141,12 @@ TEST_P(ShippedScene, IsStableWhileHeldStillInContactForTwoSeconds) {
   const RingResult r = run("hit", "6", {"--record", (folder / "bag").string()});
   ASSERT_EQ(r.process.status, 0) << r.process.err << r.process.out;
   expect_touch_that_the_validator_agrees_with(r);
-  const auto commands = read_ring_topic<msg::ForceCommand>(folder / "bag", "/haptic/coupling/command");
-  const auto touched = std::find_if(commands.begin(), commands.end(), [](const auto& c) { return magnitude(c) > 0.0; });
-  const auto settled = static_cast<std::size_t>(touched - commands.begin()) + 400;  // the hand has come to rest
+  const auto commands =
+      read_ring_topic<msg::ForceCommand>(folder / "bag", "/haptic/coupling/command");
+  const auto touched = std::find_if(commands.begin(), commands.end(),
+                                    [](const auto& c) { return magnitude(c) > 0.0; });
+  const auto settled =
+      static_cast<std::size_t>(touched - commands.begin()) + 400;  // the hand has come to rest
   ASSERT_LE(settled + 2000, commands.size());
   for (std::size_t i = settled; i < settled + 2000; ++i)
     ASSERT_GT(magnitude(commands[i]), 0.02) << "the hand must stay in contact";
@@ -145,7 +159,8 @@ TEST_P(ShippedScene, GivesNoForceInFreeSpaceAndAfterIt) {
   const TemporaryFolder folder;
   const RingResult r = run("free", "2", {"--record", (folder / "bag").string()});
   ASSERT_EQ(r.process.status, 0) << r.process.err << r.process.out;
-  for (const auto& command : read_ring_topic<msg::ForceCommand>(folder / "bag", "/haptic/coupling/command"))
+  for (const auto& command :
+       read_ring_topic<msg::ForceCommand>(folder / "bag", "/haptic/coupling/command"))
     ASSERT_EQ(magnitude(command), 0.0);
   EXPECT_EQ(r.summary["contact_samples"], 0);
 }
@@ -172,56 +187,69 @@ INSTANTIATE_TEST_SUITE_P(All, ShippedScene, testing::ValuesIn(all_cases()), [](c
   return rig.param.scene + (rig.param.device == "sim-lwr" ? "_lwr" : "_phantom");
 });
 
-/// Every effect has a scene; each is felt, harms nothing, and what the contact does is still what the reference says.
+/// Every effect has a scene; each is felt, harms nothing, and what the contact does is still what
+/// the reference says.
 class EffectScene : public testing::TestWithParam<std::pair<const char*, const char*>> {};
 
 TEST_P(EffectScene, IsFeltAndTheContactBesideItIsTheReferences) {
   const auto& [scene, motion] = GetParam();
   const TemporaryFolder folder;
-  const RingResult r = run_ring(shipped_scene(scene), {"--lockstep", "--one-process", "--device", "sim-phantom", "--motion",
-                                                       motion, "--duration", "5", "--record", (folder / "bag").string()});
+  const RingResult r = run_ring(
+      shipped_scene(scene), {"--lockstep", "--one-process", "--device", "sim-phantom", "--motion",
+                             motion, "--duration", "5", "--record", (folder / "bag").string()});
   ASSERT_EQ(r.process.status, 0) << r.process.err << r.process.out;
   EXPECT_GT(r.summary["contact_samples"], 500);
   EXPECT_EQ(r.summary["validator"]["disagree"], 0);
   EXPECT_LT(r.summary["max_force_n"], 0.6 * 8.5);
   double most = 0.0;
-  for (const auto& contact : read_ring_topic<msg::ContactState>(folder / "bag", "/haptic/rendering/contact"))
+  for (const auto& contact :
+       read_ring_topic<msg::ContactState>(folder / "bag", "/haptic/rendering/contact"))
     most = std::max(most, std::hypot(contact.effects_wrench.force.x, contact.effects_wrench.force.y,
                                      contact.effects_wrench.force.z));
   EXPECT_GT(most, 0.02) << "the effect gives a force";
 }
 
-INSTANTIATE_TEST_SUITE_P(All, EffectScene,
-                         testing::Values(std::pair{"cup_friction", "slide"}, std::pair{"cup_guide_line", "slide"},
-                                         std::pair{"cup_guide_plane", "slide"}, std::pair{"cup_guide_point", "slide"},
-                                         std::pair{"cup_magnet", "slide"}, std::pair{"cup_proximity", "slide"},
-                                         std::pair{"cup_surface_damping", "slide"}, std::pair{"cup_texture", "slide"},
-                                         std::pair{"cup_viscosity", "slide"}, std::pair{"objects", "slide"}),
-                         [](const auto& one) { return std::string(one.param.first); });
+INSTANTIATE_TEST_SUITE_P(
+    All, EffectScene,
+    testing::Values(std::pair{"cup_friction", "slide"}, std::pair{"cup_guide_line", "slide"},
+                    std::pair{"cup_guide_plane", "slide"}, std::pair{"cup_guide_point", "slide"},
+                    std::pair{"cup_magnet", "slide"}, std::pair{"cup_proximity", "slide"},
+                    std::pair{"cup_surface_damping", "slide"}, std::pair{"cup_texture", "slide"},
+                    std::pair{"cup_viscosity", "slide"}, std::pair{"objects", "slide"}),
+    [](const auto& one) { return std::string(one.param.first); });
 
 TEST(BlockScene, IsCarriedFallsRestsAndIsPushedOverTheTable) {
   for (const char* device : {"sim-phantom", "sim-lwr"}) {
     SCOPED_TRACE(device);
     const TemporaryFolder folder;
-    const RingResult r = run_ring(shipped_scene("block"), {"--lockstep", "--one-process", "--device", device, "--motion", "fall",
-                                                           "--duration", "6.5", "--record", (folder / "bag").string()});
+    const RingResult r =
+        run_ring(shipped_scene("block"),
+                 {"--lockstep", "--one-process", "--device", device, "--motion", "fall",
+                  "--duration", "6.5", "--record", (folder / "bag").string()});
     ASSERT_EQ(r.process.status, 0) << r.process.err << r.process.out;
     EXPECT_EQ(r.summary["validator"]["disagree"], 0);
-    const auto contacts = read_ring_topic<msg::ContactState>(folder / "bag", "/haptic/rendering/contact");
-    const auto commands = read_ring_topic<msg::ForceCommand>(folder / "bag", "/haptic/coupling/command");
+    const auto contacts =
+        read_ring_topic<msg::ContactState>(folder / "bag", "/haptic/rendering/contact");
+    const auto commands =
+        read_ring_topic<msg::ForceCommand>(folder / "bag", "/haptic/coupling/command");
     ASSERT_EQ(contacts.size(), 6500u);
     constexpr double kWeight = 0.08 * 9.81, kLies = 0.015 - kWeight / (1.2e6 * 0.0016);
     EXPECT_NEAR(-contacts[1400].wrench.force.z, kWeight, 0.05) << "held still in the air";
     EXPECT_NEAR(magnitude(commands[1400]), kWeight, 0.1) << "and the hand feels it";
     EXPECT_GT(contacts[1400].object_pose.position.z, 0.04);
     EXPECT_LT(magnitude(commands[1800]), 0.01) << "let go: what is left is the filter's tail";
-    for (const std::size_t n : {1900u, 2400u, 2890u}) EXPECT_NEAR(contacts[n].object_pose.position.z, kLies, 5e-5) << n;
-    EXPECT_NEAR(contacts[2890].object_pose.position.x, contacts[1900].object_pose.position.x, 1e-5) << "it does not creep";
+    for (const std::size_t n : {1900u, 2400u, 2890u})
+      EXPECT_NEAR(contacts[n].object_pose.position.z, kLies, 5e-5) << n;
+    EXPECT_NEAR(contacts[2890].object_pose.position.x, contacts[1900].object_pose.position.x, 1e-5)
+        << "it does not creep";
     const auto& pushed = contacts[5100];
     EXPECT_GT(pushed.object_pose.position.x, 0.03) << "along with the hand";
-    EXPECT_NEAR(pushed.object_pose.position.z, kLies, 1e-3) << "over the table, however the hand lifts or presses";
-    EXPECT_LT(pushed.object_pose.position.x, pushed.tool_pose.position.x) << "behind it: its friction pulls";
-    EXPECT_LT(std::hypot(pushed.wrench.force.x, pushed.wrench.force.y), 0.45 * kWeight) << "no more than friction and a rest";
+    EXPECT_NEAR(pushed.object_pose.position.z, kLies, 1e-3)
+        << "over the table, however the hand lifts or presses";
+    EXPECT_LT(pushed.object_pose.position.x, pushed.tool_pose.position.x)
+        << "behind it: its friction pulls";
+    EXPECT_LT(std::hypot(pushed.wrench.force.x, pushed.wrench.force.y), 0.45 * kWeight)
+        << "no more than friction and a rest";
     EXPECT_GT(contacts[6400].object_pose.position.z, 0.02) << "lifted off again";
   }
 }

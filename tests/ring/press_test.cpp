@@ -1,4 +1,5 @@
-// A hand that presses slowly into a block through the whole ring, with forces that contact gives at the hand's pose: what comes back over its true depth.
+// A hand that presses slowly into a block through the whole ring, with forces that contact gives at
+// the hand's pose: what comes back over its true depth.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -14,13 +15,17 @@ constexpr double kRadius = 0.01, kHandNPerM = 300.0;  ///< of the ball; of the s
 
 std::string write_scene(const TemporaryFolder& folder, const std::string& contact) {
   std::ofstream slab(folder / "slab.obj");
-  for (int k = 0; k < 8; ++k) slab << "v " << (k & 1 ? 0.06 : -0.06) << " " << (k & 2 ? 0.06 : -0.06) << " " << (k & 4 ? 0.0 : -0.05) << "\n";
+  for (int k = 0; k < 8; ++k)
+    slab << "v " << (k & 1 ? 0.06 : -0.06) << " " << (k & 2 ? 0.06 : -0.06) << " "
+         << (k & 4 ? 0.0 : -0.05) << "\n";
   slab << "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
   const std::string file = (folder / "press.yaml").string();
-  std::ofstream(file) << "scene: press\nvoxel_size: 0.002\nstatic: [{mesh: slab.obj}]\ndynamic: {mesh: " << VOXTOUCH_DEPLOY
-                      << "/meshes/sphere.obj, scale: 0.01, shell: exact}\ncontact: {" << contact
-                      << "}\ncoupling: {design: auto, kind: shaping_filter}\n"
-                      << "motions: {it: {path: [[0.003, 0.002, 0.013], [0.003, 0.002, -0.03]], speed_m_per_s: 0.01, hold_s: 0.3}}\n";
+  std::ofstream(file)
+      << "scene: press\nvoxel_size: 0.002\nstatic: [{mesh: slab.obj}]\ndynamic: {mesh: "
+      << VOXTOUCH_DEPLOY << "/meshes/sphere.obj, scale: 0.01, shell: exact}\ncontact: {" << contact
+      << "}\ncoupling: {design: auto, kind: shaping_filter}\n"
+      << "motions: {it: {path: [[0.003, 0.002, 0.013], [0.003, 0.002, -0.03]], speed_m_per_s: "
+         "0.01, hold_s: 0.3}}\n";
   return file;
 }
 
@@ -30,26 +35,35 @@ double mean(const std::vector<double>& x, std::size_t at) {
   return std::accumulate(middle - kHalf, middle + kHalf, 0.0) / (2.0 * kHalf);
 }
 
-/// Wants 1 to 40 mm; what the hand gets is at least 0.95 of the certified stiffness times its depth, and rises, down to `most_m` deep. A ball of
-/// facets and points begins `late_m` deep. A contact that itself is softer gives `share` of that at least.
+/// Wants 1 to 40 mm; what the hand gets is at least 0.95 of the certified stiffness times its
+/// depth, and rises, down to `most_m` deep. A ball of facets and points begins `late_m` deep. A
+/// contact that itself is softer gives `share` of that at least.
 void presses(const std::string& contact, double most_m, double late_m, double share = 0.95) {
   SCOPED_TRACE(contact);
   const TemporaryFolder folder;
-  const RingResult ring = run_ring(write_scene(folder, contact), {"--one-process", "--lockstep", "--device", "sim-phantom", "--motion", "it", "--duration", "5.5",
-                                                                 "--record", (folder / "bag").string()});
+  const RingResult ring =
+      run_ring(write_scene(folder, contact),
+               {"--one-process", "--lockstep", "--device", "sim-phantom", "--motion", "it",
+                "--duration", "5.5", "--record", (folder / "bag").string()});
   ASSERT_EQ(ring.process.status, 0) << ring.process.err << ring.process.out;
   const double certified = ring.summary["coupling"]["shown_stiffness_n_per_m"];
   std::vector<double> depth, force;
-  for (const auto& m : read_ring_topic<msg::DeviceState>(folder / "bag", "/haptic/device/state")) depth.push_back(kRadius - m.pose.position.z);
-  for (const auto& m : read_ring_topic<msg::ForceCommand>(folder / "bag", "/haptic/coupling/command")) force.push_back(m.wrench.force.z);
+  for (const auto& m : read_ring_topic<msg::DeviceState>(folder / "bag", "/haptic/device/state"))
+    depth.push_back(kRadius - m.pose.position.z);
+  for (const auto& m :
+       read_ring_topic<msg::ForceCommand>(folder / "bag", "/haptic/coupling/command"))
+    force.push_back(m.wrench.force.z);
   ASSERT_EQ(depth.size(), force.size());
   double last = 0.0, deepest = 0.0, worst = 10.0, worst_m = 0.0, at_10_mm = 0.0;
   int measured = 0;
   for (std::size_t i = 400; i + 30 < depth.size(); i += 25) {
     const double d = mean(depth, i), f = mean(force, i), wanted = d + f / kHandNPerM;
-    if (wanted < 0.001 || wanted > 0.04 || d > most_m) continue;
-    if (wanted < 0.01) at_10_mm = f;
-    if (const double here = f / (certified * d); here < worst) worst = here, worst_m = d;
+    if (wanted < 0.001 || wanted > 0.04 || d > most_m)
+      continue;
+    if (wanted < 0.01)
+      at_10_mm = f;
+    if (const double here = f / (certified * d); here < worst)
+      worst = here, worst_m = d;
     EXPECT_GE(f, share * certified * (d - late_m)) << "hand " << d << " m deep";
     if (d > deepest) {
       EXPECT_GE(f, last * (1.0 - 1e-3)) << "rises all the way; hand " << d << " m deep";
@@ -57,20 +71,33 @@ void presses(const std::string& contact, double most_m, double late_m, double sh
     }
     ++measured;
   }
-  std::printf("%s: certified %.4g N/m, least share %.4f at %.4g m deep, %.3f N at 10 mm wanted, %.3f N at %.4g m deep, %d places\n", contact.c_str(), certified,
-              worst, worst_m, at_10_mm, last, deepest, measured);
+  std::printf(
+      "%s: certified %.4g N/m, least share %.4f at %.4g m deep, %.3f N at 10 mm wanted, %.3f N at "
+      "%.4g m deep, %d places\n",
+      contact.c_str(), certified, worst, worst_m, at_10_mm, last, deepest, measured);
   EXPECT_GT(measured, 50);
 }
 
-TEST(PressRing, ReturnsTheCertifiedStiffnessWithTheField) { presses("model: field, stiffness_n_per_m3: 1.0e+8", 1.0, 1.2e-4); }
-/// A ball whose points are so soft takes some millimetres to become as stiff as is certified; deep in its normals cancel.
-TEST(PressRing, NeverFallsWhileTheHandGoesInWhereTheContactIsSoftAndItsNormalsCancel) { presses("model: adapted, stiffness_n_per_m: 30", 1.0, 1e-4, 0.5); }
-TEST(PressRing, NeverFallsWhileTheHandGoesInWhereEachPointPushesAlongItsOwnNormal) { presses("model: original, stiffness_n_per_m: 200", 0.009, 1e-4, 0.9); }
+TEST(PressRing, ReturnsTheCertifiedStiffnessWithTheField) {
+  presses("model: field, stiffness_n_per_m3: 1.0e+8", 1.0, 1.2e-4);
+}
+/// A ball whose points are so soft takes some millimetres to become as stiff as is certified; deep
+/// in its normals cancel.
+TEST(PressRing, NeverFallsWhileTheHandGoesInWhereTheContactIsSoftAndItsNormalsCancel) {
+  presses("model: adapted, stiffness_n_per_m: 30", 1.0, 1e-4, 0.5);
+}
+TEST(PressRing, NeverFallsWhileTheHandGoesInWhereEachPointPushesAlongItsOwnNormal) {
+  presses("model: original, stiffness_n_per_m: 200", 0.009, 1e-4, 0.9);
+}
 TEST(PressRing, NeverFallsToTheEndWhateverTheModel) {
-  for (const char* contact : {"model: original, stiffness_n_per_m: 200", "model: adapted, stiffness_n_per_m: 200"}) presses(contact, 1.0, 1e-4, 0.5);
+  for (const char* contact :
+       {"model: original, stiffness_n_per_m: 200", "model: adapted, stiffness_n_per_m: 200"})
+    presses(contact, 1.0, 1e-4, 0.5);
 }
 /// Deeper, the normals of the ball's points cancel, and the model falls back to each point's own.
-TEST(PressRing, ReturnsTheCertifiedStiffnessWithThePapersModelAsDeepAsItsNormalsAgree) { presses("model: adapted, stiffness_n_per_m: 200", 0.007, 1e-4); }
+TEST(PressRing, ReturnsTheCertifiedStiffnessWithThePapersModelAsDeepAsItsNormalsAgree) {
+  presses("model: adapted, stiffness_n_per_m: 200", 0.007, 1e-4);
+}
 
 }  // namespace
 }  // namespace voxtouch::test

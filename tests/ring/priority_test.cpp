@@ -1,4 +1,5 @@
-// Who runs before all else on a machine, and when: a ring in real time while it has samples to answer, and nobody else.
+// Who runs before all else on a machine, and when: a ring in real time while it has samples to
+// answer, and nobody else.
 #include <gtest/gtest.h>
 
 #include <pthread.h>
@@ -35,7 +36,8 @@ using Clock = std::chrono::steady_clock;
 std::vector<pid_t> threads_of(pid_t process) {
   std::vector<pid_t> threads;
   std::error_code gone;
-  for (const auto& task : std::filesystem::directory_iterator("/proc/" + std::to_string(process) + "/task", gone))
+  for (const auto& task :
+       std::filesystem::directory_iterator("/proc/" + std::to_string(process) + "/task", gone))
     threads.push_back(std::stoi(task.path().filename()));
   return threads;
 }
@@ -44,7 +46,8 @@ std::vector<pid_t> threads_of(pid_t process) {
 int urgent_threads(const Process& up) {
   int urgent = 0;
   for (const pid_t node : children_of(up.pid()))
-    for (const pid_t thread : threads_of(node)) urgent += sched_getscheduler(thread) == SCHED_FIFO;
+    for (const pid_t thread : threads_of(node))
+      urgent += sched_getscheduler(thread) == SCHED_FIFO;
   return urgent;
 }
 
@@ -58,20 +61,31 @@ bool granted() {
 }
 
 Process start(const std::vector<std::string>& more) {
-  std::vector<std::string> words{VOXTOUCH_BIN "/voxtouch", "up", shipped_scene("cup"), "--motion", "slide", "--no-record", "--domain", fresh_domain()};
+  std::vector<std::string> words{VOXTOUCH_BIN "/voxtouch",
+                                 "up",
+                                 shipped_scene("cup"),
+                                 "--motion",
+                                 "slide",
+                                 "--no-record",
+                                 "--domain",
+                                 fresh_domain()};
   words.insert(words.end(), more.begin(), more.end());
   return Process(words);
 }
 
 bool comes(const std::function<bool()>& holds) {
-  for (const auto until = Clock::now() + std::chrono::seconds(20); !holds(); std::this_thread::sleep_for(std::chrono::milliseconds(5)))
-    if (Clock::now() > until) return false;
+  for (const auto until = Clock::now() + std::chrono::seconds(20); !holds();
+       std::this_thread::sleep_for(std::chrono::milliseconds(5)))
+    if (Clock::now() > until)
+      return false;
   return true;
 }
 
-/// It never rests: as urgent as a ring in real time, it would keep one on the same machine from running.
+/// It never rests: as urgent as a ring in real time, it would keep one on the same machine from
+/// running.
 TEST(Priority, OfARingInLockstepIsThatOfAnyProgram) {
-  if (!granted()) GTEST_SKIP() << "SCHED_FIFO is not allowed here";
+  if (!granted())
+    GTEST_SKIP() << "SCHED_FIFO is not allowed here";
   const Process up = start({"--lockstep", "--duration", "600"});
   ASSERT_TRUE(comes([&] { return children_of(up.pid()).size() == 4; }));
   for (int n = 0; n < 300; ++n) {
@@ -81,10 +95,12 @@ TEST(Priority, OfARingInLockstepIsThatOfAnyProgram) {
 }
 
 TEST(Priority, OfARingInRealTimeIsAboveAllOthersWhileItRunsAndNotWhileItIsBuilt) {
-  if (!granted()) GTEST_SKIP() << "SCHED_FIFO is not allowed here";
+  if (!granted())
+    GTEST_SKIP() << "SCHED_FIFO is not allowed here";
   const Process up = start({"--duration", "600"});
   pid_t rendering = 0;
-  ASSERT_TRUE(comes([&] { return (rendering = child_called(up.pid(), "voxtouch_rendering")) != 0; }));
+  ASSERT_TRUE(
+      comes([&] { return (rendering = child_called(up.pid(), "voxtouch_rendering")) != 0; }));
   // Its participant is there when Cyclone's threads are; the scene is built before.
   bool ordinary_while_building = false;
   ASSERT_TRUE(comes([&] {
@@ -96,9 +112,11 @@ TEST(Priority, OfARingInRealTimeIsAboveAllOthersWhileItRunsAndNotWhileItIsBuilt)
   EXPECT_TRUE(comes([&] { return urgent_threads(up) > 10; }));
 }
 
-/// All memory comes in at once, the stacks of DDS's threads with it: at the loop's priority every ring of the machine would stand still for it.
+/// All memory comes in at once, the stacks of DDS's threads with it: at the loop's priority every
+/// ring of the machine would stand still for it.
 TEST(Priority, IsTakenWhenTheMemoryIsLockedAndStacksAreSmall) {
-  if (!granted()) GTEST_SKIP() << "SCHED_FIFO is not allowed here";
+  if (!granted())
+    GTEST_SKIP() << "SCHED_FIFO is not allowed here";
   int policy = -1;
   std::size_t stack_bytes = 0;
   std::thread([&] {
@@ -122,11 +140,13 @@ cpu_set_t cpus_of(pid_t thread) {
   return cpus;
 }
 
-/// Device, rendering and coupling of one process take turns, so they share a processor; threads that they started before stay free. An ordinary
-/// thread would wait there behind others.
+/// Device, rendering and coupling of one process take turns, so they share a processor; threads
+/// that they started before stay free. An ordinary thread would wait there behind others.
 TEST(Priority, OfALoopKeepsItOnItsCpuWhereItIsGranted) {
-  if (!granted()) GTEST_SKIP() << "SCHED_FIFO is not allowed here";
-  if (cpu_set_t all = cpus_of(0); CPU_COUNT(&all) < 2) GTEST_SKIP() << "there is one CPU";
+  if (!granted())
+    GTEST_SKIP() << "SCHED_FIFO is not allowed here";
+  if (cpu_set_t all = cpus_of(0); CPU_COUNT(&all) < 2)
+    GTEST_SKIP() << "there is one CPU";
   const runtime::RealtimeOptions asked{.loop_cpu = sched_getcpu()};
   int urgent = 0, ordinary = 0;
   std::thread([&] {
@@ -144,16 +164,20 @@ TEST(Priority, OfALoopKeepsItOnItsCpuWhereItIsGranted) {
 }
 
 TEST(Priority, OfARingInOneProcessIsOnOneCpu) {
-  if (!granted()) GTEST_SKIP() << "SCHED_FIFO is not allowed here";
-  if (cpu_set_t all = cpus_of(0); CPU_COUNT(&all) < 2) GTEST_SKIP() << "there is one CPU";
+  if (!granted())
+    GTEST_SKIP() << "SCHED_FIFO is not allowed here";
+  if (cpu_set_t all = cpus_of(0); CPU_COUNT(&all) < 2)
+    GTEST_SKIP() << "there is one CPU";
   const Process up = start({"--one-process", "--duration", "600"});
   cpu_set_t first;
   const auto loops = [&] {  // of the same CPU
     int alike = 0;
     for (const pid_t thread : threads_of(up.pid())) {
       cpu_set_t cpus = cpus_of(thread);
-      if (CPU_COUNT(&cpus) != 1) continue;
-      if (alike == 0) first = cpus;
+      if (CPU_COUNT(&cpus) != 1)
+        continue;
+      if (alike == 0)
+        first = cpus;
       alike += CPU_EQUAL(&first, &cpus) ? 1 : 0;
     }
     return alike;
@@ -161,19 +185,23 @@ TEST(Priority, OfARingInOneProcessIsOnOneCpu) {
   EXPECT_TRUE(comes([&] { return loops() == 3; })) << loops();
 }
 
-/// As the kernel has it, what is lent included: -1 - n for priority n of SCHED_FIFO, 20 and its nice value for an ordinary thread.
+/// As the kernel has it, what is lent included: -1 - n for priority n of SCHED_FIFO, 20 and its
+/// nice value for an ordinary thread.
 int effective_priority(pid_t thread) {
   std::ifstream in("/proc/self/task/" + std::to_string(thread) + "/stat");
   std::string text((std::istreambuf_iterator<char>(in)), {});
   std::istringstream fields(text.substr(text.rfind(')') + 2));
   std::string field;
-  for (int n = 0; n < 16; ++n) fields >> field;
+  for (int n = 0; n < 16; ++n)
+    fields >> field;
   return std::stoi(field);
 }
 
-/// A loop that waits for a lock of Cyclone's waits for whoever holds it, and that thread for every other program of the machine.
+/// A loop that waits for a lock of Cyclone's waits for whoever holds it, and that thread for every
+/// other program of the machine.
 TEST(Priority, OfWhoWaitsForALockIsLentToWhoHoldsIt) {
-  if (!granted()) GTEST_SKIP() << "SCHED_FIFO is not allowed here";
+  if (!granted())
+    GTEST_SKIP() << "SCHED_FIFO is not allowed here";
   runtime::flush_denormals();  // of the object that brings the locks
   pthread_mutex_t mutex;
   ASSERT_EQ(pthread_mutex_init(&mutex, nullptr), 0);
@@ -182,7 +210,8 @@ TEST(Priority, OfWhoWaitsForALockIsLentToWhoHoldsIt) {
   std::thread holds([&] {
     pthread_mutex_lock(&mutex);
     holder = gettid();
-    while (!release) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    while (!release)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
     pthread_mutex_unlock(&mutex);
   });
   ASSERT_TRUE(comes([&] { return holder != 0; }));
@@ -193,7 +222,8 @@ TEST(Priority, OfWhoWaitsForALockIsLentToWhoHoldsIt) {
     pthread_mutex_lock(&mutex);
     pthread_mutex_unlock(&mutex);
   });
-  EXPECT_TRUE(comes([&] { return effective_priority(holder) == -4; })) << effective_priority(holder);
+  EXPECT_TRUE(comes([&] { return effective_priority(holder) == -4; }))
+      << effective_priority(holder);
   release = true;
   waits.join();
   holds.join();
@@ -202,14 +232,18 @@ TEST(Priority, OfWhoWaitsForALockIsLentToWhoHoldsIt) {
 
 /// The linker's word for it that Cyclone's mutexes are made by the node.
 TEST(Priority, IsLentByTheLocksOfDdsInEachNodeOfTheLoop) {
-  for (const char* node : {"voxtouch_device", "voxtouch_rendering", "voxtouch_coupling", "voxtouch"}) {
-    Process node_says({"/usr/bin/env", "LD_DEBUG=bindings", "LD_BIND_NOW=1", std::string(VOXTOUCH_BIN "/") + node, "--version"});
+  for (const char* node :
+       {"voxtouch_device", "voxtouch_rendering", "voxtouch_coupling", "voxtouch"}) {
+    Process node_says({"/usr/bin/env", "LD_DEBUG=bindings", "LD_BIND_NOW=1",
+                       std::string(VOXTOUCH_BIN "/") + node, "--version"});
     const Finished run = node_says.wait();
     std::istringstream lines(run.err);
     std::string line;
     bool bound = false;
     while (std::getline(lines, line))
-      bound |= line.find("`pthread_mutex_init'") != line.npos && line.find("libddsc") != line.npos && line.find(std::string("/") + node + " [") != line.npos;
+      bound |= line.find("`pthread_mutex_init'") != line.npos &&
+               line.find("libddsc") != line.npos &&
+               line.find(std::string("/") + node + " [") != line.npos;
     EXPECT_TRUE(bound) << node;
   }
 }

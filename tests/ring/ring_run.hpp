@@ -2,16 +2,19 @@
 /// `voxtouch up` as a test sees it.
 #include <nlohmann/json.hpp>
 
-#include "tests/support/whole_bag.hpp"
 #include "tests/support/process/process.hpp"
+#include "tests/support/whole_bag.hpp"
 #include "voxtouch_msgs/messages.hpp"
 
 namespace voxtouch::test {
 
-/// Limits that hang on how much else the machine does, lifted: what a test says of time it says itself.
+/// Limits that hang on how much else the machine does, lifted: what a test says of time it says
+/// itself.
 std::vector<std::string> on_a_busy_machine();
-/// Arguments of `voxtouch up --json` on a domain of its own, with `more` behind; in real time as on a busy machine.
-std::vector<std::string> up_arguments(const std::string& scene, const std::vector<std::string>& more);
+/// Arguments of `voxtouch up --json` on a domain of its own, with `more` behind; in real time as on
+/// a busy machine.
+std::vector<std::string> up_arguments(const std::string& scene,
+                                      const std::vector<std::string>& more);
 
 struct RingResult {
   Finished process;
@@ -20,16 +23,20 @@ struct RingResult {
 RingResult run_ring(const std::string& scene, const std::vector<std::string>& more);
 nlohmann::json parse_summary(const std::string& out);
 
-/// All messages of one of the ring's fixed-size topics, in order of arrival. They hold no padding, so the CDR is the struct.
+/// All messages of one of the ring's fixed-size topics, in order of arrival. They hold no padding,
+/// so the CDR is the struct.
 template <class T>
 std::vector<T> read_ring_topic(const std::filesystem::path& folder, const std::string& topic) {
   std::vector<T> all;
   const auto bag = bag::WholeBag::open(folder);
-  if (!bag) throw std::runtime_error(bag.error().sentence);
+  if (!bag)
+    throw std::runtime_error(bag.error().sentence);
   const auto messages = bag->read_topic(topic, bag::WholeBag::Order::kArrival);
-  if (!messages) throw std::runtime_error(messages.error().sentence);
+  if (!messages)
+    throw std::runtime_error(messages.error().sentence);
   for (const auto& message : *messages) {
-    if (message.bytes.size() != sizeof(T) + 4) throw std::runtime_error(topic + ": a message has an unexpected size");
+    if (message.bytes.size() != sizeof(T) + 4)
+      throw std::runtime_error(topic + ": a message has an unexpected size");
     T value;
     std::memcpy(&value, message.bytes.data() + 4, sizeof value);
     all.push_back(value);

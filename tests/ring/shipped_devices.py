@@ -31,8 +31,23 @@ delay_s: 0.00025
 
 
 def up(program, domain, device, *more):
-    command = [program, "up", "cup", "--device", device, "--motion", "slide", "--duration", "3", "--lockstep", "--no-record", "--json",
-               "--domain", domain, *more]
+    command = [
+        program,
+        "up",
+        "cup",
+        "--device",
+        device,
+        "--motion",
+        "slide",
+        "--duration",
+        "3",
+        "--lockstep",
+        "--no-record",
+        "--json",
+        "--domain",
+        domain,
+        *more,
+    ]
     run = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
     return run, json.loads(run.stdout) if run.stdout else {}
 
@@ -42,24 +57,43 @@ def main(program, domain):
     with tempfile.TemporaryDirectory() as folder:
         mine = pathlib.Path(folder) / "mine.yaml"
         mine.write_text(SMALLEST, encoding="utf-8")
-        for device, says in (("sim:touch", ""), ("sim:fr3", ""), (f"sim:{mine}", "by the standards of a stylus: delay_s 0.001")):
+        for device, says in (
+            ("sim:touch", ""),
+            ("sim:fr3", ""),
+            (f"sim:{mine}", "by the standards of a stylus: delay_s 0.001"),
+        ):
             run, summary = up(program, domain, device)
             if run.returncode != 0 or not summary.get("ok"):
                 wrong.append(f"{device}: {run.stderr} {summary.get('problems')}")
             elif summary["contact_samples"] < 100 or summary["max_force_n"] < 0.05:
-                wrong.append(f"{device}: hardly a touch, {summary['contact_samples']} samples, {summary['max_force_n']} N")
+                wrong.append(
+                    f"{device}: hardly a touch, {summary['contact_samples']} samples, {summary['max_force_n']} N"
+                )
             if says not in run.stderr:
                 wrong.append(f"{device}: '{says}' is not said: {run.stderr}")
-        mine.write_text(SMALLEST.replace("grip: pen\n", "grip: pen\nworkspace_m: [0.02, 0.02, 0.02]\n"), encoding="utf-8")
+        mine.write_text(
+            SMALLEST.replace("grip: pen\n", "grip: pen\nworkspace_m: [0.02, 0.02, 0.02]\n"),
+            encoding="utf-8",
+        )
         run, _ = up(program, domain, f"sim:{mine}")
         if "a person could not follow it" not in run.stderr:
             wrong.append(f"a workspace that is too small is not said: {run.stderr}")
         mine.write_text(FAST, encoding="utf-8")
         run, summary = up(program, domain, f"sim:{mine}", "--one-process")
-        if run.returncode != 0 or not summary["samples"] == summary["answered"] == 12000 or summary["rate_hz"] != 4000 or summary["contact_samples"] < 400:
+        if (
+            run.returncode != 0
+            or not summary["samples"] == summary["answered"] == 12000
+            or summary["rate_hz"] != 4000
+            or summary["contact_samples"] < 400
+        ):
             wrong.append(f"4 kHz in one process: {run.stderr} {summary}")
-        for device, says in (("sim:nonsense", "no device file of this name comes with voxtouch. These do: delta_6, "),
-                             (f"sim:{folder}", "This is a folder")):
+        for device, says in (
+            (
+                "sim:nonsense",
+                "no device file of this name comes with voxtouch. These do: delta_6, ",
+            ),
+            (f"sim:{folder}", "This is a folder"),
+        ):
             run, summary = up(program, domain, device)
             if run.returncode != 1 or says not in " ".join(summary.get("problems", [])):
                 wrong.append(f"{device}: {run.stdout} {run.stderr}")

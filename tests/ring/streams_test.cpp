@@ -1,4 +1,5 @@
-// `voxtouch up` whose stderr or stdout takes nothing: the run is as good as any other, and a result that nobody gets is a failure.
+// `voxtouch up` whose stderr or stdout takes nothing: the run is as good as any other, and a result
+// that nobody gets is a failure.
 #include <gtest/gtest.h>
 
 #include <fcntl.h>
@@ -15,9 +16,11 @@ namespace {
 /// `up` under a shell that redirects as `redirection` says.
 RingResult run_redirected(const std::string& redirection, const std::vector<std::string>& more,
                           const std::string& first = "") {
-  std::vector<std::string> arguments = {"/bin/sh", "-c", first + "exec \"$@\" " + redirection, "sh"};
+  std::vector<std::string> arguments = {"/bin/sh", "-c", first + "exec \"$@\" " + redirection,
+                                        "sh"};
   std::vector<std::string> run = {"--motion", "free", "--duration", "1", "--lockstep"};
-  if (std::find(more.begin(), more.end(), "--record") == more.end()) run.push_back("--no-record");
+  if (std::find(more.begin(), more.end(), "--record") == more.end())
+    run.push_back("--no-record");
   run.insert(run.end(), more.begin(), more.end());
   const std::vector<std::string> up = up_arguments(shipped_scene("plane"), run);
   arguments.insert(arguments.end(), up.begin(), up.end());
@@ -54,7 +57,8 @@ TEST_P(Streams, InAFileAtItsSizeLimit) {
   const int file = open(log.c_str(), O_WRONLY | O_CREAT, 0600);
   ASSERT_EQ(ftruncate(file, 1 << 20), 0);
   close(file);
-  expect_a_good_run(run_redirected("2>>" + log, more(), "ulimit -f 2048; "));  // of 512 bytes: 1 MiB
+  expect_a_good_run(
+      run_redirected("2>>" + log, more(), "ulimit -f 2048; "));  // of 512 bytes: 1 MiB
   EXPECT_EQ(std::filesystem::file_size(log), 1U << 20);
 }
 
@@ -71,10 +75,12 @@ TEST_P(Streams, AsAPipeThatNobodyReads) {
   close(end);
 }
 
-INSTANTIATE_TEST_SUITE_P(Stderr, Streams, testing::Bool(),
-                         [](const auto& kind) { return kind.param ? "in_one_process" : "in_processes"; });
+INSTANTIATE_TEST_SUITE_P(Stderr, Streams, testing::Bool(), [](const auto& kind) {
+  return kind.param ? "in_one_process" : "in_processes";
+});
 
-/// The bag's disk is full after half a megabyte: the ring goes on, what is missing is counted, and the run is no good one.
+/// The bag's disk is full after half a megabyte: the ring goes on, what is missing is counted, and
+/// the run is no good one.
 TEST(Bag, OnAFullDiskIsCountedAndTheRunIsNoGoodOne) {
   const TemporaryFolder folder;
   const std::string path = (folder / "bag").string();
@@ -85,13 +91,15 @@ TEST(Bag, OnAFullDiskIsCountedAndTheRunIsNoGoodOne) {
     ASSERT_TRUE(r.summary.is_object()) << r.process.out << r.process.err;
     EXPECT_EQ(r.summary["ok"], false);
     EXPECT_EQ(r.summary["samples"], 1000);
-    const std::uint64_t written = r.summary["recording"]["written"], dropped = r.summary["recording"]["dropped"];
+    const std::uint64_t written = r.summary["recording"]["written"],
+                        dropped = r.summary["recording"]["dropped"];
     EXPECT_GT(written, 0U);
     EXPECT_GT(dropped, 500U);
     const auto bag = bag::WholeBag::open(path);
     ASSERT_TRUE(bag) << bag.error().sentence;
     std::uint64_t kept = 0;
-    for (const auto& topic : bag->topics()) kept += topic.message_count;
+    for (const auto& topic : bag->topics())
+      kept += topic.message_count;
     EXPECT_EQ(kept, written);
   }
 }

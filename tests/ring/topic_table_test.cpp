@@ -1,4 +1,5 @@
-// Who writes and who reads each topic, as DDS announces it of a running ring, is what the table of topics says.
+// Who writes and who reads each topic, as DDS announces it of a running ring, is what the table of
+// topics says.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -20,7 +21,8 @@ using Names = std::set<std::string>;
 class Announced {
  public:
   Announced(const bus::Participant& participant, dds_entity_t builtin_topic)
-      : reader_(dds_create_reader(participant.get(), builtin_topic, nullptr, nullptr), "a reader of announcements could not be made") {}
+      : reader_(dds_create_reader(participant.get(), builtin_topic, nullptr, nullptr),
+                "a reader of announcements could not be made") {}
 
   void look() {
     void* lent[1] = {nullptr};
@@ -40,7 +42,8 @@ class Announced {
     Names names;
     if (const auto found = of_.find(topic); found != of_.end())
       for (const bus::Guid& guid : found->second)
-        if (const auto node = node_of.find(guid); node != node_of.end()) names.insert(node->second);
+        if (const auto node = node_of.find(guid); node != node_of.end())
+          names.insert(node->second);
     return names;
   }
 
@@ -56,26 +59,39 @@ Names set_of(qos::Nodes nodes) {
 
 TEST(TopicTable, SaysWhoWritesAndWhoReadsInARunningRing) {
   const TemporaryFolder folder;
-  Process up(up_arguments(shipped_scene("plane"), {"--device", "sim-phantom", "--motion", "slide", "--duration", "5", "--record", (folder / "bag").string()}));
-  const bus::Participant participant({static_cast<std::uint32_t>(std::stoul(fresh_domain())), "lo", "observer"});
+  Process up(up_arguments(shipped_scene("plane"),
+                          {"--device", "sim-phantom", "--motion", "slide", "--duration", "5",
+                           "--record", (folder / "bag").string()}));
+  const bus::Participant participant(
+      {static_cast<std::uint32_t>(std::stoul(fresh_domain())), "lo", "observer"});
   runtime::NodeRegistry registry(participant, "haptic");
-  Announced writers(participant, DDS_BUILTIN_TOPIC_DCPSPUBLICATION), readers(participant, DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION);
+  Announced writers(participant, DDS_BUILTIN_TOPIC_DCPSPUBLICATION),
+      readers(participant, DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION);
   std::map<bus::Guid, std::string> node_of;
   int running = 0;
-  for (int look = 0; look < 100 && up.running() && running < 20; ++look) {  // two seconds after all run
+  for (int look = 0; look < 100 && up.running() && running < 20;
+       ++look) {  // two seconds after all run
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
     registry.update(), writers.look(), readers.look();
     for (const runtime::NodeReport& report : registry.reports())
-      if (set_of(qos::kEveryNode).contains(report.node)) node_of[report.participant] = report.node;
+      if (set_of(qos::kEveryNode).contains(report.node))
+        node_of[report.participant] = report.node;
     running += node_of.size() == 5;
   }
   ASSERT_EQ(node_of.size(), 5U);
   for (const qos::Topic& topic : qos::kTopics) {
     const std::string name = qos::dds_name(topic, "haptic");
     // This scene follows nobody outside the ring: there is no end of the rendering.
-    const auto here = [&](qos::Nodes nodes) { return topic.with_external ? nodes & ~qos::kRendering : nodes; };
-    EXPECT_EQ(writers.nodes(name, node_of), topic.lockstep_only || topic.of_arms ? Names() : set_of(static_cast<qos::Nodes>(here(topic.writers)))) << name;
-    EXPECT_EQ(readers.nodes(name, node_of), set_of(static_cast<qos::Nodes>(here(topic.readers)))) << name;
+    const auto here = [&](qos::Nodes nodes) {
+      return topic.with_external ? nodes & ~qos::kRendering : nodes;
+    };
+    EXPECT_EQ(writers.nodes(name, node_of),
+              topic.lockstep_only || topic.of_arms
+                  ? Names()
+                  : set_of(static_cast<qos::Nodes>(here(topic.writers))))
+        << name;
+    EXPECT_EQ(readers.nodes(name, node_of), set_of(static_cast<qos::Nodes>(here(topic.readers))))
+        << name;
   }
   EXPECT_EQ(up.wait().status, 0);
 }

@@ -24,7 +24,8 @@ using std::chrono::seconds;
 bool wait_until(const std::function<bool()>& holds, seconds patience) {
   const auto until = std::chrono::steady_clock::now() + patience;
   while (!holds()) {
-    if (std::chrono::steady_clock::now() > until) return false;
+    if (std::chrono::steady_clock::now() > until)
+      return false;
     std::this_thread::sleep_for(milliseconds(20));
   }
   return true;
@@ -39,7 +40,8 @@ void expect_a_good_touch(const RingResult& r, double duration_s, double limit_n)
   EXPECT_LE(r.summary["max_force_n"], limit_n);
   EXPECT_GT(r.summary["ring_latency_us"]["p50"], 0.0);
   EXPECT_EQ(r.summary["validator"]["disagree"], 0) << r.process.err;
-  EXPECT_GE(r.summary["validator"]["decided"], 0.2 * r.summary["validator"]["checked"].get<double>());
+  EXPECT_GE(r.summary["validator"]["decided"],
+            0.2 * r.summary["validator"]["checked"].get<double>());
   EXPECT_EQ(r.summary["recording"]["dropped"], 0);
 }
 
@@ -49,22 +51,27 @@ struct Rig {
   bool one_process;
 };
 
-void PrintTo(const Rig& rig, std::ostream* out) { *out << rig.device << (rig.one_process ? ", one process" : ""); }
+void PrintTo(const Rig& rig, std::ostream* out) {
+  *out << rig.device << (rig.one_process ? ", one process" : "");
+}
 
 class UpTouchesTheCup : public testing::TestWithParam<Rig> {};
 
 TEST_P(UpTouchesTheCup, AndTheHandFeelsIt) {
   const TemporaryFolder folder;
-  std::vector<std::string> more = {"--device", GetParam().device,        "--motion", "slide", "--duration", "5",
-                                   "--record", (folder / "bag").string()};
-  if (GetParam().one_process) more.push_back("--one-process");
+  std::vector<std::string> more = {
+      "--device", GetParam().device,        "--motion", "slide", "--duration", "5",
+      "--record", (folder / "bag").string()};
+  if (GetParam().one_process)
+    more.push_back("--one-process");
   const RingResult r = run_ring(shipped_scene("cup"), more);
   expect_a_good_touch(r, 5.0, GetParam().limit_n);
   const auto bag = bag::WholeBag::open(folder / "bag");
   ASSERT_TRUE(bag) << bag.error().sentence;
   for (const char* topic :
-       {"/haptic/device/state", "/haptic/rendering/contact", "/haptic/coupling/command", "/haptic/device/description",
-        "/haptic/rendering/plan", "/haptic/coupling/design", "/haptic/validation", "/haptic/node_status"}) {
+       {"/haptic/device/state", "/haptic/rendering/contact", "/haptic/coupling/command",
+        "/haptic/device/description", "/haptic/rendering/plan", "/haptic/coupling/design",
+        "/haptic/validation", "/haptic/node_status"}) {
     const auto index = bag->find_topic(topic);
     ASSERT_TRUE(index) << topic;
     EXPECT_GT(bag->topics()[*index].message_count, 0U) << topic;
@@ -72,10 +79,12 @@ TEST_P(UpTouchesTheCup, AndTheHandFeelsIt) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Rigs, UpTouchesTheCup,
-                         testing::Values(Rig{"sim-phantom", 8.5, false}, Rig{"sim-lwr", 150.0, false},
+                         testing::Values(Rig{"sim-phantom", 8.5, false},
+                                         Rig{"sim-lwr", 150.0, false},
                                          Rig{"sim-phantom", 8.5, true}),
                          [](const auto& rig) {
-                           std::string name = rig.param.device + (rig.param.one_process ? "_in_one_process" : "");
+                           std::string name =
+                               rig.param.device + (rig.param.one_process ? "_in_one_process" : "");
                            std::replace(name.begin(), name.end(), '-', '_');
                            return name;
                          });
@@ -83,7 +92,8 @@ INSTANTIATE_TEST_SUITE_P(Rigs, UpTouchesTheCup,
 TEST(Up, RefusesARigThatIsInUse) {
   Process first(up_arguments(shipped_scene("plane"), {"--motion", "free", "--no-record"}));
   ASSERT_TRUE(wait_until([&] { return runs(first); }, seconds(30))) << first.err();
-  Process second(up_arguments(shipped_scene("plane"), {"--motion", "free", "--no-record", "--duration", "1"}));
+  Process second(
+      up_arguments(shipped_scene("plane"), {"--motion", "free", "--no-record", "--duration", "1"}));
   const Finished refused = second.wait();
   EXPECT_NE(refused.status, 0);
   EXPECT_NE(refused.err.find("rig 'haptic'"), std::string::npos) << refused.err;
@@ -92,26 +102,37 @@ TEST(Up, RefusesARigThatIsInUse) {
 }
 
 TEST(Up, OfTwoAtOnceExactlyOneRunsAndTheOtherSaysSo) {
-  for (const int later_ms : {0, 30, 90, 180, 270}) {  // before, while and after the first one looks for others
-    const auto arguments = up_arguments(shipped_scene("plane"), {"--motion", "free", "--no-record", "--duration", "0.2"});
+  for (const int later_ms :
+       {0, 30, 90, 180, 270}) {  // before, while and after the first one looks for others
+    const auto arguments = up_arguments(shipped_scene("plane"),
+                                        {"--motion", "free", "--no-record", "--duration", "0.2"});
     Process one(arguments);
     std::this_thread::sleep_for(milliseconds(later_ms));
     Process other(arguments);
     const Finished ends[] = {one.wait(), other.wait()};
-    const auto loser = [](const Finished& end) { return end.err.find("rig 'haptic' is in use") != std::string::npos; };
-    ASSERT_EQ(loser(ends[0]) + loser(ends[1]), 1) << later_ms << " ms later\n" << ends[0].err << "\n--\n" << ends[1].err;
+    const auto loser = [](const Finished& end) {
+      return end.err.find("rig 'haptic' is in use") != std::string::npos;
+    };
+    ASSERT_EQ(loser(ends[0]) + loser(ends[1]), 1) << later_ms << " ms later\n"
+                                                  << ends[0].err << "\n--\n"
+                                                  << ends[1].err;
     const Finished& winner = ends[loser(ends[0]) ? 1 : 0];
     EXPECT_GT(parse_summary(winner.out)["samples"], 100) << winner.out << winner.err;
   }
 }
 
-/// Who has a port of the domain may be a ring that a busy machine lets answer late: the half second is looked out.
+/// Who has a port of the domain may be a ring that a busy machine lets answer late: the half second
+/// is looked out.
 TEST(Up, RefusesARigWhoseRingAnswersLate) {
-  const bus::Participant participant({static_cast<std::uint32_t>(std::stoul(fresh_domain())), "lo", "a ring"});
+  const bus::Participant participant(
+      {static_cast<std::uint32_t>(std::stoul(fresh_domain())), "lo", "a ring"});
   runtime::StatusWriter status(participant, "up", "haptic");
   runtime::NodeRegistry registry(participant, "haptic");
-  Process up(up_arguments(shipped_scene("plane"), {"--motion", "free", "--no-record", "--duration", "0.2"}));
-  ASSERT_TRUE(runtime::look_for(registry, [](const runtime::NodeReport& report) { return report.node == "up"; }, seconds(30))) << up.err();
+  Process up(up_arguments(shipped_scene("plane"),
+                          {"--motion", "free", "--no-record", "--duration", "0.2"}));
+  ASSERT_TRUE(runtime::look_for(
+      registry, [](const runtime::NodeReport& report) { return report.node == "up"; }, seconds(30)))
+      << up.err();
   std::this_thread::sleep_for(milliseconds(250));
   runtime::NodeReport runs;
   runs.state = runtime::NodeState::kRunning;
@@ -123,8 +144,8 @@ TEST(Up, RefusesARigWhoseRingAnswersLate) {
 
 TEST(Up, StopsInOrderOnCtrlCAndSaysThatTheRunWasCutShort) {
   const TemporaryFolder folder;
-  Process up(up_arguments(shipped_scene("plane"),
-                          {"--motion", "slide", "--duration", "60", "--record", (folder / "bag").string()}));
+  Process up(up_arguments(shipped_scene("plane"), {"--motion", "slide", "--duration", "60",
+                                                   "--record", (folder / "bag").string()}));
   ASSERT_TRUE(wait_until([&] { return runs(up); }, seconds(30))) << up.err();
   const std::vector<pid_t> nodes = children_of(up.pid());
   EXPECT_EQ(nodes.size(), 5U);
@@ -135,7 +156,8 @@ TEST(Up, StopsInOrderOnCtrlCAndSaysThatTheRunWasCutShort) {
   ASSERT_TRUE(summary.is_object()) << end.out;
   EXPECT_NE(summary["problems"][0].get<std::string>().find("stopped before"), std::string::npos);
   EXPECT_TRUE(bag::WholeBag::open(folder / "bag"));
-  for (const pid_t node : nodes) EXPECT_NE(::kill(node, 0), 0) << "node " << node << " is still there";
+  for (const pid_t node : nodes)
+    EXPECT_NE(::kill(node, 0), 0) << "node " << node << " is still there";
 }
 
 TEST(Up, TakesItsNodesWithItWhenItIsKilled) {
@@ -144,14 +166,14 @@ TEST(Up, TakesItsNodesWithItWhenItIsKilled) {
   const std::vector<pid_t> nodes = children_of(up.pid());
   ASSERT_EQ(nodes.size(), 4U);
   up.signal(SIGKILL);
-  EXPECT_TRUE(wait_until(
-      [&] { return std::all_of(nodes.begin(), nodes.end(), has_ended); }, seconds(10)));
+  EXPECT_TRUE(
+      wait_until([&] { return std::all_of(nodes.begin(), nodes.end(), has_ended); }, seconds(10)));
 }
 
 TEST(Up, SaysWhichNodeDiedAndLeavesABagThatOpens) {
   const TemporaryFolder folder;
-  Process up(up_arguments(shipped_scene("plane"),
-                          {"--motion", "slide", "--duration", "60", "--record", (folder / "bag").string()}));
+  Process up(up_arguments(shipped_scene("plane"), {"--motion", "slide", "--duration", "60",
+                                                   "--record", (folder / "bag").string()}));
   ASSERT_TRUE(wait_until([&] { return runs(up); }, seconds(30))) << up.err();
   ::kill(child_called(up.pid(), "voxtouch_rendering"), SIGKILL);  // a child of ours' child
   const Finished end = up.wait();
@@ -164,20 +186,23 @@ TEST(Up, NeverOverwritesABag) {
   const TemporaryFolder folder;
   std::filesystem::create_directory(folder / "bag");
   std::ofstream(folder / "bag" / "precious") << "mine";
-  const RingResult r =
-      run_ring(shipped_scene("plane"), {"--motion", "free", "--duration", "1", "--record", (folder / "bag").string()});
+  const RingResult r = run_ring(shipped_scene("plane"), {"--motion", "free", "--duration", "1",
+                                                         "--record", (folder / "bag").string()});
   EXPECT_NE(r.process.status, 0);
   EXPECT_NE(r.process.err.find((folder / "bag").string()), std::string::npos) << r.process.err;
   EXPECT_TRUE(std::filesystem::exists(folder / "bag" / "precious"));
 }
 
 TEST(Up, FollowsOneCommandWriterAndNamesTheOther) {
-  Process up(up_arguments(shipped_scene("plane"), {"--motion", "free", "--duration", "4", "--no-record"}));
+  Process up(
+      up_arguments(shipped_scene("plane"), {"--motion", "free", "--duration", "4", "--no-record"}));
   ASSERT_TRUE(wait_until([&] { return runs(up); }, seconds(30))) << up.err();
-  const bus::Participant participant({static_cast<std::uint32_t>(std::stoul(fresh_domain())), "lo", "intruder"});
+  const bus::Participant participant(
+      {static_cast<std::uint32_t>(std::stoul(fresh_domain())), "lo", "intruder"});
   const auto& stream = qos::profile(qos::ProfileId::kStream);
   bus::Writer<msg::ForceCommand> intruder(participant, qos::kForceCommand, "haptic", stream);
-  bus::Reader<msg::DeviceState> states(participant, qos::kDeviceState, "haptic", qos::profile(qos::ProfileId::kTap));
+  bus::Reader<msg::DeviceState> states(participant, qos::kDeviceState, "haptic",
+                                       qos::profile(qos::ProfileId::kTap));
   msg::DeviceState newest{};
   ASSERT_TRUE(wait_until([&] { return states.take(newest); }, seconds(10)));
   for (int i = 0; i < 1000; ++i) {
@@ -206,18 +231,21 @@ TEST(Up, RefusesWhatItCannotDoWithASentence) {
     more.insert(more.end(), {"--duration", "1", "--no-record"});
     const RingResult r = run_ring(scene, more);
     EXPECT_NE(r.process.status, 0);
-    EXPECT_TRUE(r.summary.is_object() && r.summary["ok"] == false && r.summary["problems"].size() == 1)
+    EXPECT_TRUE(r.summary.is_object() && r.summary["ok"] == false &&
+                r.summary["problems"].size() == 1)
         << r.process.out;
     return r.process.err;
   };
   const std::string plane = shipped_scene("plane");
   EXPECT_NE(refusal(plane, {"--motion", "moonwalk"}).find("'moonwalk'"), std::string::npos);
   EXPECT_NE(refusal(plane, {"--device", "sim-omni"}).find("sim-phantom"), std::string::npos);
-  EXPECT_NE(refusal(plane, {"--device", "wire-lwr", "--device-option", "prot=1"}).find("period_ms"), std::string::npos);
+  EXPECT_NE(refusal(plane, {"--device", "wire-lwr", "--device-option", "prot=1"}).find("period_ms"),
+            std::string::npos);
   EXPECT_NE(refusal(plane, {"--interface", "no_such_if0"}).find("no_such_if0"), std::string::npos);
   const RingResult nowhere = run_ring("/nowhere/scene.yaml", {"--duration", "1", "--no-record"});
   EXPECT_NE(nowhere.process.status, 0);
-  EXPECT_NE(nowhere.process.err.find("/nowhere/scene.yaml"), std::string::npos) << nowhere.process.err;
+  EXPECT_NE(nowhere.process.err.find("/nowhere/scene.yaml"), std::string::npos)
+      << nowhere.process.err;
 }
 
 /// The plane with another stiffness of each point.
@@ -227,7 +255,8 @@ std::filesystem::path stiff_plane(const TemporaryFolder& folder, double stiffnes
   std::ofstream out(folder / "stiff.yaml");
   for (std::string line; std::getline(in, line);) {
     if (line.starts_with("contact:"))
-      line = "contact: {model: adapted, stiffness_n_per_m: " + std::to_string(stiffness_n_per_m) + "}";
+      line =
+          "contact: {model: adapted, stiffness_n_per_m: " + std::to_string(stiffness_n_per_m) + "}";
     if (line.starts_with("coupling:"))
       line = "coupling: {kind: shaping_filter, cutoff_hz: 90, damping_ratio: 0.7071, gain: 1}";
     if (const auto at = line.find("../meshes"); at != std::string::npos)
@@ -239,16 +268,17 @@ std::filesystem::path stiff_plane(const TemporaryFolder& folder, double stiffnes
 
 TEST(Up, RefusesASceneThatIsTooStiffForTheDeviceWithOnePointAlone) {
   const TemporaryFolder folder;
-  const RingResult r =
-      run_ring(stiff_plane(folder, 2000.0).string(), {"--motion", "hit", "--duration", "1", "--no-record"});
+  const RingResult r = run_ring(stiff_plane(folder, 2000.0).string(),
+                                {"--motion", "hit", "--duration", "1", "--no-record"});
   EXPECT_NE(r.process.status, 0);
   EXPECT_NE(r.process.err.find("sim-phantom"), std::string::npos) << r.process.err;
 }
 
 TEST(Up, SaysThatAllPointsTogetherWereTooStiff) {
   const TemporaryFolder folder;
-  const RingResult r = run_ring(stiff_plane(folder, 100.0).string(),
-                                {"--motion", "slide", "--duration", "3", "--no-record", "--lockstep"});
+  const RingResult r =
+      run_ring(stiff_plane(folder, 100.0).string(),
+               {"--motion", "slide", "--duration", "3", "--no-record", "--lockstep"});
   EXPECT_EQ(r.process.status, 1);
   EXPECT_NE(r.process.out.find("all points"), std::string::npos) << r.process.out;
 }
@@ -263,9 +293,10 @@ TEST(Up, SaysFileLineAndColumnOfASceneError) {
 
 TEST(Nodes, SayThatTheyRunDifferentScenes) {
   const std::string domain = fresh_domain();
-  Process rendering({VOXTOUCH_BIN "/voxtouch_rendering", "--scene", shipped_scene("cup"), "--domain", domain});
-  Process device(
-      {VOXTOUCH_BIN "/voxtouch_device", "--scene", shipped_scene("plane"), "--domain", domain, "--duration", "3"});
+  Process rendering(
+      {VOXTOUCH_BIN "/voxtouch_rendering", "--scene", shipped_scene("cup"), "--domain", domain});
+  Process device({VOXTOUCH_BIN "/voxtouch_device", "--scene", shipped_scene("plane"), "--domain",
+                  domain, "--duration", "3"});
   EXPECT_EQ(device.wait().status, 0);
   rendering.signal(SIGTERM);
   const std::string said = rendering.wait().err;
@@ -276,23 +307,27 @@ TEST(Nodes, SayThatTheyRunDifferentScenes) {
 TEST(Nodes, MayStartInAnyOrder) {
   const std::string scene = shipped_scene("plane"), domain = fresh_domain();
   const auto node = [&](const std::string& name, std::vector<std::string> more = {}) {
-    std::vector<std::string> a = {VOXTOUCH_BIN "/voxtouch_" + name, "--scene", scene, "--domain", domain};
+    std::vector<std::string> a = {VOXTOUCH_BIN "/voxtouch_" + name, "--scene", scene, "--domain",
+                                  domain};
     a.insert(a.end(), more.begin(), more.end());
     return std::make_unique<Process>(a);
   };
-  const auto device = node("device", {"--motion", "slide", "--duration", "6"});  // first, with nobody to answer it
+  const auto device =
+      node("device", {"--motion", "slide", "--duration", "6"});  // first, with nobody to answer it
   std::this_thread::sleep_for(seconds(1));
   const auto coupling = node("coupling");
   std::this_thread::sleep_for(milliseconds(500));
   const auto rendering = node("rendering");
-  const bus::Participant participant({static_cast<std::uint32_t>(std::stoul(domain)), "lo", "listener"});
+  const bus::Participant participant(
+      {static_cast<std::uint32_t>(std::stoul(domain)), "lo", "listener"});
   bus::Reader<msg::ForceCommand> commands(participant, qos::kForceCommand, "haptic",
                                           qos::profile(qos::ProfileId::kTap));
   double largest = 0.0;
   msg::ForceCommand command;
   while (device->running()) {
     while (commands.take(command))
-      largest = std::max(largest, std::hypot(command.wrench.force.x, command.wrench.force.y, command.wrench.force.z));
+      largest = std::max(largest, std::hypot(command.wrench.force.x, command.wrench.force.y,
+                                             command.wrench.force.z));
     std::this_thread::sleep_for(milliseconds(5));
   }
   EXPECT_EQ(device->wait().status, 0);

@@ -1,4 +1,5 @@
-// The hardware's drivers in the ring: the Phantom's at the simulated library, the robots' at their simulated controllers.
+// The hardware's drivers in the ring: the Phantom's at the simulated library, the robots' at their
+// simulated controllers.
 #include <dlfcn.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -33,10 +34,12 @@ void PrintTo(const Case& c, std::ostream* out) { *out << name_of(c); }
 
 class WireTouchesTheCup : public testing::TestWithParam<Case> {};
 
-/// An arm whose connection is never good enough follows, and is felt nowhere: that is said at once, and is no good run.
+/// An arm whose connection is never good enough follows, and is felt nowhere: that is said at once,
+/// and is no good run.
 TEST(WireWithoutForce, IsSaidWhileItLastsAndIsNoRunThatWentWell) {
-  const RingResult r = run_ring(shipped_scene("cup"), {"--device", "wire-lwr", "--device-option", "fault=quality@0:60:1",
-                                                       "--motion", "slide", "--duration", "3", "--no-record"});
+  const RingResult r = run_ring(shipped_scene("cup"),
+                                {"--device", "wire-lwr", "--device-option", "fault=quality@0:60:1",
+                                 "--motion", "slide", "--duration", "3", "--no-record"});
   EXPECT_EQ(r.process.status, 1);
   ASSERT_TRUE(r.summary.is_object()) << r.process.out;
   EXPECT_EQ(r.summary["ok"], false);
@@ -44,16 +47,18 @@ TEST(WireWithoutForce, IsSaidWhileItLastsAndIsNoRunThatWentWell) {
   EXPECT_GE(r.summary["zero_force_samples"], 3000);
   EXPECT_EQ(r.summary["max_force_n"], 0.0);
   const std::string why = "the connection's quality is too low to start";
-  EXPECT_NE(r.summary["problems"].dump().find(why), std::string::npos)
-      << r.process.out;
+  EXPECT_NE(r.summary["problems"].dump().find(why), std::string::npos) << r.process.out;
   EXPECT_NE(r.process.err.find(why), std::string::npos) << r.process.err;
 }
 
 // Nothing about deadlines: on a busy machine samples come late, and what is felt stays right.
 TEST_P(WireTouchesTheCup, AndTheHandFeelsIt) {
   const Case& c = GetParam();
-  std::vector<std::string> more = {"--device", c.device, "--motion", c.motion, "--duration", std::to_string(c.seconds), "--no-record"};
-  if (c.lockstep) more.push_back("--lockstep");
+  std::vector<std::string> more = {"--device",   c.device,     "--motion",
+                                   c.motion,     "--duration", std::to_string(c.seconds),
+                                   "--no-record"};
+  if (c.lockstep)
+    more.push_back("--lockstep");
   const RingResult r = run_ring(shipped_scene("cup"), more);
   ASSERT_EQ(r.process.status, 0) << r.process.err << r.process.out;
   ASSERT_TRUE(r.summary.is_object()) << r.process.out;
@@ -71,8 +76,10 @@ std::vector<Case> all_cases() {
   std::vector<Case> cases;
   for (const auto& [device, limit] : {std::pair{"wire-phantom", 8.5}, std::pair{"wire-lwr", 150.0}})
     for (const char* motion : {"slide", "hit"})
-      for (const bool lockstep : {true, false}) cases.push_back({device, motion, lockstep, limit});
-  cases.push_back({"wire-fr3", "slide", false, 60.0, 3});  // in lockstep its bits are compared below
+      for (const bool lockstep : {true, false})
+        cases.push_back({device, motion, lockstep, limit});
+  cases.push_back(
+      {"wire-fr3", "slide", false, 60.0, 3});  // in lockstep its bits are compared below
   return cases;
 }
 INSTANTIATE_TEST_SUITE_P(All, WireTouchesTheCup, testing::ValuesIn(all_cases()),
@@ -80,9 +87,11 @@ INSTANTIATE_TEST_SUITE_P(All, WireTouchesTheCup, testing::ValuesIn(all_cases()),
 
 bag::TopicHash hash_of(const std::filesystem::path& folder, const std::string& topic) {
   const auto bag = bag::WholeBag::open(folder);
-  if (!bag) throw std::runtime_error(bag.error().sentence);
+  if (!bag)
+    throw std::runtime_error(bag.error().sentence);
   const auto hash = bag::hash_topic(*bag, "/haptic/" + topic, bag::ring_sequence_number);
-  if (!hash) throw std::runtime_error(hash.error().sentence);
+  if (!hash)
+    throw std::runtime_error(hash.error().sentence);
   return *hash;
 }
 
@@ -90,59 +99,75 @@ class WireLockstep : public testing::TestWithParam<const char*> {};
 
 TEST_P(WireLockstep, GivesTheSameBitsTwiceAndInOneProcess) {
   const TemporaryFolder folder;
-  // The second arm: its hand touches in the first second, and what one process and another hand do the first has shown.
+  // The second arm: its hand touches in the first second, and what one process and another hand do
+  // the first has shown.
   const bool arm = std::string(GetParam()) == "wire-fr3";
   const auto run = [&](const std::string& name, std::vector<std::string> more) {
-    more.insert(more.end(), {"--device", GetParam(), "--lockstep", "--motion", "slide", "--duration", arm ? "2" : "3", "--record",
-                             (folder / name).string()});
+    more.insert(more.end(), {"--device", GetParam(), "--lockstep", "--motion", "slide",
+                             "--duration", arm ? "2" : "3", "--record", (folder / name).string()});
     const RingResult r = run_ring(shipped_scene("cup"), more);
     EXPECT_EQ(r.process.status, 0) << r.process.err << r.process.out;
   };
   run("first", {}), run("second", {});
-  if (!arm) run("together", {"--one-process"}), run("other", {"--grip-harder-at", "1"});
+  if (!arm)
+    run("together", {"--one-process"}), run("other", {"--grip-harder-at", "1"});
   for (const char* topic : {"device/state", "rendering/contact", "coupling/command"}) {
     const bag::TopicHash first = hash_of(folder / "first", topic);
     EXPECT_EQ(first.messages, arm ? 2000U : 3000U) << topic;
     EXPECT_TRUE(first == hash_of(folder / "second", topic)) << topic;
-    if (arm) continue;
+    if (arm)
+      continue;
     EXPECT_TRUE(first == hash_of(folder / "together", topic)) << topic << " in one process";
     EXPECT_FALSE(first == hash_of(folder / "other", topic)) << topic << " does not see the hand";
   }
-  EXPECT_GT(read_ring_topic<msg::ForceCommand>(folder / "first", "/haptic/coupling/command").size(), 0U);
+  EXPECT_GT(read_ring_topic<msg::ForceCommand>(folder / "first", "/haptic/coupling/command").size(),
+            0U);
 }
 
-INSTANTIATE_TEST_SUITE_P(Both, WireLockstep, testing::Values("wire-phantom", "wire-lwr", "wire-fr3"),
+INSTANTIATE_TEST_SUITE_P(Both, WireLockstep,
+                         testing::Values("wire-phantom", "wire-lwr", "wire-fr3"),
                          [](const auto& rig) { return std::string(rig.param).substr(5); });
 
 // --- faults
 
 template <class Condition>
 bool wait_until(Condition holds, std::chrono::seconds patience = std::chrono::seconds(30)) {
-  for (const auto until = Clock::now() + patience; !holds(); std::this_thread::sleep_for(std::chrono::milliseconds(20)))
-    if (Clock::now() > until) return false;
+  for (const auto until = Clock::now() + patience; !holds();
+       std::this_thread::sleep_for(std::chrono::milliseconds(20)))
+    if (Clock::now() > until)
+      return false;
   return true;
 }
 
 /// The figure `name` in the device's last word.
 double last_figure(const std::filesystem::path& folder, const std::string& name) {
   const auto bag = bag::WholeBag::open(folder);
-  if (!bag) throw std::runtime_error(bag.error().sentence);
+  if (!bag)
+    throw std::runtime_error(bag.error().sentence);
   const auto messages = bag->read_topic("/haptic/node_status", bag::WholeBag::Order::kArrival);
-  if (!messages) throw std::runtime_error(messages.error().sentence);
-  const auto size = static_cast<char>(name.size() + 1);  // the name's length stands before it and ends it from the left
+  if (!messages)
+    throw std::runtime_error(messages.error().sentence);
+  const auto size = static_cast<char>(
+      name.size() + 1);  // the name's length stands before it and ends it from the left
   const std::string in_cdr = std::string{size, '\0', '\0', '\0'} + name + '\0';
-  const auto aligned = [](std::size_t at, std::size_t to) { return (at - 4 + to - 1) / to * to + 4; };  // 4: encapsulation
+  const auto aligned = [](std::size_t at, std::size_t to) {
+    return (at - 4 + to - 1) / to * to + 4;
+  };  // 4: encapsulation
   double value = std::numeric_limits<double>::quiet_NaN();
   for (const auto& message : *messages) {
-    const std::string text(reinterpret_cast<const char*>(message.bytes.data()), message.bytes.size());
+    const std::string text(reinterpret_cast<const char*>(message.bytes.data()),
+                           message.bytes.size());
     const auto at = text.find(in_cdr);
-    if (at == std::string::npos) continue;
+    if (at == std::string::npos)
+      continue;
     const std::size_t unit_at = aligned(at + in_cdr.size(), 4);
     std::uint32_t unit_size = 0;
-    if (unit_at + 4 > text.size()) continue;
+    if (unit_at + 4 > text.size())
+      continue;
     std::memcpy(&unit_size, text.data() + unit_at, sizeof unit_size);
     const std::size_t value_at = aligned(unit_at + 4 + unit_size, 8);
-    if (value_at + 8 <= text.size()) std::memcpy(&value, text.data() + value_at, sizeof value);
+    if (value_at + 8 <= text.size())
+      std::memcpy(&value, text.data() + value_at, sizeof value);
   }
   return value;
 }
@@ -153,7 +178,8 @@ TEST_P(ControllerKilled, InTheMiddleEndsTheDeviceWithASentenceAtZeroForce) {
   const TemporaryFolder folder;
   std::vector<std::string> more = {"--device",   "wire-lwr", "--motion", "slide",
                                    "--duration", "3000",     "--record", (folder / "bag").string()};
-  if (GetParam()) more.push_back("--lockstep");
+  if (GetParam())
+    more.push_back("--lockstep");
   Process up(up_arguments(shipped_scene("cup"), more));
   pid_t controller = 0;
   ASSERT_TRUE(wait_until([&] {
@@ -177,29 +203,32 @@ TEST_P(ControllerKilled, InTheMiddleEndsTheDeviceWithASentenceAtZeroForce) {
   EXPECT_EQ(last_figure(folder / "bag", "force_n"), 0.0);
 }
 
-INSTANTIATE_TEST_SUITE_P(Time, ControllerKilled, testing::Bool(),
-                         [](const auto& lockstep) { return lockstep.param ? "lockstep" : "real_time"; });
+INSTANTIATE_TEST_SUITE_P(Time, ControllerKilled, testing::Bool(), [](const auto& lockstep) {
+  return lockstep.param ? "lockstep" : "real_time";
+});
 
 TEST(WireLwr, TakesItsControllerWithItWhenItIsKilled) {
-  Process device({VOXTOUCH_BIN "/voxtouch_device", "--scene", shipped_scene("cup"), "--domain", fresh_domain(),
-                  "--device", "wire-lwr"});
+  Process device({VOXTOUCH_BIN "/voxtouch_device", "--scene", shipped_scene("cup"), "--domain",
+                  fresh_domain(), "--device", "wire-lwr"});
   pid_t controller = 0;
-  ASSERT_TRUE(wait_until([&] { return (controller = child_called(device.pid(), "voxtouch_fri_controller")) != 0; }))
-      << device.err();
+  ASSERT_TRUE(wait_until([&] {
+    return (controller = child_called(device.pid(), "voxtouch_fri_controller")) != 0;
+  })) << device.err();
   device.signal(SIGKILL);
   EXPECT_TRUE(wait_until([&] { return ::kill(controller, 0) != 0; }, std::chrono::seconds(5)));
 }
 
 TEST(WireLwr, SaysWhyItWaitsAndEndsItsController) {
-  Process device({VOXTOUCH_BIN "/voxtouch_device", "--scene", shipped_scene("cup"), "--domain", fresh_domain(),
-                  "--device", "wire-lwr", "--device-option", "fault=quality@0:1.5:1", "--duration", "3"});
+  Process device({VOXTOUCH_BIN "/voxtouch_device", "--scene", shipped_scene("cup"), "--domain",
+                  fresh_domain(), "--device", "wire-lwr", "--device-option",
+                  "fault=quality@0:1.5:1", "--duration", "3"});
   pid_t controller = 0;
-  ASSERT_TRUE(wait_until([&] { return (controller = child_called(device.pid(), "voxtouch_fri_controller")) != 0; }))
-      << device.err();
+  ASSERT_TRUE(wait_until([&] {
+    return (controller = child_called(device.pid(), "voxtouch_fri_controller")) != 0;
+  })) << device.err();
   const Finished end = device.wait();
   EXPECT_EQ(end.status, 0) << end.err;
-  EXPECT_NE(end.err.find("quality"), std::string::npos)
-      << end.err;
+  EXPECT_NE(end.err.find("quality"), std::string::npos) << end.err;
   EXPECT_NE(::kill(controller, 0), 0) << "it is still there";
 }
 
@@ -207,10 +236,13 @@ class LibraryFault : public testing::TestWithParam<bool> {};
 
 TEST_P(LibraryFault, OfCommunicationEndsTheDeviceWithASentenceAtZeroForce) {
   const TemporaryFolder folder;
-  std::vector<std::string> more = {
-      "--device",   "wire-phantom", "--device-option", "fault=comm_error@2",     "--motion", "slide",
-      "--duration", "60",           "--record",        (folder / "bag").string()};
-  if (GetParam()) more.push_back("--lockstep");
+  std::vector<std::string> more = {"--device",        "wire-phantom",
+                                   "--device-option", "fault=comm_error@2",
+                                   "--motion",        "slide",
+                                   "--duration",      "60",
+                                   "--record",        (folder / "bag").string()};
+  if (GetParam())
+    more.push_back("--lockstep");
   const RingResult r = run_ring(shipped_scene("cup"), more);
   EXPECT_EQ(r.process.status, 1);
   ASSERT_TRUE(r.summary.is_object()) << r.process.out << r.process.err;
@@ -222,16 +254,18 @@ TEST_P(LibraryFault, OfCommunicationEndsTheDeviceWithASentenceAtZeroForce) {
   EXPECT_EQ(last_figure(folder / "bag", "force_n"), 0.0);
 }
 
-INSTANTIATE_TEST_SUITE_P(Time, LibraryFault, testing::Bool(),
-                         [](const auto& lockstep) { return lockstep.param ? "lockstep" : "real_time"; });
+INSTANTIATE_TEST_SUITE_P(Time, LibraryFault, testing::Bool(), [](const auto& lockstep) {
+  return lockstep.param ? "lockstep" : "real_time";
+});
 
 // --- without hardware
 
-/// A test must not start a device that is there: no library, and a robot that could only be on this machine.
+/// A test must not start a device that is there: no library, and a robot that could only be on this
+/// machine.
 bool no_hardware(const std::string& device) {
-  return device != "phantom" ||
-         (dlopen("libHD.so", RTLD_LAZY) == nullptr && dlopen("libHD.so.3.4", RTLD_LAZY) == nullptr &&
-          dlopen("libHD.so.3.0", RTLD_LAZY) == nullptr);
+  return device != "phantom" || (dlopen("libHD.so", RTLD_LAZY) == nullptr &&
+                                 dlopen("libHD.so.3.4", RTLD_LAZY) == nullptr &&
+                                 dlopen("libHD.so.3.0", RTLD_LAZY) == nullptr);
 }
 
 struct Absent {
@@ -244,7 +278,8 @@ class NoHardware : public testing::TestWithParam<Absent> {};
 
 TEST_P(NoHardware, IsSaidInOneSentenceWithinSeconds) {
   const auto& [device, named, options] = GetParam();
-  if (!no_hardware(device)) GTEST_SKIP() << "the vendor's library is installed";
+  if (!no_hardware(device))
+    GTEST_SKIP() << "the vendor's library is installed";
   std::vector<std::string> more = {"--device", device, "--duration", "1", "--no-record"};
   more.insert(more.end(), options.begin(), options.end());
   const auto begin = Clock::now();
@@ -259,12 +294,12 @@ TEST_P(NoHardware, IsSaidInOneSentenceWithinSeconds) {
   EXPECT_NE(problem.find("--device wire-" + device), std::string::npos) << problem;
 }
 
-INSTANTIATE_TEST_SUITE_P(Both, NoHardware,
-                         testing::Values(Absent{"phantom", "libHD.so", {}},
-                                         Absent{
-                                             "lwr", "UDP 127.0.0.1:49938", {"--device-option", "address=127.0.0.1"}},
-                                         Absent{"fr3", "TCP 127.0.0.1:1337", {"--device-option", "address=127.0.0.1"}}),
-                         [](const auto& rig) { return rig.param.device; });
+INSTANTIATE_TEST_SUITE_P(
+    Both, NoHardware,
+    testing::Values(Absent{"phantom", "libHD.so", {}},
+                    Absent{"lwr", "UDP 127.0.0.1:49938", {"--device-option", "address=127.0.0.1"}},
+                    Absent{"fr3", "TCP 127.0.0.1:1337", {"--device-option", "address=127.0.0.1"}}),
+    [](const auto& rig) { return rig.param.device; });
 
 }  // namespace
 }  // namespace voxtouch::test

@@ -24,7 +24,9 @@ MOST = 5  # more have a cause that is not the machine's load
 def listing(build):
     """All tests, as ctest knows them."""
     command = ["ctest", "--test-dir", str(build), "--show-only=json-v1"]
-    return json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)["tests"]
+    return json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)[
+        "tests"
+    ]
 
 
 def cases_of(program):
@@ -32,7 +34,9 @@ def cases_of(program):
     if not program.name.endswith("_test"):
         return []
     names, suite = [], ""
-    for line in subprocess.run([program, "--gtest_list_tests"], check=True, capture_output=True, text=True).stdout.splitlines():
+    for line in subprocess.run(
+        [program, "--gtest_list_tests"], check=True, capture_output=True, text=True
+    ).stdout.splitlines():
         word = line.split("#")[0].strip()
         if line.startswith("  "):
             names.append(suite + word)
@@ -43,8 +47,14 @@ def cases_of(program):
 
 def all_cases(build):
     """The cases of each test program that is built, and under None the tests that are no such program."""
-    tests = [(pathlib.Path(test["command"][0]), test["name"]) for test in listing(build) if "command" in test]
-    programs = sorted({program for program, _ in tests if program.name.endswith("_test") and program.exists()})
+    tests = [
+        (pathlib.Path(test["command"][0]), test["name"])
+        for test in listing(build)
+        if "command" in test
+    ]
+    programs = sorted(
+        {program for program, _ in tests if program.name.endswith("_test") and program.exists()}
+    )
     with concurrent.futures.ThreadPoolExecutor(2) as pool:
         found = dict(zip(programs, pool.map(cases_of, programs)))
     found[None] = [name for program, name in tests if program not in found]
@@ -53,21 +63,37 @@ def all_cases(build):
 
 def run_cases(build, wanted):
     """Runs what a filter of GoogleTest names, in every program that has it. True if something ran and nothing failed."""
-    parts = [re.compile("".join({"*": ".*", "?": "."}.get(c, re.escape(c)) for c in part)) for part in wanted.split("-")[0].split(":")]
-    with_it = [program for program, cases in all_cases(build).items()
-               if program and any(part.fullmatch(case) for part in parts for case in cases)]
-    good = [subprocess.run([program, f"--gtest_filter={wanted}"]).returncode == 0 for program in with_it]
+    parts = [
+        re.compile("".join({"*": ".*", "?": "."}.get(c, re.escape(c)) for c in part))
+        for part in wanted.split("-")[0].split(":")
+    ]
+    with_it = [
+        program
+        for program, cases in all_cases(build).items()
+        if program and any(part.fullmatch(case) for part in parts for case in cases)
+    ]
+    good = [
+        subprocess.run([program, f"--gtest_filter={wanted}"]).returncode == 0 for program in with_it
+    ]
     if not with_it:
-        print(f"No test program has a case '{wanted}'. 'Suite.*' are all cases of a suite, '*/Suite.*' those of one with parameters.", file=sys.stderr)
+        print(
+            f"No test program has a case '{wanted}'. 'Suite.*' are all cases of a suite, '*/Suite.*' those of one with parameters.",
+            file=sys.stderr,
+        )
     return all(good) and bool(good)
 
 
 def named_in(output):
     """Cases of GoogleTest that failed by what a program has said; where it ended in the middle, the one that ran then."""
-    failed = list(dict.fromkeys(re.findall(r"^\[  FAILED  \] ([\w/]+\.[\w/]+)", output, re.MULTILINE)))
+    failed = list(
+        dict.fromkeys(re.findall(r"^\[  FAILED  \] ([\w/]+\.[\w/]+)", output, re.MULTILINE))
+    )
     begun = re.findall(r"^\[ +(RUN|OK|FAILED|SKIPPED) +\] ([\w/]+\.[\w/]+)", output, re.MULTILINE)
     if begun and begun[-1][0] == "RUN":
-        failed.append(begun[-1][1] + " (it was running when the program ended; the cases after it did not run)")
+        failed.append(
+            begun[-1][1]
+            + " (it was running when the program ended; the cases after it did not run)"
+        )
     return failed
 
 
@@ -79,14 +105,28 @@ def failures(junit):
     out = {}
     for case in cases:
         skipped = case.find("skipped")
-        if case.get("status") == "fail" or (case.get("status") == "notrun" and skipped is not None and "SKIP" not in (skipped.get("message") or "")):
+        if case.get("status") == "fail" or (
+            case.get("status") == "notrun"
+            and skipped is not None
+            and "SKIP" not in (skipped.get("message") or "")
+        ):
             out[case.get("name")] = case.findtext("system-out") or ""
     return out
 
 
 def ctest(build, junit, *arguments):
     junit.unlink(missing_ok=True)
-    status = subprocess.run(["ctest", "--test-dir", str(build), "--output-on-failure", "--output-junit", str(junit), *arguments]).returncode
+    status = subprocess.run(
+        [
+            "ctest",
+            "--test-dir",
+            str(build),
+            "--output-on-failure",
+            "--output-junit",
+            str(junit),
+            *arguments,
+        ]
+    ).returncode
     return status, failures(junit)
 
 
@@ -98,7 +138,12 @@ def keep(folder, outputs, when):
         file = folder / (re.sub(r"[^\w.]+", "_", name.split("#")[0].strip())[:150] + f".{when}.txt")
         file.write_text(output, encoding="utf-8")
         cases = [case for case in named_in(output) if case != name.split("#")[0].strip()]
-        lines.append("  " + name.split("#")[0].strip() + (": " + ", ".join(cases) if cases else "") + f"    ({file})")
+        lines.append(
+            "  "
+            + name.split("#")[0].strip()
+            + (": " + ", ".join(cases) if cases else "")
+            + f"    ({file})"
+        )
     return lines
 
 
@@ -112,7 +157,10 @@ def main(build, *arguments):
     if status and first:
         lines = keep(kept, first, "beside_others")
         if len(first) > MOST:
-            end = [f"{len(first)} tests failed, which are too many to blame the machine's load; none was run once more:", *lines]
+            end = [
+                f"{len(first)} tests failed, which are too many to blame the machine's load; none was run once more:",
+                *lines,
+            ]
         else:
             print(f"{len(first)} failed and run once more, alone:", file=sys.stderr, flush=True)
             status, second = ctest(build, build / "tests_again.xml", "--rerun-failed", "-j", "1")
@@ -123,7 +171,10 @@ def main(build, *arguments):
             if second:
                 end += ["these FAILED twice, beside others and alone:", *again]
     if junit.exists():
-        subprocess.run([sys.executable, HERE / "time_report.py", build, "--tests", junit, "--rows", "20"], stdout=sys.stderr)
+        subprocess.run(
+            [sys.executable, HERE / "time_report.py", build, "--tests", junit, "--rows", "20"],
+            stdout=sys.stderr,
+        )
     if end:
         print("\n".join(end), file=sys.stderr)
     return 1 if status else 0

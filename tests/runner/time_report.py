@@ -34,7 +34,9 @@ def compiling(build, rows):
     for output, took in steps(build).items():
         seconds[target_of(output)] += took
         files[target_of(output)] += 1
-    print(f"compiling and linking: {sum(seconds.values()):.0f} s in {sum(files.values())} steps; the {rows} longest targets:")
+    print(
+        f"compiling and linking: {sum(seconds.values()):.0f} s in {sum(files.values())} steps; the {rows} longest targets:"
+    )
     for target, took in seconds.most_common(rows):
         print(f"  {took:7.1f} s  {files[target]:4d} steps  {target}")
 
@@ -49,7 +51,9 @@ def testing(junit, rows):
     all_cases = list(xml.parse(junit).getroot().iter("testcase"))
     cases = [(float(case.get("time", 0)), case.get("name")) for case in all_cases]
     count = sum(cases_in(case.findtext("system-out")) for case in all_cases)
-    print(f"tests: {sum(time for time, _ in cases):.0f} s in {len(cases)} tests of {count} cases; the {rows} slowest:")
+    print(
+        f"tests: {sum(time for time, _ in cases):.0f} s in {len(cases)} tests of {count} cases; the {rows} slowest:"
+    )
     for time, name in sorted(cases, reverse=True)[:rows]:
         print(f"  {time:7.1f} s  {name}")
     failed = sum(case.get("status") == "fail" for case in all_cases)
@@ -58,7 +62,9 @@ def testing(junit, rows):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("build", type=pathlib.Path)
     parser.add_argument("--tests", type=pathlib.Path, metavar="JUNIT_XML")
     parser.add_argument("--rows", type=int, default=20)

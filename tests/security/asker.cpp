@@ -1,5 +1,6 @@
-// voxtouch_asker DOMAIN GAIN [KEYS ROLE]: asks a ring's services, plain or with somebody's certificate: reads `friction.gain`, sets it, and changes it to
-// half of that by change_effect. Prints a line for each; `no server` and exit status 1 where nobody is found or may be asked.
+// voxtouch_asker DOMAIN GAIN [KEYS ROLE]: asks a ring's services, plain or with somebody's
+// certificate: reads `friction.gain`, sets it, and changes it to half of that by change_effect.
+// Prints a line for each; `no server` and exit status 1 where nobody is found or may be asked.
 #include <fmt/format.h>
 
 #include <optional>
@@ -20,14 +21,16 @@ constexpr std::uint8_t kDouble = 3;
 template <class Service>
 ServiceClient<Service> client_of(const bus::Participant& participant, const qos::Service& row) {
   ServiceClient<Service> client(participant.get(), row, kRig, "rendering");
-  if (!client.finds_server(seconds(5))) throw bus::Error("no server of " + std::string(row.path));
+  if (!client.finds_server(seconds(5)))
+    throw bus::Error("no server of " + std::string(row.path));
   return client;
 }
 
 /// Whether it was answered.
 template <class Service, class F>
 void ask(ServiceClient<Service>& client, const typename Service::Request& request, F&& told) {
-  if (!client.call(request, seconds(10), told)) throw bus::Error("no answer");
+  if (!client.call(request, seconds(10), told))
+    throw bus::Error("no answer");
 }
 
 void run(const bus::Participant& participant, double gain) {
@@ -39,13 +42,20 @@ void run(const bus::Participant& participant, double gain) {
   parameter.name = name, parameter.value.string_value = none;
   parameter.value.type = kDouble, parameter.value.double_value = gain;
   msg::rcl_interfaces_SetParameters::Request wanted{};
-  wanted.parameters._buffer = &parameter, wanted.parameters._length = wanted.parameters._maximum = 1;
+  wanted.parameters._buffer = &parameter,
+  wanted.parameters._length = wanted.parameters._maximum = 1;
   char* names[] = {name};
   msg::rcl_interfaces_GetParameters::Request named{};
   named.names._buffer = names, named.names._length = named.names._maximum = 1;
-  const auto tell = [&] { ask(get, named, [](const auto& r) { fmt::print("is {}\n", r.values._length == 1 ? r.values._buffer[0].double_value : -1.0); }); };
+  const auto tell = [&] {
+    ask(get, named, [](const auto& r) {
+      fmt::print("is {}\n", r.values._length == 1 ? r.values._buffer[0].double_value : -1.0);
+    });
+  };
   tell();
-  ask(set, wanted, [](const auto& r) { fmt::print("set {}\n", r.results._length == 1 && r.results._buffer[0].successful); });
+  ask(set, wanted, [](const auto& r) {
+    fmt::print("set {}\n", r.results._length == 1 && r.results._buffer[0].successful);
+  });
   tell();
   msg::ChangeEffect::Request half{};
   half.action = msg::effect_change::kActionGain;
@@ -59,10 +69,15 @@ void run(const bus::Participant& participant, double gain) {
 
 int main(int argc, char** argv) {
   using namespace voxtouch;
-  if (argc != 3 && argc != 5) return 2;
+  if (argc != 3 && argc != 5)
+    return 2;
   try {
-    const security::Properties properties = argc == 5 ? security::properties_of(argv[3], argv[4], "haptic") : security::Properties{};
-    test::run(bus::Participant({static_cast<std::uint32_t>(std::stoul(argv[1])), "lo", "asker", {}, {}, properties}), std::stod(argv[2]));
+    const security::Properties properties =
+        argc == 5 ? security::properties_of(argv[3], argv[4], "haptic") : security::Properties{};
+    test::run(
+        bus::Participant(
+            {static_cast<std::uint32_t>(std::stoul(argv[1])), "lo", "asker", {}, {}, properties}),
+        std::stod(argv[2]));
     return 0;
   } catch (const std::exception& error) {
     fmt::print("no server: {}\n", error.what());

@@ -1,4 +1,5 @@
-// What `voxtouch keys` makes, and that nothing half of it is taken: each fault of a folder is one sentence with the file and what to do.
+// What `voxtouch keys` makes, and that nothing half of it is taken: each fault of a folder is one
+// sentence with the file and what to do.
 #include <gtest/gtest.h>
 
 #include <sys/stat.h>
@@ -19,13 +20,15 @@ namespace {
 namespace fs = std::filesystem;
 using test::TemporaryFolder;
 
-fs::path fresh_keys(const TemporaryFolder& folder, const std::string& name = "keys", const std::string& rig = "haptic") {
+fs::path fresh_keys(const TemporaryFolder& folder, const std::string& name = "keys",
+                    const std::string& rig = "haptic") {
   make_keys(folder / name, rig, 30);
   return folder / name;
 }
 
 /// Why a role is refused; empty where it is not.
-std::string refusal(const fs::path& folder, const std::string& role = "coupling", const std::string& rig = "haptic") {
+std::string refusal(const fs::path& folder, const std::string& role = "coupling",
+                    const std::string& rig = "haptic") {
   try {
     properties_of(folder, role, rig);
     return {};
@@ -44,7 +47,8 @@ void put(const fs::path& file, const std::string& text) {
 }
 
 Signer authority_of(const fs::path& folder) {
-  return {certificate_of(read_file(folder / "ca.cert.pem"), "ca"), key_of(read_file(folder / kAuthorityKey), "key")};
+  return {certificate_of(read_file(folder / "ca.cert.pem"), "ca"),
+          key_of(read_file(folder / kAuthorityKey), "key")};
 }
 
 /// Names between <topic> and </topic> in one half of a permissions text.
@@ -64,9 +68,11 @@ TEST(Keys, ArePrivateAndTakenForEveryRole) {
   }
   EXPECT_EQ(role_of("device"), "device");
   EXPECT_EQ(role_of("up"), "up");
-  EXPECT_EQ(role_of("rendering_standby"), "rendering") << "a standby has the keys of the one that it stands by for";
+  EXPECT_EQ(role_of("rendering_standby"), "rendering")
+      << "a standby has the keys of the one that it stands by for";
   EXPECT_EQ(role_of("_standby"), kTool);
-  for (const char* reader : {"view", "status", "change", "doctor"}) EXPECT_EQ(role_of(reader), kTool);
+  for (const char* reader : {"view", "status", "change", "doctor"})
+    EXPECT_EQ(role_of(reader), kTool);
 }
 
 TEST(Keys, NeverOverwriteAndLeaveNothingWhereTheyFail) {
@@ -86,30 +92,46 @@ TEST(Permissions, AreThoseOfTheTableOfTopics) {
     for (qos::Nodes bit = 1; bit & qos::kEveryNode; bit = static_cast<qos::Nodes>(bit << 1U)) {
       const std::string role = qos::names_of(bit).front(), text = of(role);
       EXPECT_EQ(half(text, "publish").contains(name), (topic.writers & bit) != 0) << role << name;
-      EXPECT_TRUE((topic.readers & bit) == 0 || half(text, "subscribe").contains(name) || half(text, "subscribe").contains("<topic>*<")) << role << name;
+      EXPECT_TRUE((topic.readers & bit) == 0 || half(text, "subscribe").contains(name) ||
+                  half(text, "subscribe").contains("<topic>*<"))
+          << role << name;
     }
-    EXPECT_EQ(half(of("tool"), "publish").contains(name), topic.path == "rendering/change" || topic.path == "recover" || topic.path == "external") << name;
-    EXPECT_EQ(half(of("up"), "publish").contains(name), topic.path == "node_status" || topic.path == "diagnostics" || topic.path == "rosout") << name;
+    EXPECT_EQ(half(of("tool"), "publish").contains(name), topic.path == "rendering/change" ||
+                                                              topic.path == "recover" ||
+                                                              topic.path == "external")
+        << name;
+    EXPECT_EQ(half(of("up"), "publish").contains(name),
+              topic.path == "node_status" || topic.path == "diagnostics" || topic.path == "rosout")
+        << name;
   }
   const auto named = [](const std::string& name) { return "<topic>" + name + "</topic>"; };
   for (const qos::Service& service : qos::kServices)
     for (const std::string& node : qos::names_of(service.servers)) {
-      const std::string asked = named(qos::request_name(service, "left", node)), answered = named(qos::reply_name(service, "left", node));
+      const std::string asked = named(qos::request_name(service, "left", node)),
+                        answered = named(qos::reply_name(service, "left", node));
       EXPECT_TRUE(half(of(node), "publish").contains(answered)) << answered;
-      EXPECT_TRUE(half(of(node), "subscribe").contains(asked) || half(of(node), "subscribe").contains("<topic>*<")) << asked;
+      EXPECT_TRUE(half(of(node), "subscribe").contains(asked) ||
+                  half(of(node), "subscribe").contains("<topic>*<"))
+          << asked;
       EXPECT_TRUE(half(of("tool"), "publish").contains(asked)) << asked;
       for (const std::string& other : roles()) {
-        if (other == node) continue;
-        EXPECT_FALSE(half(of(other), "publish").contains(answered)) << other << " answers as " << node;
+        if (other == node)
+          continue;
+        EXPECT_FALSE(half(of(other), "publish").contains(answered))
+            << other << " answers as " << node;
         EXPECT_EQ(half(of(other), "publish").contains(asked), other == "tool") << other << asked;
       }
     }
-  EXPECT_TRUE(half(of("coupling"), "publish").contains(named(qos::reply_name(qos::kGetState, "left", "coupling_standby")))) << "a standby serves its state by its own name";
+  EXPECT_TRUE(half(of("coupling"), "publish")
+                  .contains(named(qos::reply_name(qos::kGetState, "left", "coupling_standby"))))
+      << "a standby serves its state by its own name";
   int commanding = 0;
-  for (const std::string& role : roles()) commanding += half(of(role), "publish").contains("coupling/command");
+  for (const std::string& role : roles())
+    commanding += half(of(role), "publish").contains("coupling/command");
   EXPECT_EQ(commanding, 1) << "the coupling alone commands";
   EXPECT_FALSE(half(of("device"), "subscribe").contains("<topic>*<"));
-  EXPECT_TRUE(half(of("coupling"), "subscribe").contains("coupling/command")) << "a standby hears whether the other one answers";
+  EXPECT_TRUE(half(of("coupling"), "subscribe").contains("coupling/command"))
+      << "a standby hears whether the other one answers";
   EXPECT_TRUE(half(of("rendering"), "subscribe").contains("rendering/contact"));
   EXPECT_FALSE(half(of("device"), "subscribe").contains("device/state"));
   EXPECT_FALSE(half(of("logger"), "publish").contains("device/state"));
@@ -117,47 +139,65 @@ TEST(Permissions, AreThoseOfTheTableOfTopics) {
 
 TEST(KeyFolder, RefusesEveryHalf) {
   const TemporaryFolder temporary;
-  const fs::path good = fresh_keys(temporary), other = fresh_keys(temporary, "other"), folder = temporary / "spoiled";
+  const fs::path good = fresh_keys(temporary), other = fresh_keys(temporary, "other"),
+                 folder = temporary / "spoiled";
   const Signer authority = authority_of(good);
-  const auto spoiled = [&](const std::string& file, const std::string& words, const std::function<void(const fs::path&)>& spoil) {
+  const auto spoiled = [&](const std::string& file, const std::string& words,
+                           const std::function<void(const fs::path&)>& spoil) {
     fs::remove_all(folder);
     fs::copy(good, folder, fs::copy_options::recursive);
     ASSERT_EQ(refusal(folder), "");
     spoil(folder / file);
     const std::string why = refusal(folder);
-    EXPECT_TRUE(why.contains((folder / file).string()) && why.contains(words)) << file << ": " << why;
+    EXPECT_TRUE(why.contains((folder / file).string()) && why.contains(words))
+        << file << ": " << why;
     EXPECT_FALSE(why.contains('\n')) << why;
   };
   const auto gone = [](const fs::path& file) { fs::remove(file); };
   const auto broken = [](const fs::path& file) { put(file, "nothing of use"); };
   const auto no_file = [](const fs::path& file) { fs::remove(file), fs::create_directory(file); };
-  const auto swapped = [&](const fs::path& file) { fs::copy_file(other / fs::relative(file, folder), file, fs::copy_options::overwrite_existing); };
-  for (const char* file : {"ca.cert.pem", "governance.p7s", "crl.pem", "coupling/cert.pem", "coupling/key.pem", "coupling/permissions.p7s"}) {
+  const auto swapped = [&](const fs::path& file) {
+    fs::copy_file(other / fs::relative(file, folder), file, fs::copy_options::overwrite_existing);
+  };
+  for (const char* file : {"ca.cert.pem", "governance.p7s", "crl.pem", "coupling/cert.pem",
+                           "coupling/key.pem", "coupling/permissions.p7s"}) {
     spoiled(file, "is missing", gone);
     spoiled(file, "read", no_file);
   }
-  for (const char* file : {"ca.cert.pem", "crl.pem", "coupling/cert.pem", "coupling/key.pem"}) spoiled(file, "holds no", broken);
-  for (const char* file : {"governance.p7s", "coupling/permissions.p7s"}) spoiled(file, "signed", broken);
+  for (const char* file : {"ca.cert.pem", "crl.pem", "coupling/cert.pem", "coupling/key.pem"})
+    spoiled(file, "holds no", broken);
+  for (const char* file : {"governance.p7s", "coupling/permissions.p7s"})
+    spoiled(file, "signed", broken);
   spoiled("governance.p7s", "signed", swapped);
   spoiled("crl.pem", "signed", swapped);
   spoiled("coupling/permissions.p7s", "signed", swapped);
   spoiled("coupling/cert.pem", "authority", swapped);
   spoiled("coupling/key.pem", "does not belong", swapped);
-  spoiled("coupling/key.pem", "others may read", [](const fs::path& file) { fs::permissions(file, fs::perms::group_read, fs::perm_options::add); });
-  spoiled("coupling/cert.pem", "'haptic.device'", [&](const fs::path& file) { fs::copy_file(good / "device/cert.pem", file, fs::copy_options::overwrite_existing); });
+  spoiled("coupling/key.pem", "others may read", [](const fs::path& file) {
+    fs::permissions(file, fs::perms::group_read, fs::perm_options::add);
+  });
+  spoiled("coupling/cert.pem", "'haptic.device'", [&](const fs::path& file) {
+    fs::copy_file(good / "device/cert.pem", file, fs::copy_options::overwrite_existing);
+  });
   spoiled("coupling/permissions.p7s", "is not what", [&](const fs::path& file) {
     fs::copy_file(good / "device/permissions.p7s", file, fs::copy_options::overwrite_existing);
   });
-  spoiled("governance.p7s", "is not what", [&](const fs::path& file) {  // of the right authority, and too weak
-    std::string weak = governance();
-    for (std::size_t at; (at = weak.find("ENCRYPT")) != std::string::npos;) weak.replace(at, 7, "NONE");
-    put(file, sign(authority, weak));
-  });
+  spoiled("governance.p7s", "is not what",
+          [&](const fs::path& file) {  // of the right authority, and too weak
+            std::string weak = governance();
+            for (std::size_t at; (at = weak.find("ENCRYPT")) != std::string::npos;)
+              weak.replace(at, 7, "NONE");
+            put(file, sign(authority, weak));
+          });
   spoiled("coupling/cert.pem", "has expired", [&](const fs::path& file) {
-    put(file, to_pem(*issue(authority, *key_of(read_file(good / "coupling/key.pem"), "key"), "haptic.coupling", -1)));
+    put(file, to_pem(*issue(authority, *key_of(read_file(good / "coupling/key.pem"), "key"),
+                            "haptic.coupling", -1)));
   });
-  spoiled("ca.cert.pem", "has expired", [](const fs::path& file) { put(file, to_pem(*make_authority("haptic.authority", -1).certificate)); });
-  EXPECT_TRUE(refusal(good, "coupling", "left").contains("'left.coupling'")) << refusal(good, "coupling", "left");
+  spoiled("ca.cert.pem", "has expired", [](const fs::path& file) {
+    put(file, to_pem(*make_authority("haptic.authority", -1).certificate));
+  });
+  EXPECT_TRUE(refusal(good, "coupling", "left").contains("'left.coupling'"))
+      << refusal(good, "coupling", "left");
   EXPECT_TRUE(refusal(temporary / "nowhere").contains("nowhere"));
 }
 
@@ -166,16 +206,19 @@ TEST(Keys, AreRevokedAndRenewed) {
   const fs::path folder = fresh_keys(temporary, "keys", "left");
   const std::string lost = read_file(folder / "coupling/cert.pem");
   revoke_keys(folder, "coupling");
-  EXPECT_TRUE(refusal(folder, "coupling", "left").contains("was revoked")) << refusal(folder, "coupling", "left");
+  EXPECT_TRUE(refusal(folder, "coupling", "left").contains("was revoked"))
+      << refusal(folder, "coupling", "left");
   EXPECT_EQ(refusal(folder, "device", "left"), "");
   EXPECT_THROW(revoke_keys(folder, "coupling"), Error);
   EXPECT_EQ(renew_keys(folder, "coupling", 30), "left");
   EXPECT_EQ(refusal(folder, "coupling", "left"), "");
   revoke_keys(folder, "device");
   put(folder / "coupling/cert.pem", lost);
-  EXPECT_TRUE(refusal(folder, "coupling", "left").contains("was revoked")) << "an earlier one stays revoked";
+  EXPECT_TRUE(refusal(folder, "coupling", "left").contains("was revoked"))
+      << "an earlier one stays revoked";
   renew_keys(folder, "all", 30);
-  for (const std::string& role : roles()) EXPECT_EQ(refusal(folder, role, "left"), "") << role;
+  for (const std::string& role : roles())
+    EXPECT_EQ(refusal(folder, role, "left"), "") << role;
   fs::remove_all(folder / "authority");
   EXPECT_THROW(renew_keys(folder, "all", 30), Error);
 }

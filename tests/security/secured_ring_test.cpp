@@ -25,14 +25,19 @@ bool wait_until(const std::function<bool()>& holds, milliseconds patience = seco
   return is_so;
 }
 
-bus::ParticipantOptions with(const security::Properties& properties) { return {domain(), "lo", "adversary", {}, {}, properties}; }
+bus::ParticipantOptions with(const security::Properties& properties) {
+  return {domain(), "lo", "adversary", {}, {}, properties};
+}
 
 /// What the ring's own readers had of others than those that they follow; -1: nobody says.
 double foreign(const runtime::NodeRegistry& registry) {
   double all = 0;
-  for (const auto& [node, figure] : {std::pair("device", "foreign_commands"), std::pair("coupling", "foreign_samples"), std::pair("rendering", "foreign_samples")}) {
+  for (const auto& [node, figure] :
+       {std::pair("device", "foreign_commands"), std::pair("coupling", "foreign_samples"),
+        std::pair("rendering", "foreign_samples")}) {
     const auto report = registry.find(node);
-    if (!report || !report->figures.contains(figure)) return -1;
+    if (!report || !report->figures.contains(figure))
+      return -1;
     all += report->figures.at(figure).value + report->figures.at("refused_statuses").value;
   }
   return all;
@@ -40,29 +45,37 @@ double foreign(const runtime::NodeRegistry& registry) {
 
 std::string text_of(const runtime::NodeRegistry& registry) {
   std::string text;
-  for (const auto& report : registry.reports()) text += report.node + ": " + report.message + "\n";
+  for (const auto& report : registry.reports())
+    text += report.node + ": " + report.message + "\n";
   return text;
 }
 
-/// Processes: one that has a plain participant and a secured one in the same domain crashes in Cyclone DDS 0.10.2.
+/// Processes: one that has a plain participant and a secured one in the same domain crashes in
+/// Cyclone DDS 0.10.2.
 struct Strangers {
   explicit Strangers(const std::vector<std::vector<std::string>>& all) {
     for (std::vector<std::string> arguments : all) {
       arguments.insert(arguments.begin(), {VOXTOUCH_BIN "/voxtouch_stranger", fresh_domain()});
       processes.push_back(std::make_unique<Process>(arguments));
     }
-    for (const auto& one : processes) EXPECT_TRUE(wait_until([&] { return one->err().contains("writes"); })) << one->err();
+    for (const auto& one : processes)
+      EXPECT_TRUE(wait_until([&] { return one->err().contains("writes"); })) << one->err();
   }
   std::vector<std::unique_ptr<Process>> processes;
 };
 
-/// A ring of cup_friction in contact, beside `strangers`, who claim its roles before it starts and write everything while it runs.
+/// A ring of cup_friction in contact, beside `strangers`, who claim its roles before it starts and
+/// write everything while it runs.
 struct RunBesideStrangers {
-  RunBesideStrangers(const std::vector<std::string>& options, const security::Properties& of_observer, const std::vector<std::vector<std::string>>& of_strangers)
-      : strangers(of_strangers), observer(with(of_observer)) {
+  RunBesideStrangers(const std::vector<std::string>& options,
+                     const security::Properties& of_observer,
+                     const std::vector<std::vector<std::string>>& of_strangers)
+      : strangers(of_strangers),
+        observer(with(of_observer)) {
     up.emplace(up_arguments(shipped_scene("cup_friction"), options));
     runtime::NodeRegistry registry(observer, kRig);
-    bus::Reader<msg::DeviceState> states(observer, qos::kDeviceState, kRig, qos::profile(qos::ProfileId::kTap));
+    bus::Reader<msg::DeviceState> states(observer, qos::kDeviceState, kRig,
+                                         qos::profile(qos::ProfileId::kTap));
     msg::DeviceState newest{};
     const auto look = [&] {
       registry.update();
@@ -96,11 +109,16 @@ TEST(SecuredRing, RunsInContactWithAllItsLinksAndTakesNothingOfStrangers) {
   security::make_keys(keys, kRig, 30);
   security::make_keys(others, kRig, 30);
   const std::string bag = (folder / "bag").string();
-  RunBesideStrangers run({"--motion", "slide", "--duration", "4.5", "--record", bag, "--security", keys.string()}, security::properties_of(keys, "tool", kRig),
-                         {{}, {others.string(), "coupling"}, {keys.string(), "tool", (folder / "lax").string()},
-                          {keys.string(), "tool", (folder / "all").string(), others.string()}});
+  RunBesideStrangers run(
+      {"--motion", "slide", "--duration", "4.5", "--record", bag, "--security", keys.string()},
+      security::properties_of(keys, "tool", kRig),
+      {{},
+       {others.string(), "coupling"},
+       {keys.string(), "tool", (folder / "lax").string()},
+       {keys.string(), "tool", (folder / "all").string(), others.string()}});
   ASSERT_TRUE(run.started) << run.up->err();
-  Process change({VOXTOUCH_BIN "/voxtouch", "change", "friction", "gain", "0.5", "--domain", fresh_domain(), "--security", keys.string()});
+  Process change({VOXTOUCH_BIN "/voxtouch", "change", "friction", "gain", "0.5", "--domain",
+                  fresh_domain(), "--security", keys.string()});
   const Finished changed = change.wait(), end = run.up->wait();
   EXPECT_EQ(changed.status, 0) << changed.out << changed.err;
   const auto summary = parse_summary(end.out);
@@ -109,7 +127,9 @@ TEST(SecuredRing, RunsInContactWithAllItsLinksAndTakesNothingOfStrangers) {
   EXPECT_GE(run.seen, 6U) << "the ring's nodes and `up` as a tool hears them: " << run.said;
   EXPECT_GT(run.samples, 1000U);
   const auto contacts = read_ring_topic<msg::ContactState>(bag, "/haptic/rendering/contact");
-  EXPECT_GT(std::ranges::count_if(contacts, [](const auto& c) { return std::abs(c.wrench.force.z) > 0; }), 500);
+  EXPECT_GT(
+      std::ranges::count_if(contacts, [](const auto& c) { return std::abs(c.wrench.force.z) > 0; }),
+      500);
   EXPECT_GT(read_ring_topic<msg::ForceCommand>(bag, "/haptic/coupling/command").size(), 2000U);
   EXPECT_GT(read_ring_topic<msg::DeviceState>(bag, "/haptic/device/state").size(), 2000U);
 }
@@ -120,16 +140,20 @@ TEST(SecuredRing, AnswersServicesOfAToolWithItsKeysAndOfNobodyElse) {
   const auto keys = folder / "keys", others = folder / "others";
   security::make_keys(keys, kRig, 30);
   security::make_keys(others, kRig, 30);
-  Process up(up_arguments(shipped_scene("cup_friction"), {"--motion", "slide", "--duration", "0", "--no-record", "--security", keys.string()}));
+  Process up(up_arguments(
+      shipped_scene("cup_friction"),
+      {"--motion", "slide", "--duration", "0", "--no-record", "--security", keys.string()}));
   ASSERT_TRUE(wait_until([&] { return !up.running() || runs(up); })) << up.err();
   const auto asks = [](double gain, const std::vector<std::string>& with) {
-    std::vector<std::string> arguments = {VOXTOUCH_BIN "/voxtouch_asker", fresh_domain(), std::to_string(gain)};
+    std::vector<std::string> arguments = {VOXTOUCH_BIN "/voxtouch_asker", fresh_domain(),
+                                          std::to_string(gain)};
     arguments.insert(arguments.end(), with.begin(), with.end());
     return Process(arguments).wait(seconds(60));
   };
   const Finished tool = asks(0.8, {keys.string(), "tool"});
   EXPECT_EQ(tool.out, "is 1\nset true\nis 0.8\nchanged true\nis 0.4\n") << tool.err;
-  for (const std::vector<std::string>& with : {std::vector<std::string>{}, {others.string(), "tool"}, {keys.string(), "validator"}}) {
+  for (const std::vector<std::string>& with :
+       {std::vector<std::string>{}, {others.string(), "tool"}, {keys.string(), "validator"}}) {
     const Finished end = asks(0.1, with);
     EXPECT_TRUE(end.out.starts_with("no server")) << end.out << end.err;
   }
@@ -143,8 +167,11 @@ TEST(SecuredRing, AnswersServicesOfAToolWithItsKeysAndOfNobodyElse) {
 /// A plain stranger beside the same ring without --security: that the test above would see it.
 TEST(SecuredRing, IsNeededPlainStrangersKeepAPlainRingFromStarting) {
   const TemporaryFolder folder;
-  security::make_keys(folder / "keys", kRig, 30);  // of the observer alone: a plain one and a secured one do not live in one process
-  RunBesideStrangers run({"--motion", "slide", "--duration", "3", "--no-record"}, security::properties_of(folder / "keys", "tool", kRig), {{}});
+  security::make_keys(
+      folder / "keys", kRig,
+      30);  // of the observer alone: a plain one and a secured one do not live in one process
+  RunBesideStrangers run({"--motion", "slide", "--duration", "3", "--no-record"},
+                         security::properties_of(folder / "keys", "tool", kRig), {{}});
   EXPECT_FALSE(run.started);
   EXPECT_TRUE(run.up->wait().err.contains(std::string("'") + kRig + "'"));
 }
@@ -155,8 +182,10 @@ TEST(SecuredRing, RefusesToStartHalf) {
   security::make_keys(keys, kRig, 30);
   const auto refused = [&](const std::vector<std::string>& more, const std::string& words) {
     std::vector<std::string> arguments = more;
-    arguments.insert(arguments.begin(), std::string(VOXTOUCH_BIN) + "/" + arguments.front()), arguments.erase(arguments.begin() + 1);
-    arguments.insert(arguments.begin() + 1 + (arguments[1][0] != '-'), {"--domain", fresh_domain()});
+    arguments.insert(arguments.begin(), std::string(VOXTOUCH_BIN) + "/" + arguments.front()),
+        arguments.erase(arguments.begin() + 1);
+    arguments.insert(arguments.begin() + 1 + (arguments[1][0] != '-'),
+                     {"--domain", fresh_domain()});
     Process process(arguments);
     const Finished end = process.wait(seconds(20));
     EXPECT_NE(end.status, 0) << arguments[0];
@@ -171,7 +200,8 @@ TEST(SecuredRing, RefusesToStartHalf) {
   refused({"voxtouch", "up", scene, "--security", used, "--one-process"}, "certificate");
   std::filesystem::remove(keys / "validator" / "key.pem");
   refused({"voxtouch", "up", scene, "--security", used}, "validator/key.pem");
-  std::filesystem::permissions(keys / "coupling" / "key.pem", std::filesystem::perms::others_read, std::filesystem::perm_options::add);
+  std::filesystem::permissions(keys / "coupling" / "key.pem", std::filesystem::perms::others_read,
+                               std::filesystem::perm_options::add);
   refused({"voxtouch_coupling", "--scene", scene, "--security", used}, "others may read");
   security::revoke_keys(keys, "rendering");
   refused({"voxtouch_rendering", "--scene", scene, "--security", used}, "was revoked");
@@ -179,7 +209,8 @@ TEST(SecuredRing, RefusesToStartHalf) {
   refused({"voxtouch", "status", "--security", used}, "tool/cert.pem");
 }
 
-/// crl.pem is read when a participant starts: those that run stay as they are, and who starts with the new list takes the revoked in no more.
+/// crl.pem is read when a participant starts: those that run stay as they are, and who starts with
+/// the new list takes the revoked in no more.
 TEST(SecuredRing, TakesNobodyInWhoIsRevoked) {
   const TemporaryFolder folder;
   const auto keys = folder / "keys";
@@ -193,7 +224,8 @@ TEST(SecuredRing, TakesNobodyInWhoIsRevoked) {
       return wait_until([&] { return reader.take(state); }, patience);
     }
     bus::Participant participant;
-    bus::Reader<msg::DeviceState> reader{participant, qos::kDeviceState, kRig, qos::profile(qos::ProfileId::kTap)};
+    bus::Reader<msg::DeviceState> reader{participant, qos::kDeviceState, kRig,
+                                         qos::profile(qos::ProfileId::kTap)};
   };
   const security::Properties tool = security::properties_of(keys, "tool", kRig);
   Listener before(tool);

@@ -15,32 +15,39 @@ namespace voxtouch::test {
 template <class T>
 const qos::Topic& topic_of() {
   for (const qos::Topic& row : qos::kTopics)
-    if (row.type == msg::Type<T>::ros_name) return row;
+    if (row.type == msg::Type<T>::ros_name)
+      return row;
   throw bus::Error("no topic carries " + std::string(msg::Type<T>::ros_name));
 }
 
-/// One foreign participant in `rig`; a writer a topic, made when it is first used. As `ros2 bag play` or a stray node would write.
+/// One foreign participant in `rig`; a writer a topic, made when it is first used. As `ros2 bag
+/// play` or a stray node would write.
 class Adversary {
  public:
   Adversary(std::uint32_t domain, std::string rig, qos::TimeMode mode = qos::TimeMode::kRealTime)
       : Adversary({domain, "lo", "adversary"}, std::move(rig), mode) {}
-  Adversary(const bus::ParticipantOptions& options, std::string rig, qos::TimeMode mode = qos::TimeMode::kRealTime)
-      : participant_(options), rig_(std::move(rig)), mode_(mode) {}
+  Adversary(const bus::ParticipantOptions& options, std::string rig,
+            qos::TimeMode mode = qos::TimeMode::kRealTime)
+      : participant_(options),
+        rig_(std::move(rig)),
+        mode_(mode) {}
 
   template <class T>
   bus::Writer<T>& writer() {
     auto& slot = writers_[std::string(msg::Type<T>::ros_name)];
     if (!slot.has_value())
-      slot = std::make_shared<bus::Writer<T>>(participant_, topic_of<T>(), rig_, qos::profile_in(topic_of<T>(), mode_));
+      slot = std::make_shared<bus::Writer<T>>(participant_, topic_of<T>(), rig_,
+                                              qos::profile_in(topic_of<T>(), mode_));
     return *std::any_cast<std::shared_ptr<bus::Writer<T>>&>(slot);
   }
   template <class T>
   bool write(const T& message) {
     return writer<T>().write(message);
   }
-  /// A status that says whatever `state` and `session` are; `as`: the participant that it claims to be.
-  void claim(const std::string& node, std::uint64_t session, std::uint32_t state, const bus::Guid& as,
-             const std::string& message = "") {
+  /// A status that says whatever `state` and `session` are; `as`: the participant that it claims to
+  /// be.
+  void claim(const std::string& node, std::uint64_t session, std::uint32_t state,
+             const bus::Guid& as, const std::string& message = "") {
     std::string name = node, host = "elsewhere", text = message;
     msg::NodeStatus status{};
     status.node = name.data(), status.host = host.data(), status.message = text.data();
@@ -50,7 +57,8 @@ class Adversary {
     write(status);
   }
   /// The same of itself: true as far as DDS can tell.
-  void claim(const std::string& node, std::uint64_t session, std::uint32_t state = msg::node_status::kStateRunning) {
+  void claim(const std::string& node, std::uint64_t session,
+             std::uint32_t state = msg::node_status::kStateRunning) {
     claim(node, session, state, participant_.guid());
   }
   const bus::Participant& participant() const noexcept { return participant_; }

@@ -1,6 +1,6 @@
 #pragma once
-/// One number for what was said on a topic, equal for two runs that gave the same bits, whatever the
-/// recorder's timing was.
+/// One number for what was said on a topic, equal for two runs that gave the same bits, whatever
+/// the recorder's timing was.
 #include <functional>
 #include <optional>
 
@@ -8,12 +8,13 @@
 
 namespace voxtouch::bag {
 
-/// The place of a message in its topic, from its bytes (CDR with encapsulation header); nothing if it has
-/// none.
+/// The place of a message in its topic, from its bytes (CDR with encapsulation header); nothing if
+/// it has none.
 using KeyOf = std::function<std::optional<std::uint64_t>(std::span<const std::byte>)>;
 
-/// sequence_number of DeviceState, ContactState, ForceCommand and ValidationReport: the second uint64, in the
-/// message's own byte order. The bytes do not say that they are of such a type: the caller knows.
+/// sequence_number of DeviceState, ContactState, ForceCommand and ValidationReport: the second
+/// uint64, in the message's own byte order. The bytes do not say that they are of such a type: the
+/// caller knows.
 std::optional<std::uint64_t> ring_sequence_number(std::span<const std::byte> bytes) noexcept;
 
 struct TopicHash {
@@ -22,9 +23,9 @@ struct TopicHash {
   bool operator==(const TopicHash&) const = default;
 };
 
-/// FNV-1a (64 bit) over length and bytes of each message, in the order of `key`, equal keys in order of
-/// arrival; without a key in order of arrival, as for latched topics. Recording times do not enter. Errors:
-/// no such topic; a message that has no key.
+/// FNV-1a (64 bit) over length and bytes of each message, in the order of `key`, equal keys in
+/// order of arrival; without a key in order of arrival, as for latched topics. Recording times do
+/// not enter. Errors: no such topic; a message that has no key.
 Result<TopicHash> hash_topic(const WholeBag& bag, std::string_view topic, const KeyOf& key = {});
 
 }  // namespace voxtouch::bag

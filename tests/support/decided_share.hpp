@@ -9,7 +9,9 @@ inline constexpr double kMinDecidedShare = 0.2;
 
 /// 0 before the first sample.
 inline double decided_share(const reference::JudgeCounts& counts) noexcept {
-  return counts.checked > 0 ? static_cast<double>(counts.decided) / static_cast<double>(counts.checked) : 0.0;
+  return counts.checked > 0
+             ? static_cast<double>(counts.decided) / static_cast<double>(counts.checked)
+             : 0.0;
 }
 
 }  // namespace voxtouch::test

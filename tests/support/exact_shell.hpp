@@ -8,7 +8,8 @@ inline pointshell::Pointshell exact_shell(const mesh::TriangleMesh& mesh, const 
                                           const ParallelFor& parallel_for = serial_for()) {
   return pointshell::make_exact_shell(pointshell::shell_points(mesh, grid, parallel_for), grid);
 }
-inline pointshell::Pointshell exact_shell(const mesh::TriangleMesh& mesh, double edge_m, const ParallelFor& parallel_for = serial_for()) {
+inline pointshell::Pointshell exact_shell(const mesh::TriangleMesh& mesh, double edge_m,
+                                          const ParallelFor& parallel_for = serial_for()) {
   return exact_shell(mesh, voxmap::default_grid(mesh, edge_m), parallel_for);
 }
 

@@ -6,10 +6,12 @@
 
 namespace voxtouch::test {
 
-/// The first of `facts` ("'gain'|0 to 1": keys, values, bounds, numbers) that `message` does not have; empty where it has all.
+/// The first of `facts` ("'gain'|0 to 1": keys, values, bounds, numbers) that `message` does not
+/// have; empty where it has all.
 inline std::string missing_fact(std::string_view message, std::string_view facts) {
   for (const auto fact : facts | std::views::split('|'))
-    if (!message.contains(std::string_view(fact))) return std::string(std::string_view(fact));
+    if (!message.contains(std::string_view(fact)))
+      return std::string(std::string_view(fact));
   return {};
 }
 

@@ -1,4 +1,5 @@
-/// No test finds what another one built, and none writes into the user's cache: what tests this cache says so itself.
+/// No test finds what another one built, and none writes into the user's cache: what tests this
+/// cache says so itself.
 #include <cstdlib>
 
 namespace {

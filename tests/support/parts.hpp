@@ -1,5 +1,6 @@
 #pragma once
-/// Parts as people have them: a bracket of 220 triangles, a peg of 192, a gear, a turned knob of any number. Closed, outward, in metres.
+/// Parts as people have them: a bracket of 220 triangles, a peg of 192, a gear, a turned knob of
+/// any number. Closed, outward, in metres.
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -18,12 +19,15 @@ struct Part {
 };
 
 /// An outline in the plane, counterclockwise, that `middle` sees all of, from z = 0 to `height`.
-inline Part extruded(const std::vector<std::array<double, 2>>& outline, const std::array<double, 2>& middle, double height) {
+inline Part extruded(const std::vector<std::array<double, 2>>& outline,
+                     const std::array<double, 2>& middle, double height) {
   Part part;
   const auto n = static_cast<std::uint32_t>(outline.size());
   for (const double z : {0.0, height})
-    for (const auto& [x, y] : outline) part.vertices.emplace_back(x, y, z);
-  for (const double z : {0.0, height}) part.vertices.emplace_back(middle[0], middle[1], z);
+    for (const auto& [x, y] : outline)
+      part.vertices.emplace_back(x, y, z);
+  for (const double z : {0.0, height})
+    part.vertices.emplace_back(middle[0], middle[1], z);
   for (std::uint32_t k = 0; k < n; ++k) {
     const std::uint32_t next = (k + 1) % n;
     part.triangles.push_back({2 * n, next, k});
@@ -34,8 +38,10 @@ inline Part extruded(const std::vector<std::array<double, 2>>& outline, const st
   return part;
 }
 
-/// Turned round z: `profile` of radius and height from the lower to the upper tip, without the tips.
-inline Part turned(const std::vector<std::array<double, 2>>& profile, double low, double high, std::uint32_t around) {
+/// Turned round z: `profile` of radius and height from the lower to the upper tip, without the
+/// tips.
+inline Part turned(const std::vector<std::array<double, 2>>& profile, double low, double high,
+                   std::uint32_t around) {
   Part part;
   for (const auto& [radius, z] : profile)
     for (std::uint32_t k = 0; k < around; ++k) {
@@ -61,7 +67,8 @@ inline Part turned(const std::vector<std::array<double, 2>>& profile, double low
 /// Two legs of 60 and 40 mm, 8 mm thick, 30 mm wide, with a fillet of 6 mm and rounded ends.
 inline Part bracket() {
   std::vector<std::array<double, 2>> outline;
-  const auto arc = [&](double x, double y, double radius, double from_deg, double to_deg, int steps) {
+  const auto arc = [&](double x, double y, double radius, double from_deg, double to_deg,
+                       int steps) {
     for (int n = 0; n <= steps; ++n) {
       const double a = (from_deg + (to_deg - from_deg) * n / steps) * std::numbers::pi / 180.0;
       outline.push_back({x + radius * std::cos(a), y + radius * std::sin(a)});
@@ -76,7 +83,8 @@ inline Part bracket() {
 
 /// 10 mm thick and 30 mm long, with chamfers of 1 mm; its middle is the origin.
 inline Part peg() {
-  return turned({{0.004, -0.015}, {0.005, -0.014}, {0.005, 0.014}, {0.004, 0.015}}, -0.015, 0.015, 24);
+  return turned({{0.004, -0.015}, {0.005, -0.014}, {0.005, 0.014}, {0.004, 0.015}}, -0.015, 0.015,
+                24);
 }
 
 /// 20 teeth, 40 mm across, 10 mm thick.
@@ -105,8 +113,10 @@ inline Part knob(std::uint32_t triangles) {
 inline void write_obj(const Part& part, const std::filesystem::path& file) {
   std::ofstream out(file);
   out.precision(9);
-  for (const Vec3& v : part.vertices) out << "v " << v.x() << ' ' << v.y() << ' ' << v.z() << '\n';
-  for (const auto& t : part.triangles) out << "f " << t[0] + 1 << ' ' << t[1] + 1 << ' ' << t[2] + 1 << '\n';
+  for (const Vec3& v : part.vertices)
+    out << "v " << v.x() << ' ' << v.y() << ' ' << v.z() << '\n';
+  for (const auto& t : part.triangles)
+    out << "f " << t[0] + 1 << ' ' << t[1] + 1 << ' ' << t[2] + 1 << '\n';
 }
 
 }  // namespace voxtouch::test

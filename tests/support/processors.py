@@ -14,7 +14,10 @@ class Processors:
 
     @staticmethod
     def now():
-        user, nice, system, *_, steal = (int(ticks) for ticks in pathlib.Path("/proc/stat").read_text().split("\n", 1)[0].split()[1:9])  # not interrupts: nobody's
+        user, nice, system, *_, steal = (
+            int(ticks)
+            for ticks in pathlib.Path("/proc/stat").read_text().split("\n", 1)[0].split()[1:9]
+        )  # not interrupts: nobody's
         processes = {}
         for stat in pathlib.Path("/proc").glob("[0-9]*/stat"):
             try:
@@ -30,9 +33,13 @@ class Processors:
             return pid == own
 
         ended = os.times()
-        ours = sum(ticks for pid, (_, ticks) in processes.items() if is_ours(pid)) + (ended.children_user + ended.children_system) * os.sysconf("SC_CLK_TCK")
+        ours = sum(ticks for pid, (_, ticks) in processes.items() if is_ours(pid)) + (
+            ended.children_user + ended.children_system
+        ) * os.sysconf("SC_CLK_TCK")
         return time.monotonic(), user + nice + system + steal - ours
 
     def taken_by_others(self):
         (begin_s, before), (end_s, after) = self.begin, self.now()
-        return max(after - before, 0.0) / (os.sysconf("SC_CLK_TCK") * os.cpu_count() * (end_s - begin_s))
+        return max(after - before, 0.0) / (
+            os.sysconf("SC_CLK_TCK") * os.cpu_count() * (end_s - begin_s)
+        )

@@ -1,6 +1,6 @@
 #pragma once
-/// What the contact query has to say, one point after the other in doubles: the arithmetic that decides, without anything that makes
-/// it fast.
+/// What the contact query has to say, one point after the other in doubles: the arithmetic that
+/// decides, without anything that makes it fast.
 #include <cmath>
 #include <cstdint>
 #include <vector>
@@ -16,7 +16,8 @@ struct ReferenceHits {
 };
 
 /// `pose` as a query gives it back: its quaternion brought to unit norm.
-inline ReferenceHits reference_hits(const voxmap::Voxmap& voxmap, const pointshell::Pointshell& shell, const Pose& pose,
+inline ReferenceHits reference_hits(const voxmap::Voxmap& voxmap,
+                                    const pointshell::Pointshell& shell, const Pose& pose,
                                     bool by_area = false) {
   ReferenceHits out;
   const double edge = voxmap.grid().edge;
@@ -28,7 +29,8 @@ inline ReferenceHits reference_hits(const voxmap::Voxmap& voxmap, const pointshe
       u[a] = (r(a, 0) * shell.x[p] + r(a, 1) * shell.y[p] + r(a, 2) * shell.z[p] + t[a]) / edge;
     const voxmap::VoxelIndex v = voxmap::Grid::voxel_of(u);
     const voxmap::VoxelKind kind = voxmap.at(v);
-    if (kind == voxmap::VoxelKind::kFree) continue;
+    if (kind == voxmap::VoxelKind::kFree)
+      continue;
     (kind == voxmap::VoxelKind::kSurface ? out.surface : out.interior)
         .push_back({p, r * shell.point(p), r * shell.normal(p),
                     edge * Vec3((v.i + 0.5) - u.x(), (v.j + 0.5) - u.y(), (v.k + 0.5) - u.z()),
@@ -39,10 +41,12 @@ inline ReferenceHits reference_hits(const voxmap::Voxmap& voxmap, const pointshe
 
 /// Every bit of every hit, in order.
 inline bool same(const contact::Hits& hits, const std::vector<contact::Hit>& reference) {
-  if (hits.size() != reference.size()) return false;
+  if (hits.size() != reference.size())
+    return false;
   for (std::size_t n = 0; n < reference.size(); ++n) {
     const contact::Hit a = hits[n], &b = reference[n];
-    if (a.point != b.point || a.arm != b.arm || a.normal != b.normal || a.to_centre != b.to_centre || a.weight != b.weight)
+    if (a.point != b.point || a.arm != b.arm || a.normal != b.normal ||
+        a.to_centre != b.to_centre || a.weight != b.weight)
       return false;
   }
   return true;

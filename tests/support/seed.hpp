@@ -12,14 +12,16 @@
 
 namespace voxtouch::testing {
 
-/// The seed of a random test: `standard`, or what the environment variable VOXTOUCH_SEED says. It stands in the test's report
-/// (property "seed" of --gtest_output) so that a failure can be run again.
-/// \throws std::runtime_error where VOXTOUCH_SEED is no whole number.
+/// The seed of a random test: `standard`, or what the environment variable VOXTOUCH_SEED says. It
+/// stands in the test's report (property "seed" of --gtest_output) so that a failure can be run
+/// again. \throws std::runtime_error where VOXTOUCH_SEED is no whole number.
 inline std::uint64_t seed(std::uint64_t standard) {
   std::uint64_t chosen = standard;
   if (const char* text = std::getenv("VOXTOUCH_SEED")) {
     const auto wanted = parse_number<std::uint64_t>(text);
-    if (!wanted) throw std::runtime_error("VOXTOUCH_SEED is '" + std::string(text) + "', not a whole number from 0 to 2^64 - 1.");
+    if (!wanted)
+      throw std::runtime_error("VOXTOUCH_SEED is '" + std::string(text) +
+                               "', not a whole number from 0 to 2^64 - 1.");
     chosen = *wanted;
   }
   ::testing::Test::RecordProperty("seed", std::to_string(chosen));
@@ -27,6 +29,8 @@ inline std::uint64_t seed(std::uint64_t standard) {
 }
 
 /// The sentence to put behind SCOPED_TRACE: how to run this again.
-inline std::string seed_trace(std::uint64_t chosen) { return "run again with VOXTOUCH_SEED=" + std::to_string(chosen); }
+inline std::string seed_trace(std::uint64_t chosen) {
+  return "run again with VOXTOUCH_SEED=" + std::to_string(chosen);
+}
 
 }  // namespace voxtouch::testing

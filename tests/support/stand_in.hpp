@@ -1,5 +1,6 @@
 #pragma once
-/// What stands in for a node of the ring: a participant with a status, so that the others take it for what it plays.
+/// What stands in for a node of the ring: a participant with a status, so that the others take it
+/// for what it plays.
 #include <string>
 
 #include "nodes/runtime/node_registry.hpp"
@@ -8,7 +9,8 @@ namespace voxtouch::test {
 
 struct StandIn {
   StandIn(std::uint32_t domain, const std::string& role, const std::string& rig)
-      : participant({domain, "lo", role}), status(participant, role, rig) {}
+      : participant({domain, "lo", role}),
+        status(participant, role, rig) {}
   void say(std::uint64_t session, runtime::NodeState state = runtime::NodeState::kRunning,
            const runtime::Figures& figures = {}) {
     runtime::NodeReport report;

@@ -44,9 +44,11 @@ inline Result<WholeMetadata> read_metadata(const std::filesystem::path& file) {
     metadata.duration_ns = node["duration"]["nanoseconds"].as<std::int64_t>();
     metadata.starting_time_ns = node["starting_time"]["nanoseconds_since_epoch"].as<std::int64_t>();
     metadata.message_count = node["message_count"].as<std::uint64_t>();
-    for (const auto& topic : node["topics_with_message_count"]) metadata.topics.push_back(parse_topic(topic));
+    for (const auto& topic : node["topics_with_message_count"])
+      metadata.topics.push_back(parse_topic(topic));
     for (const auto& one : node["files"])
-      metadata.files.push_back({{one["starting_time"]["nanoseconds_since_epoch"].as<std::int64_t>(), one["duration"]["nanoseconds"].as<std::int64_t>(),
+      metadata.files.push_back({{one["starting_time"]["nanoseconds_since_epoch"].as<std::int64_t>(),
+                                 one["duration"]["nanoseconds"].as<std::int64_t>(),
                                  one["message_count"].as<std::uint64_t>()},
                                 one["path"].as<std::string>()});
     return metadata;
@@ -60,25 +62,33 @@ class WholeBag {
   /// As BagReader::open, and every message is counted.
   static Result<WholeBag> open(const std::filesystem::path& path) {
     auto reader = BagReader::open(path);
-    if (!reader) return std::unexpected(reader.error());
+    if (!reader)
+      return std::unexpected(reader.error());
     WholeBag bag(std::move(*reader));
     bag.topics_ = bag.reader_.topics();
-    if (auto described = read_metadata(path / "metadata.yaml")) bag.metadata_ = std::move(*described);
-    const auto counted = bag.for_each([&](const BagMessage& message) { return ++bag.topics_[message.topic].message_count > 0; });
-    if (!counted) return std::unexpected(counted.error());
+    if (auto described = read_metadata(path / "metadata.yaml"))
+      bag.metadata_ = std::move(*described);
+    const auto counted = bag.for_each(
+        [&](const BagMessage& message) { return ++bag.topics_[message.topic].message_count > 0; });
+    if (!counted)
+      return std::unexpected(counted.error());
     return bag;
   }
 
   const std::vector<TopicInfo>& topics() const noexcept { return topics_; }
-  /// metadata.yaml as it stands; nothing if it is missing or unreadable. It may be up to a second behind after a kill.
+  /// metadata.yaml as it stands; nothing if it is missing or unreadable. It may be up to a second
+  /// behind after a kill.
   const std::optional<WholeMetadata>& metadata() const noexcept { return metadata_; }
   std::optional<std::size_t> find_topic(std::string_view name) const noexcept {
     const auto found = std::ranges::find(topics_, name, &TopicInfo::name);
-    return found == topics_.end() ? std::nullopt : std::optional(static_cast<std::size_t>(found - topics_.begin()));
+    return found == topics_.end()
+               ? std::nullopt
+               : std::optional(static_cast<std::size_t>(found - topics_.begin()));
   }
   std::uint64_t message_count() const noexcept {
     std::uint64_t count = 0;
-    for (const TopicInfo& topic : topics_) count += topic.message_count;
+    for (const TopicInfo& topic : topics_)
+      count += topic.message_count;
     return count;
   }
 
@@ -89,18 +99,24 @@ class WholeBag {
   }
   enum class Order : std::uint8_t { kTime, kArrival };  ///< the latter for bags of one file
   /// All messages of a topic. Error: no such topic; names what there is.
-  Result<std::vector<StoredMessage>> read_topic(std::string_view name, Order order = Order::kTime) const {
+  Result<std::vector<StoredMessage>> read_topic(std::string_view name,
+                                                Order order = Order::kTime) const {
     const auto topic = find_topic(name);
-    if (!topic) return std::unexpected(no_such_topic(name));
+    if (!topic)
+      return std::unexpected(no_such_topic(name));
     std::vector<std::pair<std::int64_t, StoredMessage>> found;
     const auto read = for_each([&](const BagMessage& m) {
-      if (m.topic == *topic) found.push_back({m.id, {m.time_ns, {m.bytes.begin(), m.bytes.end()}}});
+      if (m.topic == *topic)
+        found.push_back({m.id, {m.time_ns, {m.bytes.begin(), m.bytes.end()}}});
       return true;
     });
-    if (!read) return std::unexpected(read.error());
-    if (order == Order::kArrival) std::ranges::stable_sort(found, {}, [](const auto& one) { return one.first; });
+    if (!read)
+      return std::unexpected(read.error());
+    if (order == Order::kArrival)
+      std::ranges::stable_sort(found, {}, [](const auto& one) { return one.first; });
     std::vector<StoredMessage> messages;
-    for (auto& [id, message] : found) messages.push_back(std::move(message));
+    for (auto& [id, message] : found)
+      messages.push_back(std::move(message));
     return messages;
   }
 
@@ -108,7 +124,8 @@ class WholeBag {
   explicit WholeBag(BagReader reader) : reader_(std::move(reader)) {}
   BagError no_such_topic(std::string_view name) const {
     std::vector<std::string> names;
-    for (const TopicInfo& topic : topics_) names.push_back(topic.name);
+    for (const TopicInfo& topic : topics_)
+      names.push_back(topic.name);
     return {fmt::format("The bag has no topic '{}'. It has: {}.", name, fmt::join(names, ", "))};
   }
 

@@ -1,5 +1,6 @@
 #pragma once
-/// A bare DDS reader that is woken in one of three ways: to measure them, and what a ring costs beyond DDS.
+/// A bare DDS reader that is woken in one of three ways: to measure them, and what a ring costs
+/// beyond DDS.
 #include <semaphore.h>
 
 #include <algorithm>
@@ -16,7 +17,8 @@
 
 namespace voxtouch::test {
 
-/// By a wait set; by a listener that wakes the thread; by a listener that answers in the thread of DDS that received.
+/// By a wait set; by a listener that wakes the thread; by a listener that answers in the thread of
+/// DDS that received.
 inline const std::vector<std::string>& ways_to_be_woken() {
   static const std::vector<std::string> ways = {"waitset", "listener_wakes", "listener_answers"};
   return ways;
@@ -27,8 +29,11 @@ template <class T>
 class Woken {
  public:
   using Answer = std::function<void(const T&)>;
-  Woken(const bus::Participant& participant, const qos::Topic& row, std::string_view rig, const std::string& way, Answer answer)
-      : reader_(participant, row, rig, qos::profile(qos::ProfileId::kStream)), answer_(std::move(answer)), answers_in_listener_(way == ways_to_be_woken()[2]) {
+  Woken(const bus::Participant& participant, const qos::Topic& row, std::string_view rig,
+        const std::string& way, Answer answer)
+      : reader_(participant, row, rig, qos::profile(qos::ProfileId::kStream)),
+        answer_(std::move(answer)),
+        answers_in_listener_(way == ways_to_be_woken()[2]) {
     sem_init(&waiting_, 0, 0);
     if (way == ways_to_be_woken()[0]) {
       wait_set_.emplace(participant);
@@ -36,7 +41,8 @@ class Woken {
       return;
     }
     dds_listener_t* listener = dds_create_listener(this);
-    dds_lset_data_available(listener, [](dds_entity_t, void* self) { static_cast<Woken*>(self)->on_data(); });
+    dds_lset_data_available(listener,
+                            [](dds_entity_t, void* self) { static_cast<Woken*>(self)->on_data(); });
     dds_set_listener(reader_.get(), listener);
     dds_delete_listener(listener);
   }
@@ -44,8 +50,10 @@ class Woken {
   Woken(const Woken&) = delete;
   Woken& operator=(const Woken&) = delete;
 
-  /// Answers what comes, until `end_ns` of the monotonic clock or until `done` says so, which is asked after each sample and 20 times a second.
-  void run_until(std::int64_t end_ns, const std::function<bool()>& done = [] { return false; }) {
+  /// Answers what comes, until `end_ns` of the monotonic clock or until `done` says so, which is
+  /// asked after each sample and 20 times a second.
+  void run_until(
+      std::int64_t end_ns, const std::function<bool()>& done = [] { return false; }) {
     for (std::int64_t left; (left = end_ns - runtime::monotonic_ns()) > 0 && !done();) {
       const std::int64_t ns = std::min<std::int64_t>(left, 50'000'000);
       if (wait_set_) {
@@ -58,7 +66,8 @@ class Woken {
         clock_gettime(CLOCK_REALTIME, &until);
         until.tv_nsec += ns;
         until.tv_sec += until.tv_nsec / 1'000'000'000, until.tv_nsec %= 1'000'000'000;
-        if (sem_timedwait(&waiting_, &until) == 0) take();
+        if (sem_timedwait(&waiting_, &until) == 0)
+          take();
       }
     }
   }
@@ -66,12 +75,14 @@ class Woken {
 
  private:
   void on_data() {
-    if (answers_in_listener_) return take();
+    if (answers_in_listener_)
+      return take();
     sem_post(&waiting_);
   }
   void take() {
     T sample;
-    while (reader_.take(sample)) answer_(sample);
+    while (reader_.take(sample))
+      answer_(sample);
   }
 
   bus::Reader<T> reader_;

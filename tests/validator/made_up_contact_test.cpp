@@ -1,5 +1,6 @@
-/// End to end without any rendering code: reports from closed-form geometry are judged by the reference on the mesh files.
-/// Faultless ones raise no alarm, also over edges and corners; each planted fault is caught.
+/// End to end without any rendering code: reports from closed-form geometry are judged by the
+/// reference on the mesh files. Faultless ones raise no alarm, also over edges and corners; each
+/// planted fault is caught.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -13,19 +14,23 @@ namespace voxtouch::made_up_contact {
 namespace {
 
 using namespace test_scenes;
-using test_scenes::mesh, test_scenes::scene;  // before the namespaces of these names
 using synthetic::Fault;
 using synthetic::Rendering;
+using test_scenes::mesh, test_scenes::scene;  // before the namespaces of these names
 
 /// A path towards the static object, along it while pressed, and back. `up` points out of it.
-std::vector<Vec3> press_and_slide(const Vec3& touch, const Vec3& up, const Vec3& along, double deepest_in_edges) {
+std::vector<Vec3> press_and_slide(const Vec3& touch, const Vec3& up, const Vec3& along,
+                                  double deepest_in_edges) {
   std::vector<Vec3> path;
   const auto add = [&](double gap_in_edges, double slid_in_edges) {
     path.push_back(touch + kEdge * (gap_in_edges * up + slid_in_edges * along));
   };
-  for (double g = 5; g > -deepest_in_edges; g -= 0.0631) add(g, 0.1 * (5 - g));
-  for (double s = 0; s < 4; s += 0.0713) add(-0.6 - 0.05 * std::sin(s), s);
-  for (double g = -0.6; g < 5; g += 0.0631) add(g, 4);
+  for (double g = 5; g > -deepest_in_edges; g -= 0.0631)
+    add(g, 0.1 * (5 - g));
+  for (double s = 0; s < 4; s += 0.0713)
+    add(-0.6 - 0.05 * std::sin(s), s);
+  for (double g = -0.6; g < 5; g += 0.0631)
+    add(g, 4);
   return path;
 }
 
@@ -35,18 +40,23 @@ struct Ground {
   std::vector<Vec3> path;
   Vec3 up;
 
-  reference::JudgeSettings settings() const { return {kEdge, reference.chord_error_m(), rendering.shell_gap(), 0.0}; }
+  reference::JudgeSettings settings() const {
+    return {kEdge, reference.chord_error_m(), rendering.shell_gap(), 0.0};
+  }
 };
 
 Ground tilted_plane() {
   const scene::Scene world = scene(mesh("slab_tilted.obj"));
   reference::ReferenceScene reference(world);
-  const Vec3 low(-0.9384765625, -1.0849609375, -0.0673828125), x(1.035888671875, -0.932373046875, -0.3466796875);
+  const Vec3 low(-0.9384765625, -1.0849609375, -0.0673828125),
+      x(1.035888671875, -0.932373046875, -0.3466796875);
   const Vec3 y(-0.95654296875, 0.720703125, 0.792724609375);
   const Vec3 up = (x - low).cross(y - low).normalized();
   const Vec3 touch = 0.5 * (x + y) + (kSphereRadius + up.dot(low - 0.5 * (x + y))) * up;
-  Rendering rendering(synthetic::half_space(up, up.dot(low)), kEdge, Vec3(-1.4, -1.4, -1.1), kSphereRadius);
-  return {std::move(reference), std::move(rendering), press_and_slide(touch, up, up.unitOrthogonal(), 4.0), up};
+  Rendering rendering(synthetic::half_space(up, up.dot(low)), kEdge, Vec3(-1.4, -1.4, -1.1),
+                      kSphereRadius);
+  return {std::move(reference), std::move(rendering),
+          press_and_slide(touch, up, up.unitOrthogonal(), 4.0), up};
 }
 
 Ground cylinder() {
@@ -55,15 +65,16 @@ Ground cylinder() {
   reference::ReferenceScene reference(scene(spec));
   const Vec3 up = Vec3(0.6, 0.0, 0.8);
   const Vec3 touch = kCylinderCentre + (0.5 + kSphereRadius) * up;
-  Rendering rendering(synthetic::cylinder_along_y(kCylinderCentre.x(), kCylinderCentre.z(), 0.5), kEdge,
-                      Vec3(-0.72, -1.01, -0.87), kSphereRadius);
+  Rendering rendering(synthetic::cylinder_along_y(kCylinderCentre.x(), kCylinderCentre.z(), 0.5),
+                      kEdge, Vec3(-0.72, -1.01, -0.87), kSphereRadius);
   return {std::move(reference), std::move(rendering),
           press_and_slide(touch, up, Vec3(-0.4, 0.86, 0.3).normalized(), 4.0), up};
 }
 
 /// Judges the whole path; `tamper` may change a report, given its place in the path.
 template <class Tamper>
-reference::Judge judged(const Ground& ground, const Fault& fault, Tamper tamper, std::string* first_sentence = nullptr) {
+reference::Judge judged(const Ground& ground, const Fault& fault, Tamper tamper,
+                        std::string* first_sentence = nullptr) {
   reference::Judge judge(ground.settings());
   for (std::size_t i = 0; i < ground.path.size(); ++i) {
     reference::ReportedContact report = ground.rendering.at(ground.path[i], fault);
@@ -71,14 +82,18 @@ reference::Judge judged(const Ground& ground, const Fault& fault, Tamper tamper,
     report.pose_WT = at(ground.path[i]);
     const reference::GapResult gap = ground.reference.gap(report.pose_WT);
     const reference::Judgement found = judge.judge(gap, report);
-    if (found.verdict == reference::Verdict::kDisagree && first_sentence != nullptr && first_sentence->empty())
-      *first_sentence = found.explanation + " at a gap of " + std::to_string(gap.gap_m / kEdge) + " e";
+    if (found.verdict == reference::Verdict::kDisagree && first_sentence != nullptr &&
+        first_sentence->empty())
+      *first_sentence =
+          found.explanation + " at a gap of " + std::to_string(gap.gap_m / kEdge) + " e";
   }
   return judge;
 }
 
-reference::Judge judged(const Ground& ground, const Fault& fault = {}, std::string* first_sentence = nullptr) {
-  return judged(ground, fault, [](std::size_t, reference::ReportedContact&) {}, first_sentence);
+reference::Judge judged(const Ground& ground, const Fault& fault = {},
+                        std::string* first_sentence = nullptr) {
+  return judged(
+      ground, fault, [](std::size_t, reference::ReportedContact&) {}, first_sentence);
 }
 
 void expect_caught(const reference::Judge& judge, const std::string& what) {
@@ -109,10 +124,14 @@ TEST_P(PlantedFaults, GridShiftedByTwoEdgesIsCaughtInEveryDirectionThatMatters) 
     }
 }
 
-TEST_P(PlantedFaults, FlippedNormalsAreCaught) { expect_caught(judged(GetParam()(), {Vec3::Zero(), true}), "flipped"); }
+TEST_P(PlantedFaults, FlippedNormalsAreCaught) {
+  expect_caught(judged(GetParam()(), {Vec3::Zero(), true}), "flipped");
+}
 
 TEST_P(PlantedFaults, AnOnlyForceWithTheWrongSignIsCaught) {
-  expect_caught(judged(GetParam()(), {}, [](std::size_t, reference::ReportedContact& r) { r.wrench.force *= -1.0; }), "pull");
+  expect_caught(judged(GetParam()(), {},
+                       [](std::size_t, reference::ReportedContact& r) { r.wrench.force *= -1.0; }),
+                "pull");
 }
 
 TEST_P(PlantedFaults, AHeldForceIsCaughtInFreeSpaceAndInContact) {
@@ -122,18 +141,30 @@ TEST_P(PlantedFaults, AHeldForceIsCaughtInFreeSpaceAndInContact) {
     const reference::ReportedContact frozen = ground.rendering.at(ground.path[stuck]);
     ASSERT_FALSE(frozen.wrench.zero());
     // All of the message stands still until the hand is back in free space.
-    expect_caught(judged(ground, {}, [&](std::size_t i, reference::ReportedContact& r) { if (i >= stuck) r = frozen; }), "to the end");
-    // Only the force stands still, and only while the tool sinks by one edge: the free rule never sees it.
-    expect_caught(judged(ground, {}, [&](std::size_t i, reference::ReportedContact& r) {
-      if (i >= stuck && i < stuck + 16) r.wrench = frozen.wrench;
-    }), "in contact");
+    expect_caught(judged(ground, {},
+                         [&](std::size_t i, reference::ReportedContact& r) {
+                           if (i >= stuck)
+                             r = frozen;
+                         }),
+                  "to the end");
+    // Only the force stands still, and only while the tool sinks by one edge: the free rule never
+    // sees it.
+    expect_caught(judged(ground, {},
+                         [&](std::size_t i, reference::ReportedContact& r) {
+                           if (i >= stuck && i < stuck + 16)
+                             r.wrench = frozen.wrench;
+                         }),
+                  "in contact");
   }
 }
 
 TEST_P(PlantedFaults, NoContactAndNoForceAreCaught) {
   const Ground ground = GetParam()();
-  expect_caught(judged(ground, {}, [](std::size_t, reference::ReportedContact& r) { r = {}; }), "never a hit");
-  expect_caught(judged(ground, {}, [](std::size_t, reference::ReportedContact& r) { r.wrench = {}; }), "never a force");
+  expect_caught(judged(ground, {}, [](std::size_t, reference::ReportedContact& r) { r = {}; }),
+                "never a hit");
+  expect_caught(
+      judged(ground, {}, [](std::size_t, reference::ReportedContact& r) { r.wrench = {}; }),
+      "never a force");
 }
 
 TEST(FaultlessReports, RaiseNoAlarmOverFacesEdgesAndCornersOfABox) {
@@ -141,17 +172,21 @@ TEST(FaultlessReports, RaiseNoAlarmOverFacesEdgesAndCornersOfABox) {
   std::mt19937 random(20240607);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   for (const bool declared : {true, false}) {
-    spec.primitives = declared ? std::vector<scene::Primitive>{box_primitive()} : std::vector<scene::Primitive>{};
+    spec.primitives =
+        declared ? std::vector<scene::Primitive>{box_primitive()} : std::vector<scene::Primitive>{};
     const reference::ReferenceScene reference(scene(spec));
-    const Rendering rendering(synthetic::box(Vec3(-0.375, -0.25, -0.25), Vec3(0.375, 0.25, 0.25)), kEdge,
-                              Vec3(-0.611, -0.523, -0.507), kSphereRadius);
+    const Rendering rendering(synthetic::box(Vec3(-0.375, -0.25, -0.25), Vec3(0.375, 0.25, 0.25)),
+                              kEdge, Vec3(-0.611, -0.523, -0.507), kSphereRadius);
     reference::Judge judge({kEdge, reference.chord_error_m(), rendering.shell_gap(), 0.0});
     for (int i = 0; i < 1500; ++i) {
-      const Vec3 surface = Vec3(0.375, 0.25, 0.25).cwiseProduct(Vec3(unit(random), unit(random), unit(random)) * 1.5);
+      const Vec3 surface = Vec3(0.375, 0.25, 0.25)
+                               .cwiseProduct(Vec3(unit(random), unit(random), unit(random)) * 1.5);
       const Vec3 out = Vec3(unit(random), unit(random), unit(random)).normalized();
       const Vec3 centre = surface + (kSphereRadius + kEdge * 2 * unit(random)) * out;
-      const reference::Judgement found = judge.judge(reference.gap(at(centre)), rendering.at(centre));
-      EXPECT_NE(found.verdict, reference::Verdict::kDisagree) << found.explanation << " at " << centre.transpose();
+      const reference::Judgement found =
+          judge.judge(reference.gap(at(centre)), rendering.at(centre));
+      EXPECT_NE(found.verdict, reference::Verdict::kDisagree)
+          << found.explanation << " at " << centre.transpose();
     }
   }
 }

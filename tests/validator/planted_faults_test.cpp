@@ -1,5 +1,5 @@
-/// The rendering as shipped, judged by the reference on the shipped scenes: without a fault no disagreement and
-/// enough decided; each planted fault is caught.
+/// The rendering as shipped, judged by the reference on the shipped scenes: without a fault no
+/// disagreement and enough decided; each planted fault is caught.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -17,19 +17,25 @@
 namespace voxtouch::test {
 namespace {
 
-/// Where the torque matters the sphere is put on a handle along this: askew to all faces of the scenes.
+/// Where the torque matters the sphere is put on a handle along this: askew to all faces of the
+/// scenes.
 const Vec3 kHandle(0.6, -0.5, 0.6245);
 
-/// A shipped scene as it stands or with its sphere on a handle, and its walks. The reference's gaps take by far the longest, and hang on neither
-/// model nor shell: they are worked out once for all cases of this process.
+/// A shipped scene as it stands or with its sphere on a handle, and its walks. The reference's gaps
+/// take by far the longest, and hang on neither model nor shell: they are worked out once for all
+/// cases of this process.
 struct Prepared {
-  explicit Prepared(const scene::Scene& scene, const Vec3& tool_to_sphere) : ground(scene, tool_to_sphere), walks(ground.walks()) {
+  explicit Prepared(const scene::Scene& scene, const Vec3& tool_to_sphere)
+      : ground(scene, tool_to_sphere),
+        walks(ground.walks()) {
     for (const Walk& walk : walks)
-      if (walk.name == "hit" || walk.name == "slide" || walk.name == "circle") own_motions.push_back(walk);
+      if (walk.name == "hit" || walk.name == "slide" || walk.name == "circle")
+        own_motions.push_back(walk);
   }
   Ground ground;
   std::vector<Walk> walks;
-  std::vector<Walk> own_motions;  ///< what the planted faults are judged on: the scene's own motions and nothing else
+  std::vector<Walk> own_motions;  ///< what the planted faults are judged on: the scene's own
+                                  ///< motions and nothing else
 };
 
 Vec3 handle_of(const scene::Scene& scene) { return 15.0 * scene.voxel_size_m * kHandle; }
@@ -60,28 +66,30 @@ TEST_P(RealRendering, WithoutAFaultIsNeverDisagreedWithAndAFifthIsDecided) {
     if (walk.name.find(',') == std::string::npos) {
       EXPECT_GE(test::decided_share(c), test::kMinDecidedShare) << walk.name;
     }
-    std::printf("%-12s %-18s %4zu checked, %4zu in contact, %3.0f %% decided, %zu disagree\n", GetParam().c_str(),
-                walk.name.c_str(), walk.gaps.size(), walk.contacts(), 100 * test::decided_share(c),
-                static_cast<std::size_t>(c.disagree));
+    std::printf("%-12s %-18s %4zu checked, %4zu in contact, %3.0f %% decided, %zu disagree\n",
+                GetParam().c_str(), walk.name.c_str(), walk.gaps.size(), walk.contacts(),
+                100 * test::decided_share(c), static_cast<std::size_t>(c.disagree));
   }
 }
 
-
-/// What else a scene file may choose: the other model, where points weigh one each; the other shell; also with the force on a
-/// lever.
+/// What else a scene file may choose: the other model, where points weigh one each; the other
+/// shell; also with the force on a lever.
 TEST_P(RealRendering, OfTheOtherModelAndShellIsNeverDisagreedWith) {
   const bool weighs_points = shipped_scene(GetParam()).contact.stiffness_n_per_m > 0.0;
   for (const bool original : {false, true}) {
-    if (original && !weighs_points) break;  // it has its own model either way
+    if (original && !weighs_points)
+      break;  // it has its own model either way
     for (const scene::ShellKind shell : {scene::ShellKind::kExact, scene::ShellKind::kNaive})
       for (const bool on_handle : {false, true}) {
         scene::Scene scene = shipped_scene(GetParam());
-        if (weighs_points) scene.contact.model = original ? "original" : "adapted";
+        if (weighs_points)
+          scene.contact.model = original ? "original" : "adapted";
         scene.shell = shell;
         const Ground ground(scene, on_handle ? handle_of(scene) : Vec3(Vec3::Zero()));
         const Outcome outcome = ground.judged(prepared(GetParam(), on_handle).walks, {});
         EXPECT_EQ(outcome.counts.disagree, 0U)
-            << scene.contact.model << (shell == scene::ShellKind::kNaive ? ", naive: " : ", exact: ") << outcome.first;
+            << scene.contact.model
+            << (shell == scene::ShellKind::kNaive ? ", naive: " : ", exact: ") << outcome.first;
       }
   }
 }
@@ -94,26 +102,28 @@ void expect_caught(const std::string& scene, const std::string& fault, const Out
 }
 
 Fault tampered(const std::string& name, std::function<void(reference::ReportedContact&)> change) {
-  return {.name = name,
-          .tamper = [change] { return [change](std::size_t, reference::ReportedContact& report) { change(report); }; }};
+  return {.name = name, .tamper = [change] {
+            return [change](std::size_t, reference::ReportedContact& report) { change(report); };
+          }};
 }
 
-/// Axes a shift of the grid cannot be told along, and why. A shift counts by its part along the normals of the
-/// faces that are touched; below 1.5 e it may hide in the rules' tolerances (judgement.hpp), at 0 there is nothing
-/// to see at all.
+/// Axes a shift of the grid cannot be told along, and why. A shift counts by its part along the
+/// normals of the faces that are touched; below 1.5 e it may hide in the rules' tolerances
+/// (judgement.hpp), at 0 there is nothing to see at all.
 const std::map<std::string, std::string> kBlindAxes = {
-    {"cup", "z"},            // the motions touch the walls, which are the same all along z
-    {"cup_field", "z"},      // likewise
+    {"cup", "z"},              // the motions touch the walls, which are the same all along z
+    {"cup_field", "z"},        // likewise
     {"cup_guide_line", "z"},   // likewise
     {"cup_guide_plane", "z"},  // likewise
     {"cup_guide_point", "z"},  // likewise
     {"cup_magnet", "z"},       // likewise
-    {"cup_mm", "z"},         // likewise
-    {"cup_metre", "z"},      // likewise
-    {"cup_proximity", "z"},  // likewise
-    {"cylinder", "y"},       // its axis; the motions stay away from its ends
-    {"plane", "xy"},         // it lies in x and y; the motions stay away from its borders
-    {"tilted_plane", "xy"},  // its normal is (0.40, -0.34, 0.85): 0.8 e and 0.7 e of 2 e; some are caught all the same
+    {"cup_mm", "z"},           // likewise
+    {"cup_metre", "z"},        // likewise
+    {"cup_proximity", "z"},    // likewise
+    {"cylinder", "y"},         // its axis; the motions stay away from its ends
+    {"plane", "xy"},           // it lies in x and y; the motions stay away from its borders
+    {"tilted_plane", "xy"},  // its normal is (0.40, -0.34, 0.85): 0.8 e and 0.7 e of 2 e; some are
+                             // caught all the same
 };
 
 TEST_P(RealRendering, OnAGridShiftedByTwoEdgesIsCaughtAlongEveryAxisThatCanTell) {
@@ -126,8 +136,10 @@ TEST_P(RealRendering, OnAGridShiftedByTwoEdgesIsCaughtAlongEveryAxisThatCanTell)
     double most = 0.0;  // largest part of the shift along a touched face's normal
     for (const Walk& walk : walks)
       for (const reference::GapResult& gap : walk.gaps)
-        if (gap.gap_m < 0) most = std::max(most, 2 * e * std::abs(gap.direction[axis]));
-    if (most < 1.5 * e) blind += letter;
+        if (gap.gap_m < 0)
+          most = std::max(most, 2 * e * std::abs(gap.direction[axis]));
+    if (most < 1.5 * e)
+      blind += letter;
     for (const double sign : {-1.0, 1.0}) {
       const std::string name = std::string("grid shifted along ") + (sign < 0 ? '-' : '+') + letter;
       const Fault shift{.name = name, .grid_shift = sign * 2 * e * Vec3::Unit(axis)};
@@ -135,8 +147,9 @@ TEST_P(RealRendering, OnAGridShiftedByTwoEdgesIsCaughtAlongEveryAxisThatCanTell)
       if (most >= 1.5 * e) {
         expect_caught(GetParam(), name, outcome);
       } else {
-        std::printf("%-12s %-28s %4zu disagree, at most %.2f e along a touched face's normal\n", GetParam().c_str(),
-                    name.c_str(), static_cast<std::size_t>(outcome.counts.disagree), most / e);
+        std::printf("%-12s %-28s %4zu disagree, at most %.2f e along a touched face's normal\n",
+                    GetParam().c_str(), name.c_str(),
+                    static_cast<std::size_t>(outcome.counts.disagree), most / e);
         if (most < 1e-3 * e) {
           EXPECT_EQ(outcome.counts.disagree, 0U) << name << ": nothing that is touched has changed";
         }
@@ -152,11 +165,13 @@ TEST_P(RealRendering, OnAGridShiftedByTwoEdgesIsCaughtAlongEveryAxisThatCanTell)
 TEST_P(RealRendering, WithFlippedNormalsOrAPullInsteadOfAPushIsCaught) {
   Ground& ground = prepared(GetParam()).ground;
   contact::ContactRenderer& right = ground.built().renderer();
-  contact::ContactRenderer inverted(ground.built().voxmap(), flipped(right.query().shell()), right.model(),
-                         rendering::contact_parameters(ground.scene().contact, right.model(), right.query().shell()),
-                         ground.built().field());
+  contact::ContactRenderer inverted(
+      ground.built().voxmap(), flipped(right.query().shell()), right.model(),
+      rendering::contact_parameters(ground.scene().contact, right.model(), right.query().shell()),
+      ground.built().field());
   const Fault flip{.name = "flipped normals", .renderer = &inverted};
-  const Fault pull = tampered("force's sign", [](reference::ReportedContact& r) { r.wrench.force *= -1.0; });
+  const Fault pull =
+      tampered("force's sign", [](reference::ReportedContact& r) { r.wrench.force *= -1.0; });
   const Fault both = tampered("force's and torque's sign", [](reference::ReportedContact& r) {
     r.wrench.force *= -1.0, r.wrench.torque *= -1.0;
   });
@@ -168,9 +183,11 @@ TEST_P(RealRendering, WithFlippedNormalsOrAPullInsteadOfAPushIsCaught) {
 /// From the n-th frame with a force on the wrench stands still, or all of the report.
 Fault stuck(std::size_t onset, bool whole_report) {
   return {.tamper = [=] {
-    return [=, contacts = std::size_t{0}, kept = reference::ReportedContact{}](std::size_t, reference::ReportedContact& report) mutable {
+    return [=, contacts = std::size_t{0}, kept = reference::ReportedContact{}](
+               std::size_t, reference::ReportedContact& report) mutable {
       if (contacts < onset) {
-        if (!report.wrench.zero()) ++contacts, kept = report;
+        if (!report.wrench.zero())
+          ++contacts, kept = report;
       } else if (whole_report) {
         const Pose tool = report.pose_WT;
         report = kept;
@@ -192,15 +209,17 @@ TEST_P(RealRendering, WithAForceThatIsHeldFromSomeContactOnIsCaught) {
     }
 }
 
-/// Of a sphere about the tool's origin the torque is nothing but the noise of its shell, with either sign: no
-/// reference can tell it. So the same scenes are walked with the sphere on a handle of 15 edges, where the force has
-/// a lever.
+/// Of a sphere about the tool's origin the torque is nothing but the noise of its shell, with
+/// either sign: no reference can tell it. So the same scenes are walked with the sphere on a handle
+/// of 15 edges, where the force has a lever.
 TEST_P(RealRendering, WithTheTorquesSignOrPointOfReferenceWrongIsCaughtWhereTheForceHasALever) {
-  const Fault sign = tampered("torque's sign", [](reference::ReportedContact& r) { r.wrench.torque *= -1.0; });
+  const Fault sign =
+      tampered("torque's sign", [](reference::ReportedContact& r) { r.wrench.torque *= -1.0; });
   const Fault about_world = tampered("torque about W's origin", [](reference::ReportedContact& r) {
     r.wrench.torque += r.pose_WT.position.cross(r.wrench.force);
   });
-  const Fault missing = tampered("no torque", [](reference::ReportedContact& r) { r.wrench.torque.setZero(); });
+  const Fault missing =
+      tampered("no torque", [](reference::ReportedContact& r) { r.wrench.torque.setZero(); });
   const Prepared &centred = prepared(GetParam()), &handle = prepared(GetParam(), true);
   EXPECT_EQ(centred.ground.judged(centred.own_motions, sign).counts.disagree, 0U);
   for (const Walk& walk : handle.walks) {
@@ -228,13 +247,15 @@ TEST_P(RealRendering, OfAMeshAThousandTimesTooLargeOrTooSmallIsRefusedOrCaught) 
         std::printf("%-12s %-28s refused: %s\n", GetParam().c_str(), name.c_str(), refusal.what());
         EXPECT_GT(factor, 1.0);
         continue;
-      } catch (const std::invalid_argument& refusal) {  // `field`: nothing is inside a world that small
+      } catch (
+          const std::invalid_argument& refusal) {  // `field`: nothing is inside a world that small
         std::printf("%-12s %-28s refused: %s\n", GetParam().c_str(), name.c_str(), refusal.what());
         EXPECT_EQ(ground.scene().contact.model, "field");
         EXPECT_TRUE(!dynamic && factor < 1.0);
         continue;
       }
-      expect_caught(GetParam(), name, ground.judged(walks, {.name = name, .renderer = &built->renderer()}));
+      expect_caught(GetParam(), name,
+                    ground.judged(walks, {.name = name, .renderer = &built->renderer()}));
     }
 }
 

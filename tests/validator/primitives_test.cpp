@@ -1,4 +1,5 @@
-/// Every primitive that a shipped scene declares stands for its mesh, and one that does not would be seen.
+/// Every primitive that a shipped scene declares stands for its mesh, and one that does not would
+/// be seen.
 #include <gtest/gtest.h>
 
 #include "tests/support/declared_primitives.hpp"
@@ -15,13 +16,16 @@ std::vector<scene::MeshSpec> meshes_of(const scene::Scene& scene) {
 
 /// The lengths of a primitive, and where it is.
 std::vector<double*> lengths(scene::SpherePrimitive& p) { return {&p.radius_m}; }
-std::vector<double*> lengths(scene::BoxPrimitive& p) { return {&p.size_m[0], &p.size_m[1], &p.size_m[2]}; }
+std::vector<double*> lengths(scene::BoxPrimitive& p) {
+  return {&p.size_m[0], &p.size_m[1], &p.size_m[2]};
+}
 std::vector<double*> lengths(scene::CylinderPrimitive& p) { return {&p.radius_m, &p.length_m}; }
 Vec3& place(scene::SpherePrimitive& p) { return p.centre; }
 Vec3& place(scene::BoxPrimitive& p) { return p.pose.position; }
 Vec3& place(scene::CylinderPrimitive& p) { return p.pose.position; }
 
-/// The ways to be wrong that must be seen: a length 10 % off, or the whole shifted by one edge along an axis.
+/// The ways to be wrong that must be seen: a length 10 % off, or the whole shifted by one edge
+/// along an axis.
 std::vector<scene::Primitive> wrong(const scene::Primitive& right, double edge_m) {
   std::vector<scene::Primitive> all;
   const auto add = [&](auto change) {
@@ -30,9 +34,11 @@ std::vector<scene::Primitive> wrong(const scene::Primitive& right, double edge_m
   };
   const std::size_t count = std::visit([](auto p) { return lengths(p).size(); }, right);
   for (std::size_t n = 0; n < count; ++n)
-    for (const double factor : {0.9, 1.1}) add([&](auto& p) { *lengths(p)[n] *= factor; });
+    for (const double factor : {0.9, 1.1})
+      add([&](auto& p) { *lengths(p)[n] *= factor; });
   for (int axis = 0; axis < 3; ++axis)
-    for (const double sign : {-1.0, 1.0}) add([&](auto& p) { place(p)[axis] += sign * edge_m; });
+    for (const double sign : {-1.0, 1.0})
+      add([&](auto& p) { place(p)[axis] += sign * edge_m; });
   return all;
 }
 
@@ -41,7 +47,8 @@ TEST(ShippedPrimitives, StandForTheirMeshes) {
   for (const std::string& name : shipped_scene_names()) {
     const scene::Scene scene = shipped_scene(name);
     for (const scene::MeshSpec& mesh : meshes_of(scene)) {
-      EXPECT_LE(primitives_off_m(mesh), kChordShareOfEdge * scene.voxel_size_m) << name << ": " << mesh.path;
+      EXPECT_LE(primitives_off_m(mesh), kChordShareOfEdge * scene.voxel_size_m)
+          << name << ": " << mesh.path;
       checked += mesh.primitives.size();
     }
   }
@@ -52,11 +59,14 @@ TEST(ShippedPrimitives, WouldBeSeenIfTheyWereATenthOffOrAnEdgeAway) {
   for (const std::string& name : shipped_scene_names()) {
     const scene::Scene scene = shipped_scene(name);
     for (scene::MeshSpec mesh : meshes_of(scene)) {
-      if (mesh.primitives.empty()) continue;
-      ASSERT_EQ(mesh.primitives.size(), 1U) << "of several parts, one that is wrong may hide behind another";
+      if (mesh.primitives.empty())
+        continue;
+      ASSERT_EQ(mesh.primitives.size(), 1U)
+          << "of several parts, one that is wrong may hide behind another";
       for (const scene::Primitive& one : wrong(mesh.primitives.front(), scene.voxel_size_m)) {
         mesh.primitives = {one};
-        EXPECT_GT(primitives_off_m(mesh), kChordShareOfEdge * scene.voxel_size_m) << name << ": " << mesh.path;
+        EXPECT_GT(primitives_off_m(mesh), kChordShareOfEdge * scene.voxel_size_m)
+            << name << ": " << mesh.path;
       }
     }
   }

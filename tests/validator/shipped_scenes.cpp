@@ -15,7 +15,8 @@ const std::filesystem::path kScenes = std::filesystem::path(VOXTOUCH_DEPLOY) / "
 std::vector<std::string> shipped_scene_names() {
   std::vector<std::string> names;
   for (const auto& entry : std::filesystem::directory_iterator(kScenes))
-    if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem().string());
+    if (entry.path().extension() == ".yaml")
+      names.push_back(entry.path().stem().string());
   std::sort(names.begin(), names.end());
   return names;
 }
@@ -29,6 +30,8 @@ std::vector<std::string> resting_scene_names() {
   return names;
 }
 
-scene::Scene shipped_scene(const std::string& name) { return scene::load_scene(kScenes / (name + ".yaml")); }
+scene::Scene shipped_scene(const std::string& name) {
+  return scene::load_scene(kScenes / (name + ".yaml"));
+}
 
 }  // namespace voxtouch::test

@@ -22,15 +22,18 @@ Quat random_rotation(std::mt19937_64& random) {
   for (;;) {
     const auto any = [&] { return uniform(random, -1, 1); };
     Quat q;
-    for (double& c : q.coeffs()) c = any();
-    if (q.norm() > 0.1 && q.norm() < 1.0) return q.normalized();
+    for (double& c : q.coeffs())
+      c = any();
+    if (q.norm() > 0.1 && q.norm() < 1.0)
+      return q.normalized();
   }
 }
 
 Perturbation random_perturbation(std::mt19937_64& random, double edge_m) {
   const double reach = kOffsetInEdges * edge_m;
   Perturbation out;
-  for (double& x : out.offset) x = uniform(random, -reach, reach);
+  for (double& x : out.offset)
+    x = uniform(random, -reach, reach);
   out.turn = random_rotation(random);
   return out;
 }
@@ -60,7 +63,8 @@ scene::Scene on_handle(scene::Scene scene, const Vec3& tool_to_sphere) {
 
 std::size_t Walk::contacts() const {
   std::size_t count = 0;
-  for (const reference::GapResult& gap : gaps) count += gap.gap_m < 0;
+  for (const reference::GapResult& gap : gaps)
+    count += gap.gap_m < 0;
   return count;
 }
 
@@ -69,13 +73,16 @@ Outcome& Outcome::operator+=(const Outcome& other) {
   counts.checked += more.checked, counts.decided += more.decided, counts.agree += more.agree;
   counts.in_band += more.in_band, counts.disagree += more.disagree;
   counts.rendering += more.rendering, counts.reference += more.reference;
-  if (first.empty()) first = other.first;
+  if (first.empty())
+    first = other.first;
   return *this;
 }
 
 Ground::Ground(scene::Scene scene, const Vec3& tool_to_sphere)
-    : scene_(on_handle(std::move(scene), tool_to_sphere)), tool_to_sphere_(tool_to_sphere),
-      built_(rendering::build_scene(scene_, serial_for())), reference_(scene_) {}
+    : scene_(on_handle(std::move(scene), tool_to_sphere)),
+      tool_to_sphere_(tool_to_sphere),
+      built_(rendering::build_scene(scene_, serial_for())),
+      reference_(scene_) {}
 
 reference::JudgeSettings Ground::settings() const {
   reference::JudgeSettings settings;
@@ -100,7 +107,8 @@ Walk Ground::motion(const std::string& name, const Perturbation& perturbation) c
   Walk walk{name, {}, 20, false, {}};
   const Quat orientation = perturbation.turn * motion.orientation;
   for (int n = 0; n < static_cast<int>(kDurationS / kSampleTimeS); ++n)
-    walk.poses.push_back(tool_for(motion_at(motion, n * kSampleTimeS).position + perturbation.offset, orientation));
+    walk.poses.push_back(
+        tool_for(motion_at(motion, n * kSampleTimeS).position + perturbation.offset, orientation));
   add_gaps(walk);
   return walk;
 }
@@ -133,23 +141,29 @@ std::vector<Walk> Ground::walks() const {
 
 Outcome Ground::judged(const Walk& walk, const Fault& fault) const {
   contact::ContactRenderer& renderer = fault.renderer ? *fault.renderer : built_->renderer();
-  const Fault::Tamper tamper = fault.tamper ? fault.tamper() : [](std::size_t, reference::ReportedContact&) {};
+  const Fault::Tamper tamper =
+      fault.tamper ? fault.tamper() : [](std::size_t, reference::ReportedContact&) {};
   reference::Judge judge(settings());
   Outcome outcome;
   renderer.reset();
   for (std::size_t n = 0; n < walk.poses.size(); ++n) {
-    if (walk.jumps) renderer.reset();
+    if (walk.jumps)
+      renderer.reset();
     Pose seen = walk.poses[n];
-    seen.position -= fault.grid_shift;  // a grid that lies there looks like a tool that lies the other way
+    seen.position -=
+        fault.grid_shift;  // a grid that lies there looks like a tool that lies the other way
     reference::ReportedContact report = to_report(renderer.render(seen), walk.poses[n]);
     tamper(n, report);
-    if (n % walk.every != 0) continue;
+    if (n % walk.every != 0)
+      continue;
     const reference::GapResult& gap = walk.gaps[n / walk.every];
     const reference::Judgement found = judge.judge(gap, report);
-    if (found.verdict != reference::Verdict::kDisagree || !outcome.first.empty()) continue;
-    const char* const whose = found.cause == reference::Cause::kReference ? "reference" : "rendering";
-    outcome.first = fmt::format("{}, pose {} ({}): {}; the gap is {:.3f} e", walk.name, n, whose, found.explanation,
-                                gap.gap_m / scene_.voxel_size_m);
+    if (found.verdict != reference::Verdict::kDisagree || !outcome.first.empty())
+      continue;
+    const char* const whose =
+        found.cause == reference::Cause::kReference ? "reference" : "rendering";
+    outcome.first = fmt::format("{}, pose {} ({}): {}; the gap is {:.3f} e", walk.name, n, whose,
+                                found.explanation, gap.gap_m / scene_.voxel_size_m);
   }
   outcome.counts = judge.counts();
   return outcome;
@@ -157,14 +171,16 @@ Outcome Ground::judged(const Walk& walk, const Fault& fault) const {
 
 Outcome Ground::judged(const std::vector<Walk>& walks, const Fault& fault) const {
   Outcome all;
-  for (const Walk& walk : walks) all += judged(walk, fault);
+  for (const Walk& walk : walks)
+    all += judged(walk, fault);
   return all;
 }
 
 pointshell::Pointshell flipped(const pointshell::Pointshell& shell) {
   pointshell::Pointshell out = shell;
   for (auto* normals : {&out.nx, &out.ny, &out.nz})
-    for (double& n : *normals) n = -n;
+    for (double& n : *normals)
+      n = -n;
   return out;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
-/// The rendering walks a scene's motions at 1 kHz and a Judge checks every 20th frame, as the validator node does.
+/// The rendering walks a scene's motions at 1 kHz and a Judge checks every 20th frame, as the
+/// validator node does.
 #include <functional>
 #include <memory>
 #include <string>
@@ -15,8 +16,8 @@ namespace voxtouch::test {
 struct Walk {
   std::string name;
   std::vector<Pose> poses;
-  std::size_t every = 20;    ///< which poses are checked
-  bool jumps = false;        ///< the poses are no motion: the rendering forgets the last one before each
+  std::size_t every = 20;  ///< which poses are checked
+  bool jumps = false;  ///< the poses are no motion: the rendering forgets the last one before each
   std::vector<reference::GapResult> gaps;  ///< of poses 0, every, 2 every, ...
 
   /// Checked poses that are in contact by the reference's word.
@@ -32,7 +33,7 @@ struct Perturbation {
 /// What is wrong with a rendering; nothing, as it stands.
 struct Fault {
   std::string name = "none";
-  Vec3 grid_shift = Vec3::Zero();       ///< the voxmap lies here from where it should [m]
+  Vec3 grid_shift = Vec3::Zero();                ///< the voxmap lies here from where it should [m]
   contact::ContactRenderer* renderer = nullptr;  ///< takes the place of the scene's own
   /// Changes the report of frame `n`; a fresh one for each walk, since it may remember.
   using Tamper = std::function<void(std::size_t n, reference::ReportedContact& report)>;
@@ -49,8 +50,8 @@ struct Outcome {
 /// One scene with its rendering, its reference and its walks.
 class Ground {
  public:
-  /// `scene` is what the reference sees. `tool_to_sphere` is added to the dynamic mesh's place in T: a sphere on a
-  /// handle. The tool's poses are such that the sphere walks as the motions say.
+  /// `scene` is what the reference sees. `tool_to_sphere` is added to the dynamic mesh's place in
+  /// T: a sphere on a handle. The tool's poses are such that the sphere walks as the motions say.
   explicit Ground(scene::Scene scene, const Vec3& tool_to_sphere = Vec3::Zero());
 
   const scene::Scene& scene() const noexcept { return scene_; }

@@ -15,7 +15,9 @@ HASH = "RIHS01_" + 64 * "0"
 
 def run(*words, patience=60):
     """(exit status, or None where it had to be ended; all that it said)."""
-    with subprocess.Popen([str(word) for word in words], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as process:
+    with subprocess.Popen(
+        [str(word) for word in words], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+    ) as process:
         try:
             said, _ = process.communicate(timeout=patience)
             return process.returncode, said
@@ -28,13 +30,31 @@ def main(program, domain):
     wrong = []
     with tempfile.TemporaryDirectory() as folder:
         bag = pathlib.Path(folder) / "bag"
-        status, said = run(program, "up", "cup", "--motion", "slide", "--duration", "1", "--lockstep", "--record", bag, "--no-report", "--domain", domain,
-                           patience=120)
+        status, said = run(
+            program,
+            "up",
+            "cup",
+            "--motion",
+            "slide",
+            "--duration",
+            "1",
+            "--lockstep",
+            "--record",
+            bag,
+            "--no-report",
+            "--domain",
+            domain,
+            patience=120,
+        )
         told_file = bag / "voxtouch_recording.json"
         told = json.loads(told_file.read_text())
         if status != 0 or told.get("voxtouch", "").count(".") != 2:
             wrong.append(f"the bag does not tell its version: {told.get('voxtouch')} {said}")
-        hashed = [one for one in told["topics"] if one.get("type_hash", "").startswith("RIHS01_") and one.get("type")]
+        hashed = [
+            one
+            for one in told["topics"]
+            if one.get("type_hash", "").startswith("RIHS01_") and one.get("type")
+        ]
         if len(hashed) != len(told["topics"]):
             wrong.append(f"only {len(hashed)} of {len(told['topics'])} topics tell their layout")
         for one in hashed:
@@ -44,7 +64,10 @@ def main(program, domain):
         told_file.write_text(json.dumps(told))
         for verb in ("view", "report"):
             status, said = run(program, verb, bag)
-            for words in ("was recorded by voxtouch 0.0.9", "voxtouch_msgs/msg/ContactState is laid out otherwise"):
+            for words in (
+                "was recorded by voxtouch 0.0.9",
+                "voxtouch_msgs/msg/ContactState is laid out otherwise",
+            ):
                 if status != 1 or words not in said:
                     wrong.append(f"{verb}: '{words}' is not said ({status}): {said}")
         for one in told["topics"]:

@@ -17,10 +17,20 @@ def hashes(root):
     sys.path.insert(0, str(root / "idl"))
     from generate_idl import parse
     from type_hash import type_hash
-    messages = {(package, file.stem): parse(file, package)
-                for package, folder in ((OWN, root / "idl/msg"), *((one.name, one / "msg") for one in (root / "idl/ros").iterdir()))
-                for file in folder.glob("*.msg")}
-    return {name: type_hash(messages, package, name) for package, name in sorted(messages) if package == OWN}
+
+    messages = {
+        (package, file.stem): parse(file, package)
+        for package, folder in (
+            (OWN, root / "idl/msg"),
+            *((one.name, one / "msg") for one in (root / "idl/ros").iterdir()),
+        )
+        for file in folder.glob("*.msg")
+    }
+    return {
+        name: type_hash(messages, package, name)
+        for package, name in sorted(messages)
+        if package == OWN
+    }
 
 
 def table(root):
@@ -28,10 +38,14 @@ def table(root):
 
 
 def faults(root):
-    build = re.search(r"project\(voxtouch VERSION ([\d.]+)", (root / "CMakeLists.txt").read_text(encoding="utf-8"))[1]
+    build = re.search(
+        r"project\(voxtouch VERSION ([\d.]+)", (root / "CMakeLists.txt").read_text(encoding="utf-8")
+    )[1]
     if not re.fullmatch(r"\d+\.\d+\.\d+", build):
         yield f"CMakeLists.txt: {build} is no semantic version"
-    package = re.search(r"<version>(.*)</version>", (root / "idl/package.xml").read_text(encoding="utf-8"))[1]
+    package = re.search(
+        r"<version>(.*)</version>", (root / "idl/package.xml").read_text(encoding="utf-8")
+    )[1]
     if package != build:
         yield f"idl/package.xml has version {package}, CMakeLists.txt {build}"
     log = (root / "deploy/CHANGELOG.md").read_text(encoding="utf-8")
@@ -42,15 +56,22 @@ def faults(root):
     now = hashes(root)
     for name in sorted(now.keys() | told.keys()):
         if now.get(name) != told.get(name):
-            yield (f"deploy/CHANGELOG.md: {name} has another layout than version {build} tells, so bags and nodes of before do not fit: say so there as "
-                   "BREAKING, raise the version once that one is released, and write the table by tests/versions/versions.py --write")
+            yield (
+                f"deploy/CHANGELOG.md: {name} has another layout than version {build} tells, so bags and nodes of before do not fit: say so there as "
+                "BREAKING, raise the version once that one is released, and write the table by tests/versions/versions.py --write"
+            )
 
 
 def main(root, *options):
     root = pathlib.Path(root)
     if "--write" in options:
         log = root / "deploy/CHANGELOG.md"
-        text, count = re.subn(re.escape(HEAD) + r"(\|.*\n)*", table(root).replace("\\", "\\\\"), log.read_text(encoding="utf-8"), count=1)
+        text, count = re.subn(
+            re.escape(HEAD) + r"(\|.*\n)*",
+            table(root).replace("\\", "\\\\"),
+            log.read_text(encoding="utf-8"),
+            count=1,
+        )
         log.write_text(text, encoding="utf-8")
         return 0 if count else "there is no table to be written anew"
     wrong = list(faults(root))

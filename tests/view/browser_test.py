@@ -22,15 +22,25 @@ class Browser:
 
     def __init__(self, width=1280, height=720):
         options = Options()
-        for argument in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--disable-gpu", "--enable-unsafe-swiftshader",
-                         "--hide-scrollbars", f"--window-size={width},{height}"):
+        for argument in (
+            "--headless=new",
+            "--no-sandbox",
+            "--disable-dev-shm-usage",
+            "--disable-gpu",
+            "--enable-unsafe-swiftshader",
+            "--hide-scrollbars",
+            f"--window-size={width},{height}",
+        ):
             options.add_argument(argument)
         options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
         self.driver = webdriver.Chrome(service=Service("/usr/bin/chromedriver"), options=options)
         self.resize(width, height)
 
     def resize(self, width, height):
-        self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False})
+        self.driver.execute_cdp_cmd(
+            "Emulation.setDeviceMetricsOverride",
+            {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False},
+        )
 
     def open(self, address):
         self.driver.get(address)
@@ -56,12 +66,17 @@ class Browser:
 
     def faults(self):
         """What stands in the console, but for what taking pictures without a graphics card costs."""
-        return [line["message"] for line in self.driver.get_log("browser")
-                if line["level"] in ("SEVERE", "WARNING") and "GPU stall due to ReadPixels" not in line["message"]]
+        return [
+            line["message"]
+            for line in self.driver.get_log("browser")
+            if line["level"] in ("SEVERE", "WARNING")
+            and "GPU stall due to ReadPixels" not in line["message"]
+        ]
 
     def overlaps(self):
         """Pairs of panels and words that stand over one another, and words that are cut off at the window's edge."""
-        return self.js("""(() => {
+        return self.js(
+            """(() => {
           const faults = [], of = s => [...document.querySelectorAll(s)].filter(e => e.offsetParent !== null && !e.hidden);
           const box = e => e.getBoundingClientRect();
           const apart = (a, b) => a.right <= b.left + 1 || b.right <= a.left + 1 || a.bottom <= b.top + 1 || b.bottom <= a.top + 1;
@@ -72,11 +87,13 @@ class Browser:
           }
           for (const e of of('.chart h2 > *, #numbers *, header *')) if (box(e).right > innerWidth || box(e).left < 0) faults.push(say(e) + ' beyond the edge');
           return faults;
-        })()""")
+        })()"""
+        )
 
     def low_contrast(self):
         """Words whose contrast with the ground behind them is under 4.5:1, as WCAG counts it: over the picture too, where axe-core cannot tell."""
-        return self.js("""(() => {
+        return self.js(
+            """(() => {
           const parse = c => c.match(/[\\d.]+/g).map(Number);
           const light = c => { const f = v => (v /= 255) <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4; return 0.2126 * f(c[0]) + 0.7152 * f(c[1]) + 0.0722 * f(c[2]); };
           const ground = e => { for (; e; e = e.parentElement) { const c = parse(getComputedStyle(e).backgroundColor); if (c.length < 4 || c[3] > 0.5) return c; } return [255, 255, 255]; };
@@ -87,14 +104,22 @@ class Browser:
             if (ratio < 4.5) faults.push((e.id || e.className || e.tagName) + ' "' + e.textContent.trim().slice(0, 20) + '" ' + ratio.toFixed(2));
           }
           return faults;
-        })()""")
+        })()"""
+        )
 
     def barriers(self):
         """What axe-core finds that keeps somebody out: rule and element."""
-        axe, = pathlib.Path(os.environ["VOXTOUCH_PYTHON"]).glob("lib/python3*/site-packages/axe_playwright_python/axe.min.js")
+        (axe,) = pathlib.Path(os.environ["VOXTOUCH_PYTHON"]).glob(
+            "lib/python3*/site-packages/axe_playwright_python/axe.min.js"
+        )
         self.driver.execute_script(axe.read_text(encoding="utf-8"))
-        found = self.driver.execute_async_script("const done = arguments[0]; axe.run(document).then(done, error => done({violations: [{id: String(error), nodes: []}]}))")
-        return [(rule["id"], [node["html"][:100] for node in rule["nodes"]]) for rule in found["violations"]]
+        found = self.driver.execute_async_script(
+            "const done = arguments[0]; axe.run(document).then(done, error => done({violations: [{id: String(error), nodes: []}]}))"
+        )
+        return [
+            (rule["id"], [node["html"][:100] for node in rule["nodes"]])
+            for rule in found["violations"]
+        ]
 
     def end(self):
         self.driver.quit()
@@ -116,17 +141,40 @@ class InABrowser(unittest.TestCase):
         with page() as shown:
             browser.open(shown.address())
             self.assertIn("waiting", browser.find("#pill").text)
-            browser.driver.execute_script("""window.seen = {}; setInterval(() => {
+            browser.driver.execute_script(
+                """window.seen = {}; setInterval(() => {
               if (voxtouch.frame && voxtouch.frame.hits > 0 && !('contact' in seen)) seen.contact = performance.now();
               if ('contact' in seen && !('shown' in seen) && Number(document.getElementById('n-force').textContent) > 0.05) seen.shown = performance.now();
-            }, 5);""")
+            }, 5);"""
+            )
             with ring("cup_viscosity") as first:
-                seen = until(lambda: browser.js("'shown' in window.seen && window.seen"), 40, "contact, and a force that is shown")
-                self.assertLess(seen["shown"] - seen["contact"], 1000, "ms from the first sample in contact to its force on the page")
-                places = {tuple(until(lambda: browser.js("voxtouch.scene3d && voxtouch.scene3d.tool.position.toArray()"), 10, "a tool"))
-                          for _ in range(6) if time.sleep(0.3) is None}
+                seen = until(
+                    lambda: browser.js("'shown' in window.seen && window.seen"),
+                    40,
+                    "contact, and a force that is shown",
+                )
+                self.assertLess(
+                    seen["shown"] - seen["contact"],
+                    1000,
+                    "ms from the first sample in contact to its force on the page",
+                )
+                places = {
+                    tuple(
+                        until(
+                            lambda: browser.js(
+                                "voxtouch.scene3d && voxtouch.scene3d.tool.position.toArray()"
+                            ),
+                            10,
+                            "a tool",
+                        )
+                    )
+                    for _ in range(6)
+                    if time.sleep(0.3) is None
+                }
                 self.assertGreater(len(places), 3, "the tool moves")
-                until(lambda: browser.js("voxtouch.scene3d.arrows.returned.visible"), 10, "an arrow")
+                until(
+                    lambda: browser.js("voxtouch.scene3d.arrows.returned.visible"), 10, "an arrow"
+                )
                 until(lambda: len(browser.frame().get("points", [])) > 0, 20, "points in contact")
                 time.sleep(3)  # for charts that show something
                 until(lambda: browser.frame().get("hits", 0) > 0, 10, "contact")
@@ -140,7 +188,11 @@ class InABrowser(unittest.TestCase):
                 browser.resize(1280, 720)
 
                 browser.press("vv")
-                until(lambda: browser.js("voxtouch.slice && voxtouch.slice.axis") == "y", 15, "a plane through the voxels")
+                until(
+                    lambda: browser.js("voxtouch.slice && voxtouch.slice.axis") == "y",
+                    15,
+                    "a plane through the voxels",
+                )
                 self.assertTrue(browser.js("voxtouch.scene3d.slice.visible"))
                 until(lambda: "mm" in browser.find("#slice-text").text, 5, "its place")
                 time.sleep(1)
@@ -151,31 +203,54 @@ class InABrowser(unittest.TestCase):
                 until(lambda: size(browser.frame().get("effects_force")) > 0.005, 10, "drag")
                 browser.find(".effect input[role=switch]").click()
                 until(lambda: browser.find("#answer").text.startswith("✓"), 10, "the answer")
-                until(lambda: size(browser.frame().get("effects_force")) == 0.0, 10, "no drag any more")
+                until(
+                    lambda: size(browser.frame().get("effects_force")) == 0.0,
+                    10,
+                    "no drag any more",
+                )
                 browser.find(".effect summary").click()
                 value = browser.find(".effect .value input")
                 value.send_keys(Keys.CONTROL + "a")
                 value.send_keys("100000", Keys.ENTER)
                 until(lambda: browser.find("#answer").text.startswith("✕"), 10, "the refusal")
                 self.judge("refused.png")
-                until(lambda: browser.find(".effect .value input").get_attribute("value") == "1", 10, "the value as it is")
+                until(
+                    lambda: browser.find(".effect .value input").get_attribute("value") == "1",
+                    10,
+                    "the value as it is",
+                )
 
                 browser.find("#pause").click()
                 time.sleep(0.5)
                 before = browser.js("voxtouch.scene3d.tool.position.toArray()")
                 time.sleep(1)
-                self.assertEqual(browser.js("voxtouch.scene3d.tool.position.toArray()"), before, "paused")
+                self.assertEqual(
+                    browser.js("voxtouch.scene3d.tool.position.toArray()"), before, "paused"
+                )
                 browser.find("#pause").click()
 
                 pid = next(n["pid"] for n in browser.facts()["nodes"] if n["node"] == "coupling")
                 os.kill(pid, signal.SIGKILL)
-                until(lambda: state_of(browser.facts(), "coupling") in ("hangs", "gone"), 15, "the dead node")
-                until(lambda: browser.find("[data-node=coupling] .state").text.strip("✕ ") in ("hangs", "gone"), 10, "its row")
+                until(
+                    lambda: state_of(browser.facts(), "coupling") in ("hangs", "gone"),
+                    15,
+                    "the dead node",
+                )
+                until(
+                    lambda: browser.find("[data-node=coupling] .state").text.strip("✕ ")
+                    in ("hangs", "gone"),
+                    10,
+                    "its row",
+                )
                 first.process.wait(30)
                 until(lambda: "no samples" in browser.find("#pill").text, 20, "that nothing comes")
                 self.judge("ring_gone.png")
             with ring("cup_viscosity"):
-                until(lambda: state_of(browser.facts(), "coupling") == "running", 30, "the node's return")
+                until(
+                    lambda: state_of(browser.facts(), "coupling") == "running",
+                    30,
+                    "the node's return",
+                )
                 until(lambda: "live" in browser.find("#pill").text, 20, "samples again")
             self.assertEqual(browser.faults(), [])
 
@@ -183,7 +258,19 @@ class InABrowser(unittest.TestCase):
         browser = self.browser
         with tempfile.TemporaryDirectory() as folder:
             bag = str(pathlib.Path(folder) / "bag")
-            with Process("up", scene("objects"), "--motion", "slide", "--domain", DOMAIN, "--lockstep", "--duration", "8", "--record", bag) as run:
+            with Process(
+                "up",
+                scene("objects"),
+                "--motion",
+                "slide",
+                "--domain",
+                DOMAIN,
+                "--lockstep",
+                "--duration",
+                "8",
+                "--record",
+                bag,
+            ) as run:
                 self.assertEqual(run.process.wait(60), 0, run.told())
             with page(bag) as shown:
                 browser.open(shown.address())
@@ -195,14 +282,25 @@ class InABrowser(unittest.TestCase):
                 browser.press(Keys.ARROW_LEFT)
                 until(lambda: browser.facts()["bag"]["t"] < at - 0.5, 5, "a step back")
                 browser.press(Keys.SPACE)
-                browser.js("document.getElementById('speed').value = '4', document.getElementById('speed').dispatchEvent(new Event('change'))")
-                until(lambda: browser.facts()["bag"]["t"] >= browser.facts()["bag"]["duration"] - 0.01, 20, "the end")
+                browser.js(
+                    "document.getElementById('speed').value = '4', document.getElementById('speed').dispatchEvent(new Event('change'))"
+                )
+                until(
+                    lambda: browser.facts()["bag"]["t"]
+                    >= browser.facts()["bag"]["duration"] - 0.01,
+                    20,
+                    "the end",
+                )
                 browser.press("?")
                 time.sleep(0.5)
                 browser.picture("keys.png")
                 self.assertEqual(browser.faults(), [])
             report = pathlib.Path(folder) / "report.html"
-            subprocess.run([BIN / "voxtouch", "report", bag, "--out", report], check=True, stdout=subprocess.DEVNULL)
+            subprocess.run(
+                [BIN / "voxtouch", "report", bag, "--out", report],
+                check=True,
+                stdout=subprocess.DEVNULL,
+            )
             browser.open(report.as_uri())
             browser.picture("report.png")
             self.assertEqual(browser.barriers(), [])

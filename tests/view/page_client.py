@@ -24,7 +24,14 @@ def scene(name):
 def write_block(path, n):
     """A block of 0.24 x 0.24 x 0.02 m with its top at z = 0, of 12 n n triangles, as binary STL."""
     side = lambda u, v: [((u, v), (u + 1, v), (u + 1, v + 1)), ((u, v), (u + 1, v + 1), (u, v + 1))]
-    faces = [(lambda a, b: (a, b, 1)), (lambda a, b: (b, a, 0)), (lambda a, b: (1, a, b)), (lambda a, b: (0, b, a)), (lambda a, b: (b, 1, a)), (lambda a, b: (a, 0, b))]
+    faces = [
+        (lambda a, b: (a, b, 1)),
+        (lambda a, b: (b, a, 0)),
+        (lambda a, b: (1, a, b)),
+        (lambda a, b: (0, b, a)),
+        (lambda a, b: (b, 1, a)),
+        (lambda a, b: (a, 0, b)),
+    ]
     with open(path, "wb") as file:
         file.write(b" " * 80 + struct.pack("<I", 12 * n * n))
         for face in faces:
@@ -32,7 +39,11 @@ def write_block(path, n):
                 for v in range(n):
                     for corners in side(u, v):
                         xyz = [face(a / n, b / n) for a, b in corners]
-                        flat = [c for x, y, z in xyz for c in (0.24 * x - 0.12, 0.24 * y - 0.12, 0.02 * z - 0.02)]
+                        flat = [
+                            c
+                            for x, y, z in xyz
+                            for c in (0.24 * x - 0.12, 0.24 * y - 0.12, 0.02 * z - 0.02)
+                        ]
                         file.write(struct.pack("<12fH", 0, 0, 0, *flat, 0))
 
 
@@ -41,7 +52,9 @@ def fine_scene(folder, n):
     mesh, scene_file = pathlib.Path(folder) / "fine.stl", pathlib.Path(folder) / "fine.yaml"
     write_block(mesh, n)
     text = pathlib.Path(scene("plane")).read_text()
-    scene_file.write_text(text.replace("../meshes/plane.obj", str(mesh)).replace("../meshes", str(DEPLOY / "meshes")))
+    scene_file.write_text(
+        text.replace("../meshes/plane.obj", str(mesh)).replace("../meshes", str(DEPLOY / "meshes"))
+    )
     return scene_file
 
 
@@ -61,13 +74,17 @@ class Process:
 
     def __init__(self, *arguments):
         self.file = tempfile.NamedTemporaryFile(suffix=".log")
-        self.process = subprocess.Popen([BIN / "voxtouch", *arguments], stdout=self.file, stderr=subprocess.STDOUT)
+        self.process = subprocess.Popen(
+            [BIN / "voxtouch", *arguments], stdout=self.file, stderr=subprocess.STDOUT
+        )
 
     def told(self):
         return pathlib.Path(self.file.name).read_text(errors="replace")
 
     def address(self):
-        return until(lambda: re.search(r"http://\S+", self.told()), 20, f"an address in: {self.told()}").group()
+        return until(
+            lambda: re.search(r"http://\S+", self.told()), 20, f"an address in: {self.told()}"
+        ).group()
 
     def end(self):
         self.process.terminate()
@@ -86,6 +103,7 @@ class Process:
 
 def until_it_runs(up):
     """A ring in real time has begun to answer samples."""
+
     def runs():
         if up.process.poll() is not None:
             raise AssertionError(f"the ring has ended:\n{up.told()}")
@@ -108,7 +126,14 @@ def request(address, path=None, host=None, headers=()):
     parts = urllib.parse.urlsplit(address)
     path = path if path is not None else f"{parts.path}?{parts.query}"
     with socket.create_connection((parts.hostname, parts.port), 10) as s:
-        lines = [f"GET {path} HTTP/1.1", f"Host: {host or parts.netloc}", "Connection: close", *headers, "", ""]
+        lines = [
+            f"GET {path} HTTP/1.1",
+            f"Host: {host or parts.netloc}",
+            "Connection: close",
+            *headers,
+            "",
+            "",
+        ]
         s.sendall("\r\n".join(lines).encode())
         answer = b""
         with contextlib.suppress(ConnectionError):
@@ -127,8 +152,15 @@ class WebSocket:
         self.socket = socket.create_connection((parts.hostname, parts.port), 10)
         self.buffer, self.closed = b"", None
         key = base64.b64encode(os.urandom(16)).decode()
-        lines = [f"GET /ring?token={token} HTTP/1.1", f"Host: {host or parts.netloc}", "Upgrade: websocket", "Connection: Upgrade",
-                 f"Sec-WebSocket-Key: {key}", "Sec-WebSocket-Version: 13", "Sec-WebSocket-Protocol: voxtouch-view"]
+        lines = [
+            f"GET /ring?token={token} HTTP/1.1",
+            f"Host: {host or parts.netloc}",
+            "Upgrade: websocket",
+            "Connection: Upgrade",
+            f"Sec-WebSocket-Key: {key}",
+            "Sec-WebSocket-Version: 13",
+            "Sec-WebSocket-Protocol: voxtouch-view",
+        ]
         if origin:
             lines.append(f"Origin: {origin}")
         self.socket.sendall("\r\n".join([*lines, "", ""]).encode())
@@ -156,8 +188,14 @@ class WebSocket:
     def send(self, text):
         data = text.encode()
         mask = os.urandom(4)
-        length = struct.pack("!B", 0x80 | len(data)) if len(data) < 126 else struct.pack("!BH", 0x80 | 126, len(data))
-        self.socket.sendall(b"\x81" + length + mask + bytes(b ^ mask[i % 4] for i, b in enumerate(data)))
+        length = (
+            struct.pack("!B", 0x80 | len(data))
+            if len(data) < 126
+            else struct.pack("!BH", 0x80 | 126, len(data))
+        )
+        self.socket.sendall(
+            b"\x81" + length + mask + bytes(b ^ mask[i % 4] for i, b in enumerate(data))
+        )
 
     def order(self, **words):
         self.send(json.dumps(words))

@@ -16,7 +16,9 @@ from page_client import BIN, Process, WebSocket, scene, until
 
 DOMAIN = 95
 TYPES = tempfile.TemporaryDirectory()
-subprocess.run([BIN / "voxtouch", "types", "--python", TYPES.name], check=True, stdout=subprocess.DEVNULL)
+subprocess.run(
+    [BIN / "voxtouch", "types", "--python", TYPES.name], check=True, stdout=subprocess.DEVNULL
+)
 sys.path.insert(0, TYPES.name)
 
 from cyclonedds.qos import Policy, Qos  # noqa: E402
@@ -28,7 +30,11 @@ class Tap:
     """Sequence numbers and times of writing of one stream."""
 
     def __init__(self, participant, path):
-        self.reader = DataReader(participant, TOPICS[path].topic(participant), qos=Qos(Policy.Reliability.BestEffort, Policy.History.KeepLast(5000)))
+        self.reader = DataReader(
+            participant,
+            TOPICS[path].topic(participant),
+            qos=Qos(Policy.Reliability.BestEffort, Policy.History.KeepLast(5000)),
+        )
         self.written = {}
 
     def take(self):
@@ -59,9 +65,16 @@ def phase(states, commands, seconds):
         states.take(), commands.take()
     last = max(commands.written, default=0)
     asked = [n for n in states.written if n <= last]
-    us = sorted((commands.written[n] - states.written[n]) * 1e-3 for n in asked if n in commands.written)
-    return {"p50_us": us[len(us) // 2], "p99_us": us[len(us) * 99 // 100], "samples": len(asked), "unanswered": len(asked) - len(us),
-            "missing": max(asked) - min(asked) + 1 - len(asked)}
+    us = sorted(
+        (commands.written[n] - states.written[n]) * 1e-3 for n in asked if n in commands.written
+    )
+    return {
+        "p50_us": us[len(us) // 2],
+        "p99_us": us[len(us) * 99 // 100],
+        "samples": len(asked),
+        "unanswered": len(asked) - len(us),
+        "missing": max(asked) - min(asked) + 1 - len(asked),
+    }
 
 
 def main():
@@ -70,26 +83,44 @@ def main():
     participant = join(DOMAIN)
     states, commands = Tap(participant, "device/state"), Tap(participant, "coupling/command")
     found = {"without": [], "with": []}
-    with Process("up", scene("cup"), "--motion", "slide", "--domain", str(DOMAIN), "--no-record") as up:
+    with Process(
+        "up", scene("cup"), "--motion", "slide", "--domain", str(DOMAIN), "--no-record"
+    ) as up:
         until(lambda: up.told().count(" samples  force") > 3, 60, up.told())
         for n in range(rounds):
-            for how in ("without", "with") if n % 2 == 0 else ("with", "without"):  # a machine that slows down favours neither
+            for how in (
+                ("without", "with") if n % 2 == 0 else ("with", "without")
+            ):  # a machine that slows down favours neither
                 if how == "without":
                     time.sleep(1.0)
                     found[how].append(phase(states, commands, seconds))
                     continue
                 with Process("view", "--domain", str(DOMAIN), "--port", "0") as page:
                     client = Client(page.address())
-                    until(lambda: client.frames > 60, 30, "frames")  # the page has built the scene too
+                    until(
+                        lambda: client.frames > 60, 30, "frames"
+                    )  # the page has built the scene too
                     before, since = client.frames, time.monotonic()
                     found[how].append(phase(states, commands, seconds))
-                    found[how][-1]["frames_per_s"] = round((client.frames - before) / (time.monotonic() - since), 1)
+                    found[how][-1]["frames_per_s"] = round(
+                        (client.frames - before) / (time.monotonic() - since), 1
+                    )
     for how, phases in found.items():
-        print(how, *(json.dumps({k: round(v, 1) for k, v in p.items()}) for p in phases), sep="\n  ")
-        print(how, {figure: round(sum(p[figure] for p in phases)) for figure in ("samples", "unanswered", "missing")})
+        print(
+            how, *(json.dumps({k: round(v, 1) for k, v in p.items()}) for p in phases), sep="\n  "
+        )
+        print(
+            how,
+            {
+                figure: round(sum(p[figure] for p in phases))
+                for figure in ("samples", "unanswered", "missing")
+            },
+        )
     for figure in "p50_us", "p99_us":
         ratios = [b[figure] / a[figure] for a, b in zip(found["without"], found["with"])]
-        print(f"{figure}: with over without {', '.join(f'{r:.3f}' for r in ratios)}; median {statistics.median(ratios):.3f}")
+        print(
+            f"{figure}: with over without {', '.join(f'{r:.3f}' for r in ratios)}; median {statistics.median(ratios):.3f}"
+        )
 
 
 if __name__ == "__main__":

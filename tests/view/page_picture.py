@@ -11,7 +11,11 @@ import sys
 import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-for name, folder in ("VOXTOUCH_BIN", "build/bin"), ("VOXTOUCH_DEPLOY", "deploy"), ("VOXTOUCH_PICTURES", "build/tests/view"):
+for name, folder in (
+    ("VOXTOUCH_BIN", "build/bin"),
+    ("VOXTOUCH_DEPLOY", "deploy"),
+    ("VOXTOUCH_PICTURES", "build/tests/view"),
+):
     os.environ.setdefault(name, str(ROOT / folder))
 from browser_test import Browser  # noqa: E402
 from page_client import Process, until  # noqa: E402
@@ -28,7 +32,9 @@ def take(browser, address, after_s, dark):
     time.sleep(after_s)
 
     def touches():
-        return browser.js("(f => f && f.t > 10 && f.depth > 0 && (f.points || []).length > 0 && Math.hypot(...f.force) > 0.1)(voxtouch.frame)")
+        return browser.js(
+            "(f => f && f.t > 10 && f.depth > 0 && (f.points || []).length > 0 && Math.hypot(...f.force) > 0.1)(voxtouch.frame)"
+        )
 
     def picture():
         if not touches():
@@ -52,12 +58,18 @@ def small(png):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("scene"), parser.add_argument("picture")
-    parser.add_argument("--motion", default="slide"), parser.add_argument("--after", type=float, default=6.0)
+    parser.add_argument("--motion", default="slide"), parser.add_argument(
+        "--after", type=float, default=6.0
+    )
     parser.add_argument("--dark", action="store_true"), parser.add_argument("--domain", default="0")
     o = parser.parse_args()
-    with Process("up", o.scene, "--motion", o.motion, "--view", "--no-record", "--domain", o.domain) as ring:
+    with Process(
+        "up", o.scene, "--motion", o.motion, "--view", "--no-record", "--domain", o.domain
+    ) as ring:
         browser = Browser()
         try:
             png = take(browser, ring.address(), o.after, o.dark)

@@ -27,26 +27,60 @@ def main():
     n = int(sys.argv[1]) if len(sys.argv) > 1 else 289
     with tempfile.TemporaryDirectory() as folder:
         bag = str(pathlib.Path(folder) / "bag")
-        with Process("up", str(fine_scene(folder, n)), "--motion", "slide", "--domain", DOMAIN, "--lockstep", "--duration", "12", "--record", bag) as run:
+        with Process(
+            "up",
+            str(fine_scene(folder, n)),
+            "--motion",
+            "slide",
+            "--domain",
+            DOMAIN,
+            "--lockstep",
+            "--duration",
+            "12",
+            "--record",
+            bag,
+        ) as run:
             assert run.process.wait(300) == 0, run.told()
         browser = Browser()
         with page(bag) as shown:
             began = time.monotonic()
             browser.open(shown.address())
-            scene = until(lambda: browser.js("voxtouch.scene && voxtouch.scene.meshes.length && voxtouch.scene.meshes.map(m => [m.triangles, m.shown])"), 60, "a scene")
-            found = {"triangles": scene, "s_until_they_are_there": round(time.monotonic() - began, 1)}
-            until(lambda: "once more" not in browser.facts().get("scene_note", "once more"), 200, "voxels: building them takes the processors from the browser")
-            browser.js("document.getElementById('seek').value = 0, document.getElementById('seek').dispatchEvent(new Event('change'))")
+            scene = until(
+                lambda: browser.js(
+                    "voxtouch.scene && voxtouch.scene.meshes.length && voxtouch.scene.meshes.map(m => [m.triangles, m.shown])"
+                ),
+                60,
+                "a scene",
+            )
+            found = {
+                "triangles": scene,
+                "s_until_they_are_there": round(time.monotonic() - began, 1),
+            }
+            until(
+                lambda: "once more" not in browser.facts().get("scene_note", "once more"),
+                200,
+                "voxels: building them takes the processors from the browser",
+            )
+            browser.js(
+                "document.getElementById('seek').value = 0, document.getElementById('seek').dispatchEvent(new Event('change'))"
+            )
             time.sleep(0.5)
             if not browser.facts()["bag"]["playing"]:
                 browser.find("#play").click()
             time.sleep(1)
 
             def rate(seconds):
-                at, pictures, frames = browser.js("[performance.now(), voxtouch.pictures, voxtouch.frames]")
+                at, pictures, frames = browser.js(
+                    "[performance.now(), voxtouch.pictures, voxtouch.frames]"
+                )
                 time.sleep(seconds)
-                to, more, others = browser.js("[performance.now(), voxtouch.pictures, voxtouch.frames]")
-                return [round(1000 * (b - a) / (to - at), 1) for a, b in ((pictures, more), (frames, others))]
+                to, more, others = browser.js(
+                    "[performance.now(), voxtouch.pictures, voxtouch.frames]"
+                )
+                return [
+                    round(1000 * (b - a) / (to - at), 1)
+                    for a, b in ((pictures, more), (frames, others))
+                ]
 
             found["pictures_and_frames_per_s"] = rate(4)
             browser.driver.execute_script(TIMED)

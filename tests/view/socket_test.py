@@ -10,7 +10,20 @@ import time
 import unittest
 import urllib.parse
 
-from page_client import DOMAIN, Process, WebSocket, fine_scene, page, pid_of, request, ring, scene, size, state_of, until
+from page_client import (
+    DOMAIN,
+    Process,
+    WebSocket,
+    fine_scene,
+    page,
+    pid_of,
+    request,
+    ring,
+    scene,
+    size,
+    state_of,
+    until,
+)
 
 
 class Guards(unittest.TestCase):
@@ -24,19 +37,34 @@ class Guards(unittest.TestCase):
         self.assertEqual(request(self.address)[0], 200)
         self.assertEqual(request(self.address, "/")[0], 403)
         self.assertEqual(request(self.address, "/?token=" + "0" * 32)[0], 403)
-        with WebSocket(self.address) as good, WebSocket(self.address, token="0" * 32) as bad, WebSocket(self.address, token="") as none:
-            self.assertEqual([good.status, bad.status == 101, none.status == 101], [101, False, False])
+        with WebSocket(self.address) as good, WebSocket(
+            self.address, token="0" * 32
+        ) as bad, WebSocket(self.address, token="") as none:
+            self.assertEqual(
+                [good.status, bad.status == 101, none.status == 101], [101, False, False]
+            )
 
     def test_refuses_pages_of_other_sites(self):
         own = f"http://{self.parts.netloc}"
-        for origin, admitted in (own, True), ("http://example.org", False), ("null", False), (own + "0", False), (own.replace("http:", "https:"), False):
+        for origin, admitted in (
+            (own, True),
+            ("http://example.org", False),
+            ("null", False),
+            (own + "0", False),
+            (own.replace("http:", "https:"), False),
+        ):
             with WebSocket(self.address, origin=origin) as socket:
                 self.assertEqual(socket.status == 101, admitted, origin)
         self.assertEqual(request(self.address, headers=["Origin: http://example.org"])[0], 403)
 
     def test_refuses_names_of_other_sites(self):
         local = f"localhost:{self.parts.port}"
-        for host, admitted in (local, True), ("example.org", False), (f"example.org:{self.parts.port}", False), ("127.0.0.1:1", False):
+        for host, admitted in (
+            (local, True),
+            ("example.org", False),
+            (f"example.org:{self.parts.port}", False),
+            ("127.0.0.1:1", False),
+        ):
             with WebSocket(self.address, host=host) as socket:
                 self.assertEqual(socket.status == 101, admitted, host)
             self.assertEqual(request(self.address, host=host)[0], 200 if admitted else 403, host)
@@ -69,15 +97,33 @@ class Guards(unittest.TestCase):
             self.assertEqual(status, 200, path)
             self.assertGreater(len(body), 500, path)
             self.assertIn("content-security-policy: default-src 'none'", head)
-        for path in "/../CMakeLists.txt", "/%2e%2e/view.cpp", "/etc/passwd", "//etc/passwd", "/index.html.bak", "/voxtouch_page/main.js":
+        for path in (
+            "/../CMakeLists.txt",
+            "/%2e%2e/view.cpp",
+            "/etc/passwd",
+            "//etc/passwd",
+            "/index.html.bak",
+            "/voxtouch_page/main.js",
+        ):
             self.assertNotEqual(request(self.address, path)[0], 200, path)
 
     def test_words_that_are_none_change_nothing(self):
         with WebSocket(self.address) as socket:
-            for text in "", "[]", "{", '{"change": 5}', '{"change": [1]}', '{"seek": "x"}', '{"play": true}', "\x00":
+            for text in (
+                "",
+                "[]",
+                "{",
+                '{"change": 5}',
+                '{"change": [1]}',
+                '{"seek": "x"}',
+                '{"play": true}',
+                "\x00",
+            ):
                 socket.send(text)
             socket.order(change=["viscosity"])
-            answer = socket.wait_for(lambda m: m["type"] == "answer", 10, "an answer to half a change")
+            answer = socket.wait_for(
+                lambda m: m["type"] == "answer", 10, "an answer to half a change"
+            )
             self.assertFalse(answer["ok"])
             self.assertIn("missing", answer["sentence"])
 
@@ -86,8 +132,13 @@ class Guards(unittest.TestCase):
         with Process("view", "--domain", DOMAIN, "--port", port) as second:
             self.assertEqual(second.process.wait(10), 1)
             self.assertIn("is taken", second.told())
-        with Process("view", "--domain", DOMAIN) as one, Process("view", "--domain", DOMAIN) as other:
-            self.assertNotEqual(urllib.parse.urlsplit(one.address()).port, urllib.parse.urlsplit(other.address()).port)
+        with Process("view", "--domain", DOMAIN) as one, Process(
+            "view", "--domain", DOMAIN
+        ) as other:
+            self.assertNotEqual(
+                urllib.parse.urlsplit(one.address()).port,
+                urllib.parse.urlsplit(other.address()).port,
+            )
             self.assertNotEqual(one.address().split("=")[1], other.address().split("=")[1])
 
 
@@ -95,39 +146,75 @@ class Live(unittest.TestCase):
     def test_shows_force_effects_and_who_has_died(self):
         with page() as shown, WebSocket(shown.address()) as socket:
             with ring("cup_viscosity") as first:
-                drawn = socket.wait_for(lambda m: m["type"] == "scene" and m["meshes"], 20, "the scene that the ring names")
+                drawn = socket.wait_for(
+                    lambda m: m["type"] == "scene" and m["meshes"],
+                    20,
+                    "the scene that the ring names",
+                )
                 self.assertEqual({m["role"] for m in drawn["meshes"]}, {"static", "dynamic"})
                 touched = socket.frame(lambda m: m.get("hits", 0) > 0, 20, "contact")
                 felt = socket.frame(lambda m: size(m.get("force")) > 0.05, 10, "force")
                 self.assertLess(felt["t"] - touched["t"], 1.0)
-                points = socket.frame(lambda m: len(m.get("points", [])) >= 3, 20, "points in contact")
+                points = socket.frame(
+                    lambda m: len(m.get("points", [])) >= 3, 20, "points in contact"
+                )
                 self.assertEqual(len(points["points"]) % 3, 0)
                 socket.frame(lambda m: size(m.get("effects_force")) > 0.005, 10, "drag")
 
                 socket.order(change=["viscosity", "off"])
-                facts = socket.facts(lambda m: m["effects"] and not m["effects"][0]["on"], 10, "the effect off")
+                facts = socket.facts(
+                    lambda m: m["effects"] and not m["effects"][0]["on"], 10, "the effect off"
+                )
                 self.assertEqual(facts["answers"][-1]["result"], "done")
-                off_at = socket.frame(lambda m: size(m.get("effects_force")) == 0.0, 10, "no drag")["t"]
+                off_at = socket.frame(lambda m: size(m.get("effects_force")) == 0.0, 10, "no drag")[
+                    "t"
+                ]
                 later = socket.frame(lambda m: m["t"] > off_at + 1.0, 10, "a second more")
                 self.assertEqual(size(later["effects_force"]), 0.0)
 
                 socket.order(change=["viscosity", "damping_ns_per_m=1e5"])
-                facts = socket.facts(lambda m: m["answers"] and m["answers"][-1]["result"] == "refused", 10, "a refusal")
+                facts = socket.facts(
+                    lambda m: m["answers"] and m["answers"][-1]["result"] == "refused",
+                    10,
+                    "a refusal",
+                )
                 self.assertGreater(len(facts["answers"][-1]["sentence"]), 20)
 
-                facts = socket.facts(lambda m: state_of(m, "coupling") == "running" and m["latency"] and m["design"], 10, "all that is known")
+                facts = socket.facts(
+                    lambda m: state_of(m, "coupling") == "running" and m["latency"] and m["design"],
+                    10,
+                    "all that is known",
+                )
                 self.assertGreater(facts["latency"]["samples"], 100)
                 self.assertIn("shaping filter", facts["design"]["sentence"])
-                tasks = [t.read_text().rsplit(")", 1)[1].split() for t in pathlib.Path(f"/proc/{shown.process.pid}/task").glob("*/stat")]
-                self.assertTrue(all(int(t[16]) >= 10 and t[38] == "0" for t in tasks), "a thread of the page is as urgent as those that feel")
-                rate = socket.facts(lambda m: any(n["node"] == "device" and n["rate_hz"] for n in m["nodes"]), 10, "a rate")
+                tasks = [
+                    t.read_text().rsplit(")", 1)[1].split()
+                    for t in pathlib.Path(f"/proc/{shown.process.pid}/task").glob("*/stat")
+                ]
+                self.assertTrue(
+                    all(int(t[16]) >= 10 and t[38] == "0" for t in tasks),
+                    "a thread of the page is as urgent as those that feel",
+                )
+                rate = socket.facts(
+                    lambda m: any(n["node"] == "device" and n["rate_hz"] for n in m["nodes"]),
+                    10,
+                    "a rate",
+                )
                 self.assertTrue(rate)
                 os.kill(pid_of(facts, "coupling"), signal.SIGKILL)
-                socket.facts(lambda m: state_of(m, "coupling") in ("hangs", "gone"), 15, "the dead node")
+                socket.facts(
+                    lambda m: state_of(m, "coupling") in ("hangs", "gone"), 15, "the dead node"
+                )
                 first.process.wait(30)
             with ring("cup_viscosity"):
-                socket.facts(lambda m: state_of(m, "coupling") == "running", 30, "the node's return")
-                socket.frame(lambda m: m["session"] != felt["session"] and size(m.get("force")) > 0.05, 20, "force of the next session")
+                socket.facts(
+                    lambda m: state_of(m, "coupling") == "running", 30, "the node's return"
+                )
+                socket.frame(
+                    lambda m: m["session"] != felt["session"] and size(m.get("force")) > 0.05,
+                    20,
+                    "force of the next session",
+                )
 
 
 class Slices(unittest.TestCase):
@@ -137,11 +224,20 @@ class Slices(unittest.TestCase):
             socket.frame(lambda m: m.get("tool"), 20, "samples")
             for axis, at in ("z", -0.009), ("x", 0.011), ("z", 0.05):
                 socket.order(slice={"axis": axis, "at": at})
-                cut = socket.wait_for(lambda m: m["type"] == "slice" and m["axis"] == axis and abs(m["at"] - at) < 1e-9, 20, f"a plane across {axis}")
+                cut = socket.wait_for(
+                    lambda m: m["type"] == "slice"
+                    and m["axis"] == axis
+                    and abs(m["at"] - at) < 1e-9,
+                    20,
+                    f"a plane across {axis}",
+                )
                 self.assertEqual(len(cut["cells"]), cut["columns"] * cut["rows"])
                 low, step, seen = cut["low"], cut["step"], {"0": 0, "1": 0, "2": 0}
                 for n, kind in enumerate(cut["cells"]):
-                    u, v = low[0] + (n % cut["columns"] + 0.5) * step, low[1] + (n // cut["columns"] + 0.5) * step
+                    u, v = (
+                        low[0] + (n % cut["columns"] + 0.5) * step,
+                        low[1] + (n // cut["columns"] + 0.5) * step,
+                    )
                     x, y, z = {"x": (at, u, v), "z": (u, v, at)}[axis]
                     depth = min(0.12 - abs(x), 0.12 - abs(y), -z, z + 0.02)  # in the block: above 0
                     seen[kind] += 1
@@ -154,14 +250,18 @@ class Slices(unittest.TestCase):
                 else:
                     self.assertGreater(min(seen["1"], seen["2"]), 100, seen)
             socket.order(slice={"axis": "z"})  # where the tool is
-            cut = socket.wait_for(lambda m: m["type"] == "slice" and m["at"] != at, 10, "a plane at the tool")
+            cut = socket.wait_for(
+                lambda m: m["type"] == "slice" and m["at"] != at, 10, "a plane at the tool"
+            )
             frame = socket.frame(lambda m: True, 5, "the tool")
             self.assertAlmostEqual(cut["at"], frame["object"][2], delta=0.01)
 
 
 class Large(unittest.TestCase):
     def test_meshes_are_drawn_coarser_and_nobody_waits_for_them(self):
-        with tempfile.TemporaryDirectory() as folder, page(str(fine_scene(folder, 160))) as shown, WebSocket(shown.address()) as socket:
+        with tempfile.TemporaryDirectory() as folder, page(
+            str(fine_scene(folder, 160))
+        ) as shown, WebSocket(shown.address()) as socket:
             facts = 0
             while not (message := socket.receive()).get("meshes"):
                 facts += message["type"] == "facts"
@@ -222,32 +322,74 @@ class Recorded(unittest.TestCase):
     def test_counts_the_latency_of_a_recorded_ring_as_its_logger_took_it(self):
         with tempfile.TemporaryDirectory() as folder:
             bag = str(pathlib.Path(folder) / "bag")
-            with Process("up", scene("cup"), "--motion", "slide", "--domain", DOMAIN, "--duration", "5", "--record", bag) as run:
+            with Process(
+                "up",
+                scene("cup"),
+                "--motion",
+                "slide",
+                "--domain",
+                DOMAIN,
+                "--duration",
+                "5",
+                "--record",
+                bag,
+            ) as run:
                 run.process.wait(60)
             with page(bag) as shown, WebSocket(shown.address()) as socket:
                 socket.order(speed=4)
-                facts = socket.facts(lambda m: not m["bag"]["playing"] and m["latency"] and m["counts"], 30, "the end")
+                facts = socket.facts(
+                    lambda m: not m["bag"]["playing"] and m["latency"] and m["counts"],
+                    30,
+                    "the end",
+                )
                 told = json.loads((pathlib.Path(bag) / "voxtouch_run.json").read_text())
-                self.assertEqual(facts["bag"]["verdict"], {"good": told["ok"], "problems": told["problems"]})
-            self.assertGreater(facts["counts"]["latency_p50_us"], 0, "what the device measured stands beside it")
+                self.assertEqual(
+                    facts["bag"]["verdict"], {"good": told["ok"], "problems": told["problems"]}
+                )
+            self.assertGreater(
+                facts["counts"]["latency_p50_us"], 0, "what the device measured stands beside it"
+            )
             taken = {"/haptic/device/state": {}, "/haptic/coupling/command": {}}
             for file in pathlib.Path(bag).glob("*.db3"):
                 with contextlib.closing(sqlite3.connect(file)) as db:
-                    for name, time_ns, data in db.execute("select name, timestamp, data from messages join topics on topics.id = topic_id"):
+                    for name, time_ns, data in db.execute(
+                        "select name, timestamp, data from messages join topics on topics.id = topic_id"
+                    ):
                         if name in taken:
                             taken[name][int.from_bytes(data[12:20], "little")] = time_ns
             states, commands = taken.values()
-            us = sorted((commands[n] - states[n]) * 1e-3 for n in commands if n in states and commands[n] >= states[n])
+            us = sorted(
+                (commands[n] - states[n]) * 1e-3
+                for n in commands
+                if n in states and commands[n] >= states[n]
+            )
             self.assertEqual(facts["latency"]["samples"], len(us))
             self.assertEqual(sum(facts["latency"]["counts"]), len(us))
             self.assertAlmostEqual(facts["latency"]["p50_us"], us[len(us) // 2], delta=2.0)
-            self.assertAlmostEqual(facts["latency"]["counts"][0], sum(x < 25.0 for x in us), delta=2)
+            self.assertAlmostEqual(
+                facts["latency"]["counts"][0], sum(x < 25.0 for x in us), delta=2
+            )
 
     def test_plays_seeks_and_ends(self):
         with tempfile.TemporaryDirectory() as folder:
             bag = str(pathlib.Path(folder) / "bag")
-            with Process("up", scene("cup"), "--motion", "slide", "--domain", DOMAIN, "--lockstep", "--duration", "6", "--record", bag,
-                         "--record-format", "mcap", "--record-split-s", "2.5") as run:  # the case above plays one in sqlite3
+            with Process(
+                "up",
+                scene("cup"),
+                "--motion",
+                "slide",
+                "--domain",
+                DOMAIN,
+                "--lockstep",
+                "--duration",
+                "6",
+                "--record",
+                bag,
+                "--record-format",
+                "mcap",
+                "--record-split-s",
+                "2.5",
+            ) as run:  # the case above plays one in sqlite3
                 self.assertEqual(run.process.wait(60), 0, run.told())
             with page(bag) as shown, WebSocket(shown.address()) as socket:
                 socket.frame(lambda m: size(m.get("force")) > 0.05, 10, "force")
@@ -258,7 +400,9 @@ class Recorded(unittest.TestCase):
                 self.assertEqual(state_of(end, "device"), "stopped")
                 self.assertIsNone(end["latency"], "lockstep: simulated times measure nothing")
                 socket.order(seek=2.0)
-                past = socket.wait_for(lambda m: m["type"] == "past" and m["rows"], 10, "what was before")
+                past = socket.wait_for(
+                    lambda m: m["type"] == "past" and m["rows"], 10, "what was before"
+                )
                 self.assertLess(past["rows"][-1][0], 2.1)
                 self.assertGreater(len(past["rows"]), 200)
                 frame = socket.frame(lambda m: True, 5, "the place")

@@ -25,21 +25,25 @@ double cap_of(const CouplingSpec& spec, bool rotation) {
 }
 
 double after_coupling(const LoopController& law, double gain, double contact) {
-  if (law.law == Law::kShapingFilter) return gain * contact;
-  if (law.law == Law::kDirect) return contact;
+  if (law.law == Law::kShapingFilter)
+    return gain * contact;
+  if (law.law == Law::kDirect)
+    return contact;
   return law.stiffness * contact / (law.stiffness + contact);
 }
 
 /// The law with its effort times `scale`; for filter and direct that is the contact's doing.
 LoopController scaled(LoopController law, double scale) {
-  if (law.law == Law::kSpringDamper) law.stiffness *= scale, law.damping *= scale;
+  if (law.law == Law::kSpringDamper)
+    law.stiffness *= scale, law.damping *= scale;
   return law;
 }
 
 /// Critical stiffness, margin and where.
 void find_margin(const AxisProblem& problem, const CouplingSpec& spec, const LoopController& law,
                  const ShownStiffness& at, const WorstCase* known, AxisDesign& out) {
-  if (problem.hand.any_passive) out.worst_case_text = "some passive hand";
+  if (problem.hand.any_passive)
+    out.worst_case_text = "some passive hand";
   const double limit = passive_limit(problem, law);
   WorstCase worst;
   if (law.law == Law::kSpringDamper) {
@@ -53,19 +57,23 @@ void find_margin(const AxisProblem& problem, const CouplingSpec& spec, const Loo
   } else {
     worst = known ? *known : critical_case(problem, law);
     const double load = at.coupling * at.shown;
-    out.critical_stiffness = problem.hand.any_passive ? std::min(limit, worst.stiffness) : worst.stiffness;
+    out.critical_stiffness =
+        problem.hand.any_passive ? std::min(limit, worst.stiffness) : worst.stiffness;
     out.gain_margin = load > 0.0 ? out.critical_stiffness / load : 0.0;
     out.passive = load > 0.0 && load <= limit * kRounding;
     out.passive_stiffness = limit;
   }
   out.worst_case = problem.cases[worst.index].plant;
-  if (!problem.hand.any_passive) out.worst_case_text = describe(problem.cases[worst.index], *problem.units);
+  if (!problem.hand.any_passive)
+    out.worst_case_text = describe(problem.cases[worst.index], *problem.units);
 }
 
 /// At the margin; and, into `low`, at a hundredth of it.
-double radius(const AxisProblem& problem, const LoopController& law, const ShownStiffness& at, double& low) {
+double radius(const AxisProblem& problem, const LoopController& law, const ShownStiffness& at,
+              double& low) {
   const double k = at.coupling * (law.law == Law::kSpringDamper ? at.contact : at.shown);
-  const LoopController harder = scaled(law, problem.margin), softer = scaled(law, 0.01 * problem.margin);
+  const LoopController harder = scaled(law, problem.margin),
+                       softer = scaled(law, 0.01 * problem.margin);
   low = worst_radius(problem, softer, 0.01 * problem.margin * k);
   return worst_radius(problem, harder, problem.margin * k);
 }
@@ -74,11 +82,15 @@ void find_faults(const AxisProblem& problem, const LoopController& law, const Co
                  const ShownStiffness& at, double low_radius, AxisVerdict& verdict) {
   const AxisUnits& u = *problem.units;
   const AxisDesign& d = verdict.design;
-  const auto fault = [&](std::string sentence) { verdict.faults.push_back(fmt::format("{}: {}", u.name, sentence)); };
+  const auto fault = [&](std::string sentence) {
+    verdict.faults.push_back(fmt::format("{}: {}", u.name, sentence));
+  };
   if (!(d.gain_margin * kRounding >= problem.margin))
     fault(
-        fmt::format("{:.4g} {} is shown, and {} becomes unstable at {:.4g}: a margin of {:.3g} where {:.3g} is asked.",
-                    at.shown, u.stiffness, d.worst_case_text, d.critical_stiffness, d.gain_margin, problem.margin));
+        fmt::format("{:.4g} {} is shown, and {} becomes unstable at {:.4g}: a margin of {:.3g} "
+                    "where {:.3g} is asked.",
+                    at.shown, u.stiffness, d.worst_case_text, d.critical_stiffness, d.gain_margin,
+                    problem.margin));
   else if (!(d.spectral_radius < 1.0 && low_radius < 1.0))
     fault(fmt::format("at {} the loop's slowest motion does not decay (spectral radius {:.9g}).",
                       d.spectral_radius < 1.0 ? "a hundredth of the margin" : "the margin",
@@ -86,47 +98,64 @@ void find_faults(const AxisProblem& problem, const LoopController& law, const Co
   if (at.shown > problem.model.max_stiffness * kRounding)
     fault(fmt::format("{:.4g} {} is shown, and the device can show {:.4g}.", at.shown, u.stiffness,
                       problem.model.max_stiffness));
-  if (law.injected_damping <= 0.0) return;
+  if (law.injected_damping <= 0.0)
+    return;
   if (problem.hand.any_passive)
-    fault("injected damping is asked for, which no rule covers where only passivity is known of the hand.");
-  if (const double most = damping_limit(problem, velocity_of(spec)); law.injected_damping > most * kRounding)
-    fault(fmt::format(
-        "the injected damping of {:.4g} {} is above {:.4g}, half of what the worst case bears, or what its noise "
-        "allows.",
-        law.injected_damping, u.damping, most));
+    fault(
+        "injected damping is asked for, which no rule covers where only passivity is known of the "
+        "hand.");
+  if (const double most = damping_limit(problem, velocity_of(spec));
+      law.injected_damping > most * kRounding)
+    fault(
+        fmt::format("the injected damping of {:.4g} {} is above {:.4g}, half of what the worst "
+                    "case bears, or what its noise "
+                    "allows.",
+                    law.injected_damping, u.damping, most));
   if (!is_rotation(problem) && !holds_on_slow_velocity(problem, spec, at))
-    fault(fmt::format("damped on the slow velocity of {:.3g} Hz alone, as movements within its band of {:.3g} m/s are, {:.4g} {} does not keep {:.3g} of the margin.",
-                      spec.slow_velocity_hz, spec.velocity_band_m_per_s, at.shown, u.stiffness, slow_share(problem, spec)));
+    fault(
+        fmt::format("damped on the slow velocity of {:.3g} Hz alone, as movements within its band "
+                    "of {:.3g} m/s are, {:.4g} {} does not keep {:.3g} of the margin.",
+                    spec.slow_velocity_hz, spec.velocity_band_m_per_s, at.shown, u.stiffness,
+                    slow_share(problem, spec)));
 }
 
 }  // namespace
 
-std::vector<ShownStiffness> shown_stiffness(const DesignProblem& request, const std::vector<AxisProblem>& problems,
+std::vector<ShownStiffness> shown_stiffness(const DesignProblem& request,
+                                            const std::vector<AxisProblem>& problems,
                                             const CouplingSpec& spec) {
-  bool matrix_capped = true;  // K6 <= diag(caps), and neither cap is looser than what coupling can double
+  bool matrix_capped =
+      true;  // K6 <= diag(caps), and neither cap is looser than what coupling can double
   for (const AxisProblem& axis : problems)
-    matrix_capped = matrix_capped && cap_of(spec, is_rotation(axis)) <= 2.0 * axis.contact.all_points;
+    matrix_capped =
+        matrix_capped && cap_of(spec, is_rotation(axis)) <= 2.0 * axis.contact.all_points;
   std::vector<ShownStiffness> out;
   for (const AxisProblem& axis : problems) {
     const double cap = cap_of(spec, is_rotation(axis));
     ShownStiffness at;
     at.contact = std::min(axis.contact.all_points, cap);
-    at.shown = after_coupling(controller_of(spec, axis, arm_squared(request)), spec.gain, at.contact);
-    if (problems.size() > 1) at.coupling = matrix_capped ? std::min(cap, 2.0 * at.contact) / at.contact : 2.0;
-    // The spring-damper's one law acts along the wrench, arm and all; its two axes share the device's damping instead.
-    if (spec.kind == "spring_damper") at.coupling = 1.0;
+    at.shown =
+        after_coupling(controller_of(spec, axis, arm_squared(request)), spec.gain, at.contact);
+    if (problems.size() > 1)
+      at.coupling = matrix_capped ? std::min(cap, 2.0 * at.contact) / at.contact : 2.0;
+    // The spring-damper's one law acts along the wrench, arm and all; its two axes share the
+    // device's damping instead.
+    if (spec.kind == "spring_damper")
+      at.coupling = 1.0;
     out.push_back(at);
   }
   return out;
 }
 
-AxisVerdict judge_axis(const DesignProblem& request, const AxisProblem& problem, const CouplingSpec& spec,
-                       const ShownStiffness& shown, const WorstCase* worst) {
+AxisVerdict judge_axis(const DesignProblem& request, const AxisProblem& problem,
+                       const CouplingSpec& spec, const ShownStiffness& shown,
+                       const WorstCase* worst) {
   const LoopController law = controller_of(spec, problem, arm_squared(request));
   AxisVerdict verdict;
   AxisDesign& out = verdict.design;
   out.injected_damping = law.injected_damping;
-  if (law.injected_damping > 0.0) out.velocity = velocity_of(spec);
+  if (law.injected_damping > 0.0)
+    out.velocity = velocity_of(spec);
   out.wanted_stiffness = problem.wanted;
   out.shown_stiffness = shown.shown;
   find_margin(problem, spec, law, shown, worst, out);
@@ -136,17 +165,23 @@ AxisVerdict judge_axis(const DesignProblem& request, const AxisProblem& problem,
   return verdict;
 }
 
-void describe_axis(const DesignProblem& request, const AxisProblem& problem, const CouplingSpec& spec, const ShownStiffness& shown, AxisDesign& out) {
+void describe_axis(const DesignProblem& request, const AxisProblem& problem,
+                   const CouplingSpec& spec, const ShownStiffness& shown, AxisDesign& out) {
   const LoopController law = controller_of(spec, problem, arm_squared(request));
   const double contact = law.law == Law::kSpringDamper ? shown.contact : shown.shown;
-  out.limit_cycle_bound = limit_cycle_bound(problem, law, contact, shown.shown, !is_rotation(problem) && damps_on_slow_velocity(spec) ? spec.velocity_band_m_per_s : 0.0);
+  out.limit_cycle_bound = limit_cycle_bound(
+      problem, law, contact, shown.shown,
+      !is_rotation(problem) && damps_on_slow_velocity(spec) ? spec.velocity_band_m_per_s : 0.0);
   if (law.law == Law::kSpringDamper) {
-    out.damping_required = out.damping_required_any_cutoff = passive_damping_required_series(problem);
+    out.damping_required = out.damping_required_any_cutoff =
+        passive_damping_required_series(problem);
   } else {
     const bool filtered = law.law == Law::kShapingFilter;
-    out.damping_required = passive_damping_required(problem, filtered ? request.goals.cutoff_hz : kInfinity);
+    out.damping_required =
+        passive_damping_required(problem, filtered ? request.goals.cutoff_hz : kInfinity);
     const double highest = filter_settings(request).back().cutoff_hz;
-    out.damping_required_any_cutoff = passive_damping_required(problem, filtered ? highest : kInfinity);
+    out.damping_required_any_cutoff =
+        passive_damping_required(problem, filtered ? highest : kInfinity);
   }
 }
 
@@ -154,28 +189,33 @@ double passive_damping_required(const AxisProblem& problem, double cutoff_hz) {
   const double lag = effort_lag_s(problem.model);
   double most = 0.0;  // stiffness for a unit of damping: the rule is proportional to it
   for (const double ratio : {std::numbers::sqrt2 / 2.0, std::numbers::sqrt3 / 2.0, 0.577, 1.0})
-    most =
-        std::max(most, passive_stiffness_filter(2.0 * std::numbers::pi * cutoff_hz, ratio, 1.0, problem.timing, lag));
+    most = std::max(most, passive_stiffness_filter(2.0 * std::numbers::pi * cutoff_hz, ratio, 1.0,
+                                                   problem.timing, lag));
   return problem.margin * problem.target / most;
 }
 
 double passive_damping_required_series(const AxisProblem& problem) {
   const LoopTiming slow = slowest(problem.timing);
   const double stiffness =
-      llewellyn_optimum(1.0, slow.period_s, whole_delay(slow, effort_lag_s(problem.model))).stiffness;
+      llewellyn_optimum(1.0, slow.period_s, whole_delay(slow, effort_lag_s(problem.model)))
+          .stiffness;
   return problem.margin * problem.target * kSeriesShare / (1.0 - kSeriesShare) / stiffness;
 }
 
 double max_approach(const AxisProblem& problem, const CouplingSpec& spec, double depth_m) {
   const LoopController law = controller_of(spec, problem, 0.0);
-  const double contact = std::min({problem.contact.one_point, problem.contact.all_points, spec.stiffness_cap_n_per_m});
+  const double contact =
+      std::min({problem.contact.one_point, problem.contact.all_points, spec.stiffness_cap_n_per_m});
   const double stiffness = after_coupling(law, spec.gain, contact);
-  if (!(depth_m > 0.0 && stiffness > 0.0)) return 0.0;
+  if (!(depth_m > 0.0 && stiffness > 0.0))
+    return 0.0;
   double longest = 0.0;  // [s]: how deep for each m/s
   for (const DesignCase& one : problem.cases) {
     const LoopPlant& p = one.plant;
-    const double mass = p.mass + p.hand_mass, damping = p.damping + p.hand_damping + law.injected_damping;
-    const double stop = std::min(std::sqrt(mass / stiffness), damping > 0.0 ? mass / damping : kInfinity);
+    const double mass = p.mass + p.hand_mass,
+                 damping = p.damping + p.hand_damping + law.injected_damping;
+    const double stop =
+        std::min(std::sqrt(mass / stiffness), damping > 0.0 ? mass / damping : kInfinity);
     longest = std::max(longest, lag_s(spec) + 0.5 * p.period_s + p.delay_s + p.effort_lag_s + stop);
   }
   return depth_m / longest;

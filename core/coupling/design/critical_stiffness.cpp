@@ -16,22 +16,25 @@ double mass_of(const LoopPlant& p) { return p.mass + p.hand_mass; }
 double damping_of(const LoopPlant& p) { return p.damping + p.hand_damping; }
 bool swings_undamped(const LoopPlant& p) { return p.hand_stiffness > 0.0 && damping_of(p) == 0.0; }
 
-/// The hand's resonance on the sampled circle [rad per sample], folded where it is above half the sample rate.
+/// The hand's resonance on the sampled circle [rad per sample], folded where it is above half the
+/// sample rate.
 double resonance_of(const LoopPlant& p) {
-  return std::abs(std::remainder(std::sqrt(p.hand_stiffness / mass_of(p)) * p.period_s, 2.0 * std::numbers::pi));
+  return std::abs(std::remainder(std::sqrt(p.hand_stiffness / mass_of(p)) * p.period_s,
+                                 2.0 * std::numbers::pi));
 }
 
-/// An undamped hand's resonance stands on the unit circle, where L passes through infinity. Moved inside by this share of
-/// critical damping it passes on the side of the eigenvalue that is still stable; whether it is for small gains is asked of
-/// goes_inwards.
+/// An undamped hand's resonance stands on the unit circle, where L passes through infinity. Moved
+/// inside by this share of critical damping it passes on the side of the eigenvalue that is still
+/// stable; whether it is for small gains is asked of goes_inwards.
 LoopPlant with_a_hair_of_damping(LoopPlant p) {
   constexpr double kHair = 1e-9;
-  if (swings_undamped(p)) p.hand_damping = 2.0 * kHair * std::sqrt(p.hand_stiffness * mass_of(p));
+  if (swings_undamped(p))
+    p.hand_damping = 2.0 * kHair * std::sqrt(p.hand_stiffness * mass_of(p));
   return p;
 }
 
-/// Whether the eigenvalue on the circle at `angle` goes inside for a small gain. Near it L = R/(z - z_n), and it goes to
-/// z_n - gain R: inside if L is in the lower half plane just above it.
+/// Whether the eigenvalue on the circle at `angle` goes inside for a small gain. Near it L = R/(z -
+/// z_n), and it goes to z_n - gain R: inside if L is in the lower half plane just above it.
 template <class Response>
 bool goes_inwards(const Response& response, double angle) {
   return response(Phasor(angle * (1.0 + 1e-6))).value.imag() < 0.0;
@@ -48,21 +51,28 @@ double slowness(const LoopPlant& p, const LoopController& c) {
   } else {
     sum += mass_of(p) / (damping_of(p) + c.injected_damping);
   }
-  if (c.law == Law::kShapingFilter) sum += (1.0 + 2.0 * c.damping_ratio) / c.w0_rad_per_s;
-  if (c.law == Law::kSpringDamper && c.stiffness > 0.0) sum += c.damping / c.stiffness;
-  if (c.injected_damping > 0.0 && c.velocity_window > 0) sum += window_span(c.velocity_window) * p.period_s;
-  if (c.injected_damping > 0.0 && c.velocity_window == 0 && c.velocity_filter_rad_per_s > 0.0) sum += 1.0 / c.velocity_filter_rad_per_s;
+  if (c.law == Law::kShapingFilter)
+    sum += (1.0 + 2.0 * c.damping_ratio) / c.w0_rad_per_s;
+  if (c.law == Law::kSpringDamper && c.stiffness > 0.0)
+    sum += c.damping / c.stiffness;
+  if (c.injected_damping > 0.0 && c.velocity_window > 0)
+    sum += window_span(c.velocity_window) * p.period_s;
+  if (c.injected_damping > 0.0 && c.velocity_window == 0 && c.velocity_filter_rad_per_s > 0.0)
+    sum += 1.0 / c.velocity_filter_rad_per_s;
   return sum;
 }
 
-bool pulls_back(const LoopController& c) { return c.law == Law::kSpringDamper ? c.stiffness > 0.0 : c.gain > 0.0; }
+bool pulls_back(const LoopController& c) {
+  return c.law == Law::kSpringDamper ? c.stiffness > 0.0 : c.gain > 0.0;
+}
 bool acts(const LoopController& c) {
   return c.law == Law::kSpringDamper ? c.stiffness > 0.0 || c.damping > 0.0 : c.gain != 0.0;
 }
 
 }  // namespace
 
-InnerLimit inner_limit(const LoopPlant& bare, double velocity_filter_rad_per_s, int velocity_window) {
+InnerLimit inner_limit(const LoopPlant& bare, double velocity_filter_rad_per_s,
+                       int velocity_window) {
   const LoopPlant p = with_a_hair_of_damping(bare);
   const SampledPlant plant = sample_plant(p);
   const VelocityResponse velocity(p.period_s, velocity_filter_rad_per_s, velocity_window);
@@ -71,30 +81,43 @@ InnerLimit inner_limit(const LoopPlant& bare, double velocity_filter_rad_per_s, 
     return LoopSample{value, value};
   };
   const double resonance = resonance_of(p);
-  if (swings_undamped(bare) && !goes_inwards(response, resonance)) return {0.0, resonance};
-  const double filter = velocity_filter_rad_per_s > 0.0 && velocity_window == 0 ? 1.0 / velocity_filter_rad_per_s : 0.0;
-  CrossingSearch search((transport(p) + filter) / p.period_s + window_span(velocity_window), plant.whole_delay + window_last(velocity_window));
+  if (swings_undamped(bare) && !goes_inwards(response, resonance))
+    return {0.0, resonance};
+  const double filter = velocity_filter_rad_per_s > 0.0 && velocity_window == 0
+                            ? 1.0 / velocity_filter_rad_per_s
+                            : 0.0;
+  CrossingSearch search((transport(p) + filter) / p.period_s + window_span(velocity_window),
+                        plant.whole_delay + window_last(velocity_window));
   search.stop_at(resonance);
   const Crossing first = search.find(response);
   return {first.gain, first.angle};
 }
 
-double critical_damping(const LoopPlant& plant, double velocity_filter_rad_per_s, int velocity_window) {
+double critical_damping(const LoopPlant& plant, double velocity_filter_rad_per_s,
+                        int velocity_window) {
   return inner_limit(plant, velocity_filter_rad_per_s, velocity_window).damping;
 }
 
 CriticalStiffness critical_stiffness(const LoopPlant& plant, const LoopController& c) {
-  return critical_stiffness(plant, c, c.injected_damping > 0.0 ? inner_limit(plant, c.velocity_filter_rad_per_s, c.velocity_window) : InnerLimit{});
+  return critical_stiffness(plant, c,
+                            c.injected_damping > 0.0
+                                ? inner_limit(plant, c.velocity_filter_rad_per_s, c.velocity_window)
+                                : InnerLimit{});
 }
 
-CriticalStiffness critical_stiffness(const LoopPlant& plant, const LoopController& c, const InnerLimit& inner) {
+CriticalStiffness critical_stiffness(const LoopPlant& plant, const LoopController& c,
+                                     const InnerLimit& inner) {
   const bool held = plant.hand_stiffness > 0.0;
-  // Released, the position's eigenvalue stands at 1 and leaves it inwards for a k > 0 only if the law answers a displacement at
-  // rest and something damps: without, it is a double one, of which any lag pushes one half outside.
-  if (!held && !(pulls_back(c) && damping_of(plant) + c.injected_damping > 0.0)) return {};
+  // Released, the position's eigenvalue stands at 1 and leaves it inwards for a k > 0 only if the
+  // law answers a displacement at rest and something damps: without, it is a double one, of which
+  // any lag pushes one half outside.
+  if (!held && !(pulls_back(c) && damping_of(plant) + c.injected_damping > 0.0))
+    return {};
 
-  if (c.injected_damping > 0.0 && c.injected_damping >= inner.damping) return {};
-  if (!acts(c)) return {kInfinity, 0.0};
+  if (c.injected_damping > 0.0 && c.injected_damping >= inner.damping)
+    return {};
+  if (!acts(c))
+    return {kInfinity, 0.0};
 
   const LoopPlant p = with_a_hair_of_damping(plant);
   const LoopResponse loop(p, c);
@@ -103,12 +126,14 @@ CriticalStiffness critical_stiffness(const LoopPlant& plant, const LoopControlle
     return LoopSample{value, c.law == Law::kSpringDamper ? g : value};
   };
   const double resonance = resonance_of(p);
-  if (swings_undamped(plant) && c.injected_damping == 0.0 && !goes_inwards(response, resonance)) return {};
+  if (swings_undamped(plant) && c.injected_damping == 0.0 && !goes_inwards(response, resonance))
+    return {};
   const int late = c.injected_damping > 0.0 ? window_last(c.velocity_window) : 0;
   CrossingSearch search(slowness(p, c) / p.period_s, loop.plant().whole_delay + late);
   search.stop_at(resonance);
   search.stop_at(c.injected_damping > 0.0 ? inner.angle : 0.0);
-  if (c.law == Law::kShapingFilter) search.stop_at(2.0 * std::atan(0.5 * c.w0_rad_per_s * p.period_s));
+  if (c.law == Law::kShapingFilter)
+    search.stop_at(2.0 * std::atan(0.5 * c.w0_rad_per_s * p.period_s));
   Crossing first = search.find(response);
   // A pushing contact (K < 0) against the hand's spring gives way at rest.
   if (c.law != Law::kSpringDamper && c.gain < 0.0 && -plant.hand_stiffness / c.gain < first.gain)

@@ -32,9 +32,11 @@ struct Loop {
   LoopController law;
   double contact;
 };
-Loop loop_of(const DesignProblem& request, const AxisProblem& problem, const CouplingSpec& spec, const ShownStiffness& shown, double share) {
+Loop loop_of(const DesignProblem& request, const AxisProblem& problem, const CouplingSpec& spec,
+             const ShownStiffness& shown, double share) {
   LoopController law = controller_of(spec, problem, arm_squared(request));
-  if (law.law != LoopController::Law::kSpringDamper) return {law, share * shown.shown};
+  if (law.law != LoopController::Law::kSpringDamper)
+    return {law, share * shown.shown};
   law.stiffness *= share, law.damping *= share;
   return {law, shown.contact};
 }
@@ -47,7 +49,8 @@ double best_ratio(const AxisProblem& problem, const DesignCase& one, bool may_da
   double best = ratio(one.plant, law, contact);
   for (const VelocityEstimate& velocity : velocity_estimates(windows))
     for (const double share : kDampingShares) {
-      if (!may_damp || best >= one.least_damping_ratio) return best;
+      if (!may_damp || best >= one.least_damping_ratio)
+        return best;
       law.use(velocity);
       law.injected_damping = share * damping_limit(problem, velocity);
       best = std::max(best, ratio(one.plant, law, contact));
@@ -55,9 +58,11 @@ double best_ratio(const AxisProblem& problem, const DesignCase& one, bool may_da
   return best;
 }
 
-/// The largest x up to 1 for which `keeps` holds, as if it held for all below; 0 where it is not even for the least one tried.
+/// The largest x up to 1 for which `keeps` holds, as if it held for all below; 0 where it is not
+/// even for the least one tried.
 double largest(const std::function<bool(double)>& keeps) {
-  if (keeps(1.0)) return 1.0;
+  if (keeps(1.0))
+    return 1.0;
   double low = 0.0, high = 1.0;
   for (int n = 0; n < kHalvings; ++n) {
     const double middle = 0.5 * (low + high);
@@ -68,7 +73,8 @@ double largest(const std::function<bool(double)>& keeps) {
 
 }  // namespace
 
-SlowestSwing slowest_swing(const DesignProblem& request, const std::vector<AxisProblem>& problems, const CouplingSpec& spec) {
+SlowestSwing slowest_swing(const DesignProblem& request, const std::vector<AxisProblem>& problems,
+                           const CouplingSpec& spec) {
   const std::vector<ShownStiffness> shown = shown_stiffness(request, problems, spec);
   SlowestSwing out;
   for (std::size_t a = 0; a < problems.size(); ++a) {
@@ -76,36 +82,46 @@ SlowestSwing slowest_swing(const DesignProblem& request, const std::vector<AxisP
     for (const DesignCase& one : problems[a].cases) {
       const double here = ratio(one.plant, loop.law, loop.contact);
       double& least = one.held ? out.held : out.released;
-      if (here >= least) continue;
+      if (here >= least)
+        continue;
       least = here;
-      (one.held ? out.held_where : out.released_where) = fmt::format("{}: {}", problems[a].units->name, describe(one, *problems[a].units));
+      (one.held ? out.held_where : out.released_where) =
+          fmt::format("{}: {}", problems[a].units->name, describe(one, *problems[a].units));
     }
   }
   return out;
 }
 
 std::string set_floors(const DesignProblem& request, std::vector<AxisProblem>& problems) {
-  const bool may_damp = request.goals.allow_injected_damping && request.goals.kind != "spring_damper";
+  const bool may_damp =
+      request.goals.allow_injected_damping && request.goals.kind != "spring_damper";
   std::string out_of_reach;
   double worst = 1.0;
   const auto set = [&](AxisProblem& problem, bool held, double floor) {
     bool forbidden = false;
     for (DesignCase& one : problem.cases) {
-      if (one.held != held) continue;
+      if (one.held != held)
+        continue;
       one.least_damping_ratio = floor;
-      if (floor <= 0.0) continue;
+      if (floor <= 0.0)
+        continue;
       const double best = best_ratio(problem, one, may_damp, request.goals.velocity_windows);
-      if (best >= floor) continue;
+      if (best >= floor)
+        continue;
       forbidden = true;
-      if (best >= worst) continue;
+      if (best >= worst)
+        continue;
       worst = best;
-      out_of_reach = fmt::format("{}: {} swings with a damping ratio of {:.2g} at best", problem.units->name, describe(one, *problem.units), best);
+      out_of_reach = fmt::format("{}: {} swings with a damping ratio of {:.2g} at best",
+                                 problem.units->name, describe(one, *problem.units), best);
     }
     for (DesignCase& one : problem.cases)
-      if (forbidden && one.held == held) one.least_damping_ratio = 0.0;
+      if (forbidden && one.held == held)
+        one.least_damping_ratio = 0.0;
   };
   for (std::size_t a = 0; a < problems.size(); ++a) {
-    if (problems[a].hand.any_passive) continue;
+    if (problems[a].hand.any_passive)
+      continue;
     const DampingFloors& floors = a == 0 ? request.goals.floors : request.goals.rotation_floors;
     set(problems[a], false, floors.released);
     set(problems[a], true, floors.held);
@@ -118,29 +134,39 @@ bool keeps_floors(const AxisProblem& problem, const LoopController& law, double 
   return keeps_floors(problem, law, contact, first);
 }
 
-bool keeps_floors(const AxisProblem& problem, const LoopController& law, double contact, std::size_t& first) {
-  const auto keeps = [&](const DesignCase& one) { return one.least_damping_ratio <= 0.0 || ratio(one.plant, law, contact) >= one.least_damping_ratio; };
-  if (!keeps(problem.cases[first])) return false;
+bool keeps_floors(const AxisProblem& problem, const LoopController& law, double contact,
+                  std::size_t& first) {
+  const auto keeps = [&](const DesignCase& one) {
+    return one.least_damping_ratio <= 0.0 ||
+           ratio(one.plant, law, contact) >= one.least_damping_ratio;
+  };
+  if (!keeps(problem.cases[first]))
+    return false;
   for (std::size_t i = 0; i < problem.cases.size(); ++i)
-    if (i != first && !keeps(problem.cases[i])) return first = i, false;
+    if (i != first && !keeps(problem.cases[i]))
+      return first = i, false;
   return true;
 }
 
-bool keeps_floors(const DesignProblem& request, const std::vector<AxisProblem>& problems, const CouplingSpec& spec, double share) {
+bool keeps_floors(const DesignProblem& request, const std::vector<AxisProblem>& problems,
+                  const CouplingSpec& spec, double share) {
   const std::vector<ShownStiffness> shown = shown_stiffness(request, problems, spec);
   for (std::size_t a = 0; a < problems.size(); ++a) {
     const Loop loop = loop_of(request, problems[a], spec, shown[a], share);
-    if (!keeps_floors(problems[a], loop.law, loop.contact)) return false;
+    if (!keeps_floors(problems[a], loop.law, loop.contact))
+      return false;
   }
   return true;
 }
 
 double damped_stiffness(const AxisProblem& problem, const LoopController& law, double most) {
   std::size_t first = 0;
-  return most * largest([&](double share) { return keeps_floors(problem, law, share * most, first); });
+  return most *
+         largest([&](double share) { return keeps_floors(problem, law, share * most, first); });
 }
 
-double damped_share(const DesignProblem& request, const std::vector<AxisProblem>& problems, const CouplingSpec& spec) {
+double damped_share(const DesignProblem& request, const std::vector<AxisProblem>& problems,
+                    const CouplingSpec& spec) {
   return largest([&](double share) { return keeps_floors(request, problems, spec, share); });
 }
 

@@ -20,10 +20,14 @@ constexpr double kQuietShare = 0.005;
 constexpr double kHandsArm = 0.05;
 
 double noise_limit(const DesignProblem& request, bool rotation) {
-  const double force = request.device.translation.max_effort, torque = request.device.rotation.max_effort;
+  const double force = request.device.translation.max_effort,
+               torque = request.device.rotation.max_effort;
   const double asked = request.goals.max_injected_damping_effort;
-  const double of_force = asked > 0.0 ? asked : std::max(kQuietForceN, std::isfinite(force) ? kQuietShare * force : 0.0);
-  if (!rotation) return of_force;
+  const double of_force =
+      asked > 0.0 ? asked
+                  : std::max(kQuietForceN, std::isfinite(force) ? kQuietShare * force : 0.0);
+  if (!rotation)
+    return of_force;
   // A torque may be noisy to the same share of the device's range as a force.
   return of_force * (std::isfinite(force) && std::isfinite(torque) ? torque / force : kHandsArm);
 }
@@ -38,46 +42,58 @@ AxisProblem problem(const DesignProblem& request, bool rotation) {
   out.cases = design_cases(out.model, out.timing, out.hand);
   out.margin = request.goals.gain_margin;
   out.wanted = std::min(out.contact.all_points, out.model.max_stiffness);
-  out.useful = rotation ? request.goals.useful_stiffness_nm_per_rad : request.goals.useful_stiffness_n_per_m;
+  out.useful =
+      rotation ? request.goals.useful_stiffness_nm_per_rad : request.goals.useful_stiffness_n_per_m;
   out.noise_limit = noise_limit(request, rotation);
   out.large_swing = std::max(kLargeSwing, 1.0 / out.margin);
   out.damper_share = rotation ? 0.0 : request.goals.damper_share.value_or(kDamperShare);
   return out;
 }
 
-/// By how much a late, filtered difference may exceed the speed it is meant to be, in the mean square: a short period's
-/// average may be held for a long one. What sums differences with weights multiplies it by the sum of these without their signs (Young).
+/// By how much a late, filtered difference may exceed the speed it is meant to be, in the mean
+/// square: a short period's average may be held for a long one. What sums differences with weights
+/// multiplies it by the sum of these without their signs (Young).
 double stretch(const LoopTiming& timing, int velocity_window) {
-  if (timing.jitter >= 1.0) return kInfinity;
-  const double held = std::sqrt((1.0 + timing.lost_in_a_row) * (1.0 + timing.jitter) / (1.0 - timing.jitter));
+  if (timing.jitter >= 1.0)
+    return kInfinity;
+  const double held =
+      std::sqrt((1.0 + timing.lost_in_a_row) * (1.0 + timing.jitter) / (1.0 - timing.jitter));
   return velocity_window > 0 ? kWindowGain * held : held;
 }
 
-/// K k from which on the loop is unstable with all of its injected damping, or with what may be left of that where it is bounded.
+/// K k from which on the loop is unstable with all of its injected damping, or with what may be
+/// left of that where it is bounded.
 double critical_for(const AxisProblem& problem, const DesignCase& one, const LoopController& law) {
   const LoopPlant& plant = one.plant;
-  const InnerLimit inner = law.injected_damping > 0.0 ? one.inner->of(plant, law.velocity_filter_rad_per_s, law.velocity_window) : InnerLimit{};
+  const InnerLimit inner =
+      law.injected_damping > 0.0
+          ? one.inner->of(plant, law.velocity_filter_rad_per_s, law.velocity_window)
+          : InnerLimit{};
   double least = critical_stiffness(plant, law, inner).stiffness;
-  if (!(problem.damper_share > 0.0 && law.injected_damping > 0.0)) return least;
+  if (!(problem.damper_share > 0.0 && law.injected_damping > 0.0))
+    return least;
   const LoopResponse whole(plant, law);
   LoopController less = law;
   for (const DamperPart& part : kDamperParts) {
     less.injected_damping = part.part * law.injected_damping;
     const CriticalStiffness here = critical_stiffness(plant, less, inner);
     const double counts = here.stiffness / problem.large_swing;
-    if (counts < least && whole.damper_left(here.stiffness, problem.damper_share, Phasor(here.frequency_rad_per_s * plant.period_s)) <= part.up_to)
+    if (counts < least &&
+        whole.damper_left(here.stiffness, problem.damper_share,
+                          Phasor(here.frequency_rad_per_s * plant.period_s)) <= part.up_to)
       least = counts;
   }
   return least;
 }
 
-bool stable_for_all(const AxisProblem& problem, const LoopController& law, double scale, double contact,
-                    std::size_t& worst) {
+bool stable_for_all(const AxisProblem& problem, const LoopController& law, double scale,
+                    double contact, std::size_t& worst) {
   LoopController scaled = law;
   scaled.stiffness *= scale, scaled.damping *= scale;
   for (std::size_t i = 0; i < problem.cases.size(); ++i) {
     const double here = critical_stiffness(problem.cases[i].plant, scaled).stiffness;
-    if (!(std::isinf(here) || here > scale * contact)) return worst = i, false;
+    if (!(std::isinf(here) || here > scale * contact))
+      return worst = i, false;
   }
   return true;
 }
@@ -86,13 +102,18 @@ bool stable_for_all(const AxisProblem& problem, const LoopController& law, doubl
 
 std::vector<AxisProblem> axis_problems(const DesignProblem& request) {
   std::vector<AxisProblem> axes{problem(request, false)};
-  if (request.device.gives_torque) axes.push_back(problem(request, true));
-  double gain = 1.0;  // the most that one gain can show on all axes without overreaching the device on one
-  for (const AxisProblem& axis : axes) gain = std::min(gain, axis.wanted / axis.contact.all_points);
+  if (request.device.gives_torque)
+    axes.push_back(problem(request, true));
+  double gain =
+      1.0;  // the most that one gain can show on all axes without overreaching the device on one
+  for (const AxisProblem& axis : axes)
+    gain = std::min(gain, axis.wanted / axis.contact.all_points);
   for (AxisProblem& axis : axes)
-    axis.target = request.goals.free_cap ? axis.wanted : std::min(axis.wanted, gain * axis.contact.all_points);
+    axis.target = request.goals.free_cap ? axis.wanted
+                                         : std::min(axis.wanted, gain * axis.contact.all_points);
   if (axes.size() > 1) {
-    const double of_force = axes[1].model.damping, of_torque = arm_squared(request) * axes[0].model.damping;
+    const double of_force = axes[1].model.damping,
+                 of_torque = arm_squared(request) * axes[0].model.damping;
     const double both = of_force + of_torque;
     axes[0].series_share = both > 0.0 ? of_force / both : 0.0;
     axes[1].series_share = both > 0.0 ? of_torque / both : 0.0;
@@ -101,11 +122,13 @@ std::vector<AxisProblem> axis_problems(const DesignProblem& request) {
 }
 
 double arm_squared(const DesignProblem& request) {
-  if (!request.device.gives_torque) return 0.0;
+  if (!request.device.gives_torque)
+    return 0.0;
   return request.contact_rotation.all_points / request.contact.all_points;
 }
 
-LoopController controller_of(const CouplingSpec& spec, const AxisProblem& problem, double arm_squared_m2) {
+LoopController controller_of(const CouplingSpec& spec, const AxisProblem& problem,
+                             double arm_squared_m2) {
   const bool rotation = problem.units == &kRotationUnits;
   LoopController law;
   law.law = spec.kind == "direct"          ? Law::kDirect
@@ -116,28 +139,33 @@ LoopController controller_of(const CouplingSpec& spec, const AxisProblem& proble
   law.gain = 1.0;
   law.stiffness = spec.stiffness_n_per_m * (rotation ? arm_squared_m2 : 1.0);
   law.damping = spec.damping_ns_per_m * (rotation ? arm_squared_m2 : 1.0);
-  law.injected_damping = rotation ? spec.injected_damping_nms_per_rad : spec.injected_damping_ns_per_m;
+  law.injected_damping =
+      rotation ? spec.injected_damping_nms_per_rad : spec.injected_damping_ns_per_m;
   law.use(velocity_of(spec));
   return law;
 }
 
 double step_share(double velocity_filter_rad_per_s, int velocity_window, double period_s) {
-  return velocity_window > 0 ? window_step_share(velocity_window) : 1.0 - std::exp(-velocity_filter_rad_per_s * period_s);
+  return velocity_window > 0 ? window_step_share(velocity_window)
+                             : 1.0 - std::exp(-velocity_filter_rad_per_s * period_s);
 }
 
 double critical_damping(const AxisProblem& problem, const VelocityEstimate& velocity) {
   double least = kInfinity;
   for (const DesignCase& one : problem.cases)
-    least = std::min(least, one.inner->of(one.plant, velocity.filter_rad_per_s(), velocity.window).damping);
+    least = std::min(
+        least, one.inner->of(one.plant, velocity.filter_rad_per_s(), velocity.window).damping);
   return least;
 }
 
 double step_speed(const AxisProblem& problem, const VelocityEstimate& velocity) {
-  return problem.model.resolution / problem.timing.period_s * step_share(velocity.filter_rad_per_s(), velocity.window, problem.timing.period_s);
+  return problem.model.resolution / problem.timing.period_s *
+         step_share(velocity.filter_rad_per_s(), velocity.window, problem.timing.period_s);
 }
 
 double damping_limit(const AxisProblem& problem, const VelocityEstimate& velocity) {
-  const double stable = 0.5 * critical_damping(problem, velocity), speed = step_speed(problem, velocity);
+  const double stable = 0.5 * critical_damping(problem, velocity),
+               speed = step_speed(problem, velocity);
   return speed > 0.0 ? std::min(stable, problem.noise_limit / speed) : stable;
 }
 
@@ -145,20 +173,26 @@ WorstCase critical_case(const AxisProblem& problem, const LoopController& law, d
   WorstCase worst{kInfinity, 0};
   for (std::size_t i = 0; i < problem.cases.size(); ++i) {
     const double here = critical_for(problem, problem.cases[i], law);
-    if (here < worst.stiffness) worst = {here, i};
-    if (worst.stiffness < enough) break;
+    if (here < worst.stiffness)
+      worst = {here, i};
+    if (worst.stiffness < enough)
+      break;
   }
   return worst;
 }
 
-WorstCase critical_scale(const AxisProblem& problem, const LoopController& law, double contact_stiffness) {
+WorstCase critical_scale(const AxisProblem& problem, const LoopController& law,
+                         double contact_stiffness) {
   std::size_t worst = 0;
   double low = 0.0, high = 1.0;
-  while (high < 1e6 && stable_for_all(problem, law, high, contact_stiffness, worst)) low = high, high *= 2.0;
-  if (high >= 1e6) return {kInfinity, worst};
+  while (high < 1e6 && stable_for_all(problem, law, high, contact_stiffness, worst))
+    low = high, high *= 2.0;
+  if (high >= 1e6)
+    return {kInfinity, worst};
   if (low == 0.0) {
     low = high / 1024.0;
-    if (!stable_for_all(problem, law, low, contact_stiffness, worst)) return {0.0, worst};
+    if (!stable_for_all(problem, law, low, contact_stiffness, worst))
+      return {0.0, worst};
   }
   while (high - low > 1e-3 * high) {
     const double middle = 0.5 * (low + high);
@@ -174,41 +208,54 @@ int whole_delay(const LoopTiming& timing, double effort_lag_s) {
 double passive_limit(const AxisProblem& problem, const LoopController& law) {
   const double lag = effort_lag_s(problem.model);
   const LoopTiming slow = slowest(problem.timing);
-  const double lost = law.injected_damping > 0.0 ? law.injected_damping * stretch(problem.timing, law.velocity_window) : 0.0;
+  const double lost = law.injected_damping > 0.0
+                          ? law.injected_damping * stretch(problem.timing, law.velocity_window)
+                          : 0.0;
   const double damping = std::max(0.0, problem.model.damping - lost);
   switch (law.law) {
     case Law::kShapingFilter: {
-      const double jittered =
-          passive_stiffness_filter(law.w0_rad_per_s, law.damping_ratio, damping, problem.timing, lag);
-      if (problem.timing.lost_in_a_row > 0) return jittered;
-      // Without room for losses a delay of a fraction of a period may need a little more than rule P's ages say.
-      const double uniform =
-          linear_passive_stiffness_filter(law.w0_rad_per_s, law.damping_ratio, damping, problem.timing, lag);
+      const double jittered = passive_stiffness_filter(law.w0_rad_per_s, law.damping_ratio, damping,
+                                                       problem.timing, lag);
+      if (problem.timing.lost_in_a_row > 0)
+        return jittered;
+      // Without room for losses a delay of a fraction of a period may need a little more than rule
+      // P's ages say.
+      const double uniform = linear_passive_stiffness_filter(law.w0_rad_per_s, law.damping_ratio,
+                                                             damping, problem.timing, lag);
       return std::min(jittered, uniform);
     }
     case Law::kDirect: {
-      const double jittered = passive_stiffness_filter(kInfinity, 1.0, damping, problem.timing, lag);
-      // Rule P holds for any timing within the bounds; Colgate's rule for the slowest, by whole samples. Both are kept.
-      return std::min(jittered, colgate_stiffness(damping, 0.0, slow.period_s, whole_delay(slow, lag)));
+      const double jittered =
+          passive_stiffness_filter(kInfinity, 1.0, damping, problem.timing, lag);
+      // Rule P holds for any timing within the bounds; Colgate's rule for the slowest, by whole
+      // samples. Both are kept.
+      return std::min(jittered,
+                      colgate_stiffness(damping, 0.0, slow.period_s, whole_delay(slow, lag)));
     }
-    case Law::kSpringDamper: break;
+    case Law::kSpringDamper:
+      break;
   }
   double needed = 0.0;
   for (const LoopTiming& when : {problem.timing, slow})
-    needed = std::max(needed, llewellyn_damping(law.stiffness, law.damping, when.period_s, whole_delay(when, lag)));
+    needed = std::max(needed, llewellyn_damping(law.stiffness, law.damping, when.period_s,
+                                                whole_delay(when, lag)));
   return needed > 0.0 ? problem.series_share * damping / needed : kInfinity;
 }
 
 double certified_stiffness(const AxisProblem& problem, const LoopController& law, double enough) {
-  if (problem.hand.any_passive) return passive_limit(problem, law) / problem.margin;
+  if (problem.hand.any_passive)
+    return passive_limit(problem, law) / problem.margin;
   return certified_stiffness(problem, law, critical_case(problem, law, problem.margin * enough));
 }
 
-double certified_stiffness(const AxisProblem& problem, const LoopController& law, const WorstCase& worst) {
-  return (problem.hand.any_passive ? passive_limit(problem, law) : worst.stiffness) / problem.margin;
+double certified_stiffness(const AxisProblem& problem, const LoopController& law,
+                           const WorstCase& worst) {
+  return (problem.hand.any_passive ? passive_limit(problem, law) : worst.stiffness) /
+         problem.margin;
 }
 
-double worst_radius(const AxisProblem& problem, const LoopController& law, double contact_stiffness) {
+double worst_radius(const AxisProblem& problem, const LoopController& law,
+                    double contact_stiffness) {
   double worst = 0.0;
   try {
     for (const DesignCase& one : problem.cases)

@@ -15,7 +15,8 @@ struct Hand {
 
 void add_once(std::vector<Hand>& hands, const Hand& hand) {
   for (const Hand& there : hands)
-    if (there == hand) return;
+    if (there == hand)
+      return;
   hands.push_back(hand);
 }
 
@@ -24,13 +25,16 @@ std::vector<Hand> grips(const HandRange& range) {
   std::vector<Hand> hands;
   for (const double m : {range.mass_min, range.mass_max})
     for (const double b : {range.damping_min, range.damping_max})
-      for (const double k : {range.stiffness_min, range.stiffness_max}) add_once(hands, {m, b, k});
-  add_once(hands, {0.5 * (range.mass_min + range.mass_max), 0.5 * (range.damping_min + range.damping_max),
-                   0.5 * (range.stiffness_min + range.stiffness_max)});
+      for (const double k : {range.stiffness_min, range.stiffness_max})
+        add_once(hands, {m, b, k});
+  add_once(hands,
+           {0.5 * (range.mass_min + range.mass_max), 0.5 * (range.damping_min + range.damping_max),
+            0.5 * (range.stiffness_min + range.stiffness_max)});
   return hands;
 }
 
-LoopPlant plant_of(const AxisModel& axis, double inertia, const LoopTiming& timing, const Hand& hand) {
+LoopPlant plant_of(const AxisModel& axis, double inertia, const LoopTiming& timing,
+                   const Hand& hand) {
   LoopPlant plant;
   plant.mass = inertia;
   plant.damping = axis.damping;
@@ -50,34 +54,45 @@ const AxisUnits kRotationUnits{"Rotation", "Nm/rad", "Nms/rad", "kg m^2", "Nm", 
 
 LoopTiming slowest(const LoopTiming& timing) {
   const double longer = timing.jitter + timing.lost_in_a_row;
-  return {timing.period_s * (1.0 + timing.jitter), timing.delay_s + longer * timing.period_s, 0.0, 0};
+  return {timing.period_s * (1.0 + timing.jitter), timing.delay_s + longer * timing.period_s, 0.0,
+          0};
 }
 
 double effort_lag_s(const AxisModel& axis) {
-  return std::isinf(axis.effort_bandwidth_hz) ? 0.0 : 1.0 / (2.0 * std::numbers::pi * axis.effort_bandwidth_hz);
+  return std::isinf(axis.effort_bandwidth_hz)
+             ? 0.0
+             : 1.0 / (2.0 * std::numbers::pi * axis.effort_bandwidth_hz);
 }
 
-InnerLimit InnerLimits::of(const LoopPlant& plant, double velocity_filter_rad_per_s, int velocity_window) {
+InnerLimit InnerLimits::of(const LoopPlant& plant, double velocity_filter_rad_per_s,
+                           int velocity_window) {
   for (const Known& known : known_)
-    if (known.velocity_window == velocity_window && known.velocity_filter_rad_per_s == velocity_filter_rad_per_s && known.plant == plant)
+    if (known.velocity_window == velocity_window &&
+        known.velocity_filter_rad_per_s == velocity_filter_rad_per_s && known.plant == plant)
       return known.limit;
-  known_.push_back({plant, velocity_filter_rad_per_s, velocity_window, inner_limit(plant, velocity_filter_rad_per_s, velocity_window)});
+  known_.push_back({plant, velocity_filter_rad_per_s, velocity_window,
+                    inner_limit(plant, velocity_filter_rad_per_s, velocity_window)});
   return known_.back().limit;
 }
 
-std::vector<DesignCase> design_cases(const AxisModel& axis, const LoopTiming& timing, const HandRange& hand) {
+std::vector<DesignCase> design_cases(const AxisModel& axis, const LoopTiming& timing,
+                                     const HandRange& hand) {
   std::vector<double> inertias{axis.inertia_min};
-  if (axis.inertia_max > axis.inertia_min) inertias.push_back(axis.inertia_max);
+  if (axis.inertia_max > axis.inertia_min)
+    inertias.push_back(axis.inertia_max);
   const bool alone = hand.any_passive || hand.may_release;
   const std::vector<Hand> held = hand.any_passive ? std::vector<Hand>{} : grips(hand);
   std::vector<DesignCase> cases;
-  // The slowest timing first: it is the worst nearly always, so that a search which stops at the first failure stops soon.
+  // The slowest timing first: it is the worst nearly always, so that a search which stops at the
+  // first failure stops soon.
   for (const bool slow : {true, false}) {
     const LoopTiming when = slow ? slowest(timing) : timing;
     for (const double inertia : inertias) {
-      if (alone) cases.push_back({plant_of(axis, inertia, when, Hand{}), false, slow, 0.0});
+      if (alone)
+        cases.push_back({plant_of(axis, inertia, when, Hand{}), false, slow, 0.0});
       for (const Hand& grip : held)
-        if (!alone || grip != Hand{}) cases.push_back({plant_of(axis, inertia, when, grip), true, slow, 0.0});
+        if (!alone || grip != Hand{})
+          cases.push_back({plant_of(axis, inertia, when, grip), true, slow, 0.0});
     }
   }
   return cases;
@@ -87,9 +102,11 @@ std::string describe(const DesignCase& one, const AxisUnits& units) {
   const LoopPlant& p = one.plant;
   const std::string device = fmt::format("{:.3g} {}", p.mass, units.inertia);
   const char* when = one.slow ? ", slowest timing" : "";
-  if (!one.held) return fmt::format("released, {}{}", device, when);
-  return fmt::format("held ({:.3g} {}, {:.3g} {}, {:.3g} {}), {}{}", p.hand_mass, units.inertia, p.hand_damping,
-                     units.damping, p.hand_stiffness, units.stiffness, device, when);
+  if (!one.held)
+    return fmt::format("released, {}{}", device, when);
+  return fmt::format("held ({:.3g} {}, {:.3g} {}, {:.3g} {}), {}{}", p.hand_mass, units.inertia,
+                     p.hand_damping, units.damping, p.hand_stiffness, units.stiffness, device,
+                     when);
 }
 
 }  // namespace voxtouch::coupling::design

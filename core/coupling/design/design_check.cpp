@@ -14,7 +14,9 @@ namespace voxtouch::coupling::design {
 namespace {
 
 void require(bool kept, std::string_view field, double value, std::string_view rule) {
-  if (!kept) throw std::invalid_argument(fmt::format("Coupling design: {} is {}; it must be {}.", field, value, rule));
+  if (!kept)
+    throw std::invalid_argument(
+        fmt::format("Coupling design: {} is {}; it must be {}.", field, value, rule));
 }
 void positive(std::string_view field, double value) {
   require(value > 0.0 && std::isfinite(value), field, value, "above 0");
@@ -24,57 +26,71 @@ void not_negative(std::string_view field, double value) {
 }
 
 void refuse_first(std::string_view whose, const std::vector<std::string>& sentences) {
-  if (!sentences.empty()) throw std::invalid_argument(fmt::format("Coupling design, {}: {}", whose, sentences.front()));
+  if (!sentences.empty())
+    throw std::invalid_argument(fmt::format("Coupling design, {}: {}", whose, sentences.front()));
 }
 
-/// A stiffness that hands and devices have nothing to do with is a unit gone wrong, and the loop's search would not come to an end.
+/// A stiffness that hands and devices have nothing to do with is a unit gone wrong, and the loop's
+/// search would not come to an end.
 void quantity(std::string_view field, double value) {
   require(value >= kMinQuantity && value <= kMaxQuantity, field, value,
           fmt::format("from {} to {}", kMinQuantity, kMaxQuantity));
 }
 
-/// A matrix exponential has to be had of every case, and the search has to end: decay of the velocity and square of the resonance per
-/// period are far beyond any device here, and the delay counts with what jitter and lost samples add.
-void check_loop(std::string_view name, const AxisModel& axis, const LoopTiming& timing, const HandRange& range) {
+/// A matrix exponential has to be had of every case, and the search has to end: decay of the
+/// velocity and square of the resonance per period are far beyond any device here, and the delay
+/// counts with what jitter and lost samples add.
+void check_loop(std::string_view name, const AxisModel& axis, const LoopTiming& timing,
+                const HandRange& range) {
   constexpr double kFastest = 1e9;
   const HandRange hand = range.any_passive ? HandRange{} : range;
   const LoopTiming slow = slowest(timing);
-  const double damping = axis.damping + hand.damping_max, per_mass = slow.period_s / axis.inertia_min;
-  require(damping * per_mass <= kFastest, fmt::format("{}.damping", name), damping, "at most 1e9 inertias per period");
-  require(hand.stiffness_max * slow.period_s * per_mass <= kFastest, fmt::format("{}.stiffness_max", name), hand.stiffness_max,
+  const double damping = axis.damping + hand.damping_max,
+               per_mass = slow.period_s / axis.inertia_min;
+  require(damping * per_mass <= kFastest, fmt::format("{}.damping", name), damping,
+          "at most 1e9 inertias per period");
+  require(hand.stiffness_max * slow.period_s * per_mass <= kFastest,
+          fmt::format("{}.stiffness_max", name), hand.stiffness_max,
           "at most 1e9 inertias per period squared");
-  require(slow.delay_s <= kMaxDelayPeriods * slow.period_s, "the longest delay", slow.delay_s, "at most 200 periods");
+  require(slow.delay_s <= kMaxDelayPeriods * slow.period_s, "the longest delay", slow.delay_s,
+          "at most 200 periods");
 }
 
 void check_contact(std::string_view name, const ContactRange& contact) {
   quantity(fmt::format("{}.one_point", name), contact.one_point);
   quantity(fmt::format("{}.all_points", name), contact.all_points);
-  require(contact.one_point <= contact.all_points, fmt::format("{}.one_point", name), contact.one_point,
-          fmt::format("at most all_points, {}", contact.all_points));
+  require(contact.one_point <= contact.all_points, fmt::format("{}.one_point", name),
+          contact.one_point, fmt::format("at most all_points, {}", contact.all_points));
 }
 
 void check_goals(const DesignProblem& request) {
   const DesignGoals& w = request.goals;
   constexpr std::array kKinds{"auto", "shaping_filter", "spring_damper", "direct"};
   bool known = false;
-  for (const std::string_view kind : kKinds) known = known || kind == w.kind;
+  for (const std::string_view kind : kKinds)
+    known = known || kind == w.kind;
   if (!known)
     throw std::invalid_argument(fmt::format(
-        "Coupling design: kind is '{}'; it must be auto, shaping_filter, spring_damper or direct.", w.kind));
+        "Coupling design: kind is '{}'; it must be auto, shaping_filter, spring_damper or direct.",
+        w.kind));
   positive("cutoff_hz", w.cutoff_hz);
   positive("max_cutoff_hz", w.max_cutoff_hz);
   require(w.cutoff_hz <= w.max_cutoff_hz, "cutoff_hz", w.cutoff_hz,
           fmt::format("at most max_cutoff_hz, {}", w.max_cutoff_hz));
   const double period = request.device.timing.period_s;
-  require(2.0 * std::numbers::pi * w.cutoff_hz * period < std::numbers::pi, "cutoff_hz", w.cutoff_hz,
-          fmt::format("below half the loop's rate, {:.6g} Hz", 0.5 / period));
-  require(w.gain_margin >= 1.0 && std::isfinite(w.gain_margin), "gain_margin", w.gain_margin, "1 or above");
-  for (const auto& [field, floor] : {std::pair("floors.released", w.floors.released), {"floors.held", w.floors.held},
-                                     {"rotation_floors.released", w.rotation_floors.released}, {"rotation_floors.held", w.rotation_floors.held}})
+  require(2.0 * std::numbers::pi * w.cutoff_hz * period < std::numbers::pi, "cutoff_hz",
+          w.cutoff_hz, fmt::format("below half the loop's rate, {:.6g} Hz", 0.5 / period));
+  require(w.gain_margin >= 1.0 && std::isfinite(w.gain_margin), "gain_margin", w.gain_margin,
+          "1 or above");
+  for (const auto& [field, floor] : {std::pair("floors.released", w.floors.released),
+                                     {"floors.held", w.floors.held},
+                                     {"rotation_floors.released", w.rotation_floors.released},
+                                     {"rotation_floors.held", w.rotation_floors.held}})
     require(floor >= 0.0 && floor < 1.0, field, floor, "0 or above, and below 1");
   not_negative("useful_stiffness_n_per_m", w.useful_stiffness_n_per_m);
   not_negative("useful_stiffness_nm_per_rad", w.useful_stiffness_nm_per_rad);
-  if (w.damper_share) not_negative("damper_share", *w.damper_share);
+  if (w.damper_share)
+    not_negative("damper_share", *w.damper_share);
   not_negative("max_injected_damping_effort", w.max_injected_damping_effort);
   not_negative("force_layer_depth_m", w.force_layer_depth_m);
 }
@@ -84,12 +100,15 @@ void check_goals(const DesignProblem& request) {
 void refuse_impossible(const DesignProblem& request) {
   refuse_first("device", check(request.device));
   refuse_first("hand", check(request.hand.translation));
-  if (request.device.gives_torque) refuse_first("hand, rotation", check(request.hand.rotation));
+  if (request.device.gives_torque)
+    refuse_first("hand, rotation", check(request.hand.rotation));
   const DeviceModel& device = request.device;
   check_loop("translation", device.translation, device.timing, request.hand.translation);
-  if (device.gives_torque) check_loop("rotation", device.rotation, device.timing, request.hand.rotation);
+  if (device.gives_torque)
+    check_loop("rotation", device.rotation, device.timing, request.hand.rotation);
   check_contact("contact", request.contact);
-  if (device.gives_torque) check_contact("contact_rotation", request.contact_rotation);
+  if (device.gives_torque)
+    check_contact("contact_rotation", request.contact_rotation);
   check_goals(request);
 }
 

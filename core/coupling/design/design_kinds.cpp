@@ -15,37 +15,47 @@ void set_cap(CouplingSpec& spec, std::size_t axis, double cap) {
   (axis == 0 ? spec.stiffness_cap_n_per_m : spec.stiffness_cap_nm_per_rad) = cap;
 }
 
-/// Of the pulse that a step of the encoder makes of injected damping, what passes its bound whatever the contact gives. Where nothing but kQuietForceN
-/// passed, a light touch through a coarse encoder and a strong damper would be a row of cut pulses, which do not damp: one of 2756 simulated designs
-/// went on swinging. All of it would let a sim-lwr's first touch begin 1.8 times as strong as it goes on, a third 1.5 times.
+/// Of the pulse that a step of the encoder makes of injected damping, what passes its bound
+/// whatever the contact gives. Where nothing but kQuietForceN passed, a light touch through a
+/// coarse encoder and a strong damper would be a row of cut pulses, which do not damp: one of 2756
+/// simulated designs went on swinging. All of it would let a sim-lwr's first touch begin 1.8 times
+/// as strong as it goes on, a third 1.5 times.
 constexpr double kPulseShare = 1.0 / 3.0;
 
 void set_damping(CouplingSpec& spec, const AxisProblem& translation, const FilterChoice& choice) {
   spec.damper_share = translation.damper_share;
-  spec.damper_free_n = std::max(kQuietForceN, kPulseShare * choice.damping[0] * step_speed(translation, choice.velocity));
-  spec.velocity_filter_hz = choice.velocity.filter_hz, spec.velocity_window = static_cast<std::uint32_t>(choice.velocity.window);
+  spec.damper_free_n = std::max(
+      kQuietForceN, kPulseShare * choice.damping[0] * step_speed(translation, choice.velocity));
+  spec.velocity_filter_hz = choice.velocity.filter_hz,
+  spec.velocity_window = static_cast<std::uint32_t>(choice.velocity.window);
   spec.injected_damping_ns_per_m = choice.damping[0];
-  if (choice.damping.size() > 1) spec.injected_damping_nms_per_rad = choice.damping[1];
+  if (choice.damping.size() > 1)
+    spec.injected_damping_nms_per_rad = choice.damping[1];
 }
 
 /// What each axis may show with the choice, at most its target; and the worst cases.
-std::vector<double> fitting(const std::vector<AxisProblem>& problems, const FilterChoice& choice, std::vector<WorstCase>& worst) {
+std::vector<double> fitting(const std::vector<AxisProblem>& problems, const FilterChoice& choice,
+                            std::vector<WorstCase>& worst) {
   std::vector<double> out;
   for (std::size_t a = 0; a < problems.size(); ++a) {
     LoopController law = law_of(choice.shape);
     law.injected_damping = choice.damping[a];
     law.use(choice.velocity);
     worst.push_back(critical_case(problems[a], law));
-    out.push_back(damped_stiffness(problems[a], law, std::min(problems[a].target, certified_stiffness(problems[a], law, worst.back()))));
+    out.push_back(damped_stiffness(
+        problems[a], law,
+        std::min(problems[a].target, certified_stiffness(problems[a], law, worst.back()))));
   }
   return out;
 }
 
 }  // namespace
 
-Proposal propose_filter(const DesignProblem& request, const std::vector<AxisProblem>& problems, Searched& searched) {
-  const FilterChoice choice = search_filter(problems, filter_settings(request), request.goals.allow_injected_damping,
-                                           request.goals.velocity_windows, searched);
+Proposal propose_filter(const DesignProblem& request, const std::vector<AxisProblem>& problems,
+                        Searched& searched) {
+  const FilterChoice choice =
+      search_filter(problems, filter_settings(request), request.goals.allow_injected_damping,
+                    request.goals.velocity_windows, searched);
   Proposal out{{}, choice.status, {}};
   const std::vector<double> fits = fitting(problems, choice, out.worst);
   out.spec.kind = "shaping_filter";
@@ -55,26 +65,32 @@ Proposal propose_filter(const DesignProblem& request, const std::vector<AxisProb
   const bool free = request.goals.free_cap;
   double gain = 1.0;
   for (std::size_t a = 0; a < problems.size(); ++a)
-    gain = std::min(gain, fits[a] / (free ? problems[a].contact.one_point : problems[a].contact.all_points));
+    gain = std::min(
+        gain, fits[a] / (free ? problems[a].contact.one_point : problems[a].contact.all_points));
   out.spec.gain = gain;
   for (std::size_t a = 0; a < problems.size(); ++a)
-    set_cap(
-        out.spec, a,
-        free && gain > 0.0 ? std::min(fits[a] / gain, problems[a].contact.all_points) : problems[a].contact.all_points);
+    set_cap(out.spec, a,
+            free && gain > 0.0 ? std::min(fits[a] / gain, problems[a].contact.all_points)
+                               : problems[a].contact.all_points);
   return out;
 }
 
-Proposal propose_direct(const DesignProblem& request, const std::vector<AxisProblem>& problems, Searched& searched) {
+Proposal propose_direct(const DesignProblem& request, const std::vector<AxisProblem>& problems,
+                        Searched& searched) {
   std::vector<AxisProblem> whole = problems;
-  for (AxisProblem& axis : whole) axis.target = axis.wanted;
-  const FilterChoice choice = search_filter(whole, {{kInfinity, 1.0}}, request.goals.allow_injected_damping, request.goals.velocity_windows, searched);
+  for (AxisProblem& axis : whole)
+    axis.target = axis.wanted;
+  const FilterChoice choice =
+      search_filter(whole, {{kInfinity, 1.0}}, request.goals.allow_injected_damping,
+                    request.goals.velocity_windows, searched);
   Proposal out{{}, choice.status, {}};
   const std::vector<double> fits = fitting(whole, choice, out.worst);
   out.spec.kind = "direct";
   set_damping(out.spec, problems[0], choice);
   for (std::size_t a = 0; a < whole.size(); ++a) {
     set_cap(out.spec, a, fits[a]);
-    if (!request.goals.free_cap && fits[a] < whole[a].contact.all_points) out.status = DesignStatus::kInfeasible;
+    if (!request.goals.free_cap && fits[a] < whole[a].contact.all_points)
+      out.status = DesignStatus::kInfeasible;
   }
   return out;
 }

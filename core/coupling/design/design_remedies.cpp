@@ -13,8 +13,9 @@
 namespace voxtouch::coupling::design {
 namespace {
 
-// What a laboratory can do: no delay is brought to nothing, nobody holds a device as firmly as hands can all the time, and a damper
-// that goes onto a handle is no stronger than the hand that holds it.
+// What a laboratory can do: no delay is brought to nothing, nobody holds a device as firmly as
+// hands can all the time, and a damper that goes onto a handle is no stronger than the hand that
+// holds it.
 constexpr std::array kDelayShares{0.75, 0.5, 0.25};
 constexpr std::array kGripShares{0.25, 0.5};
 
@@ -25,7 +26,8 @@ struct Trial {
   bool holds(const std::vector<AxisProblem>& problems) const {
     return std::ranges::any_of(laws, [&](const std::vector<LoopController>& of_axis) {
       for (std::size_t a = 0; a < problems.size(); ++a)
-        if (!(certified_stiffness(problems[a], of_axis[a], problems[a].target) >= problems[a].target) ||
+        if (!(certified_stiffness(problems[a], of_axis[a], problems[a].target) >=
+              problems[a].target) ||
             !keeps_floors(problems[a], of_axis[a], problems[a].target))
           return false;
       return true;
@@ -33,85 +35,115 @@ struct Trial {
   }
 };
 
-/// Where stiffness is short, the design's own law is tried; where only the cut-off was raised or damping added, the goal's.
-Trial trial_of(const DesignProblem& request, const std::vector<AxisProblem>& problems, const Design& design,
-               bool short_of) {
+/// Where stiffness is short, the design's own law is tried; where only the cut-off was raised or
+/// damping added, the goal's.
+Trial trial_of(const DesignProblem& request, const std::vector<AxisProblem>& problems,
+               const Design& design, bool short_of) {
   Trial trial;
   if (short_of || design.spec.kind != "shaping_filter") {
     trial.laws.emplace_back();
     for (const AxisProblem& p : problems) {
       LoopController law = controller_of(design.spec, p, arm_squared(request));
-      if (!short_of) law.injected_damping = 0.0;
+      if (!short_of)
+        law.injected_damping = 0.0;
       trial.laws.back().push_back(law);
     }
     return trial;
   }
   for (const FilterSetting& shape : filter_settings(request))
-    if (shape.cutoff_hz == request.goals.cutoff_hz) trial.laws.emplace_back(problems.size(), law_of(shape));
+    if (shape.cutoff_hz == request.goals.cutoff_hz)
+      trial.laws.emplace_back(problems.size(), law_of(shape));
   return trial;
 }
 
 class Remedies {
  public:
-  Remedies(const DesignProblem& request, const std::vector<AxisProblem>& problems, const Design& design)
-      : request_(request), problems_(problems), design_(design), short_of_(is_short()),
+  Remedies(const DesignProblem& request, const std::vector<AxisProblem>& problems,
+           const Design& design)
+      : request_(request),
+        problems_(problems),
+        design_(design),
+        short_of_(is_short()),
         trial_(trial_of(request, problems, design, short_of_)) {
     for (const AxisProblem& problem : problems)
-      damped_ = damped_ || std::ranges::any_of(problem.cases, [](const DesignCase& one) { return one.least_damping_ratio > 0.0; });
+      damped_ = damped_ || std::ranges::any_of(problem.cases, [](const DesignCase& one) {
+                  return one.least_damping_ratio > 0.0;
+                });
   }
 
   std::vector<std::string> all() {
     damping();
     injection();
-    if (design_.spec.kind != "spring_damper") {  // its certificate is another; its stiffness is its own
+    if (design_.spec.kind !=
+        "spring_damper") {  // its certificate is another; its stiffness is its own
       delay();
       rate();
       cap();
       grip();
     }
-    if (out_.empty()) last_resort();
+    if (out_.empty())
+      last_resort();
     return std::move(out_);
   }
 
  private:
   bool is_short() const {
-    return design_.status == DesignStatus::kStiffnessReduced || design_.status == DesignStatus::kInfeasible;
+    return design_.status == DesignStatus::kStiffnessReduced ||
+           design_.status == DesignStatus::kInfeasible;
   }
   std::string goal() const {
-    if (short_of_) return "the stiffness wanted would be shown by this coupling";
-    if (design_.spec.kind == "direct") return "no damping would have to be injected";
+    if (short_of_)
+      return "the stiffness wanted would be shown by this coupling";
+    if (design_.spec.kind == "direct")
+      return "no damping would have to be injected";
     return fmt::format("{:.3g} Hz would do without injected damping", request_.goals.cutoff_hz);
   }
 
-  /// Where no single change is enough. A softer contact would be shown whole too, and give the hand nothing.
+  /// Where no single change is enough. A softer contact would be shown whole too, and give the hand
+  /// nothing.
   void last_resort() {
     if (!short_of_ && design_.spec.kind == "shaping_filter")
-      out_.push_back(fmt::format("A wish for {:.3g} Hz instead of {:.3g} would be met as it is.", design_.spec.cutoff_hz, request_.goals.cutoff_hz));
+      out_.push_back(fmt::format("A wish for {:.3g} Hz instead of {:.3g} would be met as it is.",
+                                 design_.spec.cutoff_hz, request_.goals.cutoff_hz));
     else
-      out_.push_back("No single change at this device is enough: a heavier one, or one with less delay or more damping of its own, is.");
+      out_.push_back(
+          "No single change at this device is enough: a heavier one, or one with less delay or "
+          "more damping of its own, is.");
   }
 
   void damping() {
     for (std::size_t a = 0; a < problems_.size(); ++a) {
       const AxisProblem& p = problems_[a];
       const AxisDesign& d = a == 0 ? design_.translation : design_.rotation;
-      if (p.model.damping >= d.damping_required) continue;
-      const double least = std::min(d.damping_required, d.damping_required_any_cutoff) - p.model.damping;
-      if (p.hand.any_passive || !(least <= p.hand.damping_max)) continue;
+      if (p.model.damping >= d.damping_required)
+        continue;
+      const double least =
+          std::min(d.damping_required, d.damping_required_any_cutoff) - p.model.damping;
+      if (p.hand.any_passive || !(least <= p.hand.damping_max))
+        continue;
       if (least <= 0.0) {
-        out_.push_back(fmt::format("{}: the wish would be stable with every passive hand as the device is damped, with the cut-off as high as it may be.", p.units->name));
+        out_.push_back(
+            fmt::format("{}: the wish would be stable with every passive hand as the device is "
+                        "damped, with the cut-off as high as it may be.",
+                        p.units->name));
         continue;
       }
-      out_.push_back(fmt::format("{}: a damper of {:.3g} {} at the tool would make the wish stable with every passive hand{}.", p.units->name,
-                                 least, p.units->damping,
-                                 d.damping_required_any_cutoff < 0.99 * d.damping_required ? ", with the cut-off as high as it may be" : ""));
+      out_.push_back(
+          fmt::format("{}: a damper of {:.3g} {} at the tool would make the wish stable with every "
+                      "passive hand{}.",
+                      p.units->name, least, p.units->damping,
+                      d.damping_required_any_cutoff < 0.99 * d.damping_required
+                          ? ", with the cut-off as high as it may be"
+                          : ""));
     }
   }
 
   void injection() {
-    if (request_.goals.allow_injected_damping || design_.spec.kind != "shaping_filter") return;
+    if (request_.goals.allow_injected_damping || design_.spec.kind != "shaping_filter")
+      return;
     Searched searched;
-    const FilterChoice choice = search_filter(problems_, filter_settings(request_), true, request_.goals.velocity_windows, searched);
+    const FilterChoice choice = search_filter(problems_, filter_settings(request_), true,
+                                              request_.goals.velocity_windows, searched);
     std::string allowed, shown;
     bool helps = false;
     for (std::size_t a = 0; a < problems_.size(); ++a) {
@@ -120,22 +152,28 @@ class Remedies {
       law.injected_damping = choice.damping[a];
       law.use(choice.velocity);
       helps = helps || choice.damping[a] > 0.0;
-      allowed += fmt::format("{}{:.3g} {}", a == 0 ? "" : " and ", choice.damping[a], p.units->damping);
-      shown += fmt::format("{}{:.3g} {}", a == 0 ? "" : " and ", std::min(p.target, certified_stiffness(p, law)),
-                           p.units->stiffness);
+      allowed +=
+          fmt::format("{}{:.3g} {}", a == 0 ? "" : " and ", choice.damping[a], p.units->damping);
+      shown += fmt::format("{}{:.3g} {}", a == 0 ? "" : " and ",
+                           std::min(p.target, certified_stiffness(p, law)), p.units->stiffness);
     }
-    if (helps) out_.push_back(fmt::format("Allowing {} of injected damping would show {}.", allowed, shown));
+    if (helps)
+      out_.push_back(fmt::format("Allowing {} of injected damping would show {}.", allowed, shown));
   }
 
   void delay() {
     const double now = request_.device.timing.delay_s;
-    if (now <= 0.0) return;
+    if (now <= 0.0)
+      return;
     for (const double share : kDelayShares) {
       DesignProblem other = request_;
       other.device.timing.delay_s = share * now;
-      if (!trial_.holds(same_targets(other))) continue;
-      out_.push_back(fmt::format("With a delay of {:.3g} ms (now {:.3g}), {}: a bus without hubs, a card of its own, a real-time kernel.",
-                                 1e3 * share * now, 1e3 * now, goal()));
+      if (!trial_.holds(same_targets(other)))
+        continue;
+      out_.push_back(
+          fmt::format("With a delay of {:.3g} ms (now {:.3g}), {}: a bus without hubs, a card of "
+                      "its own, a real-time kernel.",
+                      1e3 * share * now, 1e3 * now, goal()));
       return;
     }
   }
@@ -143,46 +181,61 @@ class Remedies {
   void rate() {
     DesignProblem other = request_;
     other.device.timing.period_s *= 0.5;
-    if (!trial_.holds(same_targets(other))) return;
-    out_.push_back(fmt::format("At {:.4g} Hz (now {:.4g}), if the device can, {}.", 1.0 / other.device.timing.period_s,
+    if (!trial_.holds(same_targets(other)))
+      return;
+    out_.push_back(fmt::format("At {:.4g} Hz (now {:.4g}), if the device can, {}.",
+                               1.0 / other.device.timing.period_s,
                                1.0 / request_.device.timing.period_s, goal()));
   }
 
   void cap() {
-    if (!short_of_) return cap_for_cutoff();
-    if (request_.goals.free_cap) return;
+    if (!short_of_)
+      return cap_for_cutoff();
+    if (request_.goals.free_cap)
+      return;
     std::string caps;
     for (std::size_t a = 0; a < problems_.size(); ++a) {
       const AxisProblem& p = problems_[a];
-      const double fits = damped_stiffness(p, trial_.laws.front()[a], std::min(p.target, certified_stiffness(p, trial_.laws.front()[a])));
-      if (fits < std::min(p.useful, p.target) || fits < p.contact.one_point) return;
+      const double fits =
+          damped_stiffness(p, trial_.laws.front()[a],
+                           std::min(p.target, certified_stiffness(p, trial_.laws.front()[a])));
+      if (fits < std::min(p.useful, p.target) || fits < p.contact.one_point)
+        return;
       caps += fmt::format("{}{:.3g} {}", caps.empty() ? "" : " and ", fits, p.units->stiffness);
     }
-    out_.push_back(
-        fmt::format("A cap of {} on all points together would leave each point its own stiffness (gain 1).", caps));
+    out_.push_back(fmt::format(
+        "A cap of {} on all points together would leave each point its own stiffness (gain 1).",
+        caps));
   }
   void cap_for_cutoff() {
-    if (design_.spec.kind != "shaping_filter") return;
+    if (design_.spec.kind != "shaping_filter")
+      return;
     std::string caps;
     for (std::size_t a = 0; a < problems_.size(); ++a) {
       const AxisProblem& p = problems_[a];
       double fits = 0.0;
-      for (const auto& laws : trial_.laws) fits = std::max(fits, certified_stiffness(p, laws[a], fits));
-      if (fits < p.useful) return;
-      caps += fmt::format("{}{:.3g} {}", caps.empty() ? "" : " and ", std::min(fits, p.target), p.units->stiffness);
+      for (const auto& laws : trial_.laws)
+        fits = std::max(fits, certified_stiffness(p, laws[a], fits));
+      if (fits < p.useful)
+        return;
+      caps += fmt::format("{}{:.3g} {}", caps.empty() ? "" : " and ", std::min(fits, p.target),
+                          p.units->stiffness);
     }
     out_.push_back(fmt::format("With the contact's stiffness capped at {}, {}.", caps, goal()));
   }
 
   void grip() {
-    const bool passive = std::ranges::any_of(problems_, [](const AxisProblem& p) { return p.hand.any_passive; });
+    const bool passive =
+        std::ranges::any_of(problems_, [](const AxisProblem& p) { return p.hand.any_passive; });
     if (passive) {
-      out_.push_back("Naming the range of hands that hold the device would allow more than any passive hand does.");
+      out_.push_back(
+          "Naming the range of hands that hold the device would allow more than any passive hand "
+          "does.");
       return;
     }
     DesignProblem other = request_;
-    const bool released =
-        request_.hand.translation.may_release || (problems_.size() > 1 && request_.hand.rotation.may_release);
+    const bool released = request_.hand.translation.may_release ||
+                          (problems_.size() > 1 && request_.hand.rotation.may_release);
     other.hand.translation.may_release = other.hand.rotation.may_release = false;
     if (released && trial_.holds(same_targets(other))) {
       out_.push_back(fmt::format("If the device is never released in contact, {}.", goal()));
@@ -191,9 +244,11 @@ class Remedies {
     for (const double share : kGripShares) {
       tighten(other.hand.translation, request_.hand.translation, share);
       tighten(other.hand.rotation, request_.hand.rotation, share);
-      if (!trial_.holds(same_targets(other))) continue;
-      out_.push_back(fmt::format("If the device is never released and always gripped firmly, with at least {}, {}.",
-                                 grips(other), goal()));
+      if (!trial_.holds(same_targets(other)))
+        continue;
+      out_.push_back(fmt::format(
+          "If the device is never released and always gripped firmly, with at least {}, {}.",
+          grips(other), goal()));
       return;
     }
   }
@@ -205,17 +260,20 @@ class Remedies {
   std::string grips(const DesignProblem& other) const {
     std::string out;
     for (const AxisProblem& p : problems_) {
-      const HandRange& hand = p.units == &kRotationUnits ? other.hand.rotation : other.hand.translation;
-      out += fmt::format("{}{:.3g} {} and {:.3g} {}", out.empty() ? "" : ", ", hand.stiffness_min, p.units->stiffness,
-                         hand.damping_min, p.units->damping);
+      const HandRange& hand =
+          p.units == &kRotationUnits ? other.hand.rotation : other.hand.translation;
+      out += fmt::format("{}{:.3g} {} and {:.3g} {}", out.empty() ? "" : ", ", hand.stiffness_min,
+                         p.units->stiffness, hand.damping_min, p.units->damping);
     }
     return out;
   }
 
   std::vector<AxisProblem> same_targets(const DesignProblem& other) const {
     std::vector<AxisProblem> problems = axis_problems(other);
-    for (std::size_t a = 0; a < problems.size(); ++a) problems[a].target = problems_[a].target;
-    if (damped_) set_floors(other, problems);
+    for (std::size_t a = 0; a < problems.size(); ++a)
+      problems[a].target = problems_[a].target;
+    if (damped_)
+      set_floors(other, problems);
     return problems;
   }
 
@@ -229,9 +287,11 @@ class Remedies {
 
 }  // namespace
 
-std::vector<std::string> remedies_of(const DesignProblem& request, const std::vector<AxisProblem>& problems,
+std::vector<std::string> remedies_of(const DesignProblem& request,
+                                     const std::vector<AxisProblem>& problems,
                                      const Design& design) {
-  if (design.status == DesignStatus::kAsRequested) return {};
+  if (design.status == DesignStatus::kAsRequested)
+    return {};
   return Remedies(request, problems, design).all();
 }
 

@@ -15,30 +15,44 @@ std::string shortfall(const AxisProblem& p, const AxisDesign& d) {
     return fmt::format("{}: no stiffness is stable ({}).", p.units->name, d.worst_case_text);
   if (p.hand.any_passive)
     return fmt::format(
-        "{}: up to {:.3g} {} no passive hand can make the loop unstable; with a margin of {:.3g}, {:.3g} of the {:.4g} "
+        "{}: up to {:.3g} {} no passive hand can make the loop unstable; with a margin of {:.3g}, "
+        "{:.3g} of the {:.4g} "
         "{} wanted are shown.",
-        p.units->name, d.critical_stiffness, p.units->stiffness, d.gain_margin, d.shown_stiffness, p.wanted,
-        p.units->stiffness);
+        p.units->name, d.critical_stiffness, p.units->stiffness, d.gain_margin, d.shown_stiffness,
+        p.wanted, p.units->stiffness);
   if (d.gain_margin > 1.01 * p.margin)  // another bound than stability
-    return fmt::format("{}: more would swing longer than it may; {:.3g} of the {:.4g} {} wanted are shown, and {} becomes unstable at {:.3g}.",
-                       p.units->name, d.shown_stiffness, p.wanted, p.units->stiffness, d.worst_case_text, d.critical_stiffness);
+    return fmt::format(
+        "{}: more would swing longer than it may; {:.3g} of the {:.4g} {} wanted are shown, and {} "
+        "becomes unstable at {:.3g}.",
+        p.units->name, d.shown_stiffness, p.wanted, p.units->stiffness, d.worst_case_text,
+        d.critical_stiffness);
   return fmt::format(
-      "{}: {} becomes unstable at {:.3g} {}; with a margin of {:.3g}, {:.3g} of the {:.4g} {} wanted are shown.",
-      p.units->name, d.worst_case_text, d.critical_stiffness, p.units->stiffness, d.gain_margin, d.shown_stiffness,
-      p.wanted, p.units->stiffness);
+      "{}: {} becomes unstable at {:.3g} {}; with a margin of {:.3g}, {:.3g} of the {:.4g} {} "
+      "wanted are shown.",
+      p.units->name, d.worst_case_text, d.critical_stiffness, p.units->stiffness, d.gain_margin,
+      d.shown_stiffness, p.wanted, p.units->stiffness);
 }
 
 /// What is injected; and what the bound on it costs, with all else as it is.
-std::string damping_reason(const DesignProblem& request, const AxisProblem& p, const Design& design, const AxisDesign& d) {
-  std::string out = fmt::format("{}: without damping in contact less would hold; {:.3g} {} on the velocity of {} are injected.", p.units->name,
-                                d.injected_damping, p.units->damping, describe(d.velocity));
+std::string damping_reason(const DesignProblem& request, const AxisProblem& p, const Design& design,
+                           const AxisDesign& d) {
+  std::string out = fmt::format(
+      "{}: without damping in contact less would hold; {:.3g} {} on the velocity of {} are "
+      "injected.",
+      p.units->name, d.injected_damping, p.units->damping, describe(d.velocity));
   AxisProblem unbounded = p;
   unbounded.damper_share = 0.0;
-  if (design.spec.kind == "spring_damper" || !(d.shown_stiffness < 0.999 * p.target)) return out;
-  const double with = d.critical_stiffness / p.margin, without = certified_stiffness(unbounded, controller_of(design.spec, p, arm_squared(request)));
+  if (design.spec.kind == "spring_damper" || !(d.shown_stiffness < 0.999 * p.target))
+    return out;
+  const double with = d.critical_stiffness / p.margin,
+               without = certified_stiffness(unbounded,
+                                             controller_of(design.spec, p, arm_squared(request)));
   if (without > 1.01 * with)
-    out += fmt::format(" It adds no more than {:.2g} of the contact's force, so that a touch begins with the contact; unbounded (damper_share: 0) it would let "
-                       "{:.4g} instead of {:.4g} {} hold.", design.spec.damper_share, without, with, p.units->stiffness);
+    out += fmt::format(
+        " It adds no more than {:.2g} of the contact's force, so that a touch begins with the "
+        "contact; unbounded (damper_share: 0) it would let "
+        "{:.4g} instead of {:.4g} {} hold.",
+        design.spec.damper_share, without, with, p.units->stiffness);
   return out;
 }
 
@@ -54,20 +68,27 @@ std::string cutoff_reason(const DesignProblem& request, const std::vector<AxisPr
     reached += fmt::format("{}{:.3g} {}", reached.empty() ? "" : " and ", most, p.units->stiffness);
   }
   return fmt::format(
-      "At {:.3g} Hz the filter's lag lets only {} hold without injected damping; the cut-off is {:.3g} Hz.",
+      "At {:.3g} Hz the filter's lag lets only {} hold without injected damping; the cut-off is "
+      "{:.3g} Hz.",
       request.goals.cutoff_hz, reached, design.spec.cutoff_hz);
 }
 
 }  // namespace
 
 std::string describe_bound(const CouplingSpec& spec) {
-  if (!(spec.damper_share > 0.0 && spec.injected_damping_ns_per_m > 0.0)) return "";
-  return fmt::format("adds at most {:.3g} of what contact and effects give, and {:.2g} N", spec.damper_share, spec.damper_free_n);
+  if (!(spec.damper_share > 0.0 && spec.injected_damping_ns_per_m > 0.0))
+    return "";
+  return fmt::format("adds at most {:.3g} of what contact and effects give, and {:.2g} N",
+                     spec.damper_share, spec.damper_free_n);
 }
 
 std::string describe_slow_velocity(const CouplingSpec& spec) {
-  if (!damps_on_slow_velocity(spec)) return "";
-  return fmt::format("acts on the velocity of a filter of {:.3g} Hz within {:.2g} mm/s, which may be the encoder's steps", spec.slow_velocity_hz, 1e3 * spec.velocity_band_m_per_s);
+  if (!damps_on_slow_velocity(spec))
+    return "";
+  return fmt::format(
+      "acts on the velocity of a filter of {:.3g} Hz within {:.2g} mm/s, which may be the "
+      "encoder's steps",
+      spec.slow_velocity_hz, 1e3 * spec.velocity_band_m_per_s);
 }
 
 std::string describe(const VelocityEstimate& velocity) {
@@ -78,26 +99,36 @@ std::string describe(const VelocityEstimate& velocity) {
 std::string floors_cost(const std::vector<AxisProblem>& problems, const Design& design) {
   std::string of_axes;
   for (std::size_t a = 0; a < problems.size(); ++a) {
-    const double cost = a == 0 ? design.floors.cost_n_per_m : design.floors.cost_nm_per_rad, left = axis_of(design, a).shown_stiffness;
-    if (cost > 0.001 * left) of_axes += fmt::format("{}{:.4g} of {:.4g} {}", of_axes.empty() ? "" : " and ", cost, left + cost, problems[a].units->stiffness);
+    const double cost = a == 0 ? design.floors.cost_n_per_m : design.floors.cost_nm_per_rad,
+                 left = axis_of(design, a).shown_stiffness;
+    if (cost > 0.001 * left)
+      of_axes += fmt::format("{}{:.4g} of {:.4g} {}", of_axes.empty() ? "" : " and ", cost,
+                             left + cost, problems[a].units->stiffness);
   }
-  if (of_axes.empty()) return "";
-  return fmt::format("That swings die out takes {} (damping ratios of {:.2g} released, {:.2g} held); damping_floor: 0 in the scene's coupling gives it back.",
-                     of_axes, design.floors.released, design.floors.held);
+  if (of_axes.empty())
+    return "";
+  return fmt::format(
+      "That swings die out takes {} (damping ratios of {:.2g} released, {:.2g} held); "
+      "damping_floor: 0 in the scene's coupling gives it back.",
+      of_axes, design.floors.released, design.floors.held);
 }
 
-std::vector<std::string> reasons_of(const DesignProblem& request, const std::vector<AxisProblem>& problems,
+std::vector<std::string> reasons_of(const DesignProblem& request,
+                                    const std::vector<AxisProblem>& problems,
                                     const Design& design) {
   std::vector<std::string> out;
   const bool filter = design.spec.kind == "shaping_filter";
   for (std::size_t a = 0; a < problems.size(); ++a) {
     const AxisProblem& p = problems[a];
     const AxisDesign& d = axis_of(design, a);
-    if (d.shown_stiffness < 0.999 * p.target) out.push_back(shortfall(p, d));
+    if (d.shown_stiffness < 0.999 * p.target)
+      out.push_back(shortfall(p, d));
     if (p.contact.all_points > p.model.max_stiffness)
-      out.push_back(fmt::format("{}: the device can show {:.4g} {}, and all points together have {:.4g}.",
-                                p.units->name, p.model.max_stiffness, p.units->stiffness, p.contact.all_points));
-    if (d.injected_damping > 0.0) out.push_back(damping_reason(request, p, design, d));
+      out.push_back(fmt::format(
+          "{}: the device can show {:.4g} {}, and all points together have {:.4g}.", p.units->name,
+          p.model.max_stiffness, p.units->stiffness, p.contact.all_points));
+    if (d.injected_damping > 0.0)
+      out.push_back(damping_reason(request, p, design, d));
   }
   if (filter && design.spec.cutoff_hz > request.goals.cutoff_hz)
     out.push_back(cutoff_reason(request, problems, design));

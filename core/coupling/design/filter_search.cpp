@@ -18,7 +18,8 @@ using Law = LoopController::Law;
 constexpr std::array kFactors{1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0, 32.0, 40.0};
 constexpr std::size_t kUnused = 1;   ///< of these, where nothing is injected: the spec's default
 constexpr std::size_t kLevels = 11;  ///< 0, 10, ... 100 % of what is allowed
-/// The table is good to about a percent: what lies that little below the target is still worth an exact look.
+/// The table is good to about a percent: what lies that little below the target is still worth an
+/// exact look.
 constexpr double kTableDoubt = 0.985;
 /// Of all whose stiffness is within a tenth of the best, the gentlest is taken.
 constexpr double kAsGood = 0.9;
@@ -27,10 +28,11 @@ constexpr std::size_t kMaxConfirmations = 24;
 struct Axis {
   const AxisProblem* problem;
   FilterTable* table;  ///< none where rule P decides
-  std::optional<FilterTable> swings;  ///< of the cases with a floor of the damping ratio; none where there is no such case
+  std::optional<FilterTable>
+      swings;  ///< of the cases with a floor of the damping ratio; none where there is no such case
   std::array<double, kVelocityEstimates.size()> most_damping{};
-  /// Where a floor is broken though the contact hardly acts: a hand that swings too long by itself needs some damping, and much is late. Empty: not
-  /// yet looked at.
+  /// Where a floor is broken though the contact hardly acts: a hand that swings too long by itself
+  /// needs some damping, and much is late. Empty: not yet looked at.
   std::array<std::array<std::optional<bool>, kLevels>, kVelocityEstimates.size()> broken{};
   double reference_damping = 0.0;  ///< the most over the velocity estimates
   std::size_t longest_swing = 0;   ///< case that broke its floor last
@@ -58,50 +60,69 @@ bool has_floor(const DesignCase& one) { return one.least_damping_ratio > 0.0; }
 
 class Search {
  public:
-  Search(const std::vector<AxisProblem>& problems, const std::vector<FilterSetting>& shapes, bool allow_damping, bool windows, Searched& searched)
-      : shapes_(shapes), allow_damping_(allow_damping), velocities_(velocity_estimates(windows)) {
+  Search(const std::vector<AxisProblem>& problems, const std::vector<FilterSetting>& shapes,
+         bool allow_damping, bool windows, Searched& searched)
+      : shapes_(shapes),
+        allow_damping_(allow_damping),
+        velocities_(velocity_estimates(windows)) {
     searched.tables.resize(problems.size());
     for (std::size_t a = 0; a < problems.size(); ++a) {
       const AxisProblem& problem = problems[a];
       std::optional<FilterTable>& table = searched.tables[a];
-      if (!problem.hand.any_passive && !table) table.emplace(problem.cases, velocities_);
+      if (!problem.hand.any_passive && !table)
+        table.emplace(problem.cases, velocities_);
       Axis axis{&problem, table ? &*table : nullptr, std::nullopt, {}, {}, 0.0, 0};
-      if (std::ranges::any_of(problem.cases, has_floor)) axis.swings.emplace(problem.cases, velocities_, LoopLimit::kDamped);
+      if (std::ranges::any_of(problem.cases, has_floor))
+        axis.swings.emplace(problem.cases, velocities_, LoopLimit::kDamped);
       axes_.push_back(std::move(axis));
     }
   }
 
   FilterChoice run() {
-    if (auto found = without_damping()) return *found;
-    if (may_damp()) bound_damping();
+    if (auto found = without_damping())
+      return *found;
+    if (may_damp())
+      bound_damping();
     tabulate();
     if (may_damp())
-      if (auto found = with_damping()) return *found;
+      if (auto found = with_damping())
+        return *found;
     return stiffest();
   }
 
  private:
   bool may_damp() const {
-    return allow_damping_ && std::ranges::any_of(axes_, [](const Axis& a) { return a.table != nullptr; });
+    return allow_damping_ &&
+           std::ranges::any_of(axes_, [](const Axis& a) { return a.table != nullptr; });
   }
 
-  /// Stiffness over target, by the table or by rule P; where it is below `enough`, some number below.
-  double ratio(Axis& axis, std::size_t shape, std::size_t velocity, std::size_t level, double enough) const {
+  /// Stiffness over target, by the table or by rule P; where it is below `enough`, some number
+  /// below.
+  double ratio(Axis& axis, std::size_t shape, std::size_t velocity, std::size_t level,
+               double enough) const {
     const AxisProblem& problem = *axis.problem;
     const double whole = problem.margin * problem.target;
-    const double critical = axis.table ? axis.table->critical(shapes_[shape], velocity, axis.damping(velocity, level), enough * whole, problem.damper_share, problem.large_swing)
-                                       : passive_limit(problem, law_of(shapes_[shape]));
+    const double critical =
+        axis.table ? axis.table->critical(shapes_[shape], velocity, axis.damping(velocity, level),
+                                          enough * whole, problem.damper_share, problem.large_swing)
+                   : passive_limit(problem, law_of(shapes_[shape]));
     const double stable = critical / whole;
-    if (!axis.swings || stable < enough) return stable;
-    return std::min(stable, axis.swings->critical(shapes_[shape], velocity, axis.damping(velocity, level), enough * problem.target) / problem.target);
+    if (!axis.swings || stable < enough)
+      return stable;
+    return std::min(stable,
+                    axis.swings->critical(shapes_[shape], velocity, axis.damping(velocity, level),
+                                          enough * problem.target) /
+                        problem.target);
   }
 
   /// Exactly, by the rule that counts.
   bool confirmed(const Candidate& candidate) const {
     for (std::size_t a = 0; a < axes_.size(); ++a) {
       const AxisProblem& problem = *axes_[a].problem;
-      if (!(certified_stiffness(problem, law(candidate, a), problem.target) >= problem.target)) return false;
-      if (!keeps_floors(problem, law(candidate, a), problem.target)) return false;
+      if (!(certified_stiffness(problem, law(candidate, a), problem.target) >= problem.target))
+        return false;
+      if (!keeps_floors(problem, law(candidate, a), problem.target))
+        return false;
     }
     return true;
   }
@@ -124,17 +145,21 @@ class Search {
     for (std::size_t s = 0; s < shapes_.size(); ++s) {
       const Candidate candidate{s, kUnused, std::vector<std::size_t>(axes_.size(), 0), 0.0, 0.0};
       bool likely = true;
-      for (Axis& axis : axes_) likely = likely && ratio(axis, s, 0, 0, kTableDoubt) >= kTableDoubt;
-      if (!likely || !confirmed(candidate)) continue;
+      for (Axis& axis : axes_)
+        likely = likely && ratio(axis, s, 0, 0, kTableDoubt) >= kTableDoubt;
+      if (!likely || !confirmed(candidate))
+        continue;
       const bool requested = shapes_[s].cutoff_hz == shapes_.front().cutoff_hz;
-      return chosen(candidate, requested ? DesignStatus::kAsRequested : DesignStatus::kBandwidthRaised);
+      return chosen(candidate,
+                    requested ? DesignStatus::kAsRequested : DesignStatus::kBandwidthRaised);
     }
     return std::nullopt;
   }
 
   void bound_damping() {
     for (Axis& axis : axes_) {
-      if (!axis.table) continue;
+      if (!axis.table)
+        continue;
       for (std::size_t v = 0; v < velocities_.size(); ++v) {
         axis.most_damping[v] = damping_limit(*axis.problem, velocities_[v]);
         axis.reference_damping = std::max(axis.reference_damping, axis.most_damping[v]);
@@ -143,23 +168,28 @@ class Search {
   }
 
   bool breaks_floors(Axis& axis, std::size_t velocity, std::size_t level) const {
-    if (!axis.swings) return false;
+    if (!axis.swings)
+      return false;
     constexpr double kHardlyAny = 1e-3;  // of the target
     std::optional<bool>& broken = axis.broken[level == 0 ? 0 : velocity][level];
     if (!broken) {
       LoopController law = law_of({kInfinity, 1.0});
       law.use(velocities_[velocity]);
       law.injected_damping = axis.damping(velocity, level);
-      broken = !keeps_floors(*axis.problem, law, kHardlyAny * axis.problem->target, axis.longest_swing);
+      broken =
+          !keeps_floors(*axis.problem, law, kHardlyAny * axis.problem->target, axis.longest_swing);
     }
     return *broken;
   }
 
-  /// All ratios of all points that the next steps may look at; [shape][velocity estimate][axis][level].
+  /// All ratios of all points that the next steps may look at; [shape][velocity
+  /// estimate][axis][level].
   void tabulate() {
     ratios_.assign(shapes_.size(), {});
     best_ = 0.0;
-    for (std::size_t s = shapes_.size(); s-- > 0;) {  // the highest cut-off first, so that most of the others are seen to fall short soon
+    for (std::size_t s = shapes_.size();
+         s-- >
+         0;) {  // the highest cut-off first, so that most of the others are seen to fall short soon
       for (std::size_t v = 0; v < velocities_.size(); ++v) {
         ratios_[s][v].resize(axes_.size());
         const double enough = kAsGood * std::min(best_, 1.0);  // no step takes anything below
@@ -167,57 +197,74 @@ class Search {
         for (std::size_t a = 0; a < axes_.size() && joint >= enough; ++a) {
           for (std::size_t level = 0; level < kLevels; ++level) {
             const bool same = level > 0 && axes_[a].damping(v, level) == 0.0;
-            ratios_[s][v][a][level] = same ? ratios_[s][v][a][0] : ratio(axes_[a], s, v, level, enough);
+            ratios_[s][v][a][level] =
+                same ? ratios_[s][v][a][0] : ratio(axes_[a], s, v, level, enough);
           }
           joint = std::min(joint, *std::ranges::max_element(ratios_[s][v][a]));
         }
-        if (velocities_[v].window == 0) best_ = std::max(best_, joint_above(best_, s, v));
+        if (velocities_[v].window == 0)
+          best_ = std::max(best_, joint_above(best_, s, v));
       }
     }
   }
 
-  /// What the axis shows there, and all above `least` of it; 0 where a floor is broken though the contact hardly acts. That is slow to find out, so
-  /// only what may count is asked.
-  bool shows(std::size_t shape, std::size_t velocity, std::size_t axis, std::size_t level, double least) {
-    return ratios_[shape][velocity][axis][level] >= least && (least <= 0.0 || !breaks_floors(axes_[axis], velocity, level));
+  /// What the axis shows there, and all above `least` of it; 0 where a floor is broken though the
+  /// contact hardly acts. That is slow to find out, so only what may count is asked.
+  bool shows(std::size_t shape, std::size_t velocity, std::size_t axis, std::size_t level,
+             double least) {
+    return ratios_[shape][velocity][axis][level] >= least &&
+           (least <= 0.0 || !breaks_floors(axes_[axis], velocity, level));
   }
   double ratio(const Candidate& candidate, std::size_t axis) {
     const std::size_t level = candidate.levels[axis];
-    return breaks_floors(axes_[axis], candidate.velocity, level) ? 0.0 : ratios_[candidate.shape][candidate.velocity][axis][level];
+    return breaks_floors(axes_[axis], candidate.velocity, level)
+               ? 0.0
+               : ratios_[candidate.shape][candidate.velocity][axis][level];
   }
   /// The most that the axes show together; 0 where it is not above `least`.
   double joint_above(double least, std::size_t shape, std::size_t velocity) {
     double joint = kInfinity;
-    for (const Levels& levels : ratios_[shape][velocity]) joint = std::min(joint, *std::ranges::max_element(levels));
+    for (const Levels& levels : ratios_[shape][velocity])
+      joint = std::min(joint, *std::ranges::max_element(levels));
     for (std::size_t a = 0; a < axes_.size() && joint > least; ++a) {
       Levels levels = ratios_[shape][velocity][a];
       auto most = std::ranges::max_element(levels);
-      for (; *most > least && breaks_floors(axes_[a], velocity, static_cast<std::size_t>(most - levels.begin())); most = std::ranges::max_element(levels)) *most = 0.0;
+      for (; *most > least &&
+             breaks_floors(axes_[a], velocity, static_cast<std::size_t>(most - levels.begin()));
+           most = std::ranges::max_element(levels))
+        *most = 0.0;
       joint = std::min(joint, *most);
     }
     return joint > least ? joint : 0.0;
   }
 
-  /// The gentlest point of each shape and velocity estimate at which every axis reaches `least` of its target, and what `no_less` shows of it;
-  /// gentlest first.
-  std::vector<Candidate> reaching(double least, bool windows = true, const Candidate* no_less = nullptr) {
+  /// The gentlest point of each shape and velocity estimate at which every axis reaches `least` of
+  /// its target, and what `no_less` shows of it; gentlest first.
+  std::vector<Candidate> reaching(double least, bool windows = true,
+                                  const Candidate* no_less = nullptr) {
     std::vector<Candidate> out;
     for (std::size_t s = 0; s < shapes_.size(); ++s)
       for (std::size_t v = 0; v < velocities_.size(); ++v) {
-        if (!windows && velocities_[v].window > 0) continue;
+        if (!windows && velocities_[v].window > 0)
+          continue;
         Candidate candidate{s, v, {}, 0.0, 0.0};
         for (std::size_t a = 0; a < axes_.size(); ++a) {
           const double enough = no_less ? std::max(least, ratio(*no_less, a)) : least;
           std::size_t level = 0;
-          while (level < kLevels && !shows(s, v, a, level, enough)) ++level;
-          if (level == kLevels) break;
+          while (level < kLevels && !shows(s, v, a, level, enough))
+            ++level;
+          if (level == kLevels)
+            break;
           candidate.levels.push_back(level);
           const double share = axes_[a].share(v, candidate.levels.back());
           candidate.cost = std::max(candidate.cost, share), candidate.second_cost += share;
         }
-        if (candidate.levels.size() == axes_.size()) out.push_back(std::move(candidate));
+        if (candidate.levels.size() == axes_.size())
+          out.push_back(std::move(candidate));
       }
-    std::ranges::sort(out, [&](const Candidate& x, const Candidate& y) { return x.order(shapes_) < y.order(shapes_); });
+    std::ranges::sort(out, [&](const Candidate& x, const Candidate& y) {
+      return x.order(shapes_) < y.order(shapes_);
+    });
     return out;
   }
 
@@ -225,8 +272,10 @@ class Search {
   std::optional<FilterChoice> with_damping() {
     std::size_t looks = 0;
     for (const Candidate& candidate : reaching(kTableDoubt)) {
-      if (++looks > kMaxConfirmations) break;
-      if (confirmed(candidate)) return chosen(candidate, DesignStatus::kDampingAdded);
+      if (++looks > kMaxConfirmations)
+        break;
+      if (confirmed(candidate))
+        return chosen(candidate, DesignStatus::kDampingAdded);
     }
     return std::nullopt;
   }
@@ -236,7 +285,8 @@ class Search {
     double best = 0.0;
     for (std::size_t s = 0; s < shapes_.size(); ++s)
       for (std::size_t v = 0; v < velocities_.size(); ++v)
-        if (windows || velocities_[v].window == 0) best = std::max(best, joint_above(best, s, v));
+        if (windows || velocities_[v].window == 0)
+          best = std::max(best, joint_above(best, s, v));
     return kAsGood * std::min(best, 1.0);
   }
 
@@ -244,7 +294,8 @@ class Search {
   FilterChoice stiffest() {
     const Candidate filter = reaching(as_good(false), false).front();
     for (const double least : {as_good(true), 0.0})
-      if (const auto found = reaching(least, true, &filter); !found.empty()) return chosen(found.front(), DesignStatus::kStiffnessReduced);
+      if (const auto found = reaching(least, true, &filter); !found.empty())
+        return chosen(found.front(), DesignStatus::kStiffnessReduced);
     return chosen(filter, DesignStatus::kStiffnessReduced);
   }
 
@@ -252,24 +303,31 @@ class Search {
   bool allow_damping_;
   std::span<const VelocityEstimate> velocities_;
   std::vector<Axis> axes_;
-  double best_ = 0.0;      ///< ratio of all axes together, on a filter's velocity
+  double best_ = 0.0;  ///< ratio of all axes together, on a filter's velocity
   using Levels = std::array<double, kLevels>;
   std::vector<std::array<std::vector<Levels>, kVelocityEstimates.size()>> ratios_;
 };
 
 }  // namespace
 
-double FilterTable::critical(const FilterSetting& shape, std::size_t velocity, double injected_damping, double enough, double damper_share, double large_swing) {
+double FilterTable::critical(const FilterSetting& shape, std::size_t velocity,
+                             double injected_damping, double enough, double damper_share,
+                             double large_swing) {
   const bool damped = injected_damping > 0.0;
-  const Question question(shape.cutoff_hz, shape.damping_ratio, damped ? velocity : 0, injected_damping, damped ? damper_share : 0.0, damped ? large_swing : 1.0);
+  const Question question(shape.cutoff_hz, shape.damping_ratio, damped ? velocity : 0,
+                          injected_damping, damped ? damper_share : 0.0,
+                          damped ? large_swing : 1.0);
   const auto [known, is_new] = known_.try_emplace(question);
   Answer& answer = known->second;
   const bool exact = !is_new && answer.critical >= answer.enough, below = answer.critical < enough;
-  if (!is_new && (exact || below)) return answer.critical;
+  if (!is_new && (exact || below))
+    return answer.critical;
   if (used_.cutoff_hz != shape.cutoff_hz || used_.damping_ratio != shape.damping_ratio) {
     const double w0 = 2.0 * std::numbers::pi * shape.cutoff_hz;
     table_.use([&](const DecayingPhasor& at, double period) {
-      return std::isinf(shape.cutoff_hz) ? Complex(1.0) : filter_response(0.5 * w0 * period, shape.damping_ratio, at);
+      return std::isinf(shape.cutoff_hz)
+                 ? Complex(1.0)
+                 : filter_response(0.5 * w0 * period, shape.damping_ratio, at);
     });
     used_ = shape;
   }
@@ -287,23 +345,28 @@ LoopController law_of(const FilterSetting& shape) {
 }
 
 std::vector<FilterSetting> filter_settings(const DesignProblem& request) {
-  const bool passive =
-      request.hand.translation.any_passive || (request.device.gives_torque && request.hand.rotation.any_passive);
+  const bool passive = request.hand.translation.any_passive ||
+                       (request.device.gives_torque && request.hand.rotation.any_passive);
   std::vector<double> ratios{std::numbers::sqrt2 / 2.0, 0.577, 1.0};
-  if (passive) ratios.insert(ratios.begin() + 1, std::numbers::sqrt3 / 2.0);
+  if (passive)
+    ratios.insert(ratios.begin() + 1, std::numbers::sqrt3 / 2.0);
   std::vector<FilterSetting> shapes;
   for (const double factor : kFactors) {
     const double cutoff = request.goals.cutoff_hz * factor;
-    const double angle_per_sample = 2.0 * std::numbers::pi * cutoff * request.device.timing.period_s;
+    const double angle_per_sample =
+        2.0 * std::numbers::pi * cutoff * request.device.timing.period_s;
     // The goal itself is tried as it is; `check` refuses what no filter can do.
-    if (factor > 1.0 && (angle_per_sample > kWarnCutoffRad || cutoff > request.goals.max_cutoff_hz)) break;
-    for (const double ratio : ratios) shapes.push_back({cutoff, ratio});
+    if (factor > 1.0 && (angle_per_sample > kWarnCutoffRad || cutoff > request.goals.max_cutoff_hz))
+      break;
+    for (const double ratio : ratios)
+      shapes.push_back({cutoff, ratio});
   }
   return shapes;
 }
 
-FilterChoice search_filter(const std::vector<AxisProblem>& problems, const std::vector<FilterSetting>& shapes,
-                           bool allow_injected_damping, bool velocity_windows, Searched& searched) {
+FilterChoice search_filter(const std::vector<AxisProblem>& problems,
+                           const std::vector<FilterSetting>& shapes, bool allow_injected_damping,
+                           bool velocity_windows, Searched& searched) {
   return Search(problems, shapes, allow_injected_damping, velocity_windows, searched).run();
 }
 

@@ -1,5 +1,6 @@
 #pragma once
-/// The least gain at which 1 + gain L(z) = 0 has a root on the unit circle. For this folder's own functions.
+/// The least gain at which 1 + gain L(z) = 0 has a root on the unit circle. For this folder's own
+/// functions.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,31 +14,37 @@ namespace voxtouch::coupling::design {
 
 /// Where L crosses the negative real axis furthest out.
 struct Crossing {
-  double gain = std::numeric_limits<double>::infinity();  ///< -1/L there; infinity: it never crosses
-  double angle = 0.0;                                     ///< [rad per sample]
+  double gain =
+      std::numeric_limits<double>::infinity();  ///< -1/L there; infinity: it never crosses
+  double angle = 0.0;                           ///< [rad per sample]
 };
 
-/// L and, where it is a sum, the summand that may have narrow resonances: under a large smooth summand, pole and zero of a
-/// resonance lie so close together that a step over both looks like none, while the summand itself turns by pi.
+/// L and, where it is a sum, the summand that may have narrow resonances: under a large smooth
+/// summand, pole and zero of a resonance lie so close together that a step over both looks like
+/// none, while the summand itself turns by pi.
 struct LoopSample {
   Complex value, summand;
 };
 
-/// Walks up the upper half of the unit circle in steps that grow with the angle, are short against the turns of the delay, and
-/// are halved wherever L or its summand turns or grows fast; every step that crosses the negative real axis is narrowed down to
-/// rounding. Where L comes near the axis and turns back it is looked whether it has been across in between: such a loop is
-/// unstable for a band of gains only. A response is a function of a Phasor that gives a LoopSample.
+/// Walks up the upper half of the unit circle in steps that grow with the angle, are short against
+/// the turns of the delay, and are halved wherever L or its summand turns or grows fast; every step
+/// that crosses the negative real axis is narrowed down to rounding. Where L comes near the axis
+/// and turns back it is looked whether it has been across in between: such a loop is unstable for a
+/// band of gains only. A response is a function of a Phasor that gives a LoopSample.
 class CrossingSearch {
  public:
-  /// `slow_periods`: sum of the loop's time constants in periods, >= 1. Below a fiftieth of its inverse no factor has turned
-  /// L by more than a fiftieth [rad], and the walk begins there. `whole_delay`: samples of delay.
+  /// `slow_periods`: sum of the loop's time constants in periods, >= 1. Below a fiftieth of its
+  /// inverse no factor has turned L by more than a fiftieth [rad], and the walk begins there.
+  /// `whole_delay`: samples of delay.
   CrossingSearch(double slow_periods, int whole_delay) noexcept
-      : start_(0.02 / slow_periods), longest_step_(0.5 / (whole_delay + 3)) {}
+      : start_(0.02 / slow_periods),
+        longest_step_(0.5 / (whole_delay + 3)) {}
 
-  /// A point that no step may leap over: the top of a resonance, where L turns by pi within a width of no limit, so that two of
-  /// them within one step would look like none. At most kMaxStops.
+  /// A point that no step may leap over: the top of a resonance, where L turns by pi within a width
+  /// of no limit, so that two of them within one step would look like none. At most kMaxStops.
   void stop_at(double angle) noexcept {
-    if (stops_count_ < kMaxStops) stops_[stops_count_++] = angle;
+    if (stops_count_ < kMaxStops)
+      stops_[stops_count_++] = angle;
   }
 
   template <class Response>
@@ -48,14 +55,16 @@ class CrossingSearch {
     while (from.angle < kEnd) {
       double next = std::min({from.angle * kGrowth, from.angle + longest_step_, kEnd});
       for (const double stop : stops_)
-        if (stop > from.angle) next = std::min(next, stop);
+        if (stop > from.angle)
+          next = std::min(next, stop);
       const Point to = at(response, next);
       look_between(response, from, to, kMaxHalvings);
       from = to;
     }
     // At z = -1 everything is real: the loop may begin to swing from sample to sample.
     const double last = response(Phasor(std::numbers::pi)).value.real();
-    if (last < 0.0) offer(-1.0 / last, std::numbers::pi);
+    if (last < 0.0)
+      offer(-1.0 / last, std::numbers::pi);
     return best_;
   }
 
@@ -68,8 +77,9 @@ class CrossingSearch {
   static constexpr int kMaxStops = 4, kMaxHalvings = 60;
   static constexpr double kGrowth = 1.3;
   static constexpr double kEnd = std::numbers::pi * (1.0 - 1e-7);
-  static constexpr double kTurnCosine2 = 0.6;  ///< L may turn by 0.68 rad in a step that is not halved
-  static constexpr double kSwell = 100.0;      ///< and |L|^2 change by this factor
+  static constexpr double kTurnCosine2 =
+      0.6;                                 ///< L may turn by 0.68 rad in a step that is not halved
+  static constexpr double kSwell = 100.0;  ///< and |L|^2 change by this factor
   static constexpr double kHopeless =
       0.01;  ///< a step whose |L|^2 is this small a share of the best crossing's is passed
 
@@ -82,7 +92,8 @@ class CrossingSearch {
   static bool gentle(const Complex& a, const Complex& b) noexcept {
     const double na = std::norm(a), nb = std::norm(b);
     const double along = a.real() * b.real() + a.imag() * b.imag();
-    return along > 0.0 && along * along > kTurnCosine2 * na * nb && na < kSwell * nb && nb < kSwell * na;
+    return along > 0.0 && along * along > kTurnCosine2 * na * nb && na < kSwell * nb &&
+           nb < kSwell * na;
   }
 
   template <class Response>
@@ -105,21 +116,27 @@ class CrossingSearch {
   }
 
   static bool on_both_sides(const Point& a, const Point& b) noexcept {
-    return a.value.real() < 0.0 && b.value.real() < 0.0 && std::signbit(a.value.imag()) != std::signbit(b.value.imag());
+    return a.value.real() < 0.0 && b.value.real() < 0.0 &&
+           std::signbit(a.value.imag()) != std::signbit(b.value.imag());
   }
   /// Tangent of the angle to the negative real axis.
   static double slope(const Point& p) noexcept { return p.value.imag() / p.value.real(); }
 
-  /// Of three points in a row the middle one is nearest to the axis, all on one side: goes towards the axis between them, until
-  /// it is reached or the bracket is short.
+  /// Of three points in a row the middle one is nearest to the axis, all on one side: goes towards
+  /// the axis between them, until it is reached or the bracket is short.
   template <class Response>
-  void look_for_a_touch(const Response& response, const Point& left, const Point& middle, const Point& right) {
-    const auto away = [](const Point& p) { return p.value.real() < 0.0 ? std::abs(slope(p)) : 1e300; };
-    if (!(away(middle) < away(left) && away(middle) <= away(right))) return;
+  void look_for_a_touch(const Response& response, const Point& left, const Point& middle,
+                        const Point& right) {
+    const auto away = [](const Point& p) {
+      return p.value.real() < 0.0 ? std::abs(slope(p)) : 1e300;
+    };
+    if (!(away(middle) < away(left) && away(middle) <= away(right)))
+      return;
     Point a = left, m = middle, b = right;
     for (int i = 0; i < 80 && b.angle - a.angle > 1e-7 * b.angle; ++i) {
       const bool upper = b.angle - m.angle > m.angle - a.angle;
-      const Point c = at(response, upper ? m.angle + 0.4 * (b.angle - m.angle) : m.angle - 0.4 * (m.angle - a.angle));
+      const Point c = at(response, upper ? m.angle + 0.4 * (b.angle - m.angle)
+                                         : m.angle - 0.4 * (m.angle - a.angle));
       if (on_both_sides(c, m)) {
         narrow(response, upper ? m : a, c);  // across, and
         narrow(response, c, upper ? b : m);  // back
@@ -134,10 +151,12 @@ class CrossingSearch {
     }
   }
 
-  /// Offers where Im L/Re L is zero, if it is: by the Illinois rule, secants that never leave the bracket.
+  /// Offers where Im L/Re L is zero, if it is: by the Illinois rule, secants that never leave the
+  /// bracket.
   template <class Response>
   void narrow(const Response& response, Point a, Point b) {
-    if (!on_both_sides(a, b)) return;
+    if (!on_both_sides(a, b))
+      return;
     double fa = slope(a), fb = slope(b);
     for (int i = 0; i < 60 && fa != fb; ++i) {
       const Point c = at(response, b.angle - fb * (b.angle - a.angle) / (fb - fa));
@@ -148,13 +167,15 @@ class CrossingSearch {
         fa *= 0.5;
       }
       b = c, fb = fc;
-      if (fc == 0.0 || moved <= 1e-15 * c.angle) break;
+      if (fc == 0.0 || moved <= 1e-15 * c.angle)
+        break;
     }
     offer(-1.0 / b.value.real(), b.angle);
   }
 
   void offer(double gain, double angle) noexcept {
-    if (gain < best_.gain) best_ = {gain, angle};
+    if (gain < best_.gain)
+      best_ = {gain, angle};
   }
 
   double start_, longest_step_;

@@ -21,9 +21,13 @@ constexpr double kRest = 1e-6;  ///< a span that adds less than this share ends 
 class Steps {
  public:
   Steps(const LoopController& law, double contact_stiffness, double period_s)
-      : law_(law), k_(contact_stiffness), period_(period_s),
+      : law_(law),
+        k_(contact_stiffness),
+        period_(period_s),
         filter_(Pt2Coefficients::of(law.w0_rad_per_s, law.damping_ratio, period_s)),
-        fresh_(law.velocity_filter_rad_per_s > 0.0 ? 1.0 - std::exp(-law.velocity_filter_rad_per_s * period_s) : 1.0) {}
+        fresh_(law.velocity_filter_rad_per_s > 0.0
+                   ? 1.0 - std::exp(-law.velocity_filter_rad_per_s * period_s)
+                   : 1.0) {}
 
   double effort(double position) {
     const double difference = (position - last_) / period_;
@@ -31,7 +35,8 @@ class Steps {
     if (law_.velocity_window > 0) {
       std::shift_right(differences_.begin(), differences_.end(), 1);
       differences_[0] = difference, velocity_ = 0.0;
-      for (int ago = 0; ago < window_span(law_.velocity_window); ++ago) velocity_ += window_weight(law_.velocity_window, ago) * differences_[ago];
+      for (int ago = 0; ago < window_span(law_.velocity_window); ++ago)
+        velocity_ += window_weight(law_.velocity_window, ago) * differences_[ago];
     } else {
       velocity_ += fresh_ * (difference - velocity_);
     }
@@ -40,8 +45,10 @@ class Steps {
 
  private:
   double law(double position) {
-    if (law_.law == Law::kShapingFilter) return state_.advance(filter_, 1.0, k_ * position);
-    if (law_.law == Law::kDirect) return k_ * position;
+    if (law_.law == Law::kShapingFilter)
+      return state_.advance(filter_, 1.0, k_ * position);
+    if (law_.law == Law::kDirect)
+      return k_ * position;
     const double damper = law_.damping / period_;
     object_ = (k_ * position + damper * object_) / (k_ + law_.stiffness + damper);
     return k_ * (position - object_);
@@ -55,8 +62,10 @@ class Steps {
   std::array<double, window_span(kMaxVelocityWindow)> differences_{};
 };
 
-/// Sum of |x[n]| after an error of the first position sample and an effort beside the first command.
-double gain_of(const LoopPlant& p, const LoopController& law, double contact_stiffness, double position_error, double effort) {
+/// Sum of |x[n]| after an error of the first position sample and an effort beside the first
+/// command.
+double gain_of(const LoopPlant& p, const LoopController& law, double contact_stiffness,
+               double position_error, double effort) {
   const SampledPlant plant = sample_plant(p);
   Steps steps(law, contact_stiffness, p.period_s);
   const std::size_t places = static_cast<std::size_t>(plant.whole_delay) + 2;
@@ -69,16 +78,19 @@ double gain_of(const LoopPlant& p, const LoopController& law, double contact_sti
     for (int i = 0; i < kSpan; ++i) {
       commands[now] = -plant.effort_unit * (steps.effort(state[0] + position_error) + effort);
       position_error = effort = 0.0;
-      const double newer = commands[(now + places - static_cast<std::size_t>(plant.whole_delay)) % places];
+      const double newer =
+          commands[(now + places - static_cast<std::size_t>(plant.whole_delay)) % places];
       const double older = commands[(now + 1) % places];
       state += plant.step_less_one * state + plant.newer * newer + plant.older * older;
       now = (now + 1) % places;
       part += std::abs(state[0]);
     }
     sum += part;
-    if (part <= kRest * sum) return sum;
+    if (part <= kRest * sum)
+      return sum;
     // What is left decays from span to span by the same share.
-    if (span + 1 == kMaxSpans && part < before) return sum + part * part / (before - part);
+    if (span + 1 == kMaxSpans && part < before)
+      return sum + part * part / (before - part);
     before = part;
   }
   return sum;
@@ -86,7 +98,8 @@ double gain_of(const LoopPlant& p, const LoopController& law, double contact_sti
 
 }  // namespace
 
-double quantisation_gain(const LoopPlant& plant, const LoopController& law, double contact_stiffness) {
+double quantisation_gain(const LoopPlant& plant, const LoopController& law,
+                         double contact_stiffness) {
   return gain_of(plant, law, contact_stiffness, 1.0, 0.0);
 }
 
@@ -94,20 +107,25 @@ double effort_gain(const LoopPlant& plant, const LoopController& law, double con
   return gain_of(plant, law, contact_stiffness, 0.0, 1.0);
 }
 
-double limit_cycle_bound(const AxisProblem& problem, const LoopController& law, double contact_stiffness,
-                         double shown_stiffness, double velocity_band) {
+double limit_cycle_bound(const AxisProblem& problem, const LoopController& law,
+                         double contact_stiffness, double shown_stiffness, double velocity_band) {
   const double q = problem.model.resolution;
-  if (q == 0.0 || shown_stiffness == 0.0) return 0.0;
+  if (q == 0.0 || shown_stiffness == 0.0)
+    return 0.0;
   const double shape = law.law == Law::kShapingFilter ? law.damping_ratio : 1.0;
-  const double passed = step_share(law.velocity_filter_rad_per_s, law.velocity_window, problem.timing.period_s);
+  const double passed =
+      step_share(law.velocity_filter_rad_per_s, law.velocity_window, problem.timing.period_s);
   const double beside = law.injected_damping * velocity_band;
-  const double needed =
-      limit_cycle_friction(shape, shown_stiffness, q) + law.injected_damping * q / problem.timing.period_s * passed + beside;
-  if (problem.model.coulomb_friction >= needed) return 0.0;
+  const double needed = limit_cycle_friction(shape, shown_stiffness, q) +
+                        law.injected_damping * q / problem.timing.period_s * passed + beside;
+  if (problem.model.coulomb_friction >= needed)
+    return 0.0;
   double worst = 0.0;
   for (const DesignCase& one : problem.cases)
-    worst = std::max(worst, q * quantisation_gain(one.plant, law, contact_stiffness) +
-                                (beside > 0.0 ? 2.0 * beside * effort_gain(one.plant, law, contact_stiffness) : 0.0));
+    worst = std::max(
+        worst,
+        q * quantisation_gain(one.plant, law, contact_stiffness) +
+            (beside > 0.0 ? 2.0 * beside * effort_gain(one.plant, law, contact_stiffness) : 0.0));
   return worst;
 }
 

@@ -16,10 +16,13 @@ const std::string kOrZeroText = fmt::format("from 0 to {}", kMaxQuantity);
 const std::string kZeroOrText = "0, or " + kRangeText;
 const std::string kNoLimitText = fmt::format("{} or above, infinity for no limit", kMinQuantity);
 
-/// Collects sentences about fields whose names begin with `prefix`. A comparison with NaN is false, so NaN keeps no rule.
+/// Collects sentences about fields whose names begin with `prefix`. A comparison with NaN is false,
+/// so NaN keeps no rule.
 class Findings {
  public:
-  Findings(std::string prefix, std::vector<std::string>& out) : prefix_(std::move(prefix)), out_(out) {}
+  Findings(std::string prefix, std::vector<std::string>& out)
+      : prefix_(std::move(prefix)),
+        out_(out) {}
 
   void positive(std::string_view field, double value) {
     rule(value >= kMinQuantity && value <= kMaxQuantity, field, value, kRangeText);
@@ -29,18 +32,20 @@ class Findings {
     rule(value >= 0.0 && value <= kMaxQuantity, field, value, kOrZeroText);
   }
   void quantity_or_zero(std::string_view field, double value) {
-    rule(value == 0.0 || (value >= kMinQuantity && value <= kMaxQuantity), field, value, kZeroOrText);
+    rule(value == 0.0 || (value >= kMinQuantity && value <= kMaxQuantity), field, value,
+         kZeroOrText);
   }
   void positive_or_none(std::string_view field, double value) {
     rule(value >= kMinQuantity, field, value, kNoLimitText);
   }
   void not_below(std::string_view field, double value, std::string_view least_field, double least) {
     if (value < least)
-      out_.push_back(fmt::format("{0}{1} is {2}; it must not be below {0}{3}, which is {4}.", prefix_, field, value,
-                                 least_field, least));
+      out_.push_back(fmt::format("{0}{1} is {2}; it must not be below {0}{3}, which is {4}.",
+                                 prefix_, field, value, least_field, least));
   }
   void rule(bool kept, std::string_view field, double value, std::string_view text) {
-    if (!kept) out_.push_back(fmt::format("{}{} is {}; it must be {}.", prefix_, field, value, text));
+    if (!kept)
+      out_.push_back(fmt::format("{}{} is {}; it must be {}.", prefix_, field, value, text));
   }
 
  private:
@@ -68,8 +73,8 @@ void check_timing(const LoopTiming& timing, std::vector<std::string>& out) {
   find.not_negative("jitter", timing.jitter);
   find.rule(timing.lost_in_a_row >= 0, "lost_in_a_row", timing.lost_in_a_row, "0 or above");
   if (timing.period_s > 0.0 && timing.delay_s > kMaxDelayPeriods * timing.period_s)
-    out.push_back(fmt::format("timing.delay_s is {}; it must be at most {} periods of {} s.", timing.delay_s,
-                              kMaxDelayPeriods, timing.period_s));
+    out.push_back(fmt::format("timing.delay_s is {}; it must be at most {} periods of {} s.",
+                              timing.delay_s, kMaxDelayPeriods, timing.period_s));
 }
 
 }  // namespace
@@ -77,16 +82,19 @@ void check_timing(const LoopTiming& timing, std::vector<std::string>& out) {
 std::vector<std::string> check(const DeviceModel& device) {
   std::vector<std::string> out;
   check_axis(device.translation, "translation.", out);
-  if (device.gives_torque) check_axis(device.rotation, "rotation.", out);
+  if (device.gives_torque)
+    check_axis(device.rotation, "rotation.", out);
   check_timing(device.timing, out);
   return out;
 }
 
 std::vector<std::string> check(const HandRange& hand) {
   std::vector<std::string> out;
-  if (hand.any_passive) return out;
+  if (hand.any_passive)
+    return out;
   Findings find("", out);
-  const auto range = [&](const char* least_field, double least, const char* most_field, double most) {
+  const auto range = [&](const char* least_field, double least, const char* most_field,
+                         double most) {
     find.quantity_or_zero(least_field, least);
     find.quantity_or_zero(most_field, most);
     find.not_below(most_field, most, least_field, least);
@@ -98,7 +106,9 @@ std::vector<std::string> check(const HandRange& hand) {
 }
 
 std::string_view name_of(Grip grip) noexcept { return name_in(kGrips, grip); }
-bool parse_grip(std::string_view word, Grip& grip) noexcept { return find_name(kGrips, word, grip); }
+bool parse_grip(std::string_view word, Grip& grip) noexcept {
+  return find_name(kGrips, word, grip);
+}
 
 DeviceModel model_of(const DeviceDescription& d) {
   DeviceModel m;

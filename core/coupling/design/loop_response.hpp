@@ -1,8 +1,10 @@
 #pragma once
-/// The parts of the sampled loop on the unit circle, from their factors. For this folder's own functions.
+/// The parts of the sampled loop on the unit circle, from their factors. For this folder's own
+/// functions.
 ///
-/// All that is small near z = 1 (z - 1, the plant's step less one, 1 - a) is computed as such and never as a difference of
-/// numbers near 1: a device that moves at 1 rad/s under a 4 kHz loop loses no digit.
+/// All that is small near z = 1 (z - 1, the plant's step less one, 1 - a) is computed as such and
+/// never as a difference of numbers near 1: a device that moves at 1 rad/s under a 4 kHz loop loses
+/// no digit.
 #include <array>
 #include <cmath>
 #include <complex>
@@ -16,13 +18,18 @@ namespace voxtouch::coupling::design {
 using Complex = std::complex<double>;
 
 /// a/b for numbers whose squares are in range; the library's operator pays for those whose are not.
-inline Complex quotient(const Complex& a, const Complex& b) noexcept { return a * std::conj(b) / std::norm(b); }
+inline Complex quotient(const Complex& a, const Complex& b) noexcept {
+  return a * std::conj(b) / std::norm(b);
+}
 
-/// z = e^{j angle} and what is needed of it; 0 < angle <= pi [rad per sample]. A complex angle is a z that is not on the unit circle.
+/// z = e^{j angle} and what is needed of it; 0 < angle <= pi [rad per sample]. A complex angle is a
+/// z that is not on the unit circle.
 template <class Angle>
 struct BasicPhasor {
   explicit BasicPhasor(Angle angle_rad) noexcept
-      : angle(angle_rad), s(std::sin(0.5 * angle_rad)), c(std::cos(0.5 * angle_rad)) {
+      : angle(angle_rad),
+        s(std::sin(0.5 * angle_rad)),
+        c(std::cos(0.5 * angle_rad)) {
     const Complex j(0.0, 1.0), half = c + j * s;
     z_inverse = (c - j * s) * (c - j * s);
     z_less_one = j * (2.0 * s) * half;
@@ -31,7 +38,8 @@ struct BasicPhasor {
   Complex z_inverse, z_less_one;
 };
 using Phasor = BasicPhasor<double>;
-/// z = e^{s T} on the line of one damping ratio: s T = angle (j - ratio / sqrt(1 - ratio^2)), 0 <= ratio < 1.
+/// z = e^{s T} on the line of one damping ratio: s T = angle (j - ratio / sqrt(1 - ratio^2)), 0 <=
+/// ratio < 1.
 struct DecayingPhasor : BasicPhasor<Complex> {
   DecayingPhasor(double angle_rad, double ratio) noexcept
       : BasicPhasor(Complex(angle_rad, angle_rad * ratio / std::sqrt(1.0 - ratio * ratio))) {}
@@ -42,7 +50,8 @@ template <class Angle>
 Complex plant_response(const SampledPlant& plant, const BasicPhasor<Angle>& p) noexcept {
   const auto& e = plant.step_less_one;
   const Complex q = p.z_less_one;
-  Complex x = plant.newer[0] + plant.older[0] * p.z_inverse, v = plant.newer[1] + plant.older[1] * p.z_inverse;
+  Complex x = plant.newer[0] + plant.older[0] * p.z_inverse,
+          v = plant.newer[1] + plant.older[1] * p.z_inverse;
   if (plant.order == 3) {
     const Complex f = quotient(plant.newer[2] + plant.older[2] * p.z_inverse, q - e(2, 2));
     x += e(0, 2) * f;
@@ -53,16 +62,21 @@ Complex plant_response(const SampledPlant& plant, const BasicPhasor<Angle>& p) n
   return plant.effort_unit * one_sample * std::exp(Complex(0.0, -plant.whole_delay) * p.angle);
 }
 
-/// V(z) = (1 - a)(1 - z^-1)/(T (1 - a z^-1)), or (1 - z^-1)/T times the window's weights: the estimated velocity per position.
+/// V(z) = (1 - a)(1 - z^-1)/(T (1 - a z^-1)), or (1 - z^-1)/T times the window's weights: the
+/// estimated velocity per position.
 class VelocityResponse {
  public:
   VelocityResponse(double period_s, double filter_rad_per_s, int window = 0) noexcept
-      : period_(period_s), fresh_(filter_rad_per_s > 0.0 ? -std::expm1(-filter_rad_per_s * period_s) : 1.0), window_(window) {}
+      : period_(period_s),
+        fresh_(filter_rad_per_s > 0.0 ? -std::expm1(-filter_rad_per_s * period_s) : 1.0),
+        window_(window) {}
   template <class Angle>
   Complex operator()(const BasicPhasor<Angle>& p) const noexcept {
-    if (window_ == 0) return fresh_ / period_ * quotient(p.z_less_one, p.z_less_one + fresh_);
+    if (window_ == 0)
+      return fresh_ / period_ * quotient(p.z_less_one, p.z_less_one + fresh_);
     Complex sum = 0.0;
-    for (int ago = window_span(window_); ago-- > 0;) sum = sum * p.z_inverse + window_weight(window_, ago);
+    for (int ago = window_span(window_); ago-- > 0;)
+      sum = sum * p.z_inverse + window_weight(window_, ago);
     return sum * p.z_less_one * p.z_inverse / period_;
   }
 
@@ -71,36 +85,48 @@ class VelocityResponse {
   int window_;
 };
 
-/// H(z) of the shaping filter for K = 1: g^2/(r^2 + 2 d g r + g^2) with r = (z - 1)/(z + 1) = j tan(angle/2).
+/// H(z) of the shaping filter for K = 1: g^2/(r^2 + 2 d g r + g^2) with r = (z - 1)/(z + 1) = j
+/// tan(angle/2).
 template <class Angle>
 Complex filter_response(double g, double damping_ratio, const BasicPhasor<Angle>& p) noexcept {
   const Angle low = g * g * p.c * p.c;
   return quotient(low, low - p.s * p.s + Complex(0.0, 2.0 * damping_ratio * g) * p.s * p.c);
 }
 
-/// What is left of a damper's damping in a swing that leaves the contact, where it adds no more than the share s of the law's force and takes no more
-/// than all of it: of its fundamental the part that is ahead of the force, over what it would be without those bounds. `ratio`: the damper's
-/// response over the law's at the frequency of the swing, D = x + j y.
+/// What is left of a damper's damping in a swing that leaves the contact, where it adds no more
+/// than the share s of the law's force and takes no more than all of it: of its fundamental the
+/// part that is ahead of the force, over what it would be without those bounds. `ratio`: the
+/// damper's response over the law's at the frequency of the swing, D = x + j y.
 ///
-/// Over the half of the period in which the law pushes, as cos p, the damper wants x cos p - y sin p and is held between -cos p and s cos p. Where
-/// it is held changes at tan p = (x - s)/y and (1 + x)/y; the integral of its product with -sin p over (pi/2) y is
-/// (atan((s - x)/y) + atan((1 + x)/y)) / pi. A describing function, not a proof; a smaller swing, which stays in contact, keeps more.
+/// Over the half of the period in which the law pushes, as cos p, the damper wants x cos p - y sin
+/// p and is held between -cos p and s cos p. Where it is held changes at tan p = (x - s)/y and (1 +
+/// x)/y; the integral of its product with -sin p over (pi/2) y is (atan((s - x)/y) + atan((1 +
+/// x)/y)) / pi. A describing function, not a proof; a smaller swing, which stays in contact, keeps
+/// more.
 inline double damper_left(const Complex& ratio, double share) noexcept {
-  if (!(ratio.imag() > 0.0)) return 1.0;  // too late to damp at all
-  return (std::atan((share - ratio.real()) / ratio.imag()) + std::atan((1.0 + ratio.real()) / ratio.imag())) / std::numbers::pi;
+  if (!(ratio.imag() > 0.0))
+    return 1.0;  // too late to damp at all
+  return (std::atan((share - ratio.real()) / ratio.imag()) +
+          std::atan((1.0 + ratio.real()) / ratio.imag())) /
+         std::numbers::pi;
 }
 
-/// Parts of a bounded damper, besides all of it, with which a loop has to be stable where no more than `up_to` of it is left.
+/// Parts of a bounded damper, besides all of it, with which a loop has to be stable where no more
+/// than `up_to` of it is left.
 struct DamperPart {
   double part, up_to;
 };
-inline constexpr std::array<DamperPart, 6> kDamperParts{{{0.9, 0.95}, {0.75, 0.825}, {0.5, 0.625}, {0.25, 0.375}, {0.1, 0.175}, {0.03, 0.065}}};
+inline constexpr std::array<DamperPart, 6> kDamperParts{
+    {{0.9, 0.95}, {0.75, 0.825}, {0.5, 0.625}, {0.25, 0.375}, {0.1, 0.175}, {0.03, 0.065}}};
 
 /// L(z) of 1 + k L(z) = 0, the closed loop's equation.
 class LoopResponse {
  public:
   LoopResponse(const LoopPlant& p, const LoopController& c)
-      : plant_(sample_plant(p)), velocity_(p.period_s, c.velocity_filter_rad_per_s, c.velocity_window), c_(c), g_(0.5 * c.w0_rad_per_s * p.period_s),
+      : plant_(sample_plant(p)),
+        velocity_(p.period_s, c.velocity_filter_rad_per_s, c.velocity_window),
+        c_(c),
+        g_(0.5 * c.w0_rad_per_s * p.period_s),
         period_(p.period_s) {}
 
   const SampledPlant& plant() const noexcept { return plant_; }
@@ -109,20 +135,28 @@ class LoopResponse {
   template <class Angle>
   Complex damped_plant(const BasicPhasor<Angle>& p) const noexcept {
     const Complex g = plant_response(plant_, p);
-    if (!(c_.injected_damping > 0.0)) return g;
+    if (!(c_.injected_damping > 0.0))
+      return g;
     return quotient(g, 1.0 + c_.injected_damping * g * velocity_(p));
   }
-  /// `damper_left` of this loop's damper, before a contact of that stiffness; not for a spring-damper.
+  /// `damper_left` of this loop's damper, before a contact of that stiffness; not for a
+  /// spring-damper.
   double damper_left(double contact_stiffness, double share, const Phasor& p) const noexcept {
-    const Complex shape = c_.law == LoopController::Law::kShapingFilter ? filter_response(g_, c_.damping_ratio, p) : Complex(1.0);
-    return design::damper_left(quotient(c_.injected_damping * velocity_(p), c_.gain * contact_stiffness * shape), share);
+    const Complex shape = c_.law == LoopController::Law::kShapingFilter
+                              ? filter_response(g_, c_.damping_ratio, p)
+                              : Complex(1.0);
+    return design::damper_left(
+        quotient(c_.injected_damping * velocity_(p), c_.gain * contact_stiffness * shape), share);
   }
   /// L from the damped plant's response.
   Complex of(const Complex& g, const Phasor& p) const noexcept {
     switch (c_.law) {
-      case LoopController::Law::kShapingFilter: return c_.gain * g * filter_response(g_, c_.damping_ratio, p);
-      case LoopController::Law::kDirect: return c_.gain * g;
-      case LoopController::Law::kSpringDamper: break;
+      case LoopController::Law::kShapingFilter:
+        return c_.gain * g * filter_response(g_, c_.damping_ratio, p);
+      case LoopController::Law::kDirect:
+        return c_.gain * g;
+      case LoopController::Law::kSpringDamper:
+        break;
     }
     return g + quotient(1.0, c_.stiffness + c_.damping / period_ * p.z_less_one * p.z_inverse);
   }

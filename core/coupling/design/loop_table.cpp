@@ -15,33 +15,44 @@ constexpr double kLowest = 0.05;
 
 std::vector<DecayingPhasor> grid(double period_s, double damping_ratio) {
   std::vector<DecayingPhasor> out;
-  const double lowest = kLowest * period_s, ratio = std::log(std::numbers::pi / lowest) / (kPoints - 1);
-  for (std::size_t i = 0; i + 1 < kPoints; ++i) out.emplace_back(lowest * std::exp(ratio * static_cast<double>(i)), damping_ratio);
+  const double lowest = kLowest * period_s,
+               ratio = std::log(std::numbers::pi / lowest) / (kPoints - 1);
+  for (std::size_t i = 0; i + 1 < kPoints; ++i)
+    out.emplace_back(lowest * std::exp(ratio * static_cast<double>(i)), damping_ratio);
   out.emplace_back(std::numbers::pi, damping_ratio);
   return out;
 }
 
 }  // namespace
 
-LoopTable::LoopTable(const std::vector<DesignCase>& cases, std::span<const VelocityEstimate> velocities, LoopLimit limit) {
+LoopTable::LoopTable(const std::vector<DesignCase>& cases,
+                     std::span<const VelocityEstimate> velocities, LoopLimit limit) {
   for (const DesignCase& one : cases) {
-    const double period = one.plant.period_s, ratio = limit == LoopLimit::kStable ? 0.0 : one.least_damping_ratio;
-    if (limit == LoopLimit::kDamped && ratio <= 0.0) continue;
-    auto timing = std::ranges::find_if(timings_, [&](const Timing& t) { return t.period_s == period && t.damping_ratio == ratio; });
-    if (timing == timings_.end()) timing = timings_.insert(timing, timing_of(period, ratio, velocities));
+    const double period = one.plant.period_s,
+                 ratio = limit == LoopLimit::kStable ? 0.0 : one.least_damping_ratio;
+    if (limit == LoopLimit::kDamped && ratio <= 0.0)
+      continue;
+    auto timing = std::ranges::find_if(timings_, [&](const Timing& t) {
+      return t.period_s == period && t.damping_ratio == ratio;
+    });
+    if (timing == timings_.end())
+      timing = timings_.insert(timing, timing_of(period, ratio, velocities));
     Case entry{static_cast<std::size_t>(timing - timings_.begin()), {}, {}, {}, {}};
     entry.damped.resize(velocities.size()), entry.crossings.resize(velocities.size());
     const LoopResponse plant(one.plant, {.law = LoopController::Law::kDirect});
-    for (const DecayingPhasor& at : timing->grid) add(entry.plant, plant.damped_plant(at));
+    for (const DecayingPhasor& at : timing->grid)
+      add(entry.plant, plant.damped_plant(at));
     for (std::size_t v = 0; v < velocities.size(); ++v)
       for (std::size_t i = 0; i < kPoints; ++i)
-        add(entry.damped[v], Complex(entry.plant.re[i], entry.plant.im[i]) * timing->velocities[v][i]);
+        add(entry.damped[v],
+            Complex(entry.plant.re[i], entry.plant.im[i]) * timing->velocities[v][i]);
     entry.loop = entry.plant;
     cases_.push_back(std::move(entry));
   }
 }
 
-LoopTable::Timing LoopTable::timing_of(double period_s, double damping_ratio, std::span<const VelocityEstimate> velocities) {
+LoopTable::Timing LoopTable::timing_of(double period_s, double damping_ratio,
+                                       std::span<const VelocityEstimate> velocities) {
   Timing out{period_s, damping_ratio, grid(period_s, damping_ratio), {}};
   for (const VelocityEstimate& one : velocities) {
     const VelocityResponse velocity(period_s, one.filter_rad_per_s(), one.window);
@@ -59,10 +70,12 @@ void LoopTable::use(const LoopLaw& law) {
   std::vector<std::vector<Complex>> laws;
   for (const Timing& timing : timings_) {
     laws.emplace_back();
-    for (const DecayingPhasor& at : timing.grid) laws.back().push_back(law(at, timing.period_s));
+    for (const DecayingPhasor& at : timing.grid)
+      laws.back().push_back(law(at, timing.period_s));
   }
   for (Case& one : cases_) {
-    for (auto& crossings : one.crossings) crossings.clear();
+    for (auto& crossings : one.crossings)
+      crossings.clear();
     for (std::size_t i = 0; i < kPoints; ++i) {
       const Complex loop = laws[one.timing][i] * Complex(one.plant.re[i], one.plant.im[i]);
       one.loop.re[i] = loop.real(), one.loop.im[i] = loop.imag();
@@ -70,33 +83,40 @@ void LoopTable::use(const LoopLaw& law) {
   }
 }
 
-/// Im L, times a number above 0, is Im loop + B c with c = Im(loop conj(unit)), so it changes its sign at one B at most. Where rounding might decide
-/// about a sign, the step counts for every B.
-std::vector<LoopTable::Crossing> LoopTable::crossings_of(const Response& loop, const Response& unit) {
-  constexpr double kNever = std::numeric_limits<double>::infinity(), kCancelled = 1e-9, kWiden = 1e-4;
+/// Im L, times a number above 0, is Im loop + B c with c = Im(loop conj(unit)), so it changes its
+/// sign at one B at most. Where rounding might decide about a sign, the step counts for every B.
+std::vector<LoopTable::Crossing> LoopTable::crossings_of(const Response& loop,
+                                                         const Response& unit) {
+  constexpr double kNever = std::numeric_limits<double>::infinity(), kCancelled = 1e-9,
+                   kWiden = 1e-4;
   std::vector<Crossing> out;
   double root_before = 0.0;
   bool sure_before = false, below_before = false;
   for (std::size_t i = 0; i < kPoints; ++i) {
     const double left = loop.im[i] * unit.re[i], right = loop.re[i] * unit.im[i], c = left - right;
-    const bool sure = loop.im[i] != 0.0 && std::abs(c) > kCancelled * (std::abs(left) + std::abs(right)), below = loop.im[i] < 0.0;
+    const bool sure = loop.im[i] != 0.0 &&
+                      std::abs(c) > kCancelled * (std::abs(left) + std::abs(right)),
+               below = loop.im[i] < 0.0;
     const double root = below != (c < 0.0) ? -loop.im[i] / c : kNever;
     if (i == 0) {
     } else if (!(sure && sure_before) || below != below_before) {
       out.push_back({0.0, kNever, i});
     } else if (root != root_before) {
-      out.push_back({(1.0 - kWiden) * std::min(root, root_before), (1.0 + kWiden) * std::max(root, root_before), i});
+      out.push_back({(1.0 - kWiden) * std::min(root, root_before),
+                     (1.0 + kWiden) * std::max(root, root_before), i});
     }
     root_before = root, sure_before = sure, below_before = below;
   }
   return out;
 }
 
-double LoopTable::critical(Case& one, std::size_t velocity, double injected_damping, const Bound* bound) {
+double LoopTable::critical(Case& one, std::size_t velocity, double injected_damping,
+                           const Bound* bound) {
   const bool damped = injected_damping > 0.0;
   const Response& unit = damped ? one.damped[velocity] : one.plant;
   const double b = damped ? injected_damping : 0.0;
-  // L = loop / (1 + B unit); its real and imaginary part, times |1 + B unit|^2 > 0, which spares the divisions.
+  // L = loop / (1 + B unit); its real and imaginary part, times |1 + B unit|^2 > 0, which spares
+  // the divisions.
   const auto re = [&](std::size_t i) {
     return one.loop.re[i] * (1.0 + b * unit.re[i]) + one.loop.im[i] * b * unit.im[i];
   };
@@ -108,30 +128,42 @@ double LoopTable::critical(Case& one, std::size_t velocity, double injected_damp
     return x * x + y * y;
   };
   double lowest = std::numeric_limits<double>::infinity();
-  // Past -180 degrees at the lowest frequency already: unstable from the beginning, or from a stiffness below all interest.
-  if (im(0) > 0.0 && re(0) < 0.0) return 0.0;
+  // Past -180 degrees at the lowest frequency already: unstable from the beginning, or from a
+  // stiffness below all interest.
+  if (im(0) > 0.0 && re(0) < 0.0)
+    return 0.0;
   const auto look = [&](std::size_t i) {
     const double before = im(i - 1), now = im(i);
-    if ((before < 0.0) == (now < 0.0)) return;
+    if ((before < 0.0) == (now < 0.0))
+      return;
     const double here = now / size(i), there = before / size(i - 1), share = there / (there - here);
     const double crossing = (1.0 - share) * re(i - 1) / size(i - 1) + share * re(i) / size(i);
-    const auto damper = [&] { return quotient(bound->whole * Complex(unit.re[i], unit.im[i]), -1.0 / crossing * Complex(one.loop.re[i], one.loop.im[i])); };
-    if (crossing < 0.0 && -1.0 / crossing < lowest && (!bound || (-1.0 / crossing / bound->large_swing < bound->lowest && damper_left(damper(), bound->share) <= bound->up_to)))
+    const auto damper = [&] {
+      return quotient(bound->whole * Complex(unit.re[i], unit.im[i]),
+                      -1.0 / crossing * Complex(one.loop.re[i], one.loop.im[i]));
+    };
+    if (crossing < 0.0 && -1.0 / crossing < lowest &&
+        (!bound || (-1.0 / crossing / bound->large_swing < bound->lowest &&
+                    damper_left(damper(), bound->share) <= bound->up_to)))
       lowest = -1.0 / crossing;
   };
   if (damped) {
     std::vector<Crossing>& crossings = one.crossings[velocity];
-    if (crossings.empty()) crossings = crossings_of(one.loop, unit);
+    if (crossings.empty())
+      crossings = crossings_of(one.loop, unit);
     for (const Crossing& crossing : crossings)
-      if (crossing.least <= b && b <= crossing.most) look(crossing.end);
+      if (crossing.least <= b && b <= crossing.most)
+        look(crossing.end);
   } else {
-    for (std::size_t i = 1; i < kPoints; ++i) look(i);
+    for (std::size_t i = 1; i < kPoints; ++i)
+      look(i);
   }
   const double nyquist = re(kPoints - 1) / size(kPoints - 1);
   return nyquist < 0.0 ? std::min(lowest, -1.0 / nyquist) : lowest;
 }
 
-double LoopTable::critical(std::size_t velocity, double injected_damping, double enough, double damper_share, double large_swing) {
+double LoopTable::critical(std::size_t velocity, double injected_damping, double enough,
+                           double damper_share, double large_swing) {
   double lowest = std::numeric_limits<double>::infinity();
   for (std::size_t n = 0; n < cases_.size(); ++n) {
     const std::size_t c = n > first_ ? n : n == 0 ? first_ : n - 1;
@@ -140,9 +172,11 @@ double LoopTable::critical(std::size_t velocity, double injected_damping, double
     if (damper_share > 0.0 && injected_damping > 0.0 && lowest >= enough)
       for (const DamperPart& part : kDamperParts) {
         const Bound bound{injected_damping, damper_share, part.up_to, large_swing, lowest};
-        lowest = std::min(lowest, critical(one, velocity, part.part * injected_damping, &bound) / large_swing);
+        lowest = std::min(
+            lowest, critical(one, velocity, part.part * injected_damping, &bound) / large_swing);
       }
-    if (lowest >= enough) continue;
+    if (lowest >= enough)
+      continue;
     first_ = c;
     break;
   }

@@ -17,12 +17,14 @@ using Eigen::MatrixXd;
 using Row = Eigen::RowVectorXd;
 using Law = LoopController::Law;
 
-/// The loop's matrix, built row by row: every signal of this instant is a row vector over the states, every state's next value
-/// a sum of signals. States: [x, T v, (f)] | commands of the past | controller | velocity filter. Efforts are in m/T^2.
+/// The loop's matrix, built row by row: every signal of this instant is a row vector over the
+/// states, every state's next value a sum of signals. States: [x, T v, (f)] | commands of the past
+/// | controller | velocity filter. Efforts are in m/T^2.
 class LoopMatrix {
  public:
   LoopMatrix(const LoopPlant& p, const LoopController& c, double contact_stiffness)
-      : plant_(sample_plant(p)), past_(plant_.whole_delay + (plant_.splits_period() ? 1 : 0)) {
+      : plant_(sample_plant(p)),
+        past_(plant_.whole_delay + (plant_.splits_period() ? 1 : 0)) {
     const Index law_states = c.law == Law::kShapingFilter ? 2 : c.law == Law::kSpringDamper ? 1 : 0;
     const bool damps = c.injected_damping > 0.0;
     const Index estimator = !damps ? 0 : c.velocity_window > 0 ? window_span(c.velocity_window) : 2;
@@ -31,11 +33,14 @@ class LoopMatrix {
     const Index law_at = plant_.order + past_, estimator_at = law_at + law_states;
     Row command = -law(p, c, contact_stiffness, law_at);
     const Index difference_at = c.velocity_window > 0 ? estimator_at : estimator_at + 1;
-    if (damps) command -= c.velocity_window > 0 ? window_damper(p, c, estimator_at) : damper(p, c, estimator_at);
+    if (damps)
+      command -=
+          c.velocity_window > 0 ? window_damper(p, c, estimator_at) : damper(p, c, estimator_at);
     move(command);
-    // The estimator's state is the last difference of the position, not the last position: a position that only adds
-    // up then stands alone in the matrix (see without_integrators).
-    if (damps) next_.row(difference_at) = next_.row(0) - state(0);
+    // The estimator's state is the last difference of the position, not the last position: a
+    // position that only adds up then stands alone in the matrix (see without_integrators).
+    if (damps)
+      next_.row(difference_at) = next_.row(0) - state(0);
   }
   const MatrixXd& matrix() const { return next_; }
 
@@ -45,13 +50,16 @@ class LoopMatrix {
   /// The law's effort now; fills in the next values of its states.
   Row law(const LoopPlant& p, const LoopController& c, double contact_stiffness, Index at) {
     const double k = contact_stiffness * plant_.effort_unit;
-    if (c.law == Law::kDirect) return c.gain * k * state(0);
-    if (c.law == Law::kSpringDamper) return spring_damper(p, c, k, at);
+    if (c.law == Law::kDirect)
+      return c.gain * k * state(0);
+    if (c.law == Law::kSpringDamper)
+      return spring_damper(p, c, k, at);
     return shaping_filter(p, c, c.gain * k * state(0), at);
   }
 
-  /// Trapezoid rule on y' = w0 v, v' = w0 (u - y - 2 d v), u already times K. What is kept is the part of the new y and v that
-  /// is known before the new input: z = (1 + g A) X + g B u, with which X = (1 - g A)^-1 (z + g B u).
+  /// Trapezoid rule on y' = w0 v, v' = w0 (u - y - 2 d v), u already times K. What is kept is the
+  /// part of the new y and v that is known before the new input: z = (1 + g A) X + g B u, with
+  /// which X = (1 - g A)^-1 (z + g B u).
   Row shaping_filter(const LoopPlant& p, const LoopController& c, const Row& u, Index at) {
     const double g = 0.5 * c.w0_rad_per_s * p.period_s, d2g = 2.0 * c.damping_ratio * g;
     const double scale = 1.0 / (1.0 + d2g + g * g);
@@ -63,17 +71,20 @@ class LoopMatrix {
     return y;
   }
 
-  /// The object's displacement (k x + r/T last)/(k + c + r/T) is the state; the effort is k (x - displacement), written so that
-  /// a stiff contact does not cancel.
+  /// The object's displacement (k x + r/T last)/(k + c + r/T) is the state; the effort is k (x -
+  /// displacement), written so that a stiff contact does not cancel.
   Row spring_damper(const LoopPlant& p, const LoopController& c, double k, Index at) {
-    const double spring = c.stiffness * plant_.effort_unit, damper = c.damping / p.period_s * plant_.effort_unit;
+    const double spring = c.stiffness * plant_.effort_unit,
+                 damper = c.damping / p.period_s * plant_.effort_unit;
     const double all = k + spring + damper;
-    if (!(all > 0.0)) return Row::Zero(next_.cols());
+    if (!(all > 0.0))
+      return Row::Zero(next_.cols());
     next_.row(at) = (k * state(0) + damper * state(at)) / all;
     return k / all * ((spring + damper) * state(0) - damper * state(at));
   }
 
-  /// Injected damping's effort now, from the position's last difference (state at + 1) and the last velocity (state at).
+  /// Injected damping's effort now, from the position's last difference (state at + 1) and the last
+  /// velocity (state at).
   Row damper(const LoopPlant& p, const LoopController& c, Index at) {
     const double w = c.velocity_filter_rad_per_s;
     const double fresh = w > 0.0 ? -std::expm1(-w * p.period_s) : 1.0;
@@ -86,22 +97,27 @@ class LoopMatrix {
     Row sum = Row::Zero(next_.cols());
     for (int ago = 0; ago < window_span(c.velocity_window); ++ago) {
       sum += window_weight(c.velocity_window, ago) * state(at + ago);
-      if (ago > 0) next_.row(at + ago) = state(at + ago - 1);
+      if (ago > 0)
+        next_.row(at + ago) = state(at + ago - 1);
     }
     return c.injected_damping / p.period_s * plant_.effort_unit * sum;
   }
 
   void move(const Row& command) {
     const Index order = plant_.order, whole = plant_.whole_delay;
-    const auto of_samples_ago = [&](Index ago) { return ago == 0 ? command : state(order + ago - 1); };
+    const auto of_samples_ago = [&](Index ago) {
+      return ago == 0 ? command : state(order + ago - 1);
+    };
     const Row newer = of_samples_ago(whole);
     for (Index i = 0; i < order; ++i) {
       next_.row(i).head(order) = plant_.step_less_one.row(i).head(order);
       next_(i, i) += 1.0;
       next_.row(i) += plant_.newer[i] * newer;
-      if (plant_.splits_period()) next_.row(i) += plant_.older[i] * of_samples_ago(whole + 1);
+      if (plant_.splits_period())
+        next_.row(i) += plant_.older[i] * of_samples_ago(whole + 1);
     }
-    for (Index i = 0; i < past_; ++i) next_.row(order + i) = of_samples_ago(i);
+    for (Index i = 0; i < past_; ++i)
+      next_.row(order + i) = of_samples_ago(i);
   }
 
   SampledPlant plant_;
@@ -109,7 +125,8 @@ class LoopMatrix {
   MatrixXd next_;
 };
 
-/// Takes off leading states that nothing depends on but they themselves, with weight 1; true if there were any.
+/// Takes off leading states that nothing depends on but they themselves, with weight 1; true if
+/// there were any.
 bool without_integrators(MatrixXd& a) {
   bool any = false;
   while (a.cols() > 0 && a.col(0) == MatrixXd::Identity(a.rows(), 1)) {
@@ -119,8 +136,8 @@ bool without_integrators(MatrixXd& a) {
   return any;
 }
 
-/// Scales the states by powers of two until rows and columns weigh alike (Parlett, Reinsch 1969): Eigen's solver does not, and
-/// a stiff contact or a slow filter sets the states far apart. Exact.
+/// Scales the states by powers of two until rows and columns weigh alike (Parlett, Reinsch 1969):
+/// Eigen's solver does not, and a stiff contact or a slow filter sets the states far apart. Exact.
 void balance(MatrixXd& a) {
   constexpr int kMaxRounds = 100;  // a handful do
   bool changed = true;
@@ -129,9 +146,11 @@ void balance(MatrixXd& a) {
     for (Index i = 0; i < a.rows(); ++i) {
       const double column = a.col(i).cwiseAbs().sum() - std::abs(a(i, i)),
                    row = a.row(i).cwiseAbs().sum() - std::abs(a(i, i));
-      if (column == 0.0 || row == 0.0) continue;
+      if (column == 0.0 || row == 0.0)
+        continue;
       const int power = static_cast<int>(std::lround(0.5 * std::log2(row / column)));
-      if (power == 0 || std::ldexp(column, power) + std::ldexp(row, -power) > 0.95 * (column + row)) continue;
+      if (power == 0 || std::ldexp(column, power) + std::ldexp(row, -power) > 0.95 * (column + row))
+        continue;
       a.col(i) *= std::ldexp(1.0, power);
       a.row(i) *= std::ldexp(1.0, -power);
       changed = true;
@@ -139,41 +158,53 @@ void balance(MatrixXd& a) {
   }
 }
 
-/// The real solver gives up on about one loop in 50 000 (four states, two of them commands of the past); the
-/// complex one, three times slower, shifts otherwise and has been seen to solve them.
+/// The real solver gives up on about one loop in 50 000 (four states, two of them commands of the
+/// past); the complex one, three times slower, shifts otherwise and has been seen to solve them.
 Eigen::VectorXcd eigenvalues_of(const MatrixXd& a) {
   const Eigen::EigenSolver<MatrixXd> real(a, false);
-  if (real.info() == Eigen::Success) return real.eigenvalues();
+  if (real.info() == Eigen::Success)
+    return real.eigenvalues();
   const Eigen::ComplexEigenSolver<Eigen::MatrixXcd> complex(a.cast<std::complex<double>>(), false);
-  if (complex.info() != Eigen::Success) throw std::runtime_error("The loop's eigenvalues did not converge.");
+  if (complex.info() != Eigen::Success)
+    throw std::runtime_error("The loop's eigenvalues did not converge.");
   return complex.eigenvalues();
 }
 
-/// Eigenvalues of the closed loop without those of free integrators; `integrators` says whether there were any.
-Eigen::VectorXcd loop_eigenvalues(const LoopPlant& plant, const LoopController& controller, double contact_stiffness, bool& integrators) {
+/// Eigenvalues of the closed loop without those of free integrators; `integrators` says whether
+/// there were any.
+Eigen::VectorXcd loop_eigenvalues(const LoopPlant& plant, const LoopController& controller,
+                                  double contact_stiffness, bool& integrators) {
   MatrixXd a = LoopMatrix(plant, controller, contact_stiffness).matrix();
   integrators = without_integrators(a);
-  if (a.size() == 0) return {};
-  if (!a.allFinite()) throw std::invalid_argument("The loop's numbers are too large or too small to be computed with.");
+  if (a.size() == 0)
+    return {};
+  if (!a.allFinite())
+    throw std::invalid_argument(
+        "The loop's numbers are too large or too small to be computed with.");
   balance(a);
   return eigenvalues_of(a);
 }
 
 }  // namespace
 
-double spectral_radius(const LoopPlant& plant, const LoopController& controller, double contact_stiffness) {
+double spectral_radius(const LoopPlant& plant, const LoopController& controller,
+                       double contact_stiffness) {
   bool integrators = false;
   const Eigen::VectorXcd all = loop_eigenvalues(plant, controller, contact_stiffness, integrators);
   const double least = integrators ? 1.0 : 0.0;
   return all.size() == 0 ? least : std::max(least, all.cwiseAbs().maxCoeff());
 }
 
-double slowest_damping_ratio(const LoopPlant& plant, const LoopController& controller, double contact_stiffness) {
+double slowest_damping_ratio(const LoopPlant& plant, const LoopController& controller,
+                             double contact_stiffness) {
   bool integrators = false;
   std::complex<double> slowest = 0.0;
-  for (const std::complex<double>& z : loop_eigenvalues(plant, controller, contact_stiffness, integrators))
-    if ((z.imag() != 0.0 || z.real() < 0.0) && std::abs(z) > std::abs(slowest)) slowest = z;
-  if (slowest == 0.0) return 1.0;
+  for (const std::complex<double>& z :
+       loop_eigenvalues(plant, controller, contact_stiffness, integrators))
+    if ((z.imag() != 0.0 || z.real() < 0.0) && std::abs(z) > std::abs(slowest))
+      slowest = z;
+  if (slowest == 0.0)
+    return 1.0;
   const std::complex<double> s = std::log(slowest);  // times T
   return -s.real() / std::abs(s);
 }

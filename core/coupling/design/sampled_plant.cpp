@@ -13,23 +13,26 @@ constexpr double kWholeDelay = 1e-9;
 /// A lag this short [periods] is none: the doublings of its exponential would not end.
 constexpr double kNoLag = 1e-9;
 
-/// exp(a) - 1, by Taylor on a small share of `a` and doubling, e(2 a) = 2 e(a) + e(a)^2. Columns of zero stay zero exactly.
+/// exp(a) - 1, by Taylor on a small share of `a` and doubling, e(2 a) = 2 e(a) + e(a)^2. Columns of
+/// zero stay zero exactly.
 Matrix4d exp_less_one(const Matrix4d& a) {
   constexpr int kTerms = 14;  // 0.5^15 / 15! is below the rounding
   const double size = a.cwiseAbs().colwise().sum().maxCoeff();
   const int doublings = size > 0.5 ? static_cast<int>(std::ceil(std::log2(size / 0.5))) : 0;
   const Matrix4d share = std::ldexp(1.0, -doublings) * a;
   Matrix4d sum = Matrix4d::Identity();
-  for (int i = kTerms; i >= 2; --i) sum = Matrix4d::Identity() + share * sum / i;
+  for (int i = kTerms; i >= 2; --i)
+    sum = Matrix4d::Identity() + share * sum / i;
   Matrix4d e = share * sum;
-  for (int i = 0; i < doublings; ++i) e = 2.0 * e + e * e;
+  for (int i = 0; i < doublings; ++i)
+    e = 2.0 * e + e * e;
   return e;
 }
 
 }  // namespace
 
-SampledPlant sample_plant(double mass, double damping, double stiffness, double period_s, double delay_s,
-                          double effort_lag_s) {
+SampledPlant sample_plant(double mass, double damping, double stiffness, double period_s,
+                          double delay_s, double effort_lag_s) {
   SampledPlant out;
   out.effort_unit = period_s * period_s / mass;
   out.order = effort_lag_s > kNoLag * period_s ? 3 : 2;
@@ -51,7 +54,8 @@ SampledPlant sample_plant(double mass, double damping, double stiffness, double 
   const double delay = delay_s / period_s;
   out.whole_delay = static_cast<int>(std::floor(delay + kWholeDelay));
   double late = delay - out.whole_delay;  // share of the period that still has the command before
-  if (late < kWholeDelay) late = 0.0;
+  if (late < kWholeDelay)
+    late = 0.0;
   const Matrix4d last = exp_less_one((1.0 - late) * rate);
   out.step_less_one = last.topLeftCorner<3, 3>();
   out.newer = last.topRightCorner<3, 1>();

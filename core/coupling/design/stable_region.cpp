@@ -9,8 +9,8 @@
 
 namespace voxtouch::coupling::design {
 
-double worst_critical_stiffness(const AxisModel& axis, const LoopTiming& timing, const HandRange& hand,
-                                const LoopController& controller) {
+double worst_critical_stiffness(const AxisModel& axis, const LoopTiming& timing,
+                                const HandRange& hand, const LoopController& controller) {
   double worst = std::numeric_limits<double>::infinity();
   for (const DesignCase& one : design_cases(axis, timing, hand))
     worst = std::min(worst, critical_stiffness(one.plant, controller).stiffness);
@@ -31,7 +31,8 @@ StableRegion stable_region(const AxisModel& axis, const LoopTiming& timing, cons
     region.critical.push_back(worst_critical_stiffness(axis, timing, hand, controller));
     controller.injected_damping = 0.0;
     region.critical_undamped.push_back(worst_critical_stiffness(axis, timing, hand, controller));
-    region.passive.push_back(passive_stiffness_filter(controller.w0_rad_per_s, controller.damping_ratio, axis.damping,
+    region.passive.push_back(passive_stiffness_filter(controller.w0_rad_per_s,
+                                                      controller.damping_ratio, axis.damping,
                                                       timing, effort_lag_s(axis)));
   }
   return region;

@@ -4,7 +4,8 @@
 
 namespace voxtouch::coupling::design {
 
-/// What `as_requested`, `stiffness_reduced`, ... or `configured` means, a sentence without its full stop; empty for another word.
+/// What `as_requested`, `stiffness_reduced`, ... or `configured` means, a sentence without its full
+/// stop; empty for another word.
 std::string_view sentence_of(std::string_view status) noexcept;
 
 }  // namespace voxtouch::coupling::design

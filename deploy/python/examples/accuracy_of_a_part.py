@@ -11,14 +11,36 @@ import tempfile
 
 
 def arguments():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("part", help="mesh (OBJ, STL, PLY, glTF/GLB, COLLADA), or a scene file that is there already (.yaml)")
-    parser.add_argument("--unit", help="unit of the mesh's numbers: m, mm, ...; default: whichever makes it fit a desk")
-    parser.add_argument("--models", default="adapted,field", help="contact models (default: adapted,field)")
-    parser.add_argument("--contacts", type=int, default=200, help="contact poses, the same for each model (default: 200)")
-    parser.add_argument("--voxel-sizes", help="voxel edges [m], separated by commas; default: the scene's own times 2, 1 and 1/2")
-    parser.add_argument("--voxtouch", default="voxtouch", help="the program, where it is not on PATH")
-    parser.add_argument("--save", metavar="FILE", help="draws error over time into this file (.png, .svg, .pdf)")
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument(
+        "part",
+        help="mesh (OBJ, STL, PLY, glTF/GLB, COLLADA), or a scene file that is there already (.yaml)",
+    )
+    parser.add_argument(
+        "--unit",
+        help="unit of the mesh's numbers: m, mm, ...; default: whichever makes it fit a desk",
+    )
+    parser.add_argument(
+        "--models", default="adapted,field", help="contact models (default: adapted,field)"
+    )
+    parser.add_argument(
+        "--contacts",
+        type=int,
+        default=200,
+        help="contact poses, the same for each model (default: 200)",
+    )
+    parser.add_argument(
+        "--voxel-sizes",
+        help="voxel edges [m], separated by commas; default: the scene's own times 2, 1 and 1/2",
+    )
+    parser.add_argument(
+        "--voxtouch", default="voxtouch", help="the program, where it is not on PATH"
+    )
+    parser.add_argument(
+        "--save", metavar="FILE", help="draws error over time into this file (.png, .svg, .pdf)"
+    )
     return parser.parse_args()
 
 
@@ -28,8 +50,27 @@ def main():
         scene = pathlib.Path(o.part)
         if scene.suffix not in (".yaml", ".yml"):
             scene = pathlib.Path(folder) / "part.yaml"
-            subprocess.run([o.voxtouch, "new", o.part, "--out", str(scene), *(["--unit", o.unit] if o.unit else [])], check=True)
-        words = [o.voxtouch, "accuracy", str(scene), "--json", "--models", o.models, "--contacts", str(o.contacts)]
+            subprocess.run(
+                [
+                    o.voxtouch,
+                    "new",
+                    o.part,
+                    "--out",
+                    str(scene),
+                    *(["--unit", o.unit] if o.unit else []),
+                ],
+                check=True,
+            )
+        words = [
+            o.voxtouch,
+            "accuracy",
+            str(scene),
+            "--json",
+            "--models",
+            o.models,
+            "--contacts",
+            str(o.contacts),
+        ]
         words += ["--voxel-sizes", o.voxel_sizes] if o.voxel_sizes else []
         words += ["--plot", o.save] if o.save else []
         ran = subprocess.run(words, stdout=subprocess.PIPE, text=True, check=False)
@@ -39,10 +80,14 @@ def main():
     print(f"{'model':14} {'voxel':>9} {'direction':>10} {'frame':>9}")
     for row in told["rows"]:
         if row["direction_mean_deg"] is None or row["median_us"] is None:
-            print(f"{row['model']:14} {1e3 * row['voxel_m']:6.2f} mm  {row['refused'] or 'no figures'}")
+            print(
+                f"{row['model']:14} {1e3 * row['voxel_m']:6.2f} mm  {row['refused'] or 'no figures'}"
+            )
             continue
         direction, frame = row["direction_mean_deg"], row["median_us"]
-        print(f"{row['model']:14} {1e3 * row['voxel_m']:6.2f} mm {direction:8.2f}° {frame:6.1f} us{'  <- take this' if row['recommended'] else ''}")
+        print(
+            f"{row['model']:14} {1e3 * row['voxel_m']:6.2f} mm {direction:8.2f}° {frame:6.1f} us{'  <- take this' if row['recommended'] else ''}"
+        )
     print(told["advice"]["sentence"])
     raise SystemExit(0 if told["ok"] else 1)
 

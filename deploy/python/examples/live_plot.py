@@ -16,13 +16,23 @@ from voxtouch.types import TOPICS, join
 
 
 def arguments():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--domain", type=int, default=0, help="DDS domain of the ring (default: 0)")
     parser.add_argument("--interface", default="lo", help="network card of the ring (default: lo)")
     parser.add_argument("--rig", default="haptic", help="rig (default: haptic)")
-    parser.add_argument("--span", type=float, default=5.0, help="how much of the past is shown [s] (default: 5)")
-    parser.add_argument("--seconds", type=float, default=float("inf"), help="ends by itself after this time [s]")
-    parser.add_argument("--save", metavar="FILE", help="no window: the last picture goes into this file (.png, .svg, .pdf)")
+    parser.add_argument(
+        "--span", type=float, default=5.0, help="how much of the past is shown [s] (default: 5)"
+    )
+    parser.add_argument(
+        "--seconds", type=float, default=float("inf"), help="ends by itself after this time [s]"
+    )
+    parser.add_argument(
+        "--save",
+        metavar="FILE",
+        help="no window: the last picture goes into this file (.png, .svg, .pdf)",
+    )
     return parser.parse_args()
 
 
@@ -31,12 +41,15 @@ def main():
     if o.save:
         matplotlib.use("Agg")
     from matplotlib import pyplot
+
     reader = TOPICS["coupling/command"].reader(join(o.domain, o.interface), rig=o.rig)
     rows = collections.deque()  # (device's time [s], force x, y, z [N], energy [J])
     figure, (upper, lower) = pyplot.subplots(2, 1, sharex=True, figsize=(8, 5))
     lines = [upper.plot([], [], label=name)[0] for name in "xyz"]
-    energy, = lower.plot([], [], color="black")
-    upper.set_ylabel("commanded force [N]"), upper.legend(loc="upper left"), lower.set_ylabel("energy [J]"), lower.set_xlabel("device's time [s]")
+    (energy,) = lower.plot([], [], color="black")
+    upper.set_ylabel("commanded force [N]"), upper.legend(loc="upper left"), lower.set_ylabel(
+        "energy [J]"
+    ), lower.set_xlabel("device's time [s]")
     end = time.monotonic() + o.seconds
     while time.monotonic() < end and (o.save or pyplot.fignum_exists(figure.number)):
         for c in reader.take(N=500):
@@ -55,7 +68,9 @@ def main():
             time.sleep(0.02)
     if o.save:
         if not rows:
-            raise SystemExit(f"No command came on rig {o.rig}, domain {o.domain}, interface {o.interface}: does a ring run there? `voxtouch status` looks.")
+            raise SystemExit(
+                f"No command came on rig {o.rig}, domain {o.domain}, interface {o.interface}: does a ring run there? `voxtouch status` looks."
+            )
         draw(rows, lines, energy, (upper, lower))
         figure.savefig(o.save)
         print(f"{o.save}: the last {rows[-1][0] - rows[0][0]:.1f} s, {len(rows)} commands")

@@ -21,17 +21,41 @@ from voxtouch.types.std_msgs import Header
 
 
 def arguments():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--topic", default="/my_effect/wrench", help="ROS name of the topic that the scene names (default: /my_effect/wrench)")
-    parser.add_argument("--point", type=float, nargs=3, default=(0.0, 0.0, 0.03), metavar=("X", "Y", "Z"), help="in the device's base frame [m]")
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument(
+        "--topic",
+        default="/my_effect/wrench",
+        help="ROS name of the topic that the scene names (default: /my_effect/wrench)",
+    )
+    parser.add_argument(
+        "--point",
+        type=float,
+        nargs=3,
+        default=(0.0, 0.0, 0.03),
+        metavar=("X", "Y", "Z"),
+        help="in the device's base frame [m]",
+    )
     parser.add_argument("--stiffness", type=float, default=20.0, help="[N/m] (default: 20)")
     parser.add_argument("--damping", type=float, default=0.2, help="[Ns/m] (default: 0.2)")
-    parser.add_argument("--most", type=float, default=1.0, help="no more force than this is written [N] (default: 1)")
-    parser.add_argument("--frame", default="haptic/device", help="frame_id of what is written (default: haptic/device)")
+    parser.add_argument(
+        "--most",
+        type=float,
+        default=1.0,
+        help="no more force than this is written [N] (default: 1)",
+    )
+    parser.add_argument(
+        "--frame",
+        default="haptic/device",
+        help="frame_id of what is written (default: haptic/device)",
+    )
     parser.add_argument("--domain", type=int, default=0, help="DDS domain of the ring (default: 0)")
     parser.add_argument("--interface", default="lo", help="network card of the ring (default: lo)")
     parser.add_argument("--rig", default="haptic", help="rig (default: haptic)")
-    parser.add_argument("--seconds", type=float, default=float("inf"), help="ends by itself after this time [s]")
+    parser.add_argument(
+        "--seconds", type=float, default=float("inf"), help="ends by itself after this time [s]"
+    )
     return parser.parse_args()
 
 
@@ -47,8 +71,15 @@ def main():
     participant = join(o.domain, o.interface)
     reader = TOPICS["device/state"].reader(participant, rig=o.rig)
     # Reliable, so that each reader matches; the last one counts.
-    writer = DataWriter(participant, Topic(participant, "rt" + o.topic, WrenchStamped),
-                        qos=Qos(Policy.Reliability.Reliable(duration(milliseconds=100)), Policy.Durability.Volatile, Policy.History.KeepLast(1)))
+    writer = DataWriter(
+        participant,
+        Topic(participant, "rt" + o.topic, WrenchStamped),
+        qos=Qos(
+            Policy.Reliability.Reliable(duration(milliseconds=100)),
+            Policy.Durability.Volatile,
+            Policy.History.KeepLast(1),
+        ),
+    )
     news = WaitSet(participant)
     news.attach(ReadCondition(reader, SampleState.NotRead | ViewState.Any | InstanceState.Any))
     end, written, session = time.monotonic() + o.seconds, 0, None
@@ -65,14 +96,22 @@ def main():
             p, v = s.pose.position, s.twist.linear
             x, y, z = wrench_at(numpy.array([p.x, p.y, p.z]), numpy.array([v.x, v.y, v.z]), o)
             now = time.time_ns()
-            writer.write(WrenchStamped(header=Header(stamp=Time(sec=now // 10**9, nanosec=now % 10**9), frame_id=o.frame),
-                                       wrench=Wrench(force=Vector3(x=x, y=y, z=z))))
+            writer.write(
+                WrenchStamped(
+                    header=Header(
+                        stamp=Time(sec=now // 10**9, nanosec=now % 10**9), frame_id=o.frame
+                    ),
+                    wrench=Wrench(force=Vector3(x=x, y=y, z=z)),
+                )
+            )
             written += 1
     except KeyboardInterrupt:
         pass
     print(f"{written} wrenches written on {o.topic}")
     if not written:
-        raise SystemExit(f"No sample came on rig {o.rig}, domain {o.domain}, interface {o.interface}: does a ring run there? `voxtouch status` looks.")
+        raise SystemExit(
+            f"No sample came on rig {o.rig}, domain {o.domain}, interface {o.interface}: does a ring run there? `voxtouch status` looks."
+        )
 
 
 if __name__ == "__main__":

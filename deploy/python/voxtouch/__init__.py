@@ -20,4 +20,13 @@ from ._core import version as __version__
 from .bag import Bag, BagError, open_bag
 from .compute import build, design, probe, shipped_scenes
 
-__all__ = ["Bag", "BagError", "build", "design", "open_bag", "probe", "shipped_scenes", "__version__"]
+__all__ = [
+    "Bag",
+    "BagError",
+    "build",
+    "design",
+    "open_bag",
+    "probe",
+    "shipped_scenes",
+    "__version__",
+]

@@ -18,10 +18,10 @@ class BagError(Exception):
 def open_bag(path):
     """A bag's folder, or one of its files, as a Bag. Reads no messages yet. BagError where there is no bag.
 
-        bag = open_bag(path)
-        list(bag)                                  # names of topics
-        bag["/haptic/device/state"]["pose"]        # a numpy structured array
-        bag.frame("/haptic/coupling/command")      # the same as a pandas DataFrame, with columns such as wrench.force.z
+    bag = open_bag(path)
+    list(bag)                                  # names of topics
+    bag["/haptic/device/state"]["pose"]        # a numpy structured array
+    bag.frame("/haptic/coupling/command")      # the same as a pandas DataFrame, with columns such as wrench.force.z
     """
     return Bag(path)
 
@@ -39,7 +39,9 @@ class Bag(collections.abc.Mapping):
         try:
             self._files = [open_file(file) for file in files_of(self.path)]
         except (FileError, OSError) as error:
-            raise BagError(str(error) if str(error).startswith(str(self.path)) else f"{self.path}: {error}") from None
+            raise BagError(
+                str(error) if str(error).startswith(str(self.path)) else f"{self.path}: {error}"
+            ) from None
         for file in self._files:
             for name, kind, definition in file.topics.values():
                 self.types.setdefault(name, kind)
@@ -79,6 +81,7 @@ class Bag(collections.abc.Mapping):
     def frame(self, topic):
         """The topic as a pandas DataFrame: a column for each number, `wrench.force.z`, `value.0`. Needs pandas."""
         import pandas
+
         columns = {}
 
         def flatten(name, values):
@@ -90,6 +93,7 @@ class Bag(collections.abc.Mapping):
                     flatten(f"{name}.{n}", values[:, n])
             else:
                 columns[name] = values
+
         flatten("", self[topic])
         return pandas.DataFrame(columns)
 
@@ -113,13 +117,21 @@ class Bag(collections.abc.Mapping):
         if kind in self._definitions:
             return Definition(kind, self._definitions[kind])
         if kind not in DEFINITIONS:
-            raise BagError(f"{self.path}: {topic} is of type {kind}, which neither the bag nor this version of voxtouch explains. A bag in MCAP explains its types.")
+            raise BagError(
+                f"{self.path}: {topic} is of type {kind}, which neither the bag nor this version of voxtouch explains. A bag in MCAP explains its types."
+            )
         text, here = DEFINITIONS[kind]
         told = self.recording()
         for one in told.get("topics", []):
-            if isinstance(one, dict) and one.get("type") == kind and one.get("type_hash") not in (None, here):
-                raise BagError(f"{self.path}: it was recorded by voxtouch {told.get('voxtouch', 'of an unknown version')}, whose {kind} is laid out otherwise "
-                               "than in this version: read it with the version that recorded it.")
+            if (
+                isinstance(one, dict)
+                and one.get("type") == kind
+                and one.get("type_hash") not in (None, here)
+            ):
+                raise BagError(
+                    f"{self.path}: it was recorded by voxtouch {told.get('voxtouch', 'of an unknown version')}, whose {kind} is laid out otherwise "
+                    "than in this version: read it with the version that recorded it."
+                )
         return Definition(kind, text)
 
     def _table(self, topic):
@@ -128,4 +140,6 @@ class Bag(collections.abc.Mapping):
         try:
             return table(self.definition(topic), times, [data for _, data in rows])
         except (struct.error, KeyError, ValueError) as error:
-            raise BagError(f"{self.path}: messages of {topic} are not laid out as {self.types[topic]} is ({error})") from None
+            raise BagError(
+                f"{self.path}: messages of {topic} are not laid out as {self.types[topic]} is ({error})"
+            ) from None

@@ -8,7 +8,9 @@ from . import _core
 
 HERE = pathlib.Path(__file__).resolve().parent
 SHARE = HERE / "share"
-READER = str(HERE / "voxtouch_import_mesh")  # reads meshes in a process of its own: a file that breaks it is an exception here
+READER = str(
+    HERE / "voxtouch_import_mesh"
+)  # reads meshes in a process of its own: a file that breaks it is an exception here
 
 
 def shipped_scenes():
@@ -22,7 +24,9 @@ def scene_file(scene):
         return str(scene)
     if str(scene) in shipped_scenes():
         return str(SHARE / "scenes" / f"{scene}.yaml")
-    raise ValueError(f"'{scene}' is no file, and no scene of this name comes with voxtouch. These do: {', '.join(shipped_scenes())}")
+    raise ValueError(
+        f"'{scene}' is no file, and no scene of this name comes with voxtouch. These do: {', '.join(shipped_scenes())}"
+    )
 
 
 def device_word(device):
@@ -30,13 +34,15 @@ def device_word(device):
     word = str(device)
     if not word.startswith("sim:"):
         return word
-    name = word[len("sim:"):]
+    name = word[len("sim:") :]
     if pathlib.Path(name).is_file():
         return name
     shipped = SHARE / "devices" / f"{name}.yaml"
     if not shipped.is_file():
         names = ", ".join(sorted(file.stem for file in (SHARE / "devices").glob("*.yaml")))
-        raise ValueError(f"'{name}' is no file, and no device file of this name comes with voxtouch. These do: {names}")
+        raise ValueError(
+            f"'{name}' is no file, and no device file of this name comes with voxtouch. These do: {names}"
+        )
     return str(shipped)
 
 
@@ -52,7 +58,9 @@ def probe(scene, poses, model=None, points=False):
     much normals agree), warnings (sentences), points (a list of n arrays, where asked for).
     Builds the scene at each call, which takes 0.1 s to a few seconds: give it all poses at once. Other threads run meanwhile.
     """
-    return _core.probe(scene_file(scene), numpy.asarray(poses, dtype=float), model or "", points, READER)
+    return _core.probe(
+        scene_file(scene), numpy.asarray(poses, dtype=float), model or "", points, READER
+    )
 
 
 def build(mesh, voxel, scale=1.0, origin=None):
@@ -65,10 +73,26 @@ def build(mesh, voxel, scale=1.0, origin=None):
     A dict: surface and interior (n x 3 voxel indices i, j, k), points_m, normals (unit, into the solid) and areas_m2 of the shell, a point for each
     surface voxel in their order by (i, j, k); voxel_m, origin_m, closed (whether the mesh has an inside), warnings (sentences).
     """
-    return _core.build(str(mesh), float(voxel), float(scale), None if origin is None else [float(x) for x in origin], READER)
+    return _core.build(
+        str(mesh),
+        float(voxel),
+        float(scale),
+        None if origin is None else [float(x) for x in origin],
+        READER,
+    )
 
 
-def design(device, scene=None, hand=None, kind="auto", cutoff_hz=5.0, gain_margin=2.0, stiffness_n_per_m=0.0, held=False, damping=True):
+def design(
+    device,
+    scene=None,
+    hand=None,
+    kind="auto",
+    cutoff_hz=5.0,
+    gain_margin=2.0,
+    stiffness_n_per_m=0.0,
+    held=False,
+    damping=True,
+):
     """The virtual coupling that fits a device, the hands that may hold it and a contact: the dict that `voxtouch design --json` prints.
 
     device  sim-phantom, sim-lwr, phantom, lwr, fr3, a device file (.yaml), or sim:NAME of a shipped one
@@ -80,5 +104,17 @@ def design(device, scene=None, hand=None, kind="auto", cutoff_hz=5.0, gain_margi
 
     "status" says whether anything holds; figures are at the hand.
     """
-    return json.loads(_core.design(device_word(device), "" if scene is None else scene_file(scene), hand or "", kind, float(cutoff_hz), float(gain_margin),
-                                   float(stiffness_n_per_m), bool(held), bool(damping), READER))
+    return json.loads(
+        _core.design(
+            device_word(device),
+            "" if scene is None else scene_file(scene),
+            hand or "",
+            kind,
+            float(cutoff_hz),
+            float(gain_margin),
+            float(stiffness_n_per_m),
+            bool(held),
+            bool(damping),
+            READER,
+        )
+    )

@@ -5,8 +5,9 @@
 namespace voxtouch::arm_sim {
 namespace {
 
-/// Spatial inertia about the base's origin, in base axes: mass, first moment, rotational inertia. Those of bodies that move as
-/// one add up. (Featherstone's spatial notation; motions are [angular; velocity of the point at the base's origin].)
+/// Spatial inertia about the base's origin, in base axes: mass, first moment, rotational inertia.
+/// Those of bodies that move as one add up. (Featherstone's spatial notation; motions are [angular;
+/// velocity of the point at the base's origin].)
 struct Inertia {
   double mass = 0.0;
   Vec3 moment = Vec3::Zero();
@@ -15,7 +16,8 @@ struct Inertia {
   void add(double m, const Vec3& centre, const Mat3& about_centre) noexcept {
     mass += m;
     moment += m * centre;
-    rotational += about_centre + m * (centre.squaredNorm() * Mat3::Identity() - centre * centre.transpose());
+    rotational +=
+        about_centre + m * (centre.squaredNorm() * Mat3::Identity() - centre * centre.transpose());
   }
   void add(const Inertia& other) noexcept {
     mass += other.mass, moment += other.moment, rotational += other.rotational;
@@ -24,13 +26,18 @@ struct Inertia {
 
 struct Spatial {
   Vec3 angular = Vec3::Zero(), linear = Vec3::Zero();
-  Spatial operator+(const Spatial& b) const noexcept { return {angular + b.angular, linear + b.linear}; }
+  Spatial operator+(const Spatial& b) const noexcept {
+    return {angular + b.angular, linear + b.linear};
+  }
   Spatial operator*(double s) const noexcept { return {s * angular, s * linear}; }
-  double dot(const Spatial& b) const noexcept { return angular.dot(b.angular) + linear.dot(b.linear); }
+  double dot(const Spatial& b) const noexcept {
+    return angular.dot(b.angular) + linear.dot(b.linear);
+  }
 };
 
 Spatial operator*(const Inertia& i, const Spatial& v) noexcept {
-  return {i.rotational * v.angular + i.moment.cross(v.linear), i.mass * v.linear - i.moment.cross(v.angular)};
+  return {i.rotational * v.angular + i.moment.cross(v.linear),
+          i.mass * v.linear - i.moment.cross(v.angular)};
 }
 Spatial cross_motion(const Spatial& v, const Spatial& m) noexcept {
   return {v.angular.cross(m.angular), v.angular.cross(m.linear) + v.linear.cross(m.angular)};
@@ -46,7 +53,8 @@ Mat3 in_base(const Mat3& rotation, const Vec3& principal) noexcept {
 /// R <- R * rotation about the joint's axis.
 void turn(Mat3& r, Axis axis, double angle) noexcept {
   const double c = std::cos(angle), s = std::sin(angle);
-  const bool about_y = axis == Axis::kY || axis == Axis::kMinusY, backwards = axis == Axis::kMinusZ || axis == Axis::kY;
+  const bool about_y = axis == Axis::kY || axis == Axis::kMinusY,
+             backwards = axis == Axis::kMinusZ || axis == Axis::kY;
   const int second = about_y ? 2 : 1;
   const Vec3 first = r.col(0), other = backwards ? Vec3(-r.col(second)) : Vec3(r.col(second));
   r.col(0) = c * first + s * other;
@@ -57,10 +65,14 @@ void turn(Mat3& r, Axis axis, double angle) noexcept {
 /// A joint's axis in the base.
 Vec3 axis_of(const Mat3& rotation, Axis axis) noexcept {
   switch (axis) {
-    case Axis::kZ: return rotation.col(2);
-    case Axis::kMinusZ: return -rotation.col(2);
-    case Axis::kY: return rotation.col(1);
-    case Axis::kMinusY: return -rotation.col(1);
+    case Axis::kZ:
+      return rotation.col(2);
+    case Axis::kMinusZ:
+      return -rotation.col(2);
+    case Axis::kY:
+      return rotation.col(1);
+    case Axis::kMinusY:
+      return -rotation.col(1);
   }
   return Vec3::Zero();
 }
@@ -81,26 +93,30 @@ std::array<ArmDynamics::Frame, 7> ArmDynamics::links(const arm::Joints& q) const
   return frames;
 }
 
-ArmDynamics::Terms ArmDynamics::at(const arm::Joints& q, const arm::Joints& rate, const TipLoad& load) const noexcept {
+ArmDynamics::Terms ArmDynamics::at(const arm::Joints& q, const arm::Joints& rate,
+                                   const TipLoad& load) const noexcept {
   const std::array<Frame, 7> frames = links(q);
   Terms terms;
   terms.tool = Pose{frames[6].origin, Quat(frames[6].rotation)} * pose_FT_;
   const Vec3& tip = terms.tool.position;
 
-  // Outward: velocities, and the accelerations that they alone ask for (recursive Newton-Euler with q'' = 0).
+  // Outward: velocities, and the accelerations that they alone ask for (recursive Newton-Euler with
+  // q'' = 0).
   std::array<Spatial, 7> axes, forces;
   std::array<Inertia, 7> bodies;
   Spatial velocity, acceleration;
   for (std::size_t i = 0; i < 7; ++i) {
     const Frame& f = frames[i];
     const Link& link = bodies_.links[i];
-    bodies[i].add(link.mass_kg, f.rotation * link.centre_m + f.origin, in_base(f.rotation * link.axes, link.inertia_kg_m2));
+    bodies[i].add(link.mass_kg, f.rotation * link.centre_m + f.origin,
+                  in_base(f.rotation * link.axes, link.inertia_kg_m2));
     axes[i] = {f.axis, f.origin.cross(f.axis)};
     const double speed = rate[static_cast<Eigen::Index>(i)];
     velocity = velocity + axes[i] * speed;
     acceleration = acceleration + cross_motion(velocity, axes[i]) * speed;
     Inertia moved = bodies[i];
-    if (i == 6) moved.add(load.mass_kg, tip, load.inertia_kg_m2 * Mat3::Identity());
+    if (i == 6)
+      moved.add(load.mass_kg, tip, load.inertia_kg_m2 * Mat3::Identity());
     forces[i] = moved * acceleration + cross_force(velocity, moved * velocity);
   }
   terms.twist = {velocity.linear + velocity.angular.cross(tip), velocity.angular};
@@ -115,7 +131,8 @@ ArmDynamics::Terms ArmDynamics::at(const arm::Joints& q, const arm::Joints& rate
     arm.add(bodies[i]);
     composite.add(bodies[i]);
     terms.coriolis[row] = axes[i].dot(force);
-    terms.gravity[row] = kGravity * frames[i].axis.cross(arm.moment - arm.mass * frames[i].origin).z();
+    terms.gravity[row] =
+        kGravity * frames[i].axis.cross(arm.moment - arm.mass * frames[i].origin).z();
     const Spatial momentum = composite * axes[i];
     for (std::size_t j = 0; j <= i; ++j) {
       const auto col = static_cast<Eigen::Index>(j);

@@ -1,5 +1,6 @@
 #pragma once
-/// Rigid-body dynamics of an arm of seven joints: M(q) q'' + c(q, q') + g(q) = torque. Arithmetic, real-time safe throughout.
+/// Rigid-body dynamics of an arm of seven joints: M(q) q'' + c(q, q') + g(q) = torque. Arithmetic,
+/// real-time safe throughout.
 #include <array>
 #include <cstdint>
 
@@ -24,7 +25,8 @@ struct Link {
 enum class Axis : std::uint8_t { kZ, kMinusZ, kY, kMinusY };
 
 struct JointPlace {
-  Vec3 from_last_m = Vec3::Zero();  ///< from the joint before (the base's origin) to this one, in the frame of the link before
+  Vec3 from_last_m = Vec3::Zero();  ///< from the joint before (the base's origin) to this one, in
+                                    ///< the frame of the link before
   Axis axis = Axis::kZ;
 };
 
@@ -34,7 +36,8 @@ struct ArmBodies {
   arm::Joints rotor_kg_m2 = arm::Joints::Zero();  ///< added to the diagonal of M
 };
 
-/// What moves with the tool's origin and is not the arm's: a hand. It carries its own weight, so it adds to M and c, not to g.
+/// What moves with the tool's origin and is not the arm's: a hand. It carries its own weight, so it
+/// adds to M and c, not to g.
 struct TipLoad {
   double mass_kg = 0.0;
   double inertia_kg_m2 = 0.0;  ///< the same about any axis
@@ -42,17 +45,20 @@ struct TipLoad {
 
 class ArmDynamics {
  public:
-  /// `bodies`: such as can be. `pose_FT`: the frame T in the last link, whose origin carries the load.
-  explicit ArmDynamics(const ArmBodies& bodies, const Pose& pose_FT = {}) noexcept : bodies_(bodies), pose_FT_(pose_FT) {}
+  /// `bodies`: such as can be. `pose_FT`: the frame T in the last link, whose origin carries the
+  /// load.
+  explicit ArmDynamics(const ArmBodies& bodies, const Pose& pose_FT = {}) noexcept
+      : bodies_(bodies),
+        pose_FT_(pose_FT) {}
 
   /// All that one state gives.
   struct Terms {
     JointMatrix mass;        ///< M(q), rotors and load included [kg m^2]
     arm::Joints coriolis;    ///< c(q, q') [Nm]
     arm::Joints gravity;     ///< g(q): the torque that holds the arm still [Nm]
-    Pose tool;             ///< T in the base
+    Pose tool;               ///< T in the base
     arm::Jacobian jacobian;  ///< of the tool's origin, base axes, linear first
-    Twist twist;           ///< of the tool
+    Twist twist;             ///< of the tool
   };
   /// At the joints `q` [rad], `rate` [rad/s], with `load` at the tip. Real-time safe.
   Terms at(const arm::Joints& q, const arm::Joints& rate, const TipLoad& load = {}) const noexcept;

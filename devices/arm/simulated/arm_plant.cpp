@@ -18,41 +18,52 @@ Wrench wrench_of(const hand::HandAction& hand, const ArmDynamics::Terms& terms) 
 }  // namespace
 
 ArmPlant::ArmPlant(const PlantParameters& parameters, const arm::Joints& q)
-    : parameters_(parameters), dynamics_(parameters.bodies, parameters.pose_FT),
+    : parameters_(parameters),
+      dynamics_(parameters.bodies, parameters.pose_FT),
       q_(q) {
   sensed_ = dynamics_.at(q_, rate_).gravity;
 }
 
 arm::Joints ArmPlant::drive_torque(const Step& step, const arm::Joints& gravity) const noexcept {
-  if (step.drives == Drives::kBraked) return arm::Joints::Zero();
-  return (step.torque + gravity).cwiseMin(parameters_.torque_limit_nm).cwiseMax(-parameters_.torque_limit_nm);
+  if (step.drives == Drives::kBraked)
+    return arm::Joints::Zero();
+  return (step.torque + gravity)
+      .cwiseMin(parameters_.torque_limit_nm)
+      .cwiseMax(-parameters_.torque_limit_nm);
 }
 
 ArmPlant::Slope ArmPlant::slope(const Step& step, const arm::Joints& q, const arm::Joints& rate,
                                 ArmDynamics::Terms& terms) const noexcept {
   terms = dynamics_.at(q, rate, {step.hand.mass_kg, step.hand.inertia_kg_m2});
   const arm::Joints push = drive_torque(step, terms.gravity) - terms.gravity - terms.coriolis -
-                         parameters_.viscous_nms_per_rad.cwiseProduct(rate) +
-                         arm::joint_torque(terms.jacobian, wrench_of(step.hand, terms));
+                           parameters_.viscous_nms_per_rad.cwiseProduct(rate) +
+                           arm::joint_torque(terms.jacobian, wrench_of(step.hand, terms));
   return {rate, terms.mass.llt().solve(push)};
 }
 
-arm::Joints ArmPlant::sticking_impulse(const JointMatrix& mass, const arm::Joints& q, const arm::Joints& rate, Drives drives,
-                                    double dt_s) noexcept {
+arm::Joints ArmPlant::sticking_impulse(const JointMatrix& mass, const arm::Joints& q,
+                                       const arm::Joints& rate, Drives drives,
+                                       double dt_s) noexcept {
   arm::Joints low, high;
   high = dt_s * parameters_.coulomb_nm;
-  if (drives == Drives::kBraked) high += dt_s * parameters_.brake_nm;
+  if (drives == Drives::kBraked)
+    high += dt_s * parameters_.brake_nm;
   low = -high;
   at_stop_ = false;
   for (int i = 0; i < 7; ++i) {
-    if (q[i] >= parameters_.highest_rad[i]) low[i] = -std::numeric_limits<double>::infinity();
-    if (q[i] <= parameters_.lowest_rad[i]) high[i] = std::numeric_limits<double>::infinity();
+    if (q[i] >= parameters_.highest_rad[i])
+      low[i] = -std::numeric_limits<double>::infinity();
+    if (q[i] <= parameters_.lowest_rad[i])
+      high[i] = std::numeric_limits<double>::infinity();
   }
-  if (low.isZero(0.0) && high.isZero(0.0)) return arm::Joints::Zero();
+  if (low.isZero(0.0) && high.isZero(0.0))
+    return arm::Joints::Zero();
   const arm::Joints full = -(mass * rate);  // brings all joints to rest
-  if ((full.array() >= low.array()).all() && (full.array() <= high.array()).all()) return full;
+  if ((full.array() >= low.array()).all() && (full.array() <= high.array()).all())
+    return full;
 
-  // Projected Gauss-Seidel on the joints' rates: each joint in turn takes what brings it to rest, as far as its bounds allow.
+  // Projected Gauss-Seidel on the joints' rates: each joint in turn takes what brings it to rest,
+  // as far as its bounds allow.
   const JointMatrix mobility = mass.llt().solve(JointMatrix::Identity());
   arm::Joints impulse = arm::Joints::Zero(), left = rate;
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
@@ -64,12 +75,14 @@ arm::Joints ArmPlant::sticking_impulse(const JointMatrix& mass, const arm::Joint
       left += more * mobility.col(i);
       change = std::max(change, std::abs(more) * mobility(i, i));
     }
-    if (change < kConverged) break;
+    if (change < kConverged)
+      break;
   }
   return impulse;
 }
 
-void ArmPlant::step(const arm::Joints& torque, Drives drives, const hand::HandAction& hand, double dt_s) noexcept {
+void ArmPlant::step(const arm::Joints& torque, Drives drives, const hand::HandAction& hand,
+                    double dt_s) noexcept {
   const Step step{torque, drives, hand};
   const double half = 0.5 * dt_s;
   ArmDynamics::Terms start, tried;
@@ -80,7 +93,8 @@ void ArmPlant::step(const arm::Joints& torque, Drives drives, const hand::HandAc
   const double sixth = dt_s / 6.0;
   const arm::Joints before = rate_;
   arm::Joints q = q_ + sixth * (a.rate + 2.0 * (b.rate + c.rate) + d.rate);
-  arm::Joints rate = rate_ + sixth * (a.acceleration + 2.0 * (b.acceleration + c.acceleration) + d.acceleration);
+  arm::Joints rate =
+      rate_ + sixth * (a.acceleration + 2.0 * (b.acceleration + c.acceleration) + d.acceleration);
 
   hand_wrench_ = wrench_of(hand, start);
   const arm::Joints impulse = sticking_impulse(start.mass, q, rate, drives, dt_s);
@@ -90,14 +104,17 @@ void ArmPlant::step(const arm::Joints& torque, Drives drives, const hand::HandAc
     arm::Joints stuck = rate + change;
     // Rounding is no motion: what friction holds stays exactly where it is.
     for (int i = 0; i < 7; ++i)
-      if (std::abs(stuck[i]) < 1e-12 && std::abs(before[i]) < 1e-12) stuck[i] = 0.0;
+      if (std::abs(stuck[i]) < 1e-12 && std::abs(before[i]) < 1e-12)
+        stuck[i] = 0.0;
     q += half * change;
     rate = stuck;
     for (int i = 0; i < 7; ++i)
-      if (rate[i] == 0.0 && before[i] == 0.0) q[i] = q_[i];
+      if (rate[i] == 0.0 && before[i] == 0.0)
+        q[i] = q_[i];
   }
   for (int i = 0; i < 7; ++i) {
-    if (q[i] < parameters_.highest_rad[i] && q[i] > parameters_.lowest_rad[i]) continue;
+    if (q[i] < parameters_.highest_rad[i] && q[i] > parameters_.lowest_rad[i])
+      continue;
     at_stop_ = true;
     q[i] = std::clamp(q[i], parameters_.lowest_rad[i], parameters_.highest_rad[i]);
   }

@@ -1,5 +1,6 @@
 #pragma once
-/// The arm as mechanics: state, integration in time, dry friction, brakes, stops, and somebody's hand at the tool.
+/// The arm as mechanics: state, integration in time, dry friction, brakes, stops, and somebody's
+/// hand at the tool.
 #include <limits>
 
 #include "devices/arm/simulated/arm_dynamics.hpp"
@@ -14,10 +15,11 @@ struct PlantParameters {
   arm::Joints viscous_nms_per_rad = arm::Joints::Zero();
   arm::Joints coulomb_nm = arm::Joints::Zero();
   arm::Joints brake_nm = arm::Joints::Zero();  ///< most that a closed brake holds
-  arm::Joints torque_limit_nm =
-      arm::Joints::Constant(std::numeric_limits<double>::infinity());  ///< of the drives, gravity included
-  arm::Joints highest_rad = arm::Joints::Constant(std::numeric_limits<double>::infinity());  ///< a stop that takes all speed
-  arm::Joints lowest_rad = -highest_rad;                                                      ///< likewise
+  arm::Joints torque_limit_nm = arm::Joints::Constant(
+      std::numeric_limits<double>::infinity());  ///< of the drives, gravity included
+  arm::Joints highest_rad = arm::Joints::Constant(
+      std::numeric_limits<double>::infinity());  ///< a stop that takes all speed
+  arm::Joints lowest_rad = -highest_rad;         ///< likewise
 };
 
 enum class Drives {
@@ -30,11 +32,13 @@ class ArmPlant {
   /// At rest at `q`.
   ArmPlant(const PlantParameters& parameters, const arm::Joints& q);
 
-  /// Moves on by `dt_s` with `torque` held (beyond gravity, which the drives carry exactly; the sum is cut to the drives'
-  /// limits). `hand`: over this step, in the base. Classical Runge-Kutta of fourth order for all smooth forces; then dry friction,
-  /// brakes and stops as impulses that take speed and never give any: a joint under less than its friction stays exactly where it
-  /// is. Real-time safe.
-  void step(const arm::Joints& torque, Drives drives, const hand::HandAction& hand, double dt_s) noexcept;
+  /// Moves on by `dt_s` with `torque` held (beyond gravity, which the drives carry exactly; the sum
+  /// is cut to the drives' limits). `hand`: over this step, in the base. Classical Runge-Kutta of
+  /// fourth order for all smooth forces; then dry friction, brakes and stops as impulses that take
+  /// speed and never give any: a joint under less than its friction stays exactly where it is.
+  /// Real-time safe.
+  void step(const arm::Joints& torque, Drives drives, const hand::HandAction& hand,
+            double dt_s) noexcept;
 
   const arm::Joints& q() const noexcept { return q_; }
   const arm::Joints& rate() const noexcept { return rate_; }
@@ -45,7 +49,9 @@ class ArmPlant {
   const Wrench& hand_wrench() const noexcept { return hand_wrench_; }
   /// A stop held a joint in the last step.
   bool at_stop() const noexcept { return at_stop_; }
-  ArmDynamics::Terms terms(const TipLoad& load = {}) const noexcept { return dynamics_.at(q_, rate_, load); }
+  ArmDynamics::Terms terms(const TipLoad& load = {}) const noexcept {
+    return dynamics_.at(q_, rate_, load);
+  }
   const ArmDynamics& dynamics() const noexcept { return dynamics_; }
 
  private:
@@ -57,11 +63,13 @@ class ArmPlant {
     Drives drives;
     const hand::HandAction& hand;
   };
-  Slope slope(const Step& step, const arm::Joints& q, const arm::Joints& rate, ArmDynamics::Terms& terms) const noexcept;
+  Slope slope(const Step& step, const arm::Joints& q, const arm::Joints& rate,
+              ArmDynamics::Terms& terms) const noexcept;
   arm::Joints drive_torque(const Step& step, const arm::Joints& gravity) const noexcept;
-  /// Friction, brakes and stops: the impulse at each joint, within its bounds, that brings the step's end nearest to rest.
-  arm::Joints sticking_impulse(const JointMatrix& mass, const arm::Joints& q, const arm::Joints& rate, Drives drives,
-                            double dt_s) noexcept;
+  /// Friction, brakes and stops: the impulse at each joint, within its bounds, that brings the
+  /// step's end nearest to rest.
+  arm::Joints sticking_impulse(const JointMatrix& mass, const arm::Joints& q,
+                               const arm::Joints& rate, Drives drives, double dt_s) noexcept;
 
   PlantParameters parameters_;
   ArmDynamics dynamics_;

@@ -8,16 +8,20 @@ namespace {
 
 constexpr double kRegular = 1e-6;  // [1/kg] keeps Lambda finite where the arm is stretched
 
-/// Double diagonalisation: D = 2 L sqrt(L^-1 K L^-T) L^T with M = L L^T damps every mode of (M, K) critically; shares of it enter
-/// by their roots from both sides, so that D stays positive semidefinite (Albu-Schaeffer et al. on damping design).
-JointMatrix damping(const JointMatrix& mass, const arm::Joints& stiffness, const arm::Joints& share) noexcept {
-  if (stiffness.isZero(0.0) || share.isZero(0.0)) return JointMatrix::Zero();
+/// Double diagonalisation: D = 2 L sqrt(L^-1 K L^-T) L^T with M = L L^T damps every mode of (M, K)
+/// critically; shares of it enter by their roots from both sides, so that D stays positive
+/// semidefinite (Albu-Schaeffer et al. on damping design).
+JointMatrix damping(const JointMatrix& mass, const arm::Joints& stiffness,
+                    const arm::Joints& share) noexcept {
+  if (stiffness.isZero(0.0) || share.isZero(0.0))
+    return JointMatrix::Zero();
   const JointMatrix lower = mass.llt().matrixL();
   const JointMatrix root = stiffness.cwiseSqrt().asDiagonal();
   const JointMatrix half = lower.triangularView<Eigen::Lower>().solve(root);
   const Eigen::SelfAdjointEigenSolver<JointMatrix> modes(half * half.transpose());
-  const JointMatrix middle = modes.eigenvectors() * modes.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() *
-                           modes.eigenvectors().transpose();
+  const JointMatrix middle = modes.eigenvectors() *
+                             modes.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() *
+                             modes.eigenvectors().transpose();
   const JointMatrix scaled = share.cwiseSqrt().asDiagonal() * lower;
   return 2.0 * scaled * middle * scaled.transpose();
 }
@@ -31,8 +35,9 @@ arm::Jacobian in_axes(const Mat3& axes, const arm::Jacobian& jacobian) noexcept 
   return out;
 }
 
-arm::Joints position_law(const LawParameters& p, const ArmDynamics::Terms& terms, const arm::Joints& q,
-                       const arm::Joints& rate, const arm::Joints& wanted) noexcept {
+arm::Joints position_law(const LawParameters& p, const ArmDynamics::Terms& terms,
+                         const arm::Joints& q, const arm::Joints& rate,
+                         const arm::Joints& wanted) noexcept {
   const double w = p.position_bandwidth_rad_s;
   return terms.mass * (w * w * (wanted - q) - 2.0 * w * rate) + terms.coriolis;
 }
@@ -41,9 +46,10 @@ void Impedance::prepare(const ArmDynamics::Terms& terms, const Setpoint& wanted)
   damping_ = damping(terms.mass, wanted.stiffness, wanted.damping);
 }
 
-arm::Joints Impedance::torque(const ArmDynamics::Terms& terms, const arm::Joints& q, const arm::Joints& rate,
-                            const Setpoint& wanted) const noexcept {
-  arm::Joints torque = parameters_.compensates_coriolis ? terms.coriolis : arm::Joints(arm::Joints::Zero());
+arm::Joints Impedance::torque(const ArmDynamics::Terms& terms, const arm::Joints& q,
+                              const arm::Joints& rate, const Setpoint& wanted) const noexcept {
+  arm::Joints torque =
+      parameters_.compensates_coriolis ? terms.coriolis : arm::Joints(arm::Joints::Zero());
   torque += wanted.stiffness.cwiseProduct(wanted.position - q) - damping_ * rate;
   return torque;
 }

@@ -1,5 +1,6 @@
 #pragma once
-/// The controller's laws: from a set point and a state to joint torques beyond gravity. Real-time safe.
+/// The controller's laws: from a set point and a state to joint torques beyond gravity. Real-time
+/// safe.
 #include "devices/arm/simulated/arm_dynamics.hpp"
 
 namespace voxtouch::arm_sim {
@@ -16,12 +17,13 @@ struct Setpoint {
 struct LawParameters {
   double position_bandwidth_rad_s = 100.0;  ///< of position control, critically damped
   bool compensates_coriolis = true;  ///< f_dyn: the model's velocity terms are added to the torque
-  bool task_frame_is_tool = true;    ///< $STIFFNESS.TASKFRAME: the tool's axes; otherwise the base's
+  bool task_frame_is_tool = true;  ///< $STIFFNESS.TASKFRAME: the tool's axes; otherwise the base's
 };
 
 /// M (w^2 (q_d - q) - 2 w q') + c: computed torque.
-arm::Joints position_law(const LawParameters& p, const ArmDynamics::Terms& terms, const arm::Joints& q,
-                       const arm::Joints& rate, const arm::Joints& wanted) noexcept;
+arm::Joints position_law(const LawParameters& p, const ArmDynamics::Terms& terms,
+                         const arm::Joints& q, const arm::Joints& rate,
+                         const arm::Joints& wanted) noexcept;
 
 /// Axes of the task frame, in the base.
 inline Mat3 task_axes(const LawParameters& p, const ArmDynamics::Terms& terms) noexcept {
@@ -30,24 +32,26 @@ inline Mat3 task_axes(const LawParameters& p, const ArmDynamics::Terms& terms) n
 /// The Jacobian with its rows along `axes`.
 arm::Jacobian in_axes(const Mat3& axes, const arm::Jacobian& jacobian) noexcept;
 
-/// Impedance of the joints without the overlaid torque: K (q_d - q) - D q'. Gains change slowly, so the damping matrix is made once a
-/// tick (`prepare`) and the torque at each step (`torque`).
+/// Impedance of the joints without the overlaid torque: K (q_d - q) - D q'. Gains change slowly, so
+/// the damping matrix is made once a tick (`prepare`) and the torque at each step (`torque`).
 class Impedance {
  public:
   explicit Impedance(const LawParameters& parameters = {}) noexcept : parameters_(parameters) {}
 
   /// The damping matrix for the gains of `wanted` in this posture. Real-time safe.
   void prepare(const ArmDynamics::Terms& terms, const Setpoint& wanted) noexcept;
-  /// Torques [Nm] towards `wanted` at `q` [rad] and `rate` [rad/s], with the damping prepared last. Real-time safe.
+  /// Torques [Nm] towards `wanted` at `q` [rad] and `rate` [rad/s], with the damping prepared last.
+  /// Real-time safe.
   arm::Joints torque(const ArmDynamics::Terms& terms, const arm::Joints& q, const arm::Joints& rate,
-                   const Setpoint& wanted) const noexcept;
+                     const Setpoint& wanted) const noexcept;
 
  private:
   LawParameters parameters_;
   JointMatrix damping_ = JointMatrix::Zero();
 };
 
-/// The force and torque at the tool that `torque` amounts to: Lambda J M^-1 torque (Khatib's dynamically consistent inverse).
+/// The force and torque at the tool that `torque` amounts to: Lambda J M^-1 torque (Khatib's
+/// dynamically consistent inverse).
 Wrench tool_wrench(const ArmDynamics::Terms& terms, const arm::Joints& torque) noexcept;
 
 }  // namespace voxtouch::arm_sim

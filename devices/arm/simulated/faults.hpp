@@ -1,5 +1,6 @@
 #pragma once
-/// What goes wrong at a simulated controller, and when: faults of the network, the arm and people around it, on a schedule.
+/// What goes wrong at a simulated controller, and when: faults of the network, the arm and people
+/// around it, on a schedule.
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -16,15 +17,17 @@ enum class FaultKind : std::uint8_t {
   kAnswerLoss,  ///< answers are lost; likewise
   kLate,        ///< packets leave late; value: seconds, 0.003 unless given
   kJitter,      ///< packets leave late by a random time; value: the most [s], 0.0005 unless given
-  kReorder,     ///< a packet leaves after the one that follows; value: share, 1 (every other one) unless given
+  kReorder,     ///< a packet leaves after the one that follows; value: share, 1 (every other one)
+                ///< unless given
   kDuplicate,   ///< packets leave twice; value: share, 1 unless given
-  kNan,         ///< a measured angle is no number; value: joint 1..7, or 8 for the LWR's time stamp; 1 unless given
-  kSilent,      ///< nothing is sent and nothing heard, as with a pulled cable
+  kNan,     ///< a measured angle is no number; value: joint 1..7, or 8 for the LWR's time stamp; 1
+            ///< unless given
+  kSilent,  ///< nothing is sent and nothing heard, as with a pulled cable
   // LWR alone
   kDrivesOff,      ///< drives lose power, brakes close; value: bits of the drives, 127 unless given
   kDriveError,     ///< likewise, and the drives report an error
   kEmergencyStop,  ///< all drives off, brakes close
-  kQuality,        ///< the quality is at most the value: 0 unacceptable, 1 bad, 2 OK; 1 unless given
+  kQuality,  ///< the quality is at most the value: 0 unacceptable, 1 bad, 2 OK; 1 unless given
   // FR3 alone
   kUserStop,  ///< somebody presses the user stop, and releases it at the end
   kGuiding,   ///< somebody presses the guiding buttons
@@ -48,8 +51,9 @@ struct ControllerFaults {
   double most_nan;         ///< largest value of kNan
 };
 
-/// KIND@START[:DURATION[:VALUE]] in seconds, DURATION "inf" for ever (as if left out): "late@2.0:0.1", "loss@0:inf:0.02",
-/// "nan@1.5:0.001:3". Throws std::runtime_error that shows the text and says what is wrong with it.
+/// KIND@START[:DURATION[:VALUE]] in seconds, DURATION "inf" for ever (as if left out):
+/// "late@2.0:0.1", "loss@0:inf:0.02", "nan@1.5:0.001:3". Throws std::runtime_error that shows the
+/// text and says what is wrong with it.
 Fault parse_fault(std::string_view text, const ControllerFaults& known);
 
 /// Real-time safe after construction.
@@ -59,7 +63,8 @@ class FaultSchedule {
   /// The value of the first fault of this kind that acts at `time_s`.
   std::optional<double> active(FaultKind kind, double time_s) const noexcept {
     for (const Fault& f : faults_)
-      if (f.kind == kind && time_s >= f.start_s - 1e-9 && time_s < f.start_s + f.duration_s - 1e-9) return f.value;
+      if (f.kind == kind && time_s >= f.start_s - 1e-9 && time_s < f.start_s + f.duration_s - 1e-9)
+        return f.value;
     return std::nullopt;
   }
 

@@ -1,5 +1,6 @@
 #pragma once
-/// The network between controller and remote side, as bad as the schedule says. No socket: what goes in comes out, or not.
+/// The network between controller and remote side, as bad as the schedule says. No socket: what
+/// goes in comes out, or not.
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -13,12 +14,15 @@
 
 namespace voxtouch::arm_sim {
 
-/// Measurements on their way, ordered by when they leave. Random decisions come from one generator a kind of fault, so that one fault
-/// does not change another's; the same seed and calls give the same decisions. Real-time safe after construction.
+/// Measurements on their way, ordered by when they leave. Random decisions come from one generator
+/// a kind of fault, so that one fault does not change another's; the same seed and calls give the
+/// same decisions. Real-time safe after construction.
 template <class Payload>
 class Line {
  public:
-  Line(FaultSchedule faults, double period_s, std::uint64_t seed) : faults_(std::move(faults)), period_s_(period_s) {
+  Line(FaultSchedule faults, double period_s, std::uint64_t seed)
+      : faults_(std::move(faults)),
+        period_s_(period_s) {
     for (std::size_t i = 0; i < kFaultKinds; ++i) {
       std::seed_seq mixed{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32),
                           static_cast<std::uint32_t>(i)};
@@ -43,21 +47,25 @@ class Line {
       return;
     }
     double delay = faults_.active(FaultKind::kLate, now_s).value_or(0.0);
-    if (const auto most = faults_.active(FaultKind::kJitter, now_s)) delay += *most * uniform(FaultKind::kJitter);
-    if (delay > 0.0) ++counts_.delayed;
+    if (const auto most = faults_.active(FaultKind::kJitter, now_s))
+      delay += *most * uniform(FaultKind::kJitter);
+    if (delay > 0.0)
+      ++counts_.delayed;
     reordering_ = !reordering_ && happens(FaultKind::kReorder, now_s);
     if (reordering_) {
       ++counts_.reordered;
       delay += 1.05 * period_s_;  // just after its successor
     }
     queue(msr, now_s, delay);
-    if (!happens(FaultKind::kDuplicate, now_s)) return;
+    if (!happens(FaultKind::kDuplicate, now_s))
+      return;
     ++counts_.duplicated;
     queue(msr, now_s, delay);
   }
   /// The next one that leaves before `until_s`; null: none. Valid until the next call.
   const Packet* take(double until_s) noexcept {
-    if (waiting_.empty() || !(waiting_.front().due_s < until_s)) return nullptr;
+    if (waiting_.empty() || !(waiting_.front().due_s < until_s))
+      return nullptr;
     taken_ = waiting_.front();
     waiting_.erase(waiting_.begin());
     return &taken_;
@@ -68,11 +76,14 @@ class Line {
   }
   /// Does an answer that arrives now get lost?
   bool loses_answer(double now_s) noexcept {
-    if (!happens(FaultKind::kAnswerLoss, now_s)) return false;
+    if (!happens(FaultKind::kAnswerLoss, now_s))
+      return false;
     ++counts_.answers_lost;
     return true;
   }
-  bool silent(double now_s) const noexcept { return faults_.active(FaultKind::kSilent, now_s).has_value(); }
+  bool silent(double now_s) const noexcept {
+    return faults_.active(FaultKind::kSilent, now_s).has_value();
+  }
   const Counts& counts() const noexcept { return counts_; }
 
  private:
@@ -86,9 +97,11 @@ class Line {
     return share && uniform(kind) < *share;
   }
   void queue(const Payload& msr, double now_s, double delay_s) noexcept {
-    if (waiting_.size() == kCapacity) waiting_.erase(waiting_.begin());
+    if (waiting_.size() == kCapacity)
+      waiting_.erase(waiting_.begin());
     const double due = now_s + delay_s;
-    const auto later = std::find_if(waiting_.begin(), waiting_.end(), [due](const Packet& p) { return p.due_s > due; });
+    const auto later = std::find_if(waiting_.begin(), waiting_.end(),
+                                    [due](const Packet& p) { return p.due_s > due; });
     waiting_.insert(later, Packet{due, now_s, msr});
   }
 

@@ -25,28 +25,34 @@ Vec6 way_to(const Pose& wanted, const Pose& tool) {
 
 }  // namespace
 
-arm::Joints start_posture(const std::function<Reach(const arm::Joints&)>& arm, const Pose& wanted, const arm::Joints& posture,
-                          const arm::Joints& lowest_rad, const arm::Joints& highest_rad) {
+arm::Joints start_posture(const std::function<Reach(const arm::Joints&)>& arm, const Pose& wanted,
+                          const arm::Joints& posture, const arm::Joints& lowest_rad,
+                          const arm::Joints& highest_rad) {
   // A margin of the way from the middle, so that a start at a stop is none.
-  const arm::Joints middle = 0.5 * (lowest_rad + highest_rad), half = kMargin * (0.5 * (highest_rad - lowest_rad));
+  const arm::Joints middle = 0.5 * (lowest_rad + highest_rad),
+                    half = kMargin * (0.5 * (highest_rad - lowest_rad));
   const arm::Joints low = middle - half, high = middle + half;
   arm::Joints q = posture.cwiseMax(low).cwiseMin(high);
   for (int i = 0; i < kIterations; ++i) {
     const Reach state = arm(q);
     const Vec6 way = way_to(wanted, state.tool);
-    if (way.norm() < kReached) return q;
+    if (way.norm() < kReached)
+      return q;
     const double damp = std::min(1e-2, 1e-2 * way.squaredNorm());
     const Mat6 square = state.jacobian * state.jacobian.transpose() + damp * Mat6::Identity();
     arm::Joints step = state.jacobian.transpose() * square.llt().solve(way);
-    if (const double length = step.norm(); length > kLongestStep) step *= kLongestStep / length;
+    if (const double length = step.norm(); length > kLongestStep)
+      step *= kLongestStep / length;
     q = (q + step).cwiseMax(low).cwiseMin(high);
   }
   const Vec3& p = wanted.position;
   const Quat& o = wanted.orientation;
-  throw std::runtime_error(fmt::format(
-      "the arm cannot bring its tool to ({:.4g}, {:.4g}, {:.4g}) m with orientation (w x y z) ({:.4g}, {:.4g}, {:.4g}, "
-      "{:.4g}) in its base's frame; start the motion within its reach, or give a posture nearer to it",
-      p.x(), p.y(), p.z(), o.w(), o.x(), o.y(), o.z()));
+  throw std::runtime_error(
+      fmt::format("the arm cannot bring its tool to ({:.4g}, {:.4g}, {:.4g}) m with orientation (w "
+                  "x y z) ({:.4g}, {:.4g}, {:.4g}, "
+                  "{:.4g}) in its base's frame; start the motion within its reach, or give a "
+                  "posture nearer to it",
+                  p.x(), p.y(), p.z(), o.w(), o.x(), o.y(), o.z()));
 }
 
 }  // namespace voxtouch::arm_sim

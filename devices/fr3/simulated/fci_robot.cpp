@@ -22,7 +22,8 @@ constexpr Errors bit(std::size_t error) { return Errors{1} << error; }
 constexpr Errors kJointLimit = bit(0), kJointSpeed = bit(3), kCartesianReflex = bit(7);
 
 void require(bool good, const char* field, const char* rule) {
-  if (!good) throw std::runtime_error(fmt::format("simulated robot: {} has to be {}", field, rule));
+  if (!good)
+    throw std::runtime_error(fmt::format("simulated robot: {} has to be {}", field, rule));
 }
 
 const RobotConfig& checked(const RobotConfig& config) {
@@ -43,8 +44,12 @@ void RobotConfig::validate() const {
 }
 
 FciRobot::FciRobot(const RobotConfig& config, hand::Hand hand, FaultSchedule faults)
-    : config_(checked(config)), dialect_(fr3::fci::dialect_of(config.version)), plant_(config.plant, config.start_rad),
-      hand_(std::move(hand)), faults_(std::move(faults)), held_rad_(config.start_rad) {
+    : config_(checked(config)),
+      dialect_(fr3::fci::dialect_of(config.version)),
+      plant_(config.plant, config.start_rad),
+      hand_(std::move(hand)),
+      faults_(std::move(faults)),
+      held_rad_(config.start_rad) {
   line_.fill(arm::Joints::Zero());
 }
 
@@ -56,14 +61,17 @@ const fr3::fci::State& FciRobot::measure() noexcept {
   fr3::fci::State& s = state_;
   s.message_id = ticks_ + 1;
   s.q = plant_.q();
-  if (step > 0.0) s.q = s.q.unaryExpr([step](double x) { return std::round(x / step) * step; });
+  if (step > 0.0)
+    s.q = s.q.unaryExpr([step](double x) { return std::round(x / step) * step; });
   s.dq = plant_.rate();
   s.tau = plant_.sensed_torque();
   s.tau_d = commanded_;
   const fr3::Fr3Arm::State pose = fr3::Fr3Arm(Pose{config_.ee_in_flange, Quat::Identity()}).at(s.q);
   s.ee_in_base = pose.pose_BT.position;
   s.ee_in_flange = config_.ee_in_flange;
-  s.success_rate = in_motion() ? 0.01 * static_cast<double>(std::count(window_.begin(), window_.end(), true)) : 0.0;
+  s.success_rate =
+      in_motion() ? 0.01 * static_cast<double>(std::count(window_.begin(), window_.end(), true))
+                  : 0.0;
   if (const auto joint = faults_.active(FaultKind::kNan, time_s()))
     s.q[static_cast<Eigen::Index>(*joint) - 1] = std::numeric_limits<double>::quiet_NaN();
   return s;
@@ -84,34 +92,44 @@ void FciRobot::receive(std::span<const std::byte> datagram) noexcept {
     ++counts_.stale;
     return;
   }
-  if (fault != fr3::fci::PacketFault::kNone) ++counts_.not_finite, not_finite_ = true;
+  if (fault != fr3::fci::PacketFault::kNone)
+    ++counts_.not_finite, not_finite_ = true;
   pending_ = command;
 }
 
 Outcome FciRobot::request(Request request, const fr3::fci::Received& body) noexcept {
   switch (request) {
-    case Request::kConnect: return Outcome::kSuccess;
+    case Request::kConnect:
+      return Outcome::kSuccess;
     case Request::kSetCollisionBehavior: {
-      if (in_motion()) return Outcome::kNotPossible;
-      std::memcpy(&worst_hand_n_, &body.body[(4 * 7 + 3 * 6) * 8], sizeof worst_hand_n_);  // upper, nominal, along x
+      if (in_motion())
+        return Outcome::kNotPossible;
+      std::memcpy(&worst_hand_n_, &body.body[(4 * 7 + 3 * 6) * 8],
+                  sizeof worst_hand_n_);  // upper, nominal, along x
       return Outcome::kSuccess;
     }
-    case Request::kSetLoad: return in_motion() ? Outcome::kNotPossible : Outcome::kSuccess;
+    case Request::kSetLoad:
+      return in_motion() ? Outcome::kNotPossible : Outcome::kSuccess;
     case Request::kErrorRecovery:
-      if (state_.mode != RobotMode::kReflex) return state_.mode == RobotMode::kIdle ? Outcome::kSuccess : Outcome::kNotPossible;
+      if (state_.mode != RobotMode::kReflex)
+        return state_.mode == RobotMode::kIdle ? Outcome::kSuccess : Outcome::kNotPossible;
       state_.mode = RobotMode::kIdle;
       state_.errors = 0;
       return Outcome::kSuccess;
     case Request::kStopMove:
-      if (in_motion()) leave(RobotMode::kIdle, Outcome::kPreempted);
+      if (in_motion())
+        leave(RobotMode::kIdle, Outcome::kPreempted);
       return Outcome::kSuccess;
     case Request::kMove: {
-      if (state_.mode == RobotMode::kUserStopped) return Outcome::kEmergency;
-      if (state_.mode != RobotMode::kIdle) return Outcome::kNotPossible;
+      if (state_.mode == RobotMode::kUserStopped)
+        return Outcome::kEmergency;
+      if (state_.mode != RobotMode::kIdle)
+        return Outcome::kNotPossible;
       std::uint32_t controller = 0, generator = 0;
       std::memcpy(&controller, &body.body[0], sizeof controller);
       std::memcpy(&generator, &body.body[4], sizeof generator);
-      if (controller != 2 || generator != dialect_->generator) return Outcome::kInvalidArgument;
+      if (controller != 2 || generator != dialect_->generator)
+        return Outcome::kInvalidArgument;
       state_.mode = RobotMode::kMove;
       state_.controller = ControllerMode::kExternal;
       state_.generator_mode = dialect_->generator_mode;
@@ -130,15 +148,19 @@ Outcome FciRobot::request(Request request, const fr3::fci::Received& body) noexc
   return Outcome::kUnknown;
 }
 
-std::optional<Outcome> FciRobot::motion_ended() noexcept { return std::exchange(ended_, std::nullopt); }
+std::optional<Outcome> FciRobot::motion_ended() noexcept {
+  return std::exchange(ended_, std::nullopt);
+}
 
 void FciRobot::abandoned() noexcept {
-  if (in_motion()) leave(RobotMode::kIdle, Outcome::kAborted);
+  if (in_motion())
+    leave(RobotMode::kIdle, Outcome::kAborted);
   ended_.reset();
 }
 
 void FciRobot::leave(RobotMode to, Outcome how) noexcept {
-  if (in_motion()) ended_ = how;
+  if (in_motion())
+    ended_ = how;
   state_.mode = to;
   state_.controller = ControllerMode::kOther;
   state_.generator_mode = 0;
@@ -158,7 +180,8 @@ void FciRobot::watch_people() noexcept {
   const double now = time_s();
   const auto held = [&](FaultKind kind, RobotMode mode) {
     if (faults_.active(kind, now)) {
-      if (state_.mode != mode) leave(mode, Outcome::kEmergency);
+      if (state_.mode != mode)
+        leave(mode, Outcome::kEmergency);
     } else if (state_.mode == mode) {
       leave(RobotMode::kIdle, Outcome::kAborted);
     }
@@ -167,35 +190,47 @@ void FciRobot::watch_people() noexcept {
   held(FaultKind::kGuiding, RobotMode::kGuiding);
   held(FaultKind::kNotReady, RobotMode::kOther);
   const auto error = faults_.active(FaultKind::kReflex, now);
-  if (error && !reflex_done_) reflex(bit(static_cast<std::size_t>(*error)));
+  if (error && !reflex_done_)
+    reflex(bit(static_cast<std::size_t>(*error)));
   reflex_done_ = error.has_value();
 }
 
 void FciRobot::take_command() noexcept {
-  if (!in_motion()) return;
+  if (!in_motion())
+    return;
   window_[ticks_ % window_.size()] = pending_.has_value();
   if (!pending_) {
-    if (!armed_) return;
+    if (!armed_)
+      return;
     ++counts_.missed;
-    if (++lost_in_a_row_ >= config_.limits.lost_in_a_row) reflex(fr3::fci::kLostPacketsError);
+    if (++lost_in_a_row_ >= config_.limits.lost_in_a_row)
+      reflex(fr3::fci::kLostPacketsError);
     return;
   }
   armed_ = true;
   lost_in_a_row_ = 0;
   ++counts_.commands;
-  if (pending_->finished) return leave(RobotMode::kIdle, Outcome::kSuccess);
-  if (not_finite_) return reflex(fr3::fci::kTorqueJumpError);
+  if (pending_->finished)
+    return leave(RobotMode::kIdle, Outcome::kSuccess);
+  if (not_finite_)
+    return reflex(fr3::fci::kTorqueJumpError);
   const arm::Joints torque = pending_->torque_nm;
-  if ((torque.array().abs() > config_.limits.torque_nm.array()).any()) return reflex(fr3::fci::kTorqueRangeError);
-  if ((torque - commanded_).cwiseAbs().maxCoeff() > config_.limits.torque_step_nm) return reflex(fr3::fci::kTorqueJumpError);
+  if ((torque.array().abs() > config_.limits.torque_nm.array()).any())
+    return reflex(fr3::fci::kTorqueRangeError);
+  if ((torque - commanded_).cwiseAbs().maxCoeff() > config_.limits.torque_step_nm)
+    return reflex(fr3::fci::kTorqueJumpError);
   commanded_ = torque;
 }
 
 void FciRobot::judge_motion() noexcept {
-  if (!in_motion()) return;
-  if ((plant_.rate().array().abs() > config_.limits.speed_rad_s.array()).any()) return reflex(kJointSpeed);
-  if (plant_.at_stop()) return reflex(kJointLimit);
-  if (plant_.hand_wrench().force.norm() > worst_hand_n_) reflex(kCartesianReflex);
+  if (!in_motion())
+    return;
+  if ((plant_.rate().array().abs() > config_.limits.speed_rad_s.array()).any())
+    return reflex(kJointSpeed);
+  if (plant_.at_stop())
+    return reflex(kJointLimit);
+  if (plant_.hand_wrench().force.norm() > worst_hand_n_)
+    reflex(kCartesianReflex);
 }
 
 void FciRobot::tick() noexcept {
@@ -213,12 +248,15 @@ void FciRobot::tick() noexcept {
     if (in_motion()) {
       torque_ += follow * (delayed_ - torque_);
       felt_ = drive = torque_;
-      if (config_.compensates_coriolis) drive += plant_.terms().coriolis;
+      if (config_.compensates_coriolis)
+        drive += plant_.terms().coriolis;
     } else if (!braked) {
       drive = arm_sim::position_law(laws, plant_.terms(), plant_.q(), plant_.rate(), held_rad_);
     }
-    const hand::HandAction hand = hand_holds_ || !config_.hand_waits ? hand_.step() : hand::HandAction{};
-    plant_.step(drive, braked ? arm_sim::Drives::kBraked : arm_sim::Drives::kTorque, hand, kSubstep);
+    const hand::HandAction hand =
+        hand_holds_ || !config_.hand_waits ? hand_.step() : hand::HandAction{};
+    plant_.step(drive, braked ? arm_sim::Drives::kBraked : arm_sim::Drives::kTorque, hand,
+                kSubstep);
   }
 }
 

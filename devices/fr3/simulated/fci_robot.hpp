@@ -13,7 +13,10 @@
 namespace voxtouch::fr3_sim {
 
 using arm_sim::Fault, arm_sim::FaultKind, arm_sim::FaultSchedule;
-inline constexpr arm_sim::ControllerFaults kFaults{"loss answer_loss late jitter reorder duplicate nan user_stop guiding reflex not_ready silent closed", 7.0};
+inline constexpr arm_sim::ControllerFaults kFaults{
+    "loss answer_loss late jitter reorder duplicate nan user_stop guiding reflex not_ready silent "
+    "closed",
+    7.0};
 
 inline constexpr double kTick = 1e-3;  ///< [s]
 inline constexpr int kSubsteps = 4;
@@ -23,8 +26,8 @@ inline constexpr double kSubstep = kTick / kSubsteps;
 struct Limits {
   arm::Joints torque_nm = (arm::Joints() << 87, 87, 87, 87, 12, 12, 12).finished();
   arm::Joints speed_rad_s = fr3_speed_limit();
-  double torque_step_nm = 1.0;   ///< from one command to the next: 1000 Nm/s
-  int lost_in_a_row = 20;        ///< commands, as the maker's manual says
+  double torque_step_nm = 1.0;  ///< from one command to the next: 1000 Nm/s
+  int lost_in_a_row = 20;       ///< commands, as the maker's manual says
 };
 
 struct RobotConfig {
@@ -33,11 +36,11 @@ struct RobotConfig {
   Vec3 ee_in_flange = Vec3::Zero();
   arm::Joints start_rad = fr3::fr3_rest_posture();
   Limits limits;
-  double torque_lag_s = 0.0027;      ///< first-order lag of the torque loop, 60 Hz; assumed
-  int torque_delay_ticks = 1;        ///< beside the millisecond that a command waits; assumed
+  double torque_lag_s = 0.0027;  ///< first-order lag of the torque loop, 60 Hz; assumed
+  int torque_delay_ticks = 1;    ///< beside the millisecond that a command waits; assumed
   bool compensates_coriolis = true;
   double angle_resolution_rad = 1e-5;  ///< assumed
-  bool hand_waits = true;            ///< the hand takes the tool, and its clock starts, with the first motion
+  bool hand_waits = true;  ///< the hand takes the tool, and its clock starts, with the first motion
   std::uint64_t seed = 0;
 
   /// Throws std::runtime_error that names field and rule.
@@ -51,9 +54,9 @@ struct RobotCounts {
   std::uint64_t motions = 0, reflexes = 0;
 };
 
-/// One millisecond: `measure`, any number of `receive`, `advance`. A command that comes between acts from the next millisecond on;
-/// where none does, the last one goes on. Time is a count: the same seed and calls give the same bits. Real-time safe after
-/// construction.
+/// One millisecond: `measure`, any number of `receive`, `advance`. A command that comes between
+/// acts from the next millisecond on; where none does, the last one goes on. Time is a count: the
+/// same seed and calls give the same bits. Real-time safe after construction.
 class FciRobot {
  public:
   /// Throws std::runtime_error where the configuration, the hand or the motion cannot be simulated.
@@ -79,7 +82,8 @@ class FciRobot {
   const RobotConfig& config() const noexcept { return config_; }
   const arm_sim::ArmPlant& plant() const noexcept { return plant_; }
   bool finite() const noexcept { return plant_.q().allFinite() && plant_.rate().allFinite(); }
-  /// Force and torque that the drives give at the tool beyond carrying and holding the arm, over the last millisecond, in the base.
+  /// Force and torque that the drives give at the tool beyond carrying and holding the arm, over
+  /// the last millisecond, in the base.
   Wrench applied() const noexcept;
   const FaultSchedule& faults() const noexcept { return faults_; }
 
@@ -98,19 +102,21 @@ class FciRobot {
   FaultSchedule faults_;
   std::uint64_t ticks_ = 0;
   fr3::fci::State state_;
-  arm::Joints held_rad_;                                     // what the robot's own controller holds
-  arm::Joints commanded_ = arm::Joints::Zero(), delayed_ = arm::Joints::Zero(), torque_ = arm::Joints::Zero();
-  arm::Joints felt_ = arm::Joints::Zero();                   // the last of the torques that pushed over the last millisecond
-  std::array<arm::Joints, 8> line_;                          // torques on their way
+  arm::Joints held_rad_;  // what the robot's own controller holds
+  arm::Joints commanded_ = arm::Joints::Zero(), delayed_ = arm::Joints::Zero(),
+              torque_ = arm::Joints::Zero();
+  arm::Joints felt_ =
+      arm::Joints::Zero();  // the last of the torques that pushed over the last millisecond
+  std::array<arm::Joints, 8> line_;  // torques on their way
   std::size_t next_ = 0;
   std::optional<fr3::fci::Command> pending_;
   bool not_finite_ = false;
-  bool armed_ = false;      // the remote side has begun to answer
+  bool armed_ = false;  // the remote side has begun to answer
   bool hand_holds_ = false;
   bool reflex_done_ = false;
   int lost_in_a_row_ = 0;
   std::array<bool, 100> window_{};  // of the last milliseconds of a motion: answered in time
-  double worst_hand_n_ = 20.0;        // what SetCollisionBehavior allows; before it, assumed
+  double worst_hand_n_ = 20.0;      // what SetCollisionBehavior allows; before it, assumed
   std::optional<fr3::fci::Outcome> ended_;
   RobotCounts counts_;
 };

@@ -25,16 +25,21 @@ using fr3::fci::Outcome;
 using fr3::fci::Request;
 
 constexpr std::int64_t kMillisecond = 1'000'000;
-constexpr std::int64_t kPollPeriod = 50 * kMillisecond;  // a stop is noticed after this, at the latest
+constexpr std::int64_t kPollPeriod =
+    50 * kMillisecond;  // a stop is noticed after this, at the latest
 
 std::int64_t now_ns() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(Clock::now().time_since_epoch()).count();
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(Clock::now().time_since_epoch())
+      .count();
 }
 
 }  // namespace
 
 FciServer::FciServer(const ServerConfig& config, FciRobot& robot, Line line)
-    : config_(config), robot_(robot), line_(std::move(line)), socket_(config.address, 0) {
+    : config_(config),
+      robot_(robot),
+      line_(std::move(line)),
+      socket_(config.address, 0) {
   listener_ = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   const int on = 1;
   setsockopt(listener_, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
@@ -42,11 +47,13 @@ FciServer::FciServer(const ServerConfig& config, FciRobot& robot, Line line)
   own.sin_family = AF_INET;
   own.sin_addr.s_addr = htonl(*arm::parse_ipv4(config.address));
   own.sin_port = htons(config.port);
-  if (bind(listener_, reinterpret_cast<const sockaddr*>(&own), sizeof own) != 0 || listen(listener_, 4) != 0) {
+  if (bind(listener_, reinterpret_cast<const sockaddr*>(&own), sizeof own) != 0 ||
+      listen(listener_, 4) != 0) {
     const int error = errno;
     close(listener_);
     throw devices::DeviceOpenError(
-        fmt::format("cannot listen on TCP {}:{}: {}; is another robot there?", config.address, config.port, std::strerror(error)));
+        fmt::format("cannot listen on TCP {}:{}: {}; is another robot there?", config.address,
+                    config.port, std::strerror(error)));
   }
   socklen_t size = sizeof own;
   getsockname(listener_, reinterpret_cast<sockaddr*>(&own), &size);
@@ -59,7 +66,8 @@ FciServer::~FciServer() {
 }
 
 void FciServer::close_connection() noexcept {
-  if (client_ >= 0) close(client_);
+  if (client_ >= 0)
+    close(client_);
   client_ = -1;
   remote_ = {};
   motion_.reset();
@@ -70,8 +78,10 @@ void FciServer::accept_clients() noexcept {
   for (;;) {
     sockaddr_in from{};
     socklen_t size = sizeof from;
-    const int file = accept4(listener_, reinterpret_cast<sockaddr*>(&from), &size, SOCK_CLOEXEC | SOCK_NONBLOCK);
-    if (file < 0) return;
+    const int file =
+        accept4(listener_, reinterpret_cast<sockaddr*>(&from), &size, SOCK_CLOEXEC | SOCK_NONBLOCK);
+    if (file < 0)
+      return;
     if (client_ >= 0) {
       close(file);
       continue;
@@ -86,7 +96,8 @@ void FciServer::accept_clients() noexcept {
 }
 
 void FciServer::send_message(const fr3::fci::Message& message) noexcept {
-  if (client_ >= 0) (void)::send(client_, message.span().data(), message.size, MSG_DONTWAIT | MSG_NOSIGNAL);
+  if (client_ >= 0)
+    (void)::send(client_, message.span().data(), message.size, MSG_DONTWAIT | MSG_NOSIGNAL);
 }
 
 /// Who has gone is noticed before who comes: one program after the other is not two at a time.
@@ -98,7 +109,8 @@ void FciServer::read_channel() noexcept {
 
 void FciServer::read_client() noexcept {
   if (robot_.faults().active(FaultKind::kClosed, robot_.time_s())) {
-    if (!std::exchange(closed_done_, true)) close_connection();
+    if (!std::exchange(closed_done_, true))
+      close_connection();
   }
   while (client_ >= 0) {
     if (const auto message = reader_->next()) {
@@ -119,19 +131,22 @@ void FciServer::read_client() noexcept {
 void FciServer::handle(const fr3::fci::Received& message) noexcept {
   const fr3::fci::Dialect& dialect = robot_.dialect();
   const auto request = fr3::fci::request_of(dialect, message.command);
-  if (!request) return;
+  if (!request)
+    return;
   if (*request == Request::kConnect) {
     std::uint16_t version = 0, port = 0;
     std::memcpy(&version, &message.body[0], sizeof version);
     std::memcpy(&port, &message.body[2], sizeof port);
     const bool accepted = version == dialect.version;
     send_message(fr3::fci::connect_answer(message.id, accepted, dialect.version));
-    if (!accepted) return close_connection();
+    if (!accepted)
+      return close_connection();
     remote_.port = port;
     return;
   }
   const Outcome outcome = robot_.request(*request, message);
-  if (*request == Request::kMove && outcome == Outcome::kStarted) motion_ = message.id;
+  if (*request == Request::kMove && outcome == Outcome::kStarted)
+    motion_ = message.id;
   send_message(fr3::fci::answer(dialect, *request, message.id, outcome));
   if (const auto ended = robot_.motion_ended(); ended && motion_) {
     send_message(fr3::fci::answer(dialect, Request::kMove, *motion_, *ended));
@@ -163,12 +178,15 @@ bool FciServer::take_commands(std::optional<std::uint64_t> awaited) noexcept {
     }
     ++counts_.received;
     const double now = robot_.time_s();
-    if (line_.silent(now)) continue;
+    if (line_.silent(now))
+      continue;
     const std::size_t size = std::min(datagram->size, buffer.size());
     std::uint64_t id = 0;
-    if (size >= sizeof id) std::memcpy(&id, buffer.data(), sizeof id);
+    if (size >= sizeof id)
+      std::memcpy(&id, buffer.data(), sizeof id);
     found = found || (awaited && id == *awaited);
-    if (!line_.loses_answer(now)) robot_.receive(std::span(buffer).first(size));
+    if (!line_.loses_answer(now))
+      robot_.receive(std::span(buffer).first(size));
   }
   return found;
 }
@@ -186,12 +204,15 @@ void FciServer::wait_for_input(std::int64_t ns) noexcept {
 
 bool FciServer::virtual_period(const std::atomic<bool>& stop, Ending& ending) {
   while (!serving()) {
-    if (stop.load(std::memory_order_relaxed)) return false;
-    if (client_ < 0 && counts_.connections > 0) {  // after the last one has gone the arm's time goes on by the clock
+    if (stop.load(std::memory_order_relaxed))
+      return false;
+    if (client_ < 0 && counts_.connections >
+                           0) {  // after the last one has gone the arm's time goes on by the clock
       const timespec pause{0, kMillisecond};
       nanosleep(&pause, nullptr);
       read_channel();
-      if (client_ < 0) return robot_.measure(), true;
+      if (client_ < 0)
+        return robot_.measure(), true;
       continue;
     }
     wait_for_input(kPollPeriod);
@@ -208,13 +229,17 @@ bool FciServer::virtual_period(const std::atomic<bool>& stop, Ending& ending) {
     return true;
   }
   line_.put(state, now);
-  if (!send_due(until)) return read_channel(), true;
+  if (!send_due(until))
+    return read_channel(), true;
   const auto patience = Clock::now() + std::chrono::duration<double>(config_.patience_s);
   while (serving() && !take_commands(newest_)) {
-    if (stop.load(std::memory_order_relaxed)) return false;
-    if (Clock::now() > patience) return ending = Ending::kNoAnswer, false;
+    if (stop.load(std::memory_order_relaxed))
+      return false;
+    if (Clock::now() > patience)
+      return ending = Ending::kNoAnswer, false;
     read_channel();
-    if (serving()) wait_for_input(kPollPeriod);
+    if (serving())
+      wait_for_input(kPollPeriod);
   }
   read_channel();  // what was asked for before the command was sent
   return true;
@@ -225,13 +250,16 @@ void FciServer::real_period(std::int64_t deadline_ns) {
   const double now = robot_.time_s();
   const std::int64_t start_ns = now_ns();
   const fr3::fci::State& state = robot_.measure();
-  if (serving() && !line_.silent(now)) line_.put(state, now);
+  if (serving() && !line_.silent(now))
+    line_.put(state, now);
   for (;;) {
     const std::int64_t at_ns = now_ns();
     const double at_s = now + 1e-9 * static_cast<double>(at_ns - start_ns);
-    if (serving() && !line_.silent(now)) send_due(at_s + 1e-9);
+    if (serving() && !line_.silent(now))
+      send_due(at_s + 1e-9);
     take_commands(std::nullopt);
-    if (at_ns >= deadline_ns) return;
+    if (at_ns >= deadline_ns)
+      return;
     const double due_s = std::max(line_.next_due_s() - at_s, 0.0);
     const std::int64_t to_due = due_s < 1.0 ? std::llround(1e9 * due_s) : kMillisecond;
     socket_.wait(std::chrono::nanoseconds(std::min(deadline_ns - at_ns, to_due)));
@@ -243,7 +271,8 @@ Ending FciServer::run(const std::atomic<bool>& stop) {
   Ending ending = Ending::kStopped;
   while (!stop.load(std::memory_order_relaxed)) {
     if (config_.virtual_time) {
-      if (!virtual_period(stop, ending)) break;
+      if (!virtual_period(stop, ending))
+        break;
     } else {
       deadline_ns += kMillisecond;
       if (now_ns() > deadline_ns) {  // a whole period late: the clock waits rather than hurry after
@@ -257,8 +286,10 @@ Ending FciServer::run(const std::atomic<bool>& stop) {
       send_message(fr3::fci::answer(robot_.dialect(), Request::kMove, *motion_, *ended));
       motion_.reset();
     }
-    if (!robot_.finite()) return Ending::kDiverged;
-    if (after_period) after_period(robot_);
+    if (!robot_.finite())
+      return Ending::kDiverged;
+    if (after_period)
+      after_period(robot_);
   }
   return ending;
 }

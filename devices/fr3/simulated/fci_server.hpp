@@ -1,6 +1,6 @@
 #pragma once
-/// The simulated robot on the network: one command channel (TCP), states out and commands in (UDP); real time by its own clock, or
-/// virtual time by the commands that come.
+/// The simulated robot on the network: one command channel (TCP), states out and commands in (UDP);
+/// real time by its own clock, or virtual time by the commands that come.
 #include <atomic>
 #include <cstdint>
 #include <functional>
@@ -20,7 +20,7 @@ struct ServerConfig {
   std::string address = "127.0.0.1";  ///< own, dotted
   std::uint16_t port = 0;             ///< TCP; 0: one that is free
   bool virtual_time = false;
-  double patience_s = 5.0;            ///< virtual time: wall time to wait for an answer
+  double patience_s = 5.0;  ///< virtual time: wall time to wait for an answer
 };
 
 enum class Ending : std::uint8_t {
@@ -32,12 +32,14 @@ enum class Ending : std::uint8_t {
 struct ServerCounts {
   std::uint64_t sent = 0, send_errors = 0, received = 0, foreign = 0;
   std::uint64_t connections = 0;
-  std::uint64_t overruns = 0;  ///< real time: milliseconds that this process was too late for; its clock waited
+  std::uint64_t overruns =
+      0;  ///< real time: milliseconds that this process was too late for; its clock waited
 };
 
-/// One remote side at a time: whoever comes second is turned away. In real time a state leaves at each millisecond of the steady
-/// clock while somebody is connected. In virtual time nothing waits but for commands: after each newest state the command that names
-/// it is awaited, in a motion or not; where none can come because the line lost it, time goes on at once.
+/// One remote side at a time: whoever comes second is turned away. In real time a state leaves at
+/// each millisecond of the steady clock while somebody is connected. In virtual time nothing waits
+/// but for commands: after each newest state the command that names it is awaited, in a motion or
+/// not; where none can come because the line lost it, time goes on at once.
 class FciServer {
  public:
   /// Listens. Throws DeviceOpenError with a sentence.

@@ -4,7 +4,8 @@
 
 namespace voxtouch::lwr_sim {
 CommandPath::CommandPath(int ticks_per_period, std::size_t delay_ticks) noexcept
-    : ticks_(std::max(ticks_per_period, 1)), delay_(std::min(delay_ticks, kMaxDelay)) {
+    : ticks_(std::max(ticks_per_period, 1)),
+      delay_(std::min(delay_ticks, kMaxDelay)) {
   line_.fill(lwr::LwrJoints::Zero());
 }
 
@@ -30,7 +31,8 @@ void CommandPath::answer(const Setpoint& wanted) noexcept {
 
 void CommandPath::miss() noexcept {
   Setpoint wanted = to_;
-  if (++misses_ <= kExtrapolated) wanted.position += position_step_;
+  if (++misses_ <= kExtrapolated)
+    wanted.position += position_step_;
   begin(wanted);
 }
 

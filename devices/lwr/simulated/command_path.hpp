@@ -7,15 +7,16 @@
 
 namespace voxtouch::lwr_sim {
 
-/// Fine interpolation of longer periods, extrapolation over misses, and the way of the overlaid torque to the joints. Positions
-/// of a missed period go on as in the last one, for at most `kExtrapolated` misses in a row; forces stay as they are. Real-time
-/// safe.
+/// Fine interpolation of longer periods, extrapolation over misses, and the way of the overlaid
+/// torque to the joints. Positions of a missed period go on as in the last one, for at most
+/// `kExtrapolated` misses in a row; forces stay as they are. Real-time safe.
 class CommandPath {
  public:
   static constexpr int kExtrapolated = 3;  ///< assumed
   static constexpr std::size_t kMaxDelay = 100;
 
-  /// `ticks_per_period` of 1 ms each. `delay_ticks` (at most kMaxDelay): what overlaid torques need on top.
+  /// `ticks_per_period` of 1 ms each. `delay_ticks` (at most kMaxDelay): what overlaid torques need
+  /// on top.
   CommandPath(int ticks_per_period, std::size_t delay_ticks) noexcept;
 
   /// Begins anew: rests at `start`, no force under way.
@@ -24,7 +25,8 @@ class CommandPath {
   void answer(const Setpoint& wanted) noexcept;
   /// No answer came for this period.
   void miss() noexcept;
-  /// The set point over the next millisecond. Gains are the last answer's; forces come out late by the delay.
+  /// The set point over the next millisecond. Gains are the last answer's; forces come out late by
+  /// the delay.
   Setpoint tick() noexcept;
 
   /// Where the last answer, or what stood in for it, wanted to go.
@@ -37,7 +39,7 @@ class CommandPath {
   std::size_t delay_, next_ = 0;
   Setpoint from_, to_;
   lwr::LwrJoints position_step_ = lwr::LwrJoints::Zero();  // over the last period
-  std::array<lwr::LwrJoints, kMaxDelay + 1> line_;  // torques on their way
+  std::array<lwr::LwrJoints, kMaxDelay + 1> line_;         // torques on their way
 };
 
 }  // namespace voxtouch::lwr_sim

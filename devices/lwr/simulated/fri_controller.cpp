@@ -14,7 +14,8 @@ using lwr::fri::Control;
 using lwr::fri::State;
 
 void require(bool good, const char* field, const char* rule) {
-  if (!good) throw std::runtime_error(fmt::format("simulated controller: {} has to be {}", field, rule));
+  if (!good)
+    throw std::runtime_error(fmt::format("simulated controller: {} has to be {}", field, rule));
 }
 
 const ControllerConfig& checked(const ControllerConfig& config) {
@@ -39,11 +40,17 @@ void ControllerConfig::validate() const {
 }
 
 FriController::FriController(const ControllerConfig& config, hand::Hand hand, FaultSchedule faults)
-    : config_(checked(config)), ticks_(ticks_of(config.period_s)), faults_(std::move(faults)),
-      plant_(config.plant, config.start_rad), hand_(std::move(hand)),
+    : config_(checked(config)),
+      ticks_(ticks_of(config.period_s)),
+      faults_(std::move(faults)),
+      plant_(config.plant, config.start_rad),
+      hand_(std::move(hand)),
       script_(config.script_pause_s, config.first_start_keeps_strategy),
-      path_(ticks_, static_cast<std::size_t>(config.overlay_delay_ticks)), impedance_(config.laws),
-      random_(config.seed), commanded_rad_(config.start_rad), msr_(lwr::fri::empty_msr()) {
+      path_(ticks_, static_cast<std::size_t>(config.overlay_delay_ticks)),
+      impedance_(config.laws),
+      random_(config.seed),
+      commanded_rad_(config.start_rad),
+      msr_(lwr::fri::empty_msr()) {
   config_.safety.max_speed_rad_s *= config.safety_limits;
   path_.start(resting());
 }
@@ -54,7 +61,8 @@ double FriController::noise() noexcept {
 
 lwr::fri::Quality FriController::quality() const noexcept {
   const auto most = faults_.active(FaultKind::kQuality, time_s());
-  return most ? std::min(link_.quality(), static_cast<lwr::fri::Quality>(static_cast<int>(*most))) : link_.quality();
+  return most ? std::min(link_.quality(), static_cast<lwr::fri::Quality>(static_cast<int>(*most)))
+              : link_.quality();
 }
 
 Setpoint FriController::resting() const noexcept {
@@ -69,10 +77,14 @@ Setpoint FriController::resting() const noexcept {
 Setpoint FriController::setpoint_of(const lwr::fri::Command& c) const noexcept {
   Setpoint s = resting();
   const auto has = [&](std::uint32_t flag) { return (c.cmd_flags & flag) != 0; };
-  if (has(lwr::fri::kFlagJntPos)) s.position = lwr::fri::from_wire(c.jnt_pos);
-  if (has(lwr::fri::kFlagJntTrq)) s.torque = lwr::fri::from_wire(c.add_jnt_trq);
-  if (has(lwr::fri::kFlagJntStiff)) s.stiffness = lwr::fri::from_wire(c.jnt_stiffness);
-  if (has(lwr::fri::kFlagJntDamp)) s.damping = lwr::fri::from_wire(c.jnt_damping);
+  if (has(lwr::fri::kFlagJntPos))
+    s.position = lwr::fri::from_wire(c.jnt_pos);
+  if (has(lwr::fri::kFlagJntTrq))
+    s.torque = lwr::fri::from_wire(c.add_jnt_trq);
+  if (has(lwr::fri::kFlagJntStiff))
+    s.stiffness = lwr::fri::from_wire(c.jnt_stiffness);
+  if (has(lwr::fri::kFlagJntDamp))
+    s.damping = lwr::fri::from_wire(c.jnt_damping);
   return s;
 }
 
@@ -85,7 +97,8 @@ void FriController::note(State from, const Violation& why) noexcept {
 }
 
 std::optional<Event> FriController::take_event() noexcept {
-  if (event_count_ == 0) return std::nullopt;
+  if (event_count_ == 0)
+    return std::nullopt;
   const Event event = events_[first_event_];
   first_event_ = (first_event_ + 1) % events_.size();
   --event_count_;
@@ -99,12 +112,14 @@ void FriController::command_here() noexcept {
   path_.start(resting());
 }
 
-/// Command mode ends. Unasked, the brakes close; a violation leaves error bits, a bad link warning bits (it is no drive's error).
+/// Command mode ends. Unasked, the brakes close; a violation leaves error bits, a bad link warning
+/// bits (it is no drive's error).
 void FriController::leave(const Violation& why) noexcept {
   const State from = std::exchange(state_, State::kMon);
   command_here();
   note(from, why);
-  if (why.reason == Reason::kAsked) return;
+  if (why.reason == Reason::kAsked)
+    return;
   ++drops_;
   braked_ = true;
   const bool link = why.reason == Reason::kMisses || why.reason == Reason::kQualityForced;
@@ -116,15 +131,18 @@ void FriController::leave(const Violation& why) noexcept {
     error_ = bits;
 }
 
-/// Emergency stop and drives, as the schedule has them now. Power comes back by itself, the brakes stay until the next start.
+/// Emergency stop and drives, as the schedule has them now. Power comes back by itself, the brakes
+/// stay until the next start.
 void FriController::watch_power() noexcept {
   const double now = time_s();
   const bool stop = faults_.active(FaultKind::kEmergencyStop, now).has_value();
-  const auto off = static_cast<std::uint16_t>(faults_.active(FaultKind::kDrivesOff, now).value_or(0.0));
+  const auto off =
+      static_cast<std::uint16_t>(faults_.active(FaultKind::kDrivesOff, now).value_or(0.0));
   broken_ = static_cast<std::uint16_t>(faults_.active(FaultKind::kDriveError, now).value_or(0.0));
   const bool was_on = power_ == lwr::fri::kAllDrives;
   power_ = static_cast<std::uint16_t>(stop ? 0U : lwr::fri::kAllDrives & ~(off | broken_));
-  if (power_ == lwr::fri::kAllDrives || !was_on) return;
+  if (power_ == lwr::fri::kAllDrives || !was_on)
+    return;
   const Violation why{stop ? Reason::kEmergencyStop : Reason::kDrivesOff,
                       static_cast<std::uint16_t>(~power_ & lwr::fri::kAllDrives)};
   if (state_ == State::kCmd) {
@@ -157,13 +175,18 @@ const lwr::fri::MsrPacket& FriController::measure() noexcept {
   return msr_;
 }
 
-FriController::Verdict FriController::receive(std::span<const std::byte> datagram, double latency_s) noexcept {
+FriController::Verdict FriController::receive(std::span<const std::byte> datagram,
+                                              double latency_s) noexcept {
   lwr::fri::CmdPacket packet{};
   const lwr::fri::PacketFault fault = lwr::fri::decode(datagram, packet);
-  if (fault == lwr::fri::PacketFault::kLength) return ++counts_.length, Verdict::kLength;
-  if (fault == lwr::fri::PacketFault::kId) return ++counts_.id, Verdict::kId;
-  if (fault == lwr::fri::PacketFault::kSizeField) return ++counts_.size_field, Verdict::kSizeField;
-  if (packet.header.refl_seq != msr_.header.send_seq) return ++counts_.stale, Verdict::kStale;
+  if (fault == lwr::fri::PacketFault::kLength)
+    return ++counts_.length, Verdict::kLength;
+  if (fault == lwr::fri::PacketFault::kId)
+    return ++counts_.id, Verdict::kId;
+  if (fault == lwr::fri::PacketFault::kSizeField)
+    return ++counts_.size_field, Verdict::kSizeField;
+  if (packet.header.refl_seq != msr_.header.send_seq)
+    return ++counts_.stale, Verdict::kStale;
   const bool again = pending_valid_ || pending_not_finite_;
   if (again && lwr::fri::sequence_distance(pending_.header.send_seq, packet.header.send_seq) <= 0)
     return ++counts_.doubled, Verdict::kDoubled;
@@ -171,12 +194,16 @@ FriController::Verdict FriController::receive(std::span<const std::byte> datagra
   pending_latency_s_ = latency_s;
   pending_valid_ = fault == lwr::fri::PacketFault::kNone;
   pending_not_finite_ = !pending_valid_;
-  if (pending_not_finite_) return ++counts_.not_finite, Verdict::kNotFinite;
-  return again ? (++counts_.replaced, Verdict::kReplaced) : (++counts_.accepted, Verdict::kAccepted);
+  if (pending_not_finite_)
+    return ++counts_.not_finite, Verdict::kNotFinite;
+  return again ? (++counts_.replaced, Verdict::kReplaced)
+               : (++counts_.accepted, Verdict::kAccepted);
 }
 
-lwr::LwrJoints FriController::law(const Setpoint& now, const ArmDynamics::Terms& terms) const noexcept {
-  if (state_ != State::kCmd) return position_law(config_.laws, terms, plant_.q(), plant_.rate(), commanded_rad_);
+lwr::LwrJoints FriController::law(const Setpoint& now,
+                                  const ArmDynamics::Terms& terms) const noexcept {
+  if (state_ != State::kCmd)
+    return position_law(config_.laws, terms, plant_.q(), plant_.rate(), commanded_rad_);
   if (script_.control() == Control::kPosition)
     return position_law(config_.laws, terms, plant_.q(), plant_.rate(), now.position);
   return impedance_.torque(terms, plant_.q(), plant_.rate(), now) + overlay_;
@@ -185,20 +212,25 @@ lwr::LwrJoints FriController::law(const Setpoint& now, const ArmDynamics::Terms&
 void FriController::tick() noexcept {
   const Setpoint now = path_.tick();
   ArmDynamics::Terms terms = plant_.terms();
-  if (state_ == State::kCmd) impedance_.prepare(terms, now);
+  if (state_ == State::kCmd)
+    impedance_.prepare(terms, now);
   // Pade(1,1) of 1 - exp(-dt / lag): no library function.
   const double follow = std::min(1.0, kSubstep / (config_.overlay_lag_s + 0.5 * kSubstep));
   for (int i = 0; i < kSubsteps; ++i) {
-    if (i) terms = plant_.terms();
-    if (state_ == State::kCmd) overlay_ += follow * (now.torque - overlay_);
+    if (i)
+      terms = plant_.terms();
+    if (state_ == State::kCmd)
+      overlay_ += follow * (now.torque - overlay_);
     applied_ = braked_ ? lwr::LwrJoints(lwr::LwrJoints::Zero()) : law(now, terms);
-    const hand::HandAction hand = starts_ || !config_.hand_waits ? hand_.step() : hand::HandAction{};
+    const hand::HandAction hand =
+        starts_ || !config_.hand_waits ? hand_.step() : hand::HandAction{};
     plant_.step(applied_, braked_ ? Drives::kBraked : Drives::kTorque, hand, kSubstep);
   }
 }
 
 void FriController::advance() noexcept {
-  for (int i = 0; i < ticks_; ++i) tick();
+  for (int i = 0; i < ticks_; ++i)
+    tick();
   ++period_;
   apply_answer();
   judge_motion();
@@ -207,7 +239,8 @@ void FriController::advance() noexcept {
 
 void FriController::apply_answer() noexcept {
   if (!pending_valid_) {
-    if (answered_once_ || pending_not_finite_) link_.missed();
+    if (answered_once_ || pending_not_finite_)
+      link_.missed();
     ++periods_since_answer_;
     if (state_ == State::kCmd && pending_not_finite_)
       leave({Reason::kNotFinite, 0});
@@ -219,42 +252,59 @@ void FriController::apply_answer() noexcept {
   answered_once_ = true;
   msr_.header.refl_seq = pending_.header.send_seq;
   answer_ = pending_;
-  if (state_ == State::kCmd) judge_answer();
+  if (state_ == State::kCmd)
+    judge_answer();
   periods_since_answer_ = 1;
 }
 
 void FriController::judge_answer() noexcept {
-  if (answer_.command.cmd_flags != flags_) return leave({Reason::kFlagsChanged, 0});
+  if (answer_.command.cmd_flags != flags_)
+    return leave({Reason::kFlagsChanged, 0});
   const Setpoint wanted = setpoint_of(answer_.command);
   // What stood in for missed answers moved the goal on, so the time is that since the last goal.
   const double elapsed_s = periods_since_answer_ * config_.period_s;
-  if (const Violation why = check_command(config_.safety, path_.goal(), wanted, elapsed_s, plant_.q())) return leave(why);
+  if (const Violation why =
+          check_command(config_.safety, path_.goal(), wanted, elapsed_s, plant_.q()))
+    return leave(why);
   path_.answer(wanted);
 }
 
 void FriController::judge_motion() noexcept {
-  if (state_ != State::kCmd) return;
-  if (const Violation why = check_motion(config_.safety, plant_.rate())) return leave(why);
-  if (link_.quality() <= lwr::fri::Quality::kBad) return leave({Reason::kMisses, 0});
-  if (quality() <= lwr::fri::Quality::kBad) leave({Reason::kQualityForced, 0});
+  if (state_ != State::kCmd)
+    return;
+  if (const Violation why = check_motion(config_.safety, plant_.rate()))
+    return leave(why);
+  if (link_.quality() <= lwr::fri::Quality::kBad)
+    return leave({Reason::kMisses, 0});
+  if (quality() <= lwr::fri::Quality::kBad)
+    leave({Reason::kQualityForced, 0});
 }
 
 void FriController::run_script() noexcept {
-  const KrlScript::Input input{answer_.krl.integer[lwr::fri::kFrmIntStrategy],
-                               answered_once_ ? answer_.krl.integer[lwr::fri::kFrmIntRun] : lwr::fri::kHalt, state_, quality()};
+  const KrlScript::Input input{
+      answer_.krl.integer[lwr::fri::kFrmIntStrategy],
+      answered_once_ ? answer_.krl.integer[lwr::fri::kFrmIntRun] : lwr::fri::kHalt, state_,
+      quality()};
   switch (script_.step(input, config_.period_s)) {
-    case KrlScript::Request::kNone: break;
+    case KrlScript::Request::kNone:
+      break;
     case KrlScript::Request::kStop:
-      if (state_ == State::kCmd) leave({Reason::kAsked, 0});
+      if (state_ == State::kCmd)
+        leave({Reason::kAsked, 0});
       error_ = warning_ = 0;
       break;
-    case KrlScript::Request::kAcknowledge: error_ = warning_ = 0; break;
-    case KrlScript::Request::kStart: start(); break;
+    case KrlScript::Request::kAcknowledge:
+      error_ = warning_ = 0;
+      break;
+    case KrlScript::Request::kStart:
+      start();
+      break;
   }
 }
 
 void FriController::start() noexcept {
-  if (power_ != lwr::fri::kAllDrives) return note(state_, {Reason::kDrivesOff, 0});
+  if (power_ != lwr::fri::kAllDrives)
+    return note(state_, {Reason::kDrivesOff, 0});
   const lwr::LwrJoints mirrored = lwr::fri::from_wire(answer_.command.jnt_pos);
   if (const Violation why = check_entry(config_.safety, mirrored, commanded_rad_)) {
     error_ = why.joints ? why.joints : lwr::fri::kAllDrives;
@@ -308,7 +358,8 @@ void FriController::fill_measured(const ArmDynamics::Terms& terms) noexcept {
   lwr::fri::Measured& d = msr_.data;
   const double step = config_.position_resolution_rad;
   lwr::LwrJoints q = plant_.q();
-  if (step > 0.0) q = q.unaryExpr([step](double x) { return std::round(x / step) * step; });
+  if (step > 0.0)
+    q = q.unaryExpr([step](double x) { return std::round(x / step) * step; });
   const ArmDynamics& dynamics = plant_.dynamics();
   d.jnt_pos = lwr::fri::to_wire(q);
   d.cart_pos = lwr::fri::to_wire(dynamics.at(q, lwr::LwrJoints::Zero()).tool);
@@ -330,7 +381,8 @@ void FriController::fill_measured(const ArmDynamics::Terms& terms) noexcept {
   wrench << axes.transpose() * hand.force, axes.transpose() * hand.torque;
   d.est_ext_tcp_ft = lwr::fri::to_wire(wrench);
   d.jacobian = lwr::fri::to_wire(in_axes(axes, terms.jacobian));
-  Eigen::Map<Eigen::Matrix<float, 7, 7, Eigen::RowMajor>>(d.mass_matrix.data()) = terms.mass.cast<float>();
+  Eigen::Map<Eigen::Matrix<float, 7, 7, Eigen::RowMajor>>(d.mass_matrix.data()) =
+      terms.mass.cast<float>();
   d.gravity = lwr::fri::to_wire(terms.gravity);
 }
 
@@ -343,7 +395,8 @@ TraceRow FriController::row() const noexcept {
   row.braked = braked_;
   row.tip_m = terms.tool.position;
   row.velocity_m_s = terms.twist.linear;
-  if (!braked_) row.applied = tool_wrench(terms, applied_);
+  if (!braked_)
+    row.applied = tool_wrench(terms, applied_);
   row.hand = plant_.hand_wrench();
   row.target_m = hand_.target();
   return row;

@@ -18,7 +18,10 @@
 namespace voxtouch::lwr_sim {
 
 using arm_sim::Fault, arm_sim::FaultKind, arm_sim::FaultSchedule;
-inline constexpr arm_sim::ControllerFaults kFaults{"loss answer_loss late jitter reorder duplicate nan drives_off drive_error estop quality silent", 8.0};
+inline constexpr arm_sim::ControllerFaults kFaults{
+    "loss answer_loss late jitter reorder duplicate nan drives_off drive_error estop quality "
+    "silent",
+    8.0};
 
 inline constexpr double kTick = 1e-3;  ///< [s] the controller's fine cycle
 inline constexpr int kSubsteps = 4;    ///< torque loop and mechanics in one tick
@@ -31,16 +34,18 @@ struct ControllerConfig {
   lwr::LwrJoints start_rad = lwr::lwr_rest_posture();
   SafetyRules safety;
   LawParameters laws;
-  int overlay_delay_ticks = 1;            ///< of overlaid torques beside the period that an answer waits; assumed
+  int overlay_delay_ticks =
+      1;  ///< of overlaid torques beside the period that an answer waits; assumed
   double overlay_lag_s = 0.003;           ///< first-order lag of them, by the torque loop; assumed
   double torque_noise_nm = 0.05;          ///< standard deviation of each torque sensor; assumed
   double position_resolution_rad = 2e-5;  ///< of the measured positions; assumed
   lwr::LwrJoints krl_stiffness_nm_per_rad =
       lwr::LwrJoints::Constant(1000.0);  ///< where no flag brings one, as in published programs;
-  double krl_damping = 0.7;      ///< likewise
-  double script_pause_s = 0.05;  ///< of the KRL program's loop, as in a published one
+  double krl_damping = 0.7;              ///< likewise
+  double script_pause_s = 0.05;          ///< of the KRL program's loop, as in a published one
   bool first_start_keeps_strategy = false;
-  bool hand_waits = true;     ///< the hand takes the tool, and its clock starts, with the first command mode
+  bool hand_waits =
+      true;  ///< the hand takes the tool, and its clock starts, with the first command mode
   bool virtual_time = false;  ///< announced in $FRI_TO_INT[16]
   std::uint64_t seed = 0;
 
@@ -53,9 +58,10 @@ struct AnswerCounts {
   std::uint64_t accepted = 0;                        ///< in time
   std::uint64_t length = 0, id = 0, size_field = 0;  ///< no command packet
   std::uint64_t not_finite = 0;
-  std::uint64_t stale = 0;     ///< does not answer the last measurement
-  std::uint64_t replaced = 0;  ///< answers it once more with a newer count: accepted in place of the one before
-  std::uint64_t doubled = 0;   ///< answers it once more with the same or an older count
+  std::uint64_t stale = 0;  ///< does not answer the last measurement
+  std::uint64_t replaced =
+      0;  ///< answers it once more with a newer count: accepted in place of the one before
+  std::uint64_t doubled = 0;  ///< answers it once more with the same or an older count
 };
 
 /// What happened to the state.
@@ -72,22 +78,34 @@ struct TraceRow {
   lwr::fri::Quality quality = lwr::fri::Quality::kUnacceptable;
   bool braked = false;
   Vec3 tip_m = Vec3::Zero(), velocity_m_s = Vec3::Zero();
-  Wrench applied;  ///< what the drives push with at the tool, beyond carrying the arm; zero where brakes hold it
+  Wrench applied;  ///< what the drives push with at the tool, beyond carrying the arm; zero where
+                   ///< brakes hold it
   Wrench hand;     ///< of the operator on the tool
   Vec3 target_m = Vec3::Zero();  ///< where the hand wants to be
 };
 
-/// One period: `measure`, any number of `receive`, `advance`. An answer that comes between acts from the next period on. Time is
-/// a count of periods; there is no clock, so the same seed and answers give the same bits. State OFF stands before the first
-/// measurement and after `close`. Real-time safe after construction.
+/// One period: `measure`, any number of `receive`, `advance`. An answer that comes between acts
+/// from the next period on. Time is a count of periods; there is no clock, so the same seed and
+/// answers give the same bits. State OFF stands before the first measurement and after `close`.
+/// Real-time safe after construction.
 class FriController {
  public:
   /// Throws std::runtime_error where the configuration, the hand or the motion cannot be simulated.
-  FriController(const ControllerConfig& config, hand::Hand hand, FaultSchedule faults = FaultSchedule());
+  FriController(const ControllerConfig& config, hand::Hand hand,
+                FaultSchedule faults = FaultSchedule());
 
   /// The measurement that this period begins with.
   const lwr::fri::MsrPacket& measure() noexcept;
-  enum class Verdict : std::uint8_t { kAccepted, kLength, kId, kSizeField, kNotFinite, kStale, kReplaced, kDoubled };
+  enum class Verdict : std::uint8_t {
+    kAccepted,
+    kLength,
+    kId,
+    kSizeField,
+    kNotFinite,
+    kStale,
+    kReplaced,
+    kDoubled
+  };
   /// A datagram that came in this period, `latency_s` after its measurement left.
   Verdict receive(std::span<const std::byte> datagram, double latency_s) noexcept;
   /// Moves on by one period; then judges the answer or its absence, and motion and link.
@@ -146,9 +164,11 @@ class FriController {
   lwr::fri::State state_ = lwr::fri::State::kOff;
   bool braked_ = false;
   std::uint16_t error_ = 0, broken_ = 0, warning_ = 0, power_ = lwr::fri::kAllDrives;
-  lwr::LwrJoints commanded_rad_;                // the KRL side's commanded position
-  lwr::LwrJoints overlay_ = lwr::LwrJoints::Zero();  // torque of the remote side as the joints feel it
-  lwr::LwrJoints applied_ = lwr::LwrJoints::Zero();  // drive torque beyond gravity in the last substep
+  lwr::LwrJoints commanded_rad_;  // the KRL side's commanded position
+  lwr::LwrJoints overlay_ =
+      lwr::LwrJoints::Zero();  // torque of the remote side as the joints feel it
+  lwr::LwrJoints applied_ =
+      lwr::LwrJoints::Zero();  // drive torque beyond gravity in the last substep
 
   lwr::fri::MsrPacket msr_;
   lwr::fri::CmdPacket answer_{}, pending_{};

@@ -1,5 +1,6 @@
 #pragma once
-/// Stand-in for the KRL program that runs on the controller beside the interface, and decides about friStart and friStop.
+/// Stand-in for the KRL program that runs on the controller beside the interface, and decides about
+/// friStart and friStop.
 #include <cstdint>
 #include <optional>
 
@@ -7,9 +8,10 @@
 
 namespace voxtouch::lwr_sim {
 
-/// The handshake that published KRL programs share: $FRI_FRM_INT[1] is the strategy wanted, $FRI_FRM_INT[2] is 1 for friStart and
-/// 0 for friStop, $FRI_TO_INT[2] echoes it, 10 before the first. The program loops with a pause; it starts when the quality is
-/// PERFECT. Command mode that ended by itself is not entered again before a 0 was seen. Real-time safe.
+/// The handshake that published KRL programs share: $FRI_FRM_INT[1] is the strategy wanted,
+/// $FRI_FRM_INT[2] is 1 for friStart and 0 for friStop, $FRI_TO_INT[2] echoes it, 10 before the
+/// first. The program loops with a pause; it starts when the quality is PERFECT. Command mode that
+/// ended by itself is not entered again before a 0 was seen. Real-time safe.
 class KrlScript {
  public:
   enum class Request : std::uint8_t {
@@ -24,9 +26,11 @@ class KrlScript {
     lwr::fri::Quality quality = lwr::fri::Quality::kUnacceptable;
   };
 
-  /// `first_start_keeps_strategy`: one published program takes the strategy over only from the second start on.
+  /// `first_start_keeps_strategy`: one published program takes the strategy over only from the
+  /// second start on.
   KrlScript(double pause_s, bool first_start_keeps_strategy) noexcept
-      : pause_s_(pause_s), first_start_keeps_strategy_(first_start_keeps_strategy) {}
+      : pause_s_(pause_s),
+        first_start_keeps_strategy_(first_start_keeps_strategy) {}
 
   /// Once a period.
   Request step(const Input& input, double elapsed_s) noexcept;

@@ -7,10 +7,10 @@ namespace voxtouch::lwr_sim {
 namespace {
 
 // The real controller's thresholds are not published: all of these are assumed.
-constexpr int kOkAfter = 10;          // answers in time in a row
-constexpr int kPerfectAfter = 20;     // likewise
-constexpr int kMissesInARow = 5;      // that many make the link UNACCEPTABLE
-constexpr int kMissesInWindow = 10;   // more than that of the last 100 make it BAD
+constexpr int kOkAfter = 10;         // answers in time in a row
+constexpr int kPerfectAfter = 20;    // likewise
+constexpr int kMissesInARow = 5;     // that many make the link UNACCEPTABLE
+constexpr int kMissesInWindow = 10;  // more than that of the last 100 make it BAD
 
 }  // namespace
 
@@ -27,11 +27,15 @@ void LinkQuality::answered(double latency_s) noexcept {
   ++answered_run_;
   missed_run_ = 0;
   lwr::fri::Quality earned = lwr::fri::Quality::kBad;
-  if (answered_run_ >= kOkAfter) earned = lwr::fri::Quality::kOk;
-  if (answered_run_ >= kPerfectAfter) earned = lwr::fri::Quality::kPerfect;
-  if (earned <= quality_) return;
+  if (answered_run_ >= kOkAfter)
+    earned = lwr::fri::Quality::kOk;
+  if (answered_run_ >= kPerfectAfter)
+    earned = lwr::fri::Quality::kPerfect;
+  if (earned <= quality_)
+    return;
   quality_ = earned;
-  if (earned != lwr::fri::Quality::kPerfect) return;
+  if (earned != lwr::fri::Quality::kPerfect)
+    return;
   was_missed_.fill(false);
   missed_in_window_ = 0;
 }
@@ -42,20 +46,25 @@ void LinkQuality::missed() noexcept {
   ++missed_run_;
   ++misses_;
   lwr::fri::Quality most = lwr::fri::Quality::kPerfect;
-  if (missed_run_ >= 2) most = lwr::fri::Quality::kOk;
-  if (missed_in_window_ > kMissesInWindow) most = lwr::fri::Quality::kBad;
-  if (missed_run_ >= kMissesInARow) most = lwr::fri::Quality::kUnacceptable;
+  if (missed_run_ >= 2)
+    most = lwr::fri::Quality::kOk;
+  if (missed_in_window_ > kMissesInWindow)
+    most = lwr::fri::Quality::kBad;
+  if (missed_run_ >= kMissesInARow)
+    most = lwr::fri::Quality::kUnacceptable;
   quality_ = std::min(quality_, most);
 }
 
 lwr::fri::Statistics LinkQuality::statistics() const noexcept {
   lwr::fri::Statistics out{};
   out.miss_counter = misses_;
-  if (count_ == 0) return out;
+  if (count_ == 0)
+    return out;
   double sum = 0.0, least = 1e300, most = 0.0;
   int answers = 0;
   for (std::size_t i = 0; i < count_; ++i) {
-    if (latency_[i] < 0.0) continue;
+    if (latency_[i] < 0.0)
+      continue;
     ++answers;
     sum += latency_[i];
     least = std::min(least, latency_[i]);
@@ -64,7 +73,8 @@ lwr::fri::Statistics LinkQuality::statistics() const noexcept {
   const double all = static_cast<double>(count_);
   out.answer_rate = static_cast<float>(answers / all);
   out.miss_rate = static_cast<float>((all - answers) / all);
-  if (answers == 0) return out;
+  if (answers == 0)
+    return out;
   out.latency_s = static_cast<float>(sum / answers);
   out.jitter_s = static_cast<float>(most - least);
   return out;

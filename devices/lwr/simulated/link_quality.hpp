@@ -1,5 +1,6 @@
 #pragma once
-/// How well the remote side answers: what the controller's statistics say, and the quality it makes of them.
+/// How well the remote side answers: what the controller's statistics say, and the quality it makes
+/// of them.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -8,8 +9,9 @@
 
 namespace voxtouch::lwr_sim {
 
-/// Counts one answer or miss a period. Quality rises through a run of answers in time and falls through misses; one lost answer
-/// does not change it, two in a row make PERFECT to OK. Rising to PERFECT forgives the misses before. Real-time safe.
+/// Counts one answer or miss a period. Quality rises through a run of answers in time and falls
+/// through misses; one lost answer does not change it, two in a row make PERFECT to OK. Rising to
+/// PERFECT forgives the misses before. Real-time safe.
 class LinkQuality {
  public:
   static constexpr std::size_t kWindow = 100;
@@ -19,7 +21,8 @@ class LinkQuality {
   void missed() noexcept;
 
   lwr::fri::Quality quality() const noexcept { return quality_; }
-  /// Of the last 100 periods: answers per period, mean latency, latest less earliest, misses per period; all misses so far.
+  /// Of the last 100 periods: answers per period, mean latency, latest less earliest, misses per
+  /// period; all misses so far.
   lwr::fri::Statistics statistics() const noexcept;
 
  private:

@@ -23,13 +23,13 @@ using arm_sim::task_axes;
 using arm_sim::TipLoad;
 using arm_sim::tool_wrench;
 
-/// Links: the physically consistent set of published robot descriptions (confirmed). Rotors: reflected motor inertia
-/// (unconfirmed), divided by `torque_feedback_gain`: a torque loop that feeds back k times the torque error makes the motor
-/// appear (1 + k) times lighter; 4 is assumed.
+/// Links: the physically consistent set of published robot descriptions (confirmed). Rotors:
+/// reflected motor inertia (unconfirmed), divided by `torque_feedback_gain`: a torque loop that
+/// feeds back k times the torque error makes the motor appear (1 + k) times lighter; 4 is assumed.
 ArmBodies lwr_bodies(double torque_feedback_gain = 4.0);
 
-/// Published drive friction, divided by the gain of the torque feedback, which hides it as it hides the rotors (assumed);
-/// brakes of twice the drives' torque (assumed); published limits.
+/// Published drive friction, divided by the gain of the torque feedback, which hides it as it hides
+/// the rotors (assumed); brakes of twice the drives' torque (assumed); published limits.
 PlantParameters lwr_plant(double torque_feedback_gain = 4.0);
 
 }  // namespace voxtouch::lwr_sim

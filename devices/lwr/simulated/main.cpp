@@ -1,4 +1,5 @@
-// voxtouch_fri_controller: the robot controller with its arm and an operator, simulated, behind the real protocol on UDP.
+// voxtouch_fri_controller: the robot controller with its arm and an operator, simulated, behind the
+// real protocol on UDP.
 #include <memory>
 #include <numbers>
 
@@ -27,17 +28,22 @@ struct Options : arm_sim::ProgramOptions {
 };
 
 void declare(CLI::App& app, Options& o) {
-  app.add_option("--remote", o.remote, "Where measurements go, ADDRESS:PORT")->capture_default_str();
+  app.add_option("--remote", o.remote, "Where measurements go, ADDRESS:PORT")
+      ->capture_default_str();
   app.add_option("--address", o.session.address, "Own address")->capture_default_str();
   app.add_option("--port", o.session.port, "Own port; 0: any free one")->capture_default_str();
-  app.add_option("--period-ms", o.period_ms, "Period of measurements, 1 to 100 ms")->capture_default_str();
+  app.add_option("--period-ms", o.period_ms, "Period of measurements, 1 to 100 ms")
+      ->capture_default_str();
   arm_sim::declare(app, o, o.controller.virtual_time, o.session.patience_s, kFaults);
-  app.add_option("--duration", o.duration_s, "Seconds of the controller's time, then end; 0: until SIGTERM");
-  app.add_option("--posture-deg", o.posture_deg, "Joints A1 A2 E1 A3 A4 A5 A6 to start at, or near with --hand")
+  app.add_option("--duration", o.duration_s,
+                 "Seconds of the controller's time, then end; 0: until SIGTERM");
+  app.add_option("--posture-deg", o.posture_deg,
+                 "Joints A1 A2 E1 A3 A4 A5 A6 to start at, or near with --hand")
       ->expected(7);
   app.add_option("--seed", o.seed, "Of noise and faults; default: the hand file's, or 0");
   app.add_option("--trace", o.trace_file, "CSV of every period");
-  app.add_option("--torque-feedback-gain", o.torque_feedback_gain, "Divides rotors' inertia and friction")
+  app.add_option("--torque-feedback-gain", o.torque_feedback_gain,
+                 "Divides rotors' inertia and friction")
       ->capture_default_str();
 }
 
@@ -46,7 +52,8 @@ void set_remote(Options& o) {
   const auto colon = o.remote.rfind(':');
   const auto port = parse_number<std::uint16_t>(std::string_view(o.remote).substr(colon + 1));
   if (colon == std::string::npos || port.value_or(0) == 0)
-    throw std::runtime_error(fmt::format("--remote '{}' is not ADDRESS:PORT, like 127.0.0.1:49938", o.remote));
+    throw std::runtime_error(
+        fmt::format("--remote '{}' is not ADDRESS:PORT, like 127.0.0.1:49938", o.remote));
   o.session.remote_address = o.remote.substr(0, colon);
   o.session.remote_port = *port;
 }
@@ -54,9 +61,12 @@ void set_remote(Options& o) {
 lwr::LwrJoints posture(const Options& o, const std::vector<double>& from_file) {
   lwr::LwrJoints q = lwr::lwr_rest_posture();
   if (!from_file.empty() && from_file.size() != 7)
-    throw std::runtime_error(fmt::format("{}: posture_rad needs 7 numbers for this arm", o.hand_file));
-  if (!from_file.empty()) q = Eigen::Map<const lwr::LwrJoints>(from_file.data());
-  if (!o.posture_deg.empty()) q = Eigen::Map<const lwr::LwrJoints>(o.posture_deg.data()) * (std::numbers::pi / 180.0);
+    throw std::runtime_error(
+        fmt::format("{}: posture_rad needs 7 numbers for this arm", o.hand_file));
+  if (!from_file.empty())
+    q = Eigen::Map<const lwr::LwrJoints>(from_file.data());
+  if (!o.posture_deg.empty())
+    q = Eigen::Map<const lwr::LwrJoints>(o.posture_deg.data()) * (std::numbers::pi / 180.0);
   return q;
 }
 
@@ -76,8 +86,9 @@ hand::Hand make_hand(Options& o) {
     return arm_sim::Reach{state.pose_BT, state.jacobian};
   };
   const lwr::LwrJoints limit = lwr::lwr_limits().position_rad;
-  c.start_rad = arm_sim::start_posture(reach, {file.motion.path.front(), file.motion.orientation.normalized()},
-                                       posture(o, file.posture_rad), -limit, limit);
+  c.start_rad = arm_sim::start_posture(
+      reach, {file.motion.path.front(), file.motion.orientation.normalized()},
+      posture(o, file.posture_rad), -limit, limit);
   return hand;
 }
 
@@ -87,7 +98,8 @@ void tell(FriController& controller) {
     if (event->from == event->to)
       fmt::print(stderr, "t={:.3f} s, {}{}\n", event->time_s, name_of(event->to), why);
     else
-      fmt::print(stderr, "t={:.3f} s: {} -> {}{}\n", event->time_s, name_of(event->from), name_of(event->to), why);
+      fmt::print(stderr, "t={:.3f} s: {} -> {}{}\n", event->time_s, name_of(event->from),
+                 name_of(event->to), why);
   }
 }
 
@@ -95,15 +107,17 @@ void tell_counts(const Session& session, const FriController& controller) {
   const AnswerCounts& a = controller.counts();
   const SessionCounts& s = session.counts();
   fmt::print(stderr,
-             "{:.3f} s simulated: {} periods, {} sent, {} received, {} answers in time, {} missed; {} starts, {} "
+             "{:.3f} s simulated: {} periods, {} sent, {} received, {} answers in time, {} missed; "
+             "{} starts, {} "
              "drops, {} overruns\n"
-             "{} replaced by a newer answer; refused: {} stale, {} doubled, {} length, {} id, {} size field, {} not "
+             "{} replaced by a newer answer; refused: {} stale, {} doubled, {} length, {} id, {} "
+             "size field, {} not "
              "finite, {} foreign\n"
              "{}\n",
              controller.time_s(), controller.periods(), s.sent, s.received, a.accepted,
-             controller.link().statistics().miss_counter, controller.starts(), controller.drops(), s.overruns,
-             a.replaced, a.stale, a.doubled, a.length, a.id, a.size_field, a.not_finite, s.foreign,
-             arm_sim::line_text(session.line().counts(), s.send_errors));
+             controller.link().statistics().miss_counter, controller.starts(), controller.drops(),
+             s.overruns, a.replaced, a.stale, a.doubled, a.length, a.id, a.size_field, a.not_finite,
+             s.foreign, arm_sim::line_text(session.line().counts(), s.send_errors));
 }
 
 void run(Options& o, const std::atomic<bool>& stop) {
@@ -111,27 +125,32 @@ void run(Options& o, const std::atomic<bool>& stop) {
   o.controller.period_s = 1e-3 * o.period_ms;
   o.controller.plant = lwr_plant(o.torque_feedback_gain);
   o.controller.plant.pose_FT = o.tool();
-  if (o.duration_s > 0.0) o.session.duration_s = o.duration_s;
+  if (o.duration_s > 0.0)
+    o.session.duration_s = o.duration_s;
   const FaultSchedule schedule = o.schedule(kFaults);
   hand::Hand hand = make_hand(o);
   FriController controller(o.controller, std::move(hand), schedule);
   std::unique_ptr<Trace> trace;
-  if (!o.trace_file.empty()) trace = std::make_unique<Trace>(o.trace_file);
+  if (!o.trace_file.empty())
+    trace = std::make_unique<Trace>(o.trace_file);
   Session session(o.session, controller, Line(schedule, o.controller.period_s, o.controller.seed));
   session.after_period = [&](const FriController&) {
-    if (trace) trace->write(controller.row());
+    if (trace)
+      trace->write(controller.row());
     tell(controller);
   };
-  fmt::print(stderr, "simulated controller: {} -> {}, {} ms, {} time\n", arm::text_of(session.local()), o.remote,
-             o.period_ms, o.controller.virtual_time ? "virtual" : "real");
+  fmt::print(stderr, "simulated controller: {} -> {}, {} ms, {} time\n",
+             arm::text_of(session.local()), o.remote, o.period_ms,
+             o.controller.virtual_time ? "virtual" : "real");
   const Ending ending = session.run(stop);
   tell(controller);
-  if (trace) trace->finish();
+  if (trace)
+    trace->finish();
   tell_counts(session, controller);
   if (ending == Ending::kNoAnswer)
-    throw std::runtime_error(
-        fmt::format("no answer from {} within {} s: is the device's program running, and does it answer?", o.remote,
-                    o.session.patience_s));
+    throw std::runtime_error(fmt::format(
+        "no answer from {} within {} s: is the device's program running, and does it answer?",
+        o.remote, o.session.patience_s));
   if (ending == Ending::kDiverged)
     throw std::runtime_error(arm_sim::kDivergedSentence);
 }
@@ -139,8 +158,11 @@ void run(Options& o, const std::atomic<bool>& stop) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Simulated controller of a light-weight robot: remote interface 1.0 on UDP, arm, and operator");
+  CLI::App app(
+      "Simulated controller of a light-weight robot: remote interface 1.0 on UDP, arm, and "
+      "operator");
   Options options;
   declare(app, options);
-  return arm_sim::program_main(app, argc, argv, "voxtouch_fri_controller", [&](const std::atomic<bool>& stop) { run(options, stop); });
+  return arm_sim::program_main(app, argc, argv, "voxtouch_fri_controller",
+                               [&](const std::atomic<bool>& stop) { run(options, stop); });
 }

@@ -12,7 +12,8 @@ constexpr double kSlack = 1.0 + 1e-5;
 std::uint16_t over(const lwr::LwrJoints& value, const lwr::LwrJoints& limit) noexcept {
   std::uint16_t bits = 0;
   for (int i = 0; i < 7; ++i)
-    if (!(std::abs(value[i]) <= kSlack * limit[i])) bits = static_cast<std::uint16_t>(bits | (1U << i));
+    if (!(std::abs(value[i]) <= kSlack * limit[i]))
+      bits = static_cast<std::uint16_t>(bits | (1U << i));
   return bits;
 }
 
@@ -24,36 +25,57 @@ bool within(const lwr::LwrJoints& values, double high) noexcept {
 
 std::string_view sentence_of(Reason reason) noexcept {
   switch (reason) {
-    case Reason::kNone: return "nothing is wrong";
-    case Reason::kAsked: return "friStop, as the remote side asked";
-    case Reason::kMisses: return "too many answers were missing";
-    case Reason::kClosed: return "friClose";
-    case Reason::kNotFinite: return "a command held a number that is none";
-    case Reason::kFlagsChanged: return "the command flags changed in command mode";
-    case Reason::kJump: return "the last commanded position is not the mirrored one";
-    case Reason::kCommandSpeed: return "a commanded position moved faster than the joint may";
-    case Reason::kCommandPosition: return "a commanded position is out of the joint's range";
-    case Reason::kDeviation: return "a commanded position is too far from the measured one";
-    case Reason::kTorque: return "a commanded torque or force is over its limit";
-    case Reason::kGains: return "a commanded stiffness or damping is out of range";
-    case Reason::kJointSpeed: return "a joint was faster than it may be";
-    case Reason::kEmergencyStop: return "emergency stop";
-    case Reason::kDrivesOff: return "drives went off";
-    case Reason::kQualityForced: return "the quality was made bad by a fault of the simulation";
+    case Reason::kNone:
+      return "nothing is wrong";
+    case Reason::kAsked:
+      return "friStop, as the remote side asked";
+    case Reason::kMisses:
+      return "too many answers were missing";
+    case Reason::kClosed:
+      return "friClose";
+    case Reason::kNotFinite:
+      return "a command held a number that is none";
+    case Reason::kFlagsChanged:
+      return "the command flags changed in command mode";
+    case Reason::kJump:
+      return "the last commanded position is not the mirrored one";
+    case Reason::kCommandSpeed:
+      return "a commanded position moved faster than the joint may";
+    case Reason::kCommandPosition:
+      return "a commanded position is out of the joint's range";
+    case Reason::kDeviation:
+      return "a commanded position is too far from the measured one";
+    case Reason::kTorque:
+      return "a commanded torque or force is over its limit";
+    case Reason::kGains:
+      return "a commanded stiffness or damping is out of range";
+    case Reason::kJointSpeed:
+      return "a joint was faster than it may be";
+    case Reason::kEmergencyStop:
+      return "emergency stop";
+    case Reason::kDrivesOff:
+      return "drives went off";
+    case Reason::kQualityForced:
+      return "the quality was made bad by a fault of the simulation";
   }
   return "unknown";
 }
 
-Violation check_command(const SafetyRules& rules, const Setpoint& before, const Setpoint& now, double elapsed_s,
-                        const lwr::LwrJoints& q) noexcept {
+Violation check_command(const SafetyRules& rules, const Setpoint& before, const Setpoint& now,
+                        double elapsed_s, const lwr::LwrJoints& q) noexcept {
   const lwr::LwrJoints all_deviation = lwr::LwrJoints::Constant(rules.max_deviation_rad);
-  if (const auto j = over(now.position, rules.max_position_rad)) return {Reason::kCommandPosition, j};
+  if (const auto j = over(now.position, rules.max_position_rad))
+    return {Reason::kCommandPosition, j};
   // The wire rounds positions to floats: a rounding step in a millisecond is no speed.
   const lwr::LwrJoints most = rules.max_speed_rad_s * elapsed_s + lwr::LwrJoints::Constant(1e-6);
-  if (const auto j = over(now.position - before.position, most)) return {Reason::kCommandSpeed, j};
-  if (const auto j = over(now.position - q, all_deviation)) return {Reason::kDeviation, j};
-  if (const auto j = over(now.torque, rules.max_torque_nm)) return {Reason::kTorque, j};
-  const bool gains_fit = within(now.stiffness, rules.max_stiffness_nm_per_rad) && within(now.damping, 1.0);
+  if (const auto j = over(now.position - before.position, most))
+    return {Reason::kCommandSpeed, j};
+  if (const auto j = over(now.position - q, all_deviation))
+    return {Reason::kDeviation, j};
+  if (const auto j = over(now.torque, rules.max_torque_nm))
+    return {Reason::kTorque, j};
+  const bool gains_fit =
+      within(now.stiffness, rules.max_stiffness_nm_per_rad) && within(now.damping, 1.0);
   return gains_fit ? Violation{} : Violation{Reason::kGains, 0};
 }
 
@@ -62,7 +84,8 @@ Violation check_motion(const SafetyRules& rules, const lwr::LwrJoints& rate) noe
   return joints ? Violation{Reason::kJointSpeed, joints} : Violation{};
 }
 
-Violation check_entry(const SafetyRules& rules, const lwr::LwrJoints& mirrored, const lwr::LwrJoints& expected) noexcept {
+Violation check_entry(const SafetyRules& rules, const lwr::LwrJoints& mirrored,
+                      const lwr::LwrJoints& expected) noexcept {
   const auto joints = over(mirrored - expected, lwr::LwrJoints::Constant(rules.jump_rad));
   return joints ? Violation{Reason::kJump, joints} : Violation{};
 }

@@ -39,20 +39,24 @@ struct Violation {
 };
 
 struct SafetyRules {
-  lwr::LwrJoints max_speed_rad_s = lwr::lwr_limits().velocity_rad_s;      ///< measured and commanded
-  lwr::LwrJoints max_position_rad = lwr::lwr_limits().position_rad;       ///< commanded, +-
-  lwr::LwrJoints max_torque_nm = lwr::lwr_limits().torque_nm;             ///< overlaid ($stiffness.axismaxdeltatrq); assumed
-  double max_deviation_rad = 100.0 * std::numbers::pi / 180.0;  ///< $stiffness.axismaxdelta in published programs
-  double max_stiffness_nm_per_rad = 2000.0;                     ///< assumed
-  double jump_rad = 0.01;                                       ///< at the entry to command mode; assumed
+  lwr::LwrJoints max_speed_rad_s = lwr::lwr_limits().velocity_rad_s;  ///< measured and commanded
+  lwr::LwrJoints max_position_rad = lwr::lwr_limits().position_rad;   ///< commanded, +-
+  lwr::LwrJoints max_torque_nm =
+      lwr::lwr_limits().torque_nm;  ///< overlaid ($stiffness.axismaxdeltatrq); assumed
+  double max_deviation_rad =
+      100.0 * std::numbers::pi / 180.0;      ///< $stiffness.axismaxdelta in published programs
+  double max_stiffness_nm_per_rad = 2000.0;  ///< assumed
+  double jump_rad = 0.01;                    ///< at the entry to command mode; assumed
 };
 
 /// What an answer asks for, against what it asked for `elapsed_s` ago and the arm as it is.
-Violation check_command(const SafetyRules& rules, const Setpoint& before, const Setpoint& now, double elapsed_s,
-                        const lwr::LwrJoints& q) noexcept;
+Violation check_command(const SafetyRules& rules, const Setpoint& before, const Setpoint& now,
+                        double elapsed_s, const lwr::LwrJoints& q) noexcept;
 /// How fast the joints are.
 Violation check_motion(const SafetyRules& rules, const lwr::LwrJoints& rate) noexcept;
-/// May command mode begin? `mirrored`: the last commanded position; `expected`: the controller's own.
-Violation check_entry(const SafetyRules& rules, const lwr::LwrJoints& mirrored, const lwr::LwrJoints& expected) noexcept;
+/// May command mode begin? `mirrored`: the last commanded position; `expected`: the controller's
+/// own.
+Violation check_entry(const SafetyRules& rules, const lwr::LwrJoints& mirrored,
+                      const lwr::LwrJoints& expected) noexcept;
 
 }  // namespace voxtouch::lwr_sim

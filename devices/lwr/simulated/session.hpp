@@ -1,5 +1,6 @@
 #pragma once
-/// The simulated controller on the network: real time by its own clock, or virtual time by the answers that come.
+/// The simulated controller on the network: real time by its own clock, or virtual time by the
+/// answers that come.
 #include <atomic>
 #include <cstdint>
 #include <functional>
@@ -33,14 +34,16 @@ enum class Ending : std::uint8_t {
 struct SessionCounts {
   std::uint64_t sent = 0, send_errors = 0;
   std::uint64_t received = 0, foreign = 0;  ///< foreign: from another address, not looked at
-  std::uint64_t overruns = 0;               ///< real time: periods that this process was too late for; its clock waited
+  std::uint64_t overruns =
+      0;  ///< real time: periods that this process was too late for; its clock waited
 };
 
-/// In real time a measurement leaves at each deadline of the steady clock, whatever the remote side does; where this process is
-/// more than a period late, the deadlines move on (no burst follows). In virtual time nothing waits but for answers: after each
-/// newest measurement the answer to it is awaited; where none can come because the line lost it, time goes on at once, and while
-/// the controller is silent at one period of wall time a period. The very first measurement is repeated until the remote side is
-/// there.
+/// In real time a measurement leaves at each deadline of the steady clock, whatever the remote side
+/// does; where this process is more than a period late, the deadlines move on (no burst follows).
+/// In virtual time nothing waits but for answers: after each newest measurement the answer to it is
+/// awaited; where none can come because the line lost it, time goes on at once, and while the
+/// controller is silent at one period of wall time a period. The very first measurement is repeated
+/// until the remote side is there.
 class Session {
  public:
   /// Binds the port. Throws DeviceOpenError with a sentence.
@@ -49,7 +52,8 @@ class Session {
   /// Called after each period; may throw.
   std::function<void(const FriController&)> after_period;
 
-  /// Until told, or the end of the duration or of patience. At the end one measurement with state OFF is sent.
+  /// Until told, or the end of the duration or of patience. At the end one measurement with state
+  /// OFF is sent.
   Ending run(const std::atomic<bool>& stop);
 
   arm::UdpEndpoint local() const noexcept { return socket_.local(); }
@@ -60,9 +64,11 @@ class Session {
   enum class Wait : std::uint8_t { kAnswered, kTimeout, kStopped };
   bool virtual_period(const std::atomic<bool>& stop, Ending& ending);
   void real_period(std::int64_t deadline_ns);
-  Wait await_answer(std::uint16_t send_seq, const lwr::fri::MsrPacket* repeat, const std::atomic<bool>& stop);
+  Wait await_answer(std::uint16_t send_seq, const lwr::fri::MsrPacket* repeat,
+                    const std::atomic<bool>& stop);
   bool send(const lwr::fri::MsrPacket& msr) noexcept;
-  /// Takes in everything that waits; true if the answer to `send_seq` was among it. `latency_s` empty: by the clock.
+  /// Takes in everything that waits; true if the answer to `send_seq` was among it. `latency_s`
+  /// empty: by the clock.
   bool drain(std::optional<std::uint16_t> send_seq, std::optional<double> latency_s);
   bool finished() const noexcept;
 

@@ -8,8 +8,9 @@
 
 namespace voxtouch::lwr_sim {
 
-/// CSV: one header line, one row a period. Base axes; force and torque `applied` by the drives at the tool beyond carrying the
-/// arm (zero where the brakes hold it), `hand` by the operator. Numbers do not depend on the locale.
+/// CSV: one header line, one row a period. Base axes; force and torque `applied` by the drives at
+/// the tool beyond carrying the arm (zero where the brakes hold it), `hand` by the operator.
+/// Numbers do not depend on the locale.
 class Trace {
  public:
   /// Throws std::runtime_error where the file cannot be made.

@@ -1,5 +1,6 @@
 #pragma once
-/// From what a frame asked for to the torque of the motors: overrides, limits, ramp, heat, watchdog.
+/// From what a frame asked for to the torque of the motors: overrides, limits, ramp, heat,
+/// watchdog.
 #include <optional>
 
 #include "devices/phantom/hdapi.hpp"
@@ -29,17 +30,21 @@ struct Limits {
   double ramp_n_per_s = 20.0;
 };
 
-/// One device's electronics. Errors come back as codes, kSuccess where there is none. Real-time safe.
+/// One device's electronics. Errors come back as codes, kSuccess where there is none. Real-time
+/// safe.
 class Amplifier {
  public:
-  Amplifier(const Model& model, const PlantConfig& plant, double thermal_time_s, double watchdog_s) noexcept;
+  Amplifier(const Model& model, const PlantConfig& plant, double thermal_time_s,
+            double watchdog_s) noexcept;
 
   Limits limits;
 
   /// Once a tick, before anything else: speed, heat, and the ramp by one period.
   phantom::hd::HDerror begin_tick(const Reading& reading, double period_s) noexcept;
-  /// Takes what a frame asked for; the pose is the one that the frame saw. The torque holds until the next flush.
-  phantom::hd::HDerror flush(const Setpoint& setpoint, const Reading& reading, double period_s) noexcept;
+  /// Takes what a frame asked for; the pose is the one that the frame saw. The torque holds until
+  /// the next flush.
+  phantom::hd::HDerror flush(const Setpoint& setpoint, const Reading& reading,
+                             double period_s) noexcept;
   /// Torque of the motors over the next substep [Nm].
   const Vec3& advance(double dt_s) noexcept;
 

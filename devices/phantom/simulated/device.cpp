@@ -5,13 +5,15 @@
 namespace voxtouch::hd_sim {
 namespace {
 
-constexpr std::uint64_t kAutoCalibrationTicks = 50;  // how long an automatic calibration watches the arm first: assumed
+constexpr std::uint64_t kAutoCalibrationTicks =
+    50;  // how long an automatic calibration watches the arm first: assumed
 
 }  // namespace
 
 Device::Device(const Settings& s)
     : plant(s.plant, s.hand, s.motion, s.seed, s.hand_bandwidth_hz),
-      amplifier(*s.model, s.plant, s.thermal_time_s, s.watchdog_s), settings_(s),
+      amplifier(*s.model, s.plant, s.thermal_time_s, s.watchdog_s),
+      settings_(s),
       sensors_(s.plant.geometry, s.resolution_m, s.gimbal_resolution_rad, s.velocity_filter_hz) {
   sensors_.zero_at(s.power_on_rad);
   sensors_.set_period(period_s());
@@ -19,28 +21,35 @@ Device::Device(const Settings& s)
 }
 
 void Device::sense() noexcept {
-  if (faults.communication != 0) return;
+  if (faults.communication != 0)
+    return;
   sensors_.sample(plant.joints(), plant.hand().orientation());
 }
 
 phantom::hd::HDerror Device::begin_frame(bool servo_runs) noexcept {
-  if (frame_open_) return phantom::hd::kIllegalBegin;
-  if (servo_runs && framed_this_tick_ && amplifier.limits.one_frame) return phantom::hd::kIllegalBegin;
-  if (!servo_runs) sense();
+  if (frame_open_)
+    return phantom::hd::kIllegalBegin;
+  if (servo_runs && framed_this_tick_ && amplifier.limits.one_frame)
+    return phantom::hd::kIllegalBegin;
+  if (!servo_runs)
+    sense();
   frame_open_ = framed_this_tick_ = true;
   current_ = {sensors_.reading(), switches, {}, faults.lost_position != 0};
-  if (faults.communication != 0) return phantom::hd::kCommError;
+  if (faults.communication != 0)
+    return phantom::hd::kCommError;
   return faults.device != 0 ? phantom::hd::kDeviceFault : phantom::hd::kSuccess;
 }
 
 phantom::hd::HDerror Device::end_frame(bool servo_runs) noexcept {
-  if (!frame_open_) return phantom::hd::kIllegalEnd;
+  if (!frame_open_)
+    return phantom::hd::kIllegalEnd;
   frame_open_ = false;
   if (!servo_runs) {
     amplifier.release();
     return phantom::hd::kSuccess;
   }
-  if (faults.communication != 0) return phantom::hd::kCommError;  // nothing gets through: the amplifier's watchdog has to see it
+  if (faults.communication != 0)
+    return phantom::hd::kCommError;  // nothing gets through: the amplifier's watchdog has to see it
   if (!switches.safety) {
     amplifier.release();
     return phantom::hd::kSuccess;
@@ -52,19 +61,23 @@ void Device::begin_tick(ErrorStack& errors) noexcept {
   framed_this_tick_ = false;
   sense();
   amplifier.set_power(faults.device == 0);
-  if (!switches.safety) amplifier.release();
+  if (!switches.safety)
+    amplifier.release();
   const phantom::hd::HDerror verdict = amplifier.begin_tick(sensors_.reading(), period_s());
-  if (verdict != phantom::hd::kSuccess) errors.push(verdict, kHandle);
+  if (verdict != phantom::hd::kSuccess)
+    errors.push(verdict, kHandle);
 }
 
 void Device::advance(int substeps) noexcept {
-  for (int i = 0; i < substeps; ++i) plant.step(amplifier.advance(kSubstep));
+  for (int i = 0; i < substeps; ++i)
+    plant.step(amplifier.advance(kSubstep));
 }
 
 void Device::end_tick() noexcept {
   advance(substeps_);
   for (long* left : {&faults.communication, &faults.device, &faults.lost_position})
-    if (*left > 0) --*left;
+    if (*left > 0)
+      --*left;
   ++ticks;
 }
 
@@ -74,25 +87,32 @@ void Device::set_substeps(int substeps) noexcept {
 }
 
 phantom::hd::HDenum Device::calibration() const noexcept {
-  if (calibrated_) return phantom::hd::kCalibrationOk;
+  if (calibrated_)
+    return phantom::hd::kCalibrationOk;
   switch (model().calibration) {
     case phantom::hd::kCalibrationInkwell:
-      return switches.inkwell ? phantom::hd::kCalibrationNeedsUpdate : phantom::hd::kCalibrationNeedsManualInput;
+      return switches.inkwell ? phantom::hd::kCalibrationNeedsUpdate
+                              : phantom::hd::kCalibrationNeedsManualInput;
     case phantom::hd::kCalibrationAuto:
-      return ticks >= kAutoCalibrationTicks ? phantom::hd::kCalibrationNeedsUpdate : phantom::hd::kCalibrationNeedsManualInput;
-    default: return phantom::hd::kCalibrationNeedsManualInput;
+      return ticks >= kAutoCalibrationTicks ? phantom::hd::kCalibrationNeedsUpdate
+                                            : phantom::hd::kCalibrationNeedsManualInput;
+    default:
+      return phantom::hd::kCalibrationNeedsManualInput;
   }
 }
 
 phantom::hd::HDerror Device::calibrate(phantom::hd::HDenum style, bool servo_runs) noexcept {
-  if (style != model().calibration) return phantom::hd::kInvalidValue;
-  if (servo_runs && amplifier.limits.force_output) return phantom::hd::kInvalidOperation;
+  if (style != model().calibration)
+    return phantom::hd::kInvalidValue;
+  if (servo_runs && amplifier.limits.force_output)
+    return phantom::hd::kInvalidOperation;
   if (style == phantom::hd::kCalibrationEncoderReset) {
-    // Before time has begun the operator does what he is asked to, and holds the links at right angles for it. Later the
-    // encoders are zeroed wherever the arm is, as they would be.
+    // Before time has begun the operator does what he is asked to, and holds the links at right
+    // angles for it. Later the encoders are zeroed wherever the arm is, as they would be.
     sensors_.zero_at(ticks == 0 ? settings_.reset_error_rad : plant.joints());
   } else {
-    if (!servo_runs || calibration() == phantom::hd::kCalibrationNeedsManualInput) return phantom::hd::kInvalidOperation;
+    if (!servo_runs || calibration() == phantom::hd::kCalibrationNeedsManualInput)
+      return phantom::hd::kInvalidOperation;
     sensors_.zero_at(Vec3::Zero());
   }
   calibrated_ = true;

@@ -1,6 +1,6 @@
 #pragma once
-/// One simulated Phantom: arm, encoders, electronics, and the rules of frames and calibration. No clock and no thread: whoever
-/// owns it makes its ticks.
+/// One simulated Phantom: arm, encoders, electronics, and the rules of frames and calibration. No
+/// clock and no thread: whoever owns it makes its ticks.
 #include <cstdint>
 
 #include "devices/phantom/simulated/amplifier.hpp"
@@ -10,7 +10,8 @@
 
 namespace voxtouch::hd_sim {
 
-inline constexpr phantom::hd::HHD kHandle = 0;  // the vendor's first handle is 0 as well: no driver may take it for "none"
+inline constexpr phantom::hd::HHD kHandle =
+    0;  // the vendor's first handle is 0 as well: no driver may take it for "none"
 
 struct Switches {
   int buttons = 0;
@@ -35,24 +36,31 @@ class Device {
   /// Throws as PhantomPlant does.
   explicit Device(const Settings& settings);
 
-  // --- frames; all real-time safe. `servo_runs`: the servo loop ticks, so that what is set takes effect.
+  // --- frames; all real-time safe. `servo_runs`: the servo loop ticks, so that what is set takes
+  // effect.
   /// Takes the snapshot that the frame shows. kIllegalBegin: one is open, or has been in this tick.
   phantom::hd::HDerror begin_frame(bool servo_runs) noexcept;
   /// Gives what was set to the amplifier. kIllegalEnd: no frame is open.
   phantom::hd::HDerror end_frame(bool servo_runs) noexcept;
   bool frame_open() const noexcept { return frame_open_; }
-  const Frame& current() const noexcept { return current_; }  ///< of this frame, or the last where none is open
+  const Frame& current() const noexcept {
+    return current_;
+  }  ///< of this frame, or the last where none is open
   /// For sets; only while a frame is open.
   Setpoint& setpoint() noexcept { return current_.setpoint; }
   /// Ends a frame that nobody ended; what was set in it is lost.
   void close_frame() noexcept { frame_open_ = false; }
-  /// What switching force output comes to. No order reaches an amplifier that communication is lost to.
+  /// What switching force output comes to. No order reaches an amplifier that communication is lost
+  /// to.
   void restart_ramp() noexcept {
-    if (faults.communication == 0) amplifier.restart_ramp();
+    if (faults.communication == 0)
+      amplifier.restart_ramp();
   }
 
-  // --- time. A tick is begin_tick, the callbacks, end_tick; the first is left out where the servo loop missed it.
-  /// Reads the sensors and judges heat and speed; what is wrong goes to `errors`. Real-time safe, like the next three.
+  // --- time. A tick is begin_tick, the callbacks, end_tick; the first is left out where the servo
+  // loop missed it.
+  /// Reads the sensors and judges heat and speed; what is wrong goes to `errors`. Real-time safe,
+  /// like the next three.
   void begin_tick(ErrorStack& errors) noexcept;
   /// The arm moves on by a period, and faults on a count of ticks come nearer to their end.
   void end_tick() noexcept;
@@ -66,7 +74,8 @@ class Device {
   // --- calibration
   /// What it needs next: nothing, an update, or somebody's hand.
   phantom::hd::HDenum calibration() const noexcept;
-  /// kInvalidValue: not this model's style. kInvalidOperation: forces are on, or the arm does not stand as it must.
+  /// kInvalidValue: not this model's style. kInvalidOperation: forces are on, or the arm does not
+  /// stand as it must.
   phantom::hd::HDerror calibrate(phantom::hd::HDenum style, bool servo_runs) noexcept;
 
   PhantomPlant plant;

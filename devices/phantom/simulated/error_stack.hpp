@@ -16,11 +16,13 @@ class ErrorStack {
   void push(phantom::hd::HDerror code, phantom::hd::HHD device, int internal = 0) noexcept {
     top_ = (top_ + 1) % kCapacity;
     entries_[top_] = {code, internal, device};
-    if (count_ < kCapacity) ++count_;
+    if (count_ < kCapacity)
+      ++count_;
   }
   /// The newest, taken off; kSuccess where there is none.
   phantom::hd::HDErrorInfo pop() noexcept {
-    if (count_ == 0) return {};
+    if (count_ == 0)
+      return {};
     const phantom::hd::HDErrorInfo newest = entries_[top_];
     top_ = (top_ + kCapacity - 1) % kCapacity;
     --count_;

@@ -14,9 +14,11 @@ hd_sim::Library& library() { return hd_sim::Library::instance(); }
 
 template <class T>
 void get(HDenum name, hd_sim::Type type, T* out) {
-  if (out == nullptr) return library().fail(kInvalidValue);
+  if (out == nullptr)
+    return library().fail(kInvalidValue);
   const hd_sim::Values values = library().get(name, type);
-  for (int i = 0; i < values.count; ++i) out[i] = static_cast<T>(values.value[static_cast<std::size_t>(i)]);
+  for (int i = 0; i < values.count; ++i)
+    out[i] = static_cast<T>(values.value[static_cast<std::size_t>(i)]);
 }
 
 struct Sentence {
@@ -61,23 +63,28 @@ void hdEndFrame(HHD device) { library().end_frame(device); }
 HDErrorInfo hdGetError() { return library().pop_error(); }
 HDstring hdGetErrorString(HDerror code) {
   for (const Sentence& s : kSentences)
-    if (s.code == code) return s.text;
+    if (s.code == code)
+      return s.text;
   return "an error without a name";
 }
 
 void hdEnable(HDenum capability) { library().set_capability(capability, true); }
 void hdDisable(HDenum capability) { library().set_capability(capability, false); }
-HDboolean hdIsEnabled(HDenum capability) { return library().capability_on(capability) ? kTrue : kFalse; }
+HDboolean hdIsEnabled(HDenum capability) {
+  return library().capability_on(capability) ? kTrue : kFalse;
+}
 
 void hdGetIntegerv(HDenum name, HDint* values) { get(name, hd_sim::Type::kInteger, values); }
 void hdGetDoublev(HDenum name, HDdouble* values) { get(name, hd_sim::Type::kDouble, values); }
 HDstring hdGetString(HDenum name) { return library().string(name); }
 void hdSetDoublev(HDenum name, const HDdouble* values) {
-  if (values == nullptr) return library().fail(kInvalidValue);
+  if (values == nullptr)
+    return library().fail(kInvalidValue);
   hd_sim::Values copied;
   copied.count = library().count_of_set(name);
   std::copy_n(values, copied.count, copied.value.begin());
-  if (copied.count > 0) library().set(name, copied);
+  if (copied.count > 0)
+    library().set(name, copied);
 }
 
 HDenum hdCheckCalibration() { return library().calibration(); }
@@ -86,14 +93,16 @@ void hdUpdateCalibration(HDenum style) { library().calibrate(style); }
 void hdStartScheduler() { library().start(); }
 void hdStopScheduler() { library().stop(); }
 void hdSetSchedulerRate(HDulong rate_hz) { library().set_rate(rate_hz); }
-HDSchedulerHandle hdScheduleAsynchronous(HDSchedulerCallback callback, void* data, HDushort priority) {
+HDSchedulerHandle hdScheduleAsynchronous(HDSchedulerCallback callback, void* data,
+                                         HDushort priority) {
   return library().schedule_asynchronous(callback, data, priority);
 }
 void hdUnschedule(HDSchedulerHandle handle) { library().unschedule(handle); }
 
 }  // extern "C"
 
-#define VOXTOUCH_HD_CHECK(name, result, arguments) static_assert(std::is_same_v<decltype(&name), result(*) arguments>);
+#define VOXTOUCH_HD_CHECK(name, result, arguments) \
+  static_assert(std::is_same_v<decltype(&name), result(*) arguments>);
 VOXTOUCH_HD_FUNCTIONS(VOXTOUCH_HD_CHECK)
 #undef VOXTOUCH_HD_CHECK
 // NOLINTEND

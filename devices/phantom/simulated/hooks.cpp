@@ -32,7 +32,8 @@ int configure(Change change) noexcept {
 }
 
 void need(bool good, const char* sentence) {
-  if (!good) throw std::runtime_error(sentence);
+  if (!good)
+    throw std::runtime_error(sentence);
 }
 
 hand::HandFile hand_file(const char* text) {
@@ -72,7 +73,9 @@ int hdsim_set_hand(const char* text) {
   return attempt([&] { return Library::instance().set_hand(hand_file(text).hand), 0; });
 }
 int hdsim_set_switches(int buttons, int safety, int inkwell) {
-  return attempt([&] { return Library::instance().set_switches({buttons, safety != 0, inkwell != 0}), 0; });
+  return attempt([&] {
+    return Library::instance().set_switches({buttons, safety != 0, inkwell != 0}), 0;
+  });
 }
 int hdsim_step(void) {
   return attempt([] { return Library::instance().step() ? 0 : 1; });

@@ -33,7 +33,8 @@ Library::Library() {
 
 void Library::power_on(const Settings& settings) {
   if (open_ || running_)
-    throw std::runtime_error("simulated Phantom: this cannot be changed while a device is open or the scheduler runs");
+    throw std::runtime_error(
+        "simulated Phantom: this cannot be changed while a device is open or the scheduler runs");
   device_ = std::make_unique<Device>(settings);
   settings_ = settings;
   broken_.clear();
@@ -49,7 +50,8 @@ void Library::power_on(const Settings& settings) {
 }
 
 void Library::note(phantom::hd::HDerror code) {
-  if (code != phantom::hd::kSuccess) errors_.push(code, open_ ? kHandle : phantom::hd::kInvalidHandle);
+  if (code != phantom::hd::kSuccess)
+    errors_.push(code, open_ ? kHandle : phantom::hd::kInvalidHandle);
 }
 
 void Library::fail(phantom::hd::HDerror code) {
@@ -63,12 +65,14 @@ phantom::hd::HDErrorInfo Library::pop_error() {
 }
 
 bool Library::opened() {
-  if (!open_) note(phantom::hd::kInvalidOperation);
+  if (!open_)
+    note(phantom::hd::kInvalidOperation);
   return open_;
 }
 
 bool Library::usable(phantom::hd::HHD device) {
-  if (open_ && device == kHandle) return true;
+  if (open_ && device == kHandle)
+    return true;
   note(phantom::hd::kBadHandle);
   return false;
 }
@@ -77,9 +81,11 @@ phantom::hd::HHD Library::init(phantom::hd::HDstring name) {
   const Lock lock(mutex_);
   const std::string_view wanted = name == nullptr ? "" : name;
   phantom::hd::HDerror failure = std::exchange(fail_init_, phantom::hd::kSuccess);
-  if (open_) failure = phantom::hd::kDeviceAlreadyInitiated;
+  if (open_)
+    failure = phantom::hd::kDeviceAlreadyInitiated;
   const bool known = name == nullptr || wanted == "Default PHANToM" || wanted == "Default Device";
-  if (failure == phantom::hd::kSuccess && (!known || !broken_.empty())) failure = phantom::hd::kCommConfigError;
+  if (failure == phantom::hd::kSuccess && (!known || !broken_.empty()))
+    failure = phantom::hd::kCommConfigError;
   if (failure != phantom::hd::kSuccess) {
     errors_.push(failure, phantom::hd::kInvalidHandle);
     return phantom::hd::kInvalidHandle;
@@ -93,7 +99,8 @@ phantom::hd::HHD Library::init(phantom::hd::HDstring name) {
 
 void Library::disable(phantom::hd::HHD device) {
   const Lock lock(mutex_);
-  if (!usable(device)) return;
+  if (!usable(device))
+    return;
   device_->close_frame();
   device_->amplifier.limits.force_output = false;
   device_->restart_ramp();
@@ -112,68 +119,83 @@ phantom::hd::HHD Library::current_device() {
 
 void Library::begin_frame(phantom::hd::HHD device) {
   const Lock lock(mutex_);
-  if (usable(device)) note(device_->begin_frame(serves()));
+  if (usable(device))
+    note(device_->begin_frame(serves()));
 }
 
 void Library::end_frame(phantom::hd::HHD device) {
   const Lock lock(mutex_);
-  if (usable(device)) note(device_->end_frame(serves()));
+  if (usable(device))
+    note(device_->end_frame(serves()));
 }
 
 void Library::set_capability(phantom::hd::HDenum name, bool on) {
   const Lock lock(mutex_);
-  if (!opened()) return;
+  if (!opened())
+    return;
   bool* state = capability(device_->amplifier.limits, name);
-  if (state == nullptr) return note(phantom::hd::kInvalidEnum);
-  if (state == &device_->amplifier.limits.force_output && on != *state) device_->restart_ramp();
+  if (state == nullptr)
+    return note(phantom::hd::kInvalidEnum);
+  if (state == &device_->amplifier.limits.force_output && on != *state)
+    device_->restart_ramp();
   *state = on;
 }
 
 bool Library::capability_on(phantom::hd::HDenum name) {
   const Lock lock(mutex_);
-  if (!opened()) return false;
+  if (!opened())
+    return false;
   const bool* state = capability(device_->amplifier.limits, name);
-  if (state == nullptr) note(phantom::hd::kInvalidEnum);
+  if (state == nullptr)
+    note(phantom::hd::kInvalidEnum);
   return state != nullptr && *state;
 }
 
 Values Library::get(phantom::hd::HDenum name, Type type) {
   const Lock lock(mutex_);
   Values out;
-  if (opened()) note(read_parameter(*device_, mean_rate_hz_, name, type, out));
+  if (opened())
+    note(read_parameter(*device_, mean_rate_hz_, name, type, out));
   return out;
 }
 
 int Library::count_of_set(phantom::hd::HDenum name) {
   const Lock lock(mutex_);
-  if (!opened()) return 0;
+  if (!opened())
+    return 0;
   const int count = settable(name);
-  if (count == 0) note(phantom::hd::kInvalidEnum);
+  if (count == 0)
+    note(phantom::hd::kInvalidEnum);
   return count;
 }
 
 void Library::set(phantom::hd::HDenum name, const Values& values) {
   const Lock lock(mutex_);
-  if (opened()) note(write_parameter(*device_, name, values));
+  if (opened())
+    note(write_parameter(*device_, name, values));
 }
 
 phantom::hd::HDstring Library::string(phantom::hd::HDenum name) {
   const Lock lock(mutex_);
-  if (!opened()) return nullptr;
-  if (name == phantom::hd::kDeviceModelType) return device_->model().type;
+  if (!opened())
+    return nullptr;
+  if (name == phantom::hd::kDeviceModelType)
+    return device_->model().type;
   note(phantom::hd::kInvalidEnum);
   return nullptr;
 }
 
 phantom::hd::HDenum Library::calibration() {
   const Lock lock(mutex_);
-  if (!opened()) return phantom::hd::kCalibrationNeedsManualInput;
+  if (!opened())
+    return phantom::hd::kCalibrationNeedsManualInput;
   return device_->calibration();
 }
 
 void Library::calibrate(phantom::hd::HDenum style) {
   const Lock lock(mutex_);
-  if (opened()) note(device_->calibrate(style, serves()));
+  if (opened())
+    note(device_->calibrate(style, serves()));
 }
 
 }  // namespace voxtouch::hd_sim

@@ -13,16 +13,18 @@
 
 namespace voxtouch::hd_sim {
 
-/// Every public function may be called from any thread, callbacks included; it takes the library's lock, so none is real-time safe.
-/// Simulated time passes in ticks only: while the scheduler stands the arm stands. Units are the interface's: mm, N, mNm, rad. What
-/// goes wrong is left on the stack of errors, unless it says else.
+/// Every public function may be called from any thread, callbacks included; it takes the library's
+/// lock, so none is real-time safe. Simulated time passes in ticks only: while the scheduler stands
+/// the arm stands. Units are the interface's: mm, N, mNm, rad. What goes wrong is left on the stack
+/// of errors, unless it says else.
 class Library {
  public:
   /// Made at the first call and never destroyed: a servo thread may outlive main.
   static Library& instance();
 
   // --- device
-  /// Opens the one device there is, by one of its usual names or null. kInvalidHandle: no such name, open already, or a fault was planted.
+  /// Opens the one device there is, by one of its usual names or null. kInvalidHandle: no such
+  /// name, open already, or a fault was planted.
   phantom::hd::HHD init(phantom::hd::HDstring name);
   /// Forces off, frame closed, handle gone.
   void disable(phantom::hd::HHD device);
@@ -63,8 +65,8 @@ class Library {
   /// Ticks a second, of those that the model's bus has [Hz].
   void set_rate(phantom::hd::HDulong rate_hz);
   /// Runs `callback` each tick until it says that it is done. 0: there is no room.
-  phantom::hd::HDSchedulerHandle schedule_asynchronous(phantom::hd::HDSchedulerCallback callback, void* data,
-                                                       phantom::hd::HDushort priority);
+  phantom::hd::HDSchedulerHandle schedule_asynchronous(phantom::hd::HDSchedulerCallback callback,
+                                                       void* data, phantom::hd::HDushort priority);
   /// Takes a callback out, and waits until it is not running.
   void unschedule(phantom::hd::HDSchedulerHandle handle);
 
@@ -77,7 +79,8 @@ class Library {
     change(trial);
     power_on(trial);
   }
-  /// Where the hand goes, in the device's frame [m]: before the first tick the arm is put at its start, later the hand goes on from there.
+  /// Where the hand goes, in the device's frame [m]: before the first tick the arm is put at its
+  /// start, later the hand goes on from there.
   void set_motion(const Motion& motion);
   /// Another grip, from now on.
   void set_hand(const sim::OperatorConfig& hand);

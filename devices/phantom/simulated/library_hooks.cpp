@@ -13,12 +13,14 @@ void copy(const Vec3& from, double* to) { std::copy_n(from.data(), 3, to); }
 /// Ticks of a fault: negative is for good.
 long ticks_of(double amount) {
   if (!(std::abs(amount) <= 1e9))
-    throw std::runtime_error("simulated Phantom: the amount of a fault has to be a number of ticks");
+    throw std::runtime_error(
+        "simulated Phantom: the amount of a fault has to be a number of ticks");
   return amount < 0.0 ? -1 : std::lround(amount);
 }
 
 double in_range(double amount, double low, double high, const char* sentence) {
-  if (!(amount >= low && amount <= high)) throw std::runtime_error(sentence);
+  if (!(amount >= low && amount <= high))
+    throw std::runtime_error(sentence);
   return amount;
 }
 
@@ -31,7 +33,8 @@ void Library::set_motion(const Motion& motion) {
   if (device_->ticks > 0) {
     device_->plant.follow(motion);
   } else {  // no time has passed: the arm can still be put there
-    device_->plant = PhantomPlant(trial.plant, trial.hand, motion, trial.seed, trial.hand_bandwidth_hz);
+    device_->plant =
+        PhantomPlant(trial.plant, trial.hand, motion, trial.seed, trial.hand_bandwidth_hz);
   }
   settings_ = trial;
 }
@@ -50,14 +53,17 @@ void Library::set_switches(const Switches& switches) {
 void Library::inject(int fault, double amount) {
   const Lock lock(mutex_);
   switch (fault) {
-    case HDSIM_COMM_ERROR: device_->faults.communication = ticks_of(amount); return;
+    case HDSIM_COMM_ERROR:
+      device_->faults.communication = ticks_of(amount);
+      return;
     case HDSIM_DEVICE_FAULT:
       device_->faults.device = ticks_of(amount);
       device_->amplifier.set_power(device_->faults.device == 0);
       return;
     case HDSIM_TIMER_ERROR:
       if (!running_)
-        throw std::runtime_error("simulated Phantom: there is no servo loop that could die; start the scheduler first");
+        throw std::runtime_error(
+            "simulated Phantom: there is no servo loop that could die; start the scheduler first");
       dead_ = true;
       note(phantom::hd::kTimerError);
       return;
@@ -68,13 +74,19 @@ void Library::inject(int fault, double amount) {
     case HDSIM_LATE_TICK:
       late_s_ = in_range(amount, 0.0, 10.0, "simulated Phantom: a tick can be 0 to 10 s late");
       return;
-    case HDSIM_SKIPPED_TICKS: skip_ticks_ = std::max(0L, ticks_of(amount)); return;
+    case HDSIM_SKIPPED_TICKS:
+      skip_ticks_ = std::max(0L, ticks_of(amount));
+      return;
     case HDSIM_FAIL_INIT:
       fail_init_ = static_cast<phantom::hd::HDerror>(
           in_range(amount, 1.0, 65535.0, "simulated Phantom: the amount has to be an error code"));
       return;
-    case HDSIM_FAIL_START: fail_start_ = true; return;
-    case HDSIM_NAN_POSITION: device_->faults.lost_position = ticks_of(amount); return;
+    case HDSIM_FAIL_START:
+      fail_start_ = true;
+      return;
+    case HDSIM_NAN_POSITION:
+      device_->faults.lost_position = ticks_of(amount);
+      return;
   }
   throw std::runtime_error("simulated Phantom: there is no such fault");
 }

@@ -8,18 +8,21 @@
 
 namespace voxtouch::hd_sim {
 
-/// Guarded by the mutex that the owner gives; functions are called with it held, callbacks run without it.
+/// Guarded by the mutex that the owner gives; functions are called with it held, callbacks run
+/// without it.
 class CallbackList {
  public:
   static constexpr std::size_t kMaxEntries = 64;
   using Lock = std::unique_lock<std::recursive_mutex>;
 
   /// Behind those of the same priority. 0: there is no room.
-  phantom::hd::HDSchedulerHandle add(phantom::hd::HDSchedulerCallback callback, void* data, phantom::hd::HDushort priority);
+  phantom::hd::HDSchedulerHandle add(phantom::hd::HDSchedulerCallback callback, void* data,
+                                     phantom::hd::HDushort priority);
   std::size_t size() const noexcept { return entries_.size(); }  ///< callbacks that are scheduled
   /// Takes it out; waits until it is not running, unless `from_servo`. False: there is none.
   bool remove(phantom::hd::HDSchedulerHandle handle, Lock& lock, bool from_servo);
-  /// Each callback once, in falling priority, the older first among equals. What comes meanwhile waits for the next tick.
+  /// Each callback once, in falling priority, the older first among equals. What comes meanwhile
+  /// waits for the next tick.
   void run(Lock& lock);
   /// Takes out all; none may be running.
   void clear() noexcept { entries_.clear(); }

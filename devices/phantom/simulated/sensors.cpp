@@ -4,10 +4,12 @@
 
 namespace voxtouch::hd_sim {
 
-Sensors::Sensors(const phantom::PhantomGeometry& g, double resolution_m, double gimbal_resolution_rad,
-                 double velocity_filter_hz) noexcept
-    : geometry_(g), step_(resolution_m / g.thigh_m, resolution_m / g.thigh_m, resolution_m / g.shin_m),
-      gimbal_step_(gimbal_resolution_rad), filter_hz_(velocity_filter_hz),
+Sensors::Sensors(const phantom::PhantomGeometry& g, double resolution_m,
+                 double gimbal_resolution_rad, double velocity_filter_hz) noexcept
+    : geometry_(g),
+      step_(resolution_m / g.thigh_m, resolution_m / g.thigh_m, resolution_m / g.shin_m),
+      gimbal_step_(gimbal_resolution_rad),
+      filter_hz_(velocity_filter_hz),
       differences_(0.0, 0.0, velocity_filter_hz, period_s_) {}
 
 void Sensors::zero_at(const Vec3& joints) noexcept {
@@ -21,14 +23,17 @@ void Sensors::set_period(double period_s) noexcept {
 }
 
 const Reading& Sensors::sample(const Vec3& joints, const Quat& orientation) noexcept {
-  // The gimbal's own angles are those of the true arm; where the arm is not calibrated the orientation is wrong with it.
+  // The gimbal's own angles are those of the true arm; where the arm is not calibrated the
+  // orientation is wrong with it.
   const Vec3 true_gimbal = phantom::gimbal_angles(joints, orientation);
   Vec3 gimbal;
   for (int i = 0; i < 3; ++i) {
-    reading_.joints[i] = static_cast<double>(std::lround((joints[i] - zero_[i]) / step_[i])) * step_[i];
+    reading_.joints[i] =
+        static_cast<double>(std::lround((joints[i] - zero_[i]) / step_[i])) * step_[i];
     gimbal[i] = static_cast<double>(std::lround(true_gimbal[i] / gimbal_step_)) * gimbal_step_;
   }
-  reading_.pose = {phantom::phantom_tip(geometry_, reading_.joints), phantom::stylus_orientation(reading_.joints, gimbal)};
+  reading_.pose = {phantom::phantom_tip(geometry_, reading_.joints),
+                   phantom::stylus_orientation(reading_.joints, gimbal)};
   differences_.sample(reading_.pose);
   reading_.twist = differences_.twist();
   return reading_;

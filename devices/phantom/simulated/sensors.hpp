@@ -8,22 +8,23 @@ namespace voxtouch::hd_sim {
 /// One reading, in SI units and the joints' own signs.
 struct Reading {
   Vec3 joints = Vec3::Zero();  ///< from the counts [rad]
-  Pose pose;    ///< of the stylus in D, from those angles
-  Twist twist;  ///< difference from the reading before, low-passed
+  Pose pose;                   ///< of the stylus in D, from those angles
+  Twist twist;                 ///< difference from the reading before, low-passed
 };
 
 /// Six encoders that count from where they were zeroed. Real-time safe.
 class Sensors {
  public:
   /// `resolution_m`: the step of each joint at the end of its link.
-  Sensors(const phantom::PhantomGeometry& geometry, double resolution_m, double gimbal_resolution_rad,
-          double velocity_filter_hz) noexcept;
+  Sensors(const phantom::PhantomGeometry& geometry, double resolution_m,
+          double gimbal_resolution_rad, double velocity_filter_hz) noexcept;
 
   /// The counts of the three joints are zero at these true angles. The velocity starts anew.
   void zero_at(const Vec3& joints) noexcept;
   /// Time from one sample to the next. The velocity starts anew.
   void set_period(double period_s) noexcept;
-  /// The reading at these true angles [rad] and this orientation of the stylus in D. Valid until the next call.
+  /// The reading at these true angles [rad] and this orientation of the stylus in D. Valid until
+  /// the next call.
   const Reading& sample(const Vec3& joints, const Quat& orientation) noexcept;
   const Reading& reading() const noexcept { return reading_; }  ///< the last
   const Vec3& step_rad() const noexcept { return step_; }       ///< of the three joints' encoders

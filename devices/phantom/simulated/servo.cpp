@@ -18,19 +18,23 @@ struct InServo {
   InServo& operator=(const InServo&) = delete;
 };
 
-constexpr long kMaxMissed = 200;  // periods that the arm catches up at once after a stall of the whole process
+constexpr long kMaxMissed =
+    200;  // periods that the arm catches up at once after a stall of the whole process
 
 }  // namespace
 
 void Library::start() {
   Lock lock(mutex_);
-  if (running_) return;
-  if (std::exchange(fail_start_, false)) return note(phantom::hd::kTimerError);
+  if (running_)
+    return;
+  if (std::exchange(fail_start_, false))
+    return note(phantom::hd::kTimerError);
   dead_ = stopping_ = false;
   device_->amplifier.restart_ramp();
   running_ = true;
   mean_rate_hz_ = 1.0 / device_->period_s();
-  if (settings_.virtual_time) return;
+  if (settings_.virtual_time)
+    return;
   try {
     thread_ = std::thread([this] { serve(); });
   } catch (const std::system_error&) {
@@ -41,8 +45,10 @@ void Library::start() {
 
 void Library::stop() {
   Lock lock(mutex_);
-  if (!running_ || stopping_) return;
-  if (t_in_servo > 0) return note(phantom::hd::kInvalidOperation);  // it would wait for itself
+  if (!running_ || stopping_)
+    return;
+  if (t_in_servo > 0)
+    return note(phantom::hd::kInvalidOperation);  // it would wait for itself
   stopping_ = true;
   if (thread_.joinable()) {
     std::thread servo = std::move(thread_);
@@ -58,23 +64,27 @@ void Library::stop() {
 void Library::set_rate(phantom::hd::HDulong rate_hz) {
   const Lock lock(mutex_);
   const int substeps = substeps_at(device_->model(), rate_hz);
-  if (substeps == 0) return note(phantom::hd::kInvalidValue);
+  if (substeps == 0)
+    return note(phantom::hd::kInvalidValue);
   substeps_ = substeps;
   device_->set_substeps(substeps);
 }
 
-phantom::hd::HDSchedulerHandle Library::schedule_asynchronous(phantom::hd::HDSchedulerCallback callback, void* data,
-                                                     phantom::hd::HDushort priority) {
+phantom::hd::HDSchedulerHandle Library::schedule_asynchronous(
+    phantom::hd::HDSchedulerCallback callback, void* data, phantom::hd::HDushort priority) {
   const Lock lock(mutex_);
-  if (callback == nullptr) return note(phantom::hd::kInvalidValue), 0;
+  if (callback == nullptr)
+    return note(phantom::hd::kInvalidValue), 0;
   const phantom::hd::HDSchedulerHandle handle = callbacks_.add(callback, data, priority);
-  if (handle == 0) note(phantom::hd::kSchedulerFull);
+  if (handle == 0)
+    note(phantom::hd::kSchedulerFull);
   return handle;
 }
 
 void Library::unschedule(phantom::hd::HDSchedulerHandle handle) {
   Lock lock(mutex_);
-  if (!callbacks_.remove(handle, lock, t_in_servo > 0)) note(phantom::hd::kInvalidOperation);
+  if (!callbacks_.remove(handle, lock, t_in_servo > 0))
+    note(phantom::hd::kInvalidOperation);
 }
 
 void Library::measure_rate(double seconds) noexcept {
@@ -84,8 +94,10 @@ void Library::measure_rate(double seconds) noexcept {
 bool Library::step() {
   Lock lock(mutex_);
   if (!settings_.virtual_time || !running_)
-    throw std::runtime_error("simulated Phantom: hdsim_step needs virtual time and a scheduler that was started");
-  if (t_in_servo > 0) throw std::runtime_error("simulated Phantom: hdsim_step was called from a callback");
+    throw std::runtime_error(
+        "simulated Phantom: hdsim_step needs virtual time and a scheduler that was started");
+  if (t_in_servo > 0)
+    throw std::runtime_error("simulated Phantom: hdsim_step was called from a callback");
   const int late = static_cast<int>(std::lround(std::exchange(late_s_, 0.0) * kSubstepHz));
   device_->advance(late);
   measure_rate(device_->period_s() + late * kSubstep);
@@ -95,7 +107,8 @@ bool Library::step() {
 bool Library::tick(Lock& lock) {
   const bool missed = dead_ || skip_ticks_ > 0;
   if (missed) {
-    if (skip_ticks_ > 0) --skip_ticks_;
+    if (skip_ticks_ > 0)
+      --skip_ticks_;
     ++ticks_without_callbacks_;
   } else {
     device_->begin_tick(errors_);
@@ -110,7 +123,8 @@ bool Library::tick(Lock& lock) {
 void Library::catch_up(Clock::time_point& due, Clock::duration period) {
   const Clock::time_point now = Clock::now();
   const long missed = (now - due) / period;
-  if (missed <= 0) return;
+  if (missed <= 0)
+    return;
   device_->advance(static_cast<int>(std::min(missed, kMaxMissed)) * device_->substeps());
   ticks_without_callbacks_ += static_cast<std::uint64_t>(missed);
   due += missed * period;
@@ -122,14 +136,16 @@ void Library::serve() {
   Clock::time_point due = Clock::now();
   Clock::time_point tick_start = due;
   while (!stopping_) {
-    const auto period = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(device_->period_s()));
-    const auto late =
-        std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(std::exchange(late_s_, 0.0)));
+    const auto period = std::chrono::duration_cast<Clock::duration>(
+        std::chrono::duration<double>(device_->period_s()));
+    const auto late = std::chrono::duration_cast<Clock::duration>(
+        std::chrono::duration<double>(std::exchange(late_s_, 0.0)));
     due += period;
     lock.unlock();
     std::this_thread::sleep_until(due + late);
     lock.lock();
-    if (stopping_) break;
+    if (stopping_)
+      break;
     catch_up(due, period);
     const Clock::time_point now = Clock::now();
     measure_rate(std::max(1e-6, std::chrono::duration<double>(now - tick_start).count()));

@@ -38,25 +38,27 @@ template <class T>
 T number(std::string_view text, std::string_view whole) {
   const auto value = parse_number<T>(text);
   if (!value)
-    throw std::runtime_error(fmt::format("simulated Phantom: '{}' in its settings has no number behind '='", whole));
+    throw std::runtime_error(
+        fmt::format("simulated Phantom: '{}' in its settings has no number behind '='", whole));
   return *value;
 }
 
 void read_one(Settings& settings, std::string_view item) {
   const std::size_t equals = item.find('=');
   const std::string_view name = item.substr(0, equals);
-  const std::string_view value = equals == std::string_view::npos ? std::string_view{} : item.substr(equals + 1);
+  const std::string_view value =
+      equals == std::string_view::npos ? std::string_view{} : item.substr(equals + 1);
   if (name == "model") {
     const Model* model = find_model(value);
     if (model == nullptr)
-      throw std::runtime_error(
-          fmt::format("simulated Phantom: there is no model '{}'; there is {}", value, model_keys()));
+      throw std::runtime_error(fmt::format("simulated Phantom: there is no model '{}'; there is {}",
+                                           value, model_keys()));
     settings.model = model;
   } else if (name == "grip") {
     const auto hand = hand::grip(value);
     if (!hand)
-      throw std::runtime_error(
-          fmt::format("simulated Phantom: there is no grip '{}'; there is {}", value, fmt::join(hand::grip_names(), ", ")));
+      throw std::runtime_error(fmt::format("simulated Phantom: there is no grip '{}'; there is {}",
+                                           value, fmt::join(hand::grip_names(), ", ")));
     settings.hand = *hand;
   } else if (name == "seed") {
     settings.seed = number<std::uint64_t>(value, item);
@@ -77,18 +79,20 @@ void Settings::set(std::string_view name, double value) {
       continue;
     }
     if (!(value >= known.low && value <= known.high))
-      throw std::runtime_error(
-          fmt::format("simulated Phantom: {} is {}, but has to be in [{}, {}]", name, value, known.low, known.high));
+      throw std::runtime_error(fmt::format("simulated Phantom: {} is {}, but has to be in [{}, {}]",
+                                           name, value, known.low, known.high));
     known.of(*this) = value;
     return;
   }
-  throw std::runtime_error(fmt::format("simulated Phantom: nothing is called '{}'; numbers are{}", name, names));
+  throw std::runtime_error(
+      fmt::format("simulated Phantom: nothing is called '{}'; numbers are{}", name, names));
 }
 
 void read_settings(Settings& settings, std::string_view text) {
   while (!text.empty()) {
     const std::size_t end = text.find(';');
-    if (const std::string_view item = text.substr(0, end); !item.empty()) read_one(settings, item);
+    if (const std::string_view item = text.substr(0, end); !item.empty())
+      read_one(settings, item);
     text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
   }
 }

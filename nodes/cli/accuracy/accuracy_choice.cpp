@@ -12,70 +12,92 @@ constexpr std::string_view kVirtualTool = "virtual_tool";
 
 template <class T>
 void add_once(std::vector<T>& list, const T& value) {
-  if (std::find(list.begin(), list.end(), value) == list.end()) list.push_back(value);
+  if (std::find(list.begin(), list.end(), value) == list.end())
+    list.push_back(value);
 }
 
 std::vector<contact::ContactModelKind> models_of(const AccuracyChoice& choice) {
   std::vector<contact::ContactModelKind> out;
   for (const std::string& word : choice.models) {
-    if (word == kVirtualTool) continue;
+    if (word == kVirtualTool)
+      continue;
     contact::ContactModelKind kind{};
     contact::parse_contact_model(word, kind);
     add_once(out, kind);
   }
   if (choice.models.empty())
-    out = {contact::ContactModelKind::kOriginal, contact::ContactModelKind::kAdapted, contact::ContactModelKind::kField};
+    out = {contact::ContactModelKind::kOriginal, contact::ContactModelKind::kAdapted,
+           contact::ContactModelKind::kField};
   return out;
 }
 
 std::vector<contact::PointWeights> weights_of(const AccuracyChoice& choice) {
   std::vector<contact::PointWeights> out;
-  for (const std::string& word : choice.weights) add_once(out, word == "one" ? contact::PointWeights::kOne : contact::PointWeights::kArea);
-  if (out.empty()) out = {contact::PointWeights::kOne, contact::PointWeights::kArea};
+  for (const std::string& word : choice.weights)
+    add_once(out, word == "one" ? contact::PointWeights::kOne : contact::PointWeights::kArea);
+  if (out.empty())
+    out = {contact::PointWeights::kOne, contact::PointWeights::kArea};
   return out;
 }
 
-std::vector<double> each_once(const std::vector<double>& values, const std::vector<double>& otherwise) {
+std::vector<double> each_once(const std::vector<double>& values,
+                              const std::vector<double>& otherwise) {
   std::vector<double> out;
-  for (const double value : values.empty() ? otherwise : values) add_once(out, value);
+  for (const double value : values.empty() ? otherwise : values)
+    add_once(out, value);
   return out;
 }
 
-bool knows_area_only(contact::ContactModelKind model) { return model == contact::ContactModelKind::kField; }
+bool knows_area_only(contact::ContactModelKind model) {
+  return model == contact::ContactModelKind::kField;
+}
 
 }  // namespace
 
-std::vector<accuracy::AccuracySetting> settings_of(const AccuracyChoice& choice, double scene_voxel_m) {
+std::vector<accuracy::AccuracySetting> settings_of(const AccuracyChoice& choice,
+                                                   double scene_voxel_m) {
   const std::vector<contact::PointWeights> weights = weights_of(choice);
   const std::vector<double> voxels =
       each_once(choice.voxel_sizes_m, {2.0 * scene_voxel_m, scene_voxel_m, 0.5 * scene_voxel_m});
-  const std::vector<double> densities = each_once(choice.shell_densities, {1.0}), budgets = each_once(choice.budgets, {1.0});
-  const bool area = std::find(weights.begin(), weights.end(), contact::PointWeights::kArea) != weights.end();
+  const std::vector<double> densities = each_once(choice.shell_densities, {1.0}),
+                            budgets = each_once(choice.budgets, {1.0});
+  const bool area =
+      std::find(weights.begin(), weights.end(), contact::PointWeights::kArea) != weights.end();
   std::vector<accuracy::AccuracySetting> out;
   for (const contact::ContactModelKind model : models_of(choice)) {
     if (knows_area_only(model) && !area && !choice.models.empty())
       throw std::invalid_argument(
-          fmt::format("--weights one: the model '{}' weighs points by their area only; add area to --weights, or leave "
+          fmt::format("--weights one: the model '{}' weighs points by their area only; add area to "
+                      "--weights, or leave "
                       "the model out of --models",
                       contact::name_of(model)));
     for (const contact::PointWeights weight : weights) {
-      if (knows_area_only(model) && weight != contact::PointWeights::kArea) continue;
+      if (knows_area_only(model) && weight != contact::PointWeights::kArea)
+        continue;
       for (const double voxel : voxels)
         for (const double density : densities)
           for (const double budget : budgets)
-            out.push_back({.model = model, .weights = weight, .voxel_m = voxel, .shell_voxel_m = voxel / density, .budget = budget});
+            out.push_back({.model = model,
+                           .weights = weight,
+                           .voxel_m = voxel,
+                           .shell_voxel_m = voxel / density,
+                           .budget = budget});
     }
   }
   // One row of it where nothing is said: at the scene's own voxels.
-  const bool tool = std::find(choice.models.begin(), choice.models.end(), kVirtualTool) != choice.models.end();
+  const bool tool =
+      std::find(choice.models.begin(), choice.models.end(), kVirtualTool) != choice.models.end();
   if (tool || (choice.models.empty() && area))
-    for (const double voxel : tool || !choice.voxel_sizes_m.empty() ? voxels : std::vector{scene_voxel_m})
+    for (const double voxel :
+         tool || !choice.voxel_sizes_m.empty() ? voxels : std::vector{scene_voxel_m})
       for (const double density : densities)
-        out.push_back({contact::ContactModelKind::kField, contact::PointWeights::kArea, voxel, voxel / density, true});
+        out.push_back({contact::ContactModelKind::kField, contact::PointWeights::kArea, voxel,
+                       voxel / density, true});
   if (out.size() > kMaxSettings)
-    throw std::invalid_argument(fmt::format(
-        "{} settings are asked for, {} at most can be measured in one run; name fewer models, voxel sizes or densities",
-        out.size(), kMaxSettings));
+    throw std::invalid_argument(
+        fmt::format("{} settings are asked for, {} at most can be measured in one run; name fewer "
+                    "models, voxel sizes or densities",
+                    out.size(), kMaxSettings));
   return out;
 }
 

@@ -22,38 +22,50 @@ std::string_view model_word(const accuracy::AccuracySetting& setting) {
 
 /// Why a row has no figures; empty where it has.
 std::string no_figures(const accuracy::AccuracyRow& row) {
-  if (!row.refused.empty()) return row.refused;
+  if (!row.refused.empty())
+    return row.refused;
   return row.contacts == 0 ? "no pose met the wall" : "";
 }
 
 /// Three digits in a column, never an exponent that would break it.
 std::string cell(double value) {
-  if (!std::isfinite(value)) return "-";
+  if (!std::isfinite(value))
+    return "-";
   const double size = std::abs(value);
-  if (size >= 99.95) return fmt::format("{:.0f}", value);
-  if (size >= 9.995) return fmt::format("{:.1f}", value);
-  if (size >= 0.9995) return fmt::format("{:.2f}", value);
-  if (size < 0.0005) return "0.000";
+  if (size >= 99.95)
+    return fmt::format("{:.0f}", value);
+  if (size >= 9.995)
+    return fmt::format("{:.1f}", value);
+  if (size >= 0.9995)
+    return fmt::format("{:.2f}", value);
+  if (size < 0.0005)
+    return "0.000";
   return fmt::format("{:.3f}", value);
 }
 
 constexpr const char* kHead =
-    "     weights  e [mm]  shell    points  poses  missed      direction [deg]      force   noise  torque    onset [mm]           time [us]          memory   build\n"
-    "                       [mm]                      [%]    mean  median     p95   /true     [%]    [mm]  median   worst   median     p95   worst     [MB]     [s]\n";
+    "     weights  e [mm]  shell    points  poses  missed      direction [deg]      force   noise  "
+    "torque    onset [mm]           time [us]          memory   build\n"
+    "                       [mm]                      [%]    mean  median     p95   /true     [%]  "
+    "  [mm]  median   worst   median     p95   worst     [MB]     [s]\n";
 
 std::string table_row(const AccuracyReport& report, std::size_t index) {
   const accuracy::AccuracyRow& r = report.rows[index];
-  std::string text = fmt::format("  {}{} {:<7} {:>7.4g} {:>6.4g}", on_front(report, index) ? '*' : ' ',
-                                 report.advice.row == index ? '>' : ' ', accuracy::weights_word(r.setting.weights),
-                                 r.setting.voxel_m * 1e3, r.setting.shell_voxel_m * 1e3);
+  std::string text =
+      fmt::format("  {}{} {:<7} {:>7.4g} {:>6.4g}", on_front(report, index) ? '*' : ' ',
+                  report.advice.row == index ? '>' : ' ', accuracy::weights_word(r.setting.weights),
+                  r.setting.voxel_m * 1e3, r.setting.shell_voxel_m * 1e3);
   if (const std::string why = no_figures(r); !why.empty())
     return text + fmt::format("  {}{}\n", r.refused.empty() ? "" : "refused: ", why);
-  return text + fmt::format(" {:>9} {:>6} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>8} {:>7} {:>7} {:>8} {:>7}\n",
-                            r.shell_points, r.contacts + r.missed, cell(100.0 * r.missed_share()), cell(r.direction_mean_deg),
-                            cell(r.direction_median_deg), cell(r.direction_p95_deg), cell(r.force_ratio),
-                            cell(r.magnitude_noise * 100.0), cell(r.torque_error_m * 1e3), cell(r.onset_error_m * 1e3),
-                            cell(r.onset_worst_m * 1e3), cell(r.median_us), cell(r.p95_us), cell(r.worst_us),
-                            cell(static_cast<double>(r.bytes) / 1e6), cell(r.build_s));
+  return text + fmt::format(
+                    " {:>9} {:>6} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>8} "
+                    "{:>7} {:>7} {:>8} {:>7}\n",
+                    r.shell_points, r.contacts + r.missed, cell(100.0 * r.missed_share()),
+                    cell(r.direction_mean_deg), cell(r.direction_median_deg),
+                    cell(r.direction_p95_deg), cell(r.force_ratio), cell(r.magnitude_noise * 100.0),
+                    cell(r.torque_error_m * 1e3), cell(r.onset_error_m * 1e3),
+                    cell(r.onset_worst_m * 1e3), cell(r.median_us), cell(r.p95_us),
+                    cell(r.worst_us), cell(static_cast<double>(r.bytes) / 1e6), cell(r.build_s));
 }
 
 std::string table(const AccuracyReport& report) {
@@ -61,15 +73,18 @@ std::string table(const AccuracyReport& report) {
   for (std::size_t i = 0; i < report.rows.size(); ++i) {
     const contact::ContactModelKind model = report.rows[i].setting.model;
     const bool tool = report.rows[i].setting.virtual_tool;
-    if (i == 0 || report.rows[i - 1].setting.model != model || report.rows[i - 1].setting.virtual_tool != tool)
-      text += fmt::format("  {}\n", tool ? "virtual tool, hand 5 e deep, against the exact ball" : contact::name_of(model));
+    if (i == 0 || report.rows[i - 1].setting.model != model ||
+        report.rows[i - 1].setting.virtual_tool != tool)
+      text += fmt::format("  {}\n", tool ? "virtual tool, hand 5 e deep, against the exact ball"
+                                         : contact::name_of(model));
     text += table_row(report, i);
   }
   return text;
 }
 
 std::string cells(const accuracy::Interval& both, double unit) {
-  if (!std::isfinite(both.low) || !std::isfinite(both.high)) return "-";
+  if (!std::isfinite(both.low) || !std::isfinite(both.high))
+    return "-";
   return cell(both.low * unit) + " to " + cell(both.high * unit);
 }
 
@@ -77,8 +92,10 @@ std::string cells(const accuracy::Interval& both, double unit) {
 std::vector<double> depths_of(const AccuracyReport& report) {
   std::vector<double> out;
   for (const accuracy::AccuracyRow& r : report.rows) {
-    if (r.depths.empty()) continue;
-    for (const accuracy::DepthFigures& d : r.depths) out.push_back(d.edges);
+    if (r.depths.empty())
+      continue;
+    for (const accuracy::DepthFigures& d : r.depths)
+      out.push_back(d.edges);
     break;
   }
   return out;
@@ -86,34 +103,46 @@ std::vector<double> depths_of(const AccuracyReport& report) {
 
 std::string depth_table(const AccuracyReport& report) {
   const std::vector<double> depths = depths_of(report);
-  if (depths.empty()) return {};
+  if (depths.empty())
+    return {};
   const std::size_t width = 8 * depths.size();
-  std::string text = fmt::format("  {:<40}{:>{}}  {:>{}}\n    {:<38}", "Over depth, pressed in slowly by a hand", "direction, mean [deg]", width,
-                                 "force /true", width, "depth [e]");
+  std::string text =
+      fmt::format("  {:<40}{:>{}}  {:>{}}\n    {:<38}", "Over depth, pressed in slowly by a hand",
+                  "direction, mean [deg]", width, "force /true", width, "depth [e]");
   for (const char* gap : {"", "  "}) {
     text += gap;
-    for (const double edges : depths) text += fmt::format(" {:>7.4g}", edges);
+    for (const double edges : depths)
+      text += fmt::format(" {:>7.4g}", edges);
   }
   text += '\n';
   for (const accuracy::AccuracyRow& r : report.rows) {
-    if (r.depths.empty() || !no_figures(r).empty()) continue;
+    if (r.depths.empty() || !no_figures(r).empty())
+      continue;
     text += fmt::format("    {:<38}", accuracy::describe(r.setting));
-    for (const accuracy::DepthFigures& d : r.depths) text += fmt::format(" {:>7}", cell(d.direction_mean_deg));
+    for (const accuracy::DepthFigures& d : r.depths)
+      text += fmt::format(" {:>7}", cell(d.direction_mean_deg));
     text += "  ";
-    for (const accuracy::DepthFigures& d : r.depths) text += fmt::format(" {:>7}", cell(d.force_ratio));
+    for (const accuracy::DepthFigures& d : r.depths)
+      text += fmt::format(" {:>7}", cell(d.force_ratio));
     text += '\n';
   }
   return text + '\n';
 }
 
 std::string phase_table(const AccuracyReport& report) {
-  std::string text = fmt::format("  Over random places of the voxel grid, least to largest, and 95 % intervals of medians\n    {:<38} {:>15} {:>15} {:>15}  {:>15} {:>15} {:>16} {:>15}\n",
-                                 "", "missed [%]", "dir., mean", "force /true", "dir., median", "torque [mm]", "onset [mm]", "time [us]");
+  std::string text = fmt::format(
+      "  Over random places of the voxel grid, least to largest, and 95 % intervals of medians\n   "
+      " {:<38} {:>15} {:>15} {:>15}  {:>15} {:>15} {:>16} {:>15}\n",
+      "", "missed [%]", "dir., mean", "force /true", "dir., median", "torque [mm]", "onset [mm]",
+      "time [us]");
   for (const accuracy::AccuracyRow& r : report.rows) {
-    if (!no_figures(r).empty()) continue;
-    text += fmt::format("    {:<38} {:>15} {:>15} {:>15}  {:>15} {:>15} {:>16} {:>15}\n", accuracy::describe(r.setting), cells(r.phases.missed_share, 100.0),
-                        cells(r.phases.direction_mean_deg, 1.0), cells(r.phases.force_ratio, 1.0), cells(r.direction_median_95, 1.0),
-                        cells(r.torque_error_95, 1e3), cells(r.onset_error_95, 1e3), cells(r.median_us_95, 1.0));
+    if (!no_figures(r).empty())
+      continue;
+    text += fmt::format("    {:<38} {:>15} {:>15} {:>15}  {:>15} {:>15} {:>16} {:>15}\n",
+                        accuracy::describe(r.setting), cells(r.phases.missed_share, 100.0),
+                        cells(r.phases.direction_mean_deg, 1.0), cells(r.phases.force_ratio, 1.0),
+                        cells(r.direction_median_95, 1.0), cells(r.torque_error_95, 1e3),
+                        cells(r.onset_error_95, 1e3), cells(r.median_us_95, 1.0));
   }
   return text;
 }
@@ -122,34 +151,44 @@ std::string phase_table(const AccuracyReport& report) {
 std::string budget_table(const AccuracyReport& report) {
   std::string text;
   for (const accuracy::AccuracyRow& r : report.rows) {
-    if (r.setting.budget >= 1.0 || !no_figures(r).empty()) continue;
-    const auto whole = std::find_if(report.rows.begin(), report.rows.end(), [&](const accuracy::AccuracyRow& other) {
-      accuracy::AccuracySetting same = other.setting;
-      same.budget = r.setting.budget;
-      return other.setting.budget >= 1.0 && no_figures(other).empty() && same == r.setting;
-    });
+    if (r.setting.budget >= 1.0 || !no_figures(r).empty())
+      continue;
+    const auto whole = std::find_if(
+        report.rows.begin(), report.rows.end(), [&](const accuracy::AccuracyRow& other) {
+          accuracy::AccuracySetting same = other.setting;
+          same.budget = r.setting.budget;
+          return other.setting.budget >= 1.0 && no_figures(other).empty() && same == r.setting;
+        });
     const bool known = whole != report.rows.end() && whole->median_us > 0.0;
-    text += fmt::format("    {:<48} {:>14} {:>14} {:>14} {:>14}\n", accuracy::describe(r.setting), cell(r.left_out_depth_m * 1e3),
-                        cell(r.direction_mean_deg), known ? cell(r.direction_mean_deg - whole->direction_mean_deg) : "-",
+    text += fmt::format("    {:<48} {:>14} {:>14} {:>14} {:>14}\n", accuracy::describe(r.setting),
+                        cell(r.left_out_depth_m * 1e3), cell(r.direction_mean_deg),
+                        known ? cell(r.direction_mean_deg - whole->direction_mean_deg) : "-",
                         known ? cell(r.median_us / whole->median_us) : "-");
   }
-  if (text.empty()) return text;
-  return fmt::format("  Under a budget\n    {:<48} {:>14} {:>14} {:>14} {:>14}\n", "", "deeper [mm]", "dir., mean", "more [deg]", "time /all") + text + '\n';
+  if (text.empty())
+    return text;
+  return fmt::format("  Under a budget\n    {:<48} {:>14} {:>14} {:>14} {:>14}\n", "",
+                     "deeper [mm]", "dir., mean", "more [deg]", "time /all") +
+         text + '\n';
 }
 
 /// What was timed for a virtual tool, where one was.
 std::string slides_text(const AccuracyReport& report) {
   std::string queries;
   for (const accuracy::AccuracyRow& r : report.rows)
-    if (r.setting.virtual_tool && no_figures(r).empty()) queries += fmt::format("{}{}", queries.empty() ? "" : ", ", cell(r.queries_per_frame));
-  if (queries.empty()) return queries;
+    if (r.setting.virtual_tool && no_figures(r).empty())
+      queries += fmt::format("{}{}", queries.empty() ? "" : ", ", cell(r.queries_per_frame));
+  if (queries.empty())
+    return queries;
   return fmt::format(
-      "  Those of a virtual tool: of a hand that slides {:g} e a frame sideways, 5 e deep; {} queries a frame on average. Pushed straight on it makes none.\n",
+      "  Those of a virtual tool: of a hand that slides {:g} e a frame sideways, 5 e deep; {} "
+      "queries a frame on average. Pushed straight on it makes none.\n",
       accuracy::kSlideEdges, queries);
 }
 
 std::string load_text(const AccuracyReport& r) {
-  if (r.load_before < 0.0 || r.load_after < 0.0) return "load not known";
+  if (r.load_before < 0.0 || r.load_after < 0.0)
+    return "load not known";
   return fmt::format("load {:.1f} before and {:.1f} after", r.load_before, r.load_after);
 }
 
@@ -184,11 +223,14 @@ std::vector<Entry> figures(const accuracy::AccuracyRow& r) {
                          {"queries_per_frame", r.queries_per_frame},
                          {"build_s", r.build_s}};
   if (!no_figures(r).empty())
-    for (Entry& f : out) f.value = std::numeric_limits<double>::quiet_NaN();
+    for (Entry& f : out)
+      f.value = std::numeric_limits<double>::quiet_NaN();
   return out;
 }
 
-nlohmann::ordered_json both_ends(const accuracy::Interval& both) { return {number_or_null(both.low), number_or_null(both.high)}; }
+nlohmann::ordered_json both_ends(const accuracy::Interval& both) {
+  return {number_or_null(both.low), number_or_null(both.high)};
+}
 
 /// Least and largest, or the ends of an interval: of each the CSV has two columns.
 struct EntryPair {
@@ -197,41 +239,54 @@ struct EntryPair {
 };
 
 std::vector<EntryPair> phase_figures(const accuracy::AccuracyRow& r) {
-  return {{"missed_share", r.phases.missed_share}, {"direction_mean_deg", r.phases.direction_mean_deg}, {"force_ratio", r.phases.force_ratio}};
+  return {{"missed_share", r.phases.missed_share},
+          {"direction_mean_deg", r.phases.direction_mean_deg},
+          {"force_ratio", r.phases.force_ratio}};
 }
 
 std::vector<EntryPair> median_intervals(const accuracy::AccuracyRow& r) {
-  return {{"direction_median_deg", r.direction_median_95}, {"torque_error_m", r.torque_error_95}, {"onset_error_m", r.onset_error_95},
+  return {{"direction_median_deg", r.direction_median_95},
+          {"torque_error_m", r.torque_error_95},
+          {"onset_error_m", r.onset_error_95},
           {"median_us", r.median_us_95}};
 }
 
 nlohmann::ordered_json spread_json(const accuracy::AccuracyRow& r) {
   nlohmann::ordered_json j;
   j["median_interval_95"] = nlohmann::ordered_json::object();
-  for (const EntryPair& f : median_intervals(r)) j["median_interval_95"][f.key] = both_ends(f.value);
+  for (const EntryPair& f : median_intervals(r))
+    j["median_interval_95"][f.key] = both_ends(f.value);
   j["depths"] = nlohmann::ordered_json::array();
   for (const accuracy::DepthFigures& d : r.depths)
-    j["depths"].push_back({{"edges", d.edges}, {"contacts", d.contacts}, {"missed", d.missed}, {"direction_mean_deg", number_or_null(d.direction_mean_deg)},
-                           {"force_ratio", number_or_null(d.force_ratio)}, {"magnitude_noise", number_or_null(d.magnitude_noise)}});
+    j["depths"].push_back({{"edges", d.edges},
+                           {"contacts", d.contacts},
+                           {"missed", d.missed},
+                           {"direction_mean_deg", number_or_null(d.direction_mean_deg)},
+                           {"force_ratio", number_or_null(d.force_ratio)},
+                           {"magnitude_noise", number_or_null(d.magnitude_noise)}});
   j["phases"] = {{"phases", r.phases.phases}, {"contacts", r.phases.contacts}};
-  for (const EntryPair& f : phase_figures(r)) j["phases"][f.key] = both_ends(f.value);
+  for (const EntryPair& f : phase_figures(r))
+    j["phases"][f.key] = both_ends(f.value);
   return j;
 }
 
 nlohmann::ordered_json row_json(const AccuracyReport& report, std::size_t index) {
   const accuracy::AccuracyRow& r = report.rows[index];
   const bool built = r.refused.empty();
-  nlohmann::ordered_json j{{"model", model_word(r.setting)},
-                           {"weights", accuracy::weights_word(r.setting.weights)},
-                           {"voxel_m", r.setting.voxel_m},
-                           {"shell_voxel_m", r.setting.shell_voxel_m},
-                           {"shell_points", built ? nlohmann::ordered_json(r.shell_points) : nlohmann::ordered_json()},
-                           {"bytes", built ? nlohmann::ordered_json(r.bytes) : nlohmann::ordered_json()},
-                           {"contacts", r.contacts},
-                           {"missed", r.missed},
-                           {"budget", r.setting.budget},
-                           {"left_out_depth_m", no_figures(r).empty() ? number_or_null(r.left_out_depth_m) : nlohmann::ordered_json()}};
-  for (const Entry& f : figures(r)) j[f.key] = number_or_null(f.value);
+  nlohmann::ordered_json j{
+      {"model", model_word(r.setting)},
+      {"weights", accuracy::weights_word(r.setting.weights)},
+      {"voxel_m", r.setting.voxel_m},
+      {"shell_voxel_m", r.setting.shell_voxel_m},
+      {"shell_points", built ? nlohmann::ordered_json(r.shell_points) : nlohmann::ordered_json()},
+      {"bytes", built ? nlohmann::ordered_json(r.bytes) : nlohmann::ordered_json()},
+      {"contacts", r.contacts},
+      {"missed", r.missed},
+      {"budget", r.setting.budget},
+      {"left_out_depth_m",
+       no_figures(r).empty() ? number_or_null(r.left_out_depth_m) : nlohmann::ordered_json()}};
+  for (const Entry& f : figures(r))
+    j[f.key] = number_or_null(f.value);
   j.update(spread_json(r));
   j["pareto"] = on_front(report, index);
   j["recommended"] = report.advice.row == index;
@@ -241,21 +296,29 @@ nlohmann::ordered_json row_json(const AccuracyReport& report, std::size_t index)
 
 std::string csv_quoted(const std::string& text) {
   std::string out = "\"";
-  for (const char c : text) out += c == '"' ? "\"\"" : std::string(1, c);
+  for (const char c : text)
+    out += c == '"' ? "\"\"" : std::string(1, c);
   return out + "\"";
 }
 
 }  // namespace
 
 std::string to_text(const AccuracyReport& r) {
-  std::string text = fmt::format("\n  What accuracy costs: scene {}, {} contacts, each {} e deep, seed {}\n\n{}\n{}{}{}\n",
-                                 r.scene, r.contacts, r.depth_edges, r.seed, table(r), budget_table(r), depth_table(r), phase_table(r));
-  text += "  *  on the Pareto front: no other setting is both faster and closer in direction, a missed contact being 180 deg off";
-  if (r.advice.row) text += ";  > the one that the advice names";
+  std::string text = fmt::format(
+      "\n  What accuracy costs: scene {}, {} contacts, each {} e deep, seed {}\n\n{}\n{}{}{}\n",
+      r.scene, r.contacts, r.depth_edges, r.seed, table(r), budget_table(r), depth_table(r),
+      phase_table(r));
+  text +=
+      "  *  on the Pareto front: no other setting is both faster and closer in direction, a missed "
+      "contact being 180 deg off";
+  if (r.advice.row)
+    text += ";  > the one that the advice names";
   text += fmt::format(
-      "\n  Times: CPU time of one frame, median, 95th percentile and worst, on {} ({} CPUs, {}; {}, {}).\n"
+      "\n  Times: CPU time of one frame, median, 95th percentile and worst, on {} ({} CPUs, {}; "
+      "{}, {}).\n"
       "{}  Other work on the machine moves them: compare their ratios.\n\n  {}\n",
-      r.machine.processor, r.machine.cpus, load_text(r), r.machine.compiler, r.machine.flags, slides_text(r), r.advice.sentence);
+      r.machine.processor, r.machine.cpus, load_text(r), r.machine.compiler, r.machine.flags,
+      slides_text(r), r.advice.sentence);
   return text;
 }
 
@@ -271,18 +334,22 @@ nlohmann::ordered_json to_json(const AccuracyReport& r) {
                {"torque_m", given(r.goal.torque_m)},
                {"onset_m", given(r.goal.onset_m)},
                {"within_us", given(r.goal.within_us)}};
-  const auto load = [](double value) { return value < 0.0 ? nlohmann::ordered_json() : nlohmann::ordered_json(value); };
-  j["conditions"] = {
-      {"time", "CPU time of one frame on this thread; ratios carry over to another machine, figures do not"},
-      {"version", r.machine.version},
-      {"processor", r.machine.processor},
-      {"cpus", r.machine.cpus},
-      {"load_before", load(r.load_before)},
-      {"load_after", load(r.load_after)},
-      {"compiler", r.machine.compiler},
-      {"flags", r.machine.flags}};
+  const auto load = [](double value) {
+    return value < 0.0 ? nlohmann::ordered_json() : nlohmann::ordered_json(value);
+  };
+  j["conditions"] = {{"time",
+                      "CPU time of one frame on this thread; ratios carry over to another machine, "
+                      "figures do not"},
+                     {"version", r.machine.version},
+                     {"processor", r.machine.processor},
+                     {"cpus", r.machine.cpus},
+                     {"load_before", load(r.load_before)},
+                     {"load_after", load(r.load_after)},
+                     {"compiler", r.machine.compiler},
+                     {"flags", r.machine.flags}};
   j["rows"] = nlohmann::ordered_json::array();
-  for (std::size_t i = 0; i < r.rows.size(); ++i) j["rows"].push_back(row_json(r, i));
+  for (std::size_t i = 0; i < r.rows.size(); ++i)
+    j["rows"].push_back(row_json(r, i));
   j["advice"] = {{"sentence", r.advice.sentence},
                  {"row", given(r.advice.row)},
                  {"met", given(r.advice.met)},
@@ -295,29 +362,46 @@ std::string to_csv(const AccuracyReport& report) {
   std::string text = "model,weights,voxel_m,shell_voxel_m,shell_points,bytes,contacts,missed";
   const std::vector<double> depths = depths_of(report);
   text += ",budget,left_out_depth_m";
-  for (const Entry& f : figures({})) text += fmt::format(",{}", f.key);
-  for (const EntryPair& f : median_intervals({})) text += fmt::format(",{0}_95_low,{0}_95_high", f.key);
-  for (const double edges : depths) text += fmt::format(",missed_at_{0}_e,direction_mean_deg_at_{0}_e,force_ratio_at_{0}_e,magnitude_noise_at_{0}_e", edges);
+  for (const Entry& f : figures({}))
+    text += fmt::format(",{}", f.key);
+  for (const EntryPair& f : median_intervals({}))
+    text += fmt::format(",{0}_95_low,{0}_95_high", f.key);
+  for (const double edges : depths)
+    text += fmt::format(
+        ",missed_at_{0}_e,direction_mean_deg_at_{0}_e,force_ratio_at_{0}_e,magnitude_noise_at_{0}_"
+        "e",
+        edges);
   text += ",phases";
-  for (const EntryPair& f : phase_figures({})) text += fmt::format(",{0}_phases_low,{0}_phases_high", f.key);
+  for (const EntryPair& f : phase_figures({}))
+    text += fmt::format(",{0}_phases_low,{0}_phases_high", f.key);
   text += ",pareto,recommended,refused\n";
   for (std::size_t i = 0; i < report.rows.size(); ++i) {
     const accuracy::AccuracyRow& r = report.rows[i];
-    const auto add = [&text](double value) { text += std::isfinite(value) ? fmt::format(",{}", value) : std::string(","); };
-    text += fmt::format("{},{},{},{}", model_word(r.setting), accuracy::weights_word(r.setting.weights), r.setting.voxel_m,
-                        r.setting.shell_voxel_m);
-    text += r.refused.empty() ? fmt::format(",{},{},{},{}", r.shell_points, r.bytes, r.contacts, r.missed) : std::string(",,,0,0");
-    add(r.setting.budget), add(no_figures(r).empty() ? r.left_out_depth_m : std::numeric_limits<double>::quiet_NaN());
-    for (const Entry& f : figures(r)) add(f.value);
-    for (const EntryPair& f : median_intervals(r)) add(f.value.low), add(f.value.high);
+    const auto add = [&text](double value) {
+      text += std::isfinite(value) ? fmt::format(",{}", value) : std::string(",");
+    };
+    text +=
+        fmt::format("{},{},{},{}", model_word(r.setting), accuracy::weights_word(r.setting.weights),
+                    r.setting.voxel_m, r.setting.shell_voxel_m);
+    text += r.refused.empty()
+                ? fmt::format(",{},{},{},{}", r.shell_points, r.bytes, r.contacts, r.missed)
+                : std::string(",,,0,0");
+    add(r.setting.budget),
+        add(no_figures(r).empty() ? r.left_out_depth_m : std::numeric_limits<double>::quiet_NaN());
+    for (const Entry& f : figures(r))
+      add(f.value);
+    for (const EntryPair& f : median_intervals(r))
+      add(f.value.low), add(f.value.high);
     for (std::size_t d = 0; d < depths.size(); ++d) {
       if (d < r.depths.size())
-        add(r.depths[d].missed), add(r.depths[d].direction_mean_deg), add(r.depths[d].force_ratio), add(r.depths[d].magnitude_noise);
+        add(r.depths[d].missed), add(r.depths[d].direction_mean_deg), add(r.depths[d].force_ratio),
+            add(r.depths[d].magnitude_noise);
       else
         text += ",,,,";
     }
     text += fmt::format(",{}", r.phases.phases);
-    for (const EntryPair& f : phase_figures(r)) add(f.value.low), add(f.value.high);
+    for (const EntryPair& f : phase_figures(r))
+      add(f.value.low), add(f.value.high);
     text += fmt::format(",{:d},{:d},{}\n", on_front(report, i), report.advice.row == i,
                         r.refused.empty() ? std::string() : csv_quoted(r.refused));
   }

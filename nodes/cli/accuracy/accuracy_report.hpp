@@ -1,5 +1,6 @@
 #pragma once
-/// What accuracy costs, for a person, for a machine (and voxtouch_plot, which draws it), and for a spreadsheet.
+/// What accuracy costs, for a person, for a machine (and voxtouch_plot, which draws it), and for a
+/// spreadsheet.
 #include <string>
 #include <vector>
 
@@ -27,7 +28,8 @@ struct AccuracyReport {
 std::string to_text(const AccuracyReport& report);
 /// Figures of a row that was refused or never met the wall are null, as is what is not finite.
 nlohmann::ordered_json to_json(const AccuracyReport& report);
-/// RFC 4180 with a header; SI units but for degrees and microseconds; the same cells empty that are null in the JSON.
+/// RFC 4180 with a header; SI units but for degrees and microseconds; the same cells empty that are
+/// null in the JSON.
 std::string to_csv(const AccuracyReport& report);
 
 }  // namespace voxtouch::cli

@@ -3,8 +3,8 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "nodes/cli/design/design_report.hpp"
 #include "nodes/cli/design/design_input.hpp"
+#include "nodes/cli/design/design_report.hpp"
 #include "nodes/cli/known_device.hpp"
 #include "nodes/cli/output_file.hpp"
 #include "nodes/cli/plot_tool.hpp"
@@ -26,18 +26,24 @@ struct DesignVerbOptions : DesignInput {
 
 int design(const DesignVerbOptions& o) {
   std::unique_ptr<OutputFile> csv;
-  if (!o.plot.empty()) check_picture(o.plot);
-  if (!o.csv.empty()) csv = std::make_unique<OutputFile>(o.csv);
+  if (!o.plot.empty())
+    check_picture(o.plot);
+  if (!o.csv.empty())
+    csv = std::make_unique<OutputFile>(o.csv);
   const coupling::design::DeviceModel device = find_device(o.device);
-  if (!o.scene.empty()) log::tell("building {} to count its points\n", o.scene.stem().string());
-  const DesignReport report = work_out(o, device, [&](const scene::Scene& scene) { return scene_build::build_here(scene, {.who = "design", .cache = o.cache}); });
+  if (!o.scene.empty())
+    log::tell("building {} to count its points\n", o.scene.stem().string());
+  const DesignReport report = work_out(o, device, [&](const scene::Scene& scene) {
+    return scene_build::build_here(scene, {.who = "design", .cache = o.cache});
+  });
   const std::string json = to_json(report).dump(2);
   log::print_result("{}", o.json ? json + "\n" : to_text(report));
   if (csv) {
     csv->keep(to_csv(report));
     log::tell("{} holds the stable region\n", o.csv.string());
   }
-  if (!o.plot.empty()) log::tell("{}\n", draw_picture("design", json, o.plot));
+  if (!o.plot.empty())
+    log::tell("{}\n", draw_picture("design", json, o.plot));
   return report.design.status == coupling::design::DesignStatus::kInfeasible ? 1 : 0;
 }
 
@@ -45,45 +51,57 @@ int design(const DesignVerbOptions& o) {
 
 void add_design(CLI::App& app, Action& action) {
   auto o = std::make_shared<DesignVerbOptions>();
-  CLI::App* verb =
-      app.add_subcommand("design",
-                         "The virtual coupling that fits a device, the hands that may hold it and the contact, with "
-                         "its margins; or what it would\n"
-                         "take. All figures are at the hand. Exit status 1 where nothing holds.\n"
-                         "Try: voxtouch design --device sim-phantom --scene deploy/scenes/cup.yaml --plot region.png");
-  verb->add_option("--device", o->device, "A device by name, or a file that describes one (deploy/devices/*.yaml)")
+  CLI::App* verb = app.add_subcommand(
+      "design",
+      "The virtual coupling that fits a device, the hands that may hold it and the contact, with "
+      "its margins; or what it would\n"
+      "take. All figures are at the hand. Exit status 1 where nothing holds.\n"
+      "Try: voxtouch design --device sim-phantom --scene deploy/scenes/cup.yaml --plot region.png");
+  verb->add_option("--device", o->device,
+                   "A device by name, or a file that describes one (deploy/devices/*.yaml)")
       ->capture_default_str();
-  verb->add_option("--scene", o->scene,
-                   "Scene whose contact and wishes are to be met; default: whatever the device can show")
+  verb->add_option(
+          "--scene", o->scene,
+          "Scene whose contact and wishes are to be met; default: whatever the device can show")
       ->transform(runtime::scene_argument());
   scene_build::add_cache_options(*verb, o->cache);
-  verb->add_option("--hand", o->hand, "pen, arm or any_passive; default: the scene's, else how the device is held")
+  verb->add_option("--hand", o->hand,
+                   "pen, arm or any_passive; default: the scene's, else how the device is held")
       ->check(CLI::IsMember({"pen", "arm", "any_passive"}));
-  verb->add_flag("--held", o->held, "Somebody always holds the device: nobody letting go is not among the cases");
+  verb->add_flag("--held", o->held,
+                 "Somebody always holds the device: nobody letting go is not among the cases");
   verb->add_option("--kind", o->kind, "auto, shaping_filter, spring_damper or direct")
       ->capture_default_str()
       ->check(CLI::IsMember({"auto", "shaping_filter", "spring_damper", "direct"}));
   verb->add_option("--cutoff-hz", o->cutoff_hz, "Wished cut-off of the shaping filter, w0 / (2 pi)")
       ->capture_default_str()
       ->check(runtime::require_positive);
-  verb->add_option("--gain-margin", o->gain_margin, "How much stiffer the worst case may get before it is unstable")
+  verb->add_option("--gain-margin", o->gain_margin,
+                   "How much stiffer the worst case may get before it is unstable")
       ->capture_default_str()
       ->check(runtime::require_positive)  // which refuses nan
       ->check(CLI::Range(1.0, 100.0));
   verb->add_option("--damping-floor", o->damping_floor,
-                   "Least damping ratio of the slowest swing along in contact, with a hand; a third of it with nobody holding the device.\n"
+                   "Least damping ratio of the slowest swing along in contact, with a hand; a "
+                   "third of it with nobody holding the device.\n"
                    "Stiffness is given up for it; 0: it is not. Default: the scene's, else 0.3")
       ->check(CLI::Range(0.0, 0.99));
   verb->add_option("--damper-share", o->damper_share,
-                   "Most that injected damping adds, as a share of what contact and effects give; 0: not bounded. Default: the scene's, else 0.35\n"
-                   "if that leaves two thirds of the stiffness, else the least of 0.7, 2, 6 and 24 that leaves nine tenths")
+                   "Most that injected damping adds, as a share of what contact and effects give; "
+                   "0: not bounded. Default: the scene's, else 0.35\n"
+                   "if that leaves two thirds of the stiffness, else the least of 0.7, 2, 6 and 24 "
+                   "that leaves nine tenths")
       ->check(CLI::NonNegativeNumber);
-  verb->add_option("--stiffness", o->stiffness_n_per_m, "Without a scene: the contact's stiffness at the hand [N/m]")
+  verb->add_option("--stiffness", o->stiffness_n_per_m,
+                   "Without a scene: the contact's stiffness at the hand [N/m]")
       ->check(runtime::require_positive);
   verb->add_flag("--no-damping", o->no_damping, "No injected damping");
-  verb->add_flag("--no-velocity-windows", o->no_velocity_windows, "Injected damping acts on the velocity of a first-order filter only");
-  verb->add_option("--csv", o->csv, "Writes the stable region: critical and certified stiffness over the cut-off");
-  verb->add_option("--plot", o->plot, "Draws the stable region with the chosen point, as .png, .svg or .pdf");
+  verb->add_flag("--no-velocity-windows", o->no_velocity_windows,
+                 "Injected damping acts on the velocity of a first-order filter only");
+  verb->add_option("--csv", o->csv,
+                   "Writes the stable region: critical and certified stiffness over the cut-off");
+  verb->add_option("--plot", o->plot,
+                   "Draws the stable region with the chosen point, as .png, .svg or .pdf");
   verb->add_flag("--json", o->json, "One JSON object on stdout; all else goes to stderr");
   verb->callback([o, &action] { action = [o] { return design(*o); }; });
 }

@@ -11,25 +11,30 @@ namespace {
 
 std::string hand_text(const coupling::design::OperatorRange& hand, const std::string& name) {
   const coupling::design::HandRange& h = hand.translation;
-  if (h.any_passive) return "any hand that creates no energy";
-  return fmt::format("{}: {:.3g} to {:.3g} kg, {:.3g} to {:.3g} Ns/m, {:.4g} to {:.4g} N/m{}", name, h.mass_min,
-                     h.mass_max, h.damping_min, h.damping_max, h.stiffness_min, h.stiffness_max,
-                     h.may_release ? ", or nobody" : ", always held");
+  if (h.any_passive)
+    return "any hand that creates no energy";
+  return fmt::format("{}: {:.3g} to {:.3g} kg, {:.3g} to {:.3g} Ns/m, {:.4g} to {:.4g} N/m{}", name,
+                     h.mass_min, h.mass_max, h.damping_min, h.damping_max, h.stiffness_min,
+                     h.stiffness_max, h.may_release ? ", or nobody" : ", always held");
 }
 
-/// The problem without a scene: whatever the device can show, or the stiffness given, in one contact that may be capped.
-coupling::design::DesignProblem problem_for_device(const DesignInput& input, const coupling::design::DeviceModel& device) {
+/// The problem without a scene: whatever the device can show, or the stiffness given, in one
+/// contact that may be capped.
+coupling::design::DesignProblem problem_for_device(const DesignInput& input,
+                                                   const coupling::design::DeviceModel& device) {
   scene::Scene scene;
   scene.voxel_size_m = 0.0;
   scene.design.emplace();
-  const double most = input.stiffness_n_per_m > 0 ? input.stiffness_n_per_m : device.translation.max_stiffness;
+  const double most =
+      input.stiffness_n_per_m > 0 ? input.stiffness_n_per_m : device.translation.max_stiffness;
   const double most_rotation = device.gives_torque ? device.rotation.max_stiffness : 0.0;
-  return fitting::design_problem(scene, device, {0.01 * most, most}, {0.01 * most_rotation, most_rotation});
+  return fitting::design_problem(scene, device, {0.01 * most, most},
+                                 {0.01 * most_rotation, most_rotation});
 }
 
 /// What the command line says goes over what the scene says.
-void apply(const DesignInput& input, const coupling::design::DeviceModel& device, coupling::design::DesignProblem& problem,
-           std::string& hand) {
+void apply(const DesignInput& input, const coupling::design::DeviceModel& device,
+           coupling::design::DesignProblem& problem, std::string& hand) {
   if (!input.hand.empty()) {
     scene::DesignOptions options;
     coupling::design::Grip grip = device.grip;
@@ -40,38 +45,56 @@ void apply(const DesignInput& input, const coupling::design::DeviceModel& device
     problem.hand = scene::operator_range(options, grip);
     hand = input.hand;
   }
-  if (input.damping_floor) problem.goals.floors = coupling::design::floors_of(*input.damping_floor);
-  if (input.damper_share) problem.goals.damper_share = *input.damper_share;
-  if (input.held) problem.hand.translation.may_release = problem.hand.rotation.may_release = false;
-  if (input.no_velocity_windows) problem.goals.velocity_windows = false;
-  if (input.no_damping) problem.goals.allow_injected_damping = false;
+  if (input.damping_floor)
+    problem.goals.floors = coupling::design::floors_of(*input.damping_floor);
+  if (input.damper_share)
+    problem.goals.damper_share = *input.damper_share;
+  if (input.held)
+    problem.hand.translation.may_release = problem.hand.rotation.may_release = false;
+  if (input.no_velocity_windows)
+    problem.goals.velocity_windows = false;
+  if (input.no_damping)
+    problem.goals.allow_injected_damping = false;
 }
 
-/// The problem that the command line and its scene pose, and the words for it: without what is found.
-DesignReport problem_of(const DesignInput& input, const coupling::design::DeviceModel& device, const BuildScene& build) {
+/// The problem that the command line and its scene pose, and the words for it: without what is
+/// found.
+DesignReport problem_of(const DesignInput& input, const coupling::design::DeviceModel& device,
+                        const BuildScene& build) {
   DesignReport out;
   out.device = device.name;
   std::string hand = std::string(coupling::design::name_of(device.grip));
   if (input.scene.empty()) {
     out.problem = problem_for_device(input, device);
-    out.contact =
-        fmt::format("up to {:.4g} N/m, which the coupling may cap (no scene is given)", out.problem.contact.all_points);
+    out.contact = fmt::format("up to {:.4g} N/m, which the coupling may cap (no scene is given)",
+                              out.problem.contact.all_points);
   } else {
     const scene::Scene scene = scene::load_scene(input.scene);
     const auto built = build(scene);
     const rendering::Plan& plan = built->plan();
-    out.problem = fitting::design_problem(scene, device, plan.contact_n_per_m, plan.contact_nm_per_rad);
-    if (scene.design) hand = std::string(scene::name_of(scene.design->hand));
+    out.problem =
+        fitting::design_problem(scene, device, plan.contact_n_per_m, plan.contact_nm_per_rad);
+    if (scene.design)
+      hand = std::string(scene::name_of(scene.design->hand));
     const bool spring = rendering::is_spring({plan.contact_n_per_m, plan.contact_nm_per_rad});
-    out.contact = spring ? fmt::format("scene {}: the spring of a virtual tool, up to the {:.4g} N/m that the device can show, at the hand",
-                                       scene.name, out.problem.contact.all_points)
-                         : fmt::format("scene {}: {:.4g} N/m of one point, up to {:.4g} N/m of all {} points, at the hand", scene.name,
-                    out.problem.contact.one_point, out.problem.contact.all_points, plan.shell_points);
-    if (const effects::EffectSpec* external = effects::external_of(scene.effects)) out.contact += ". " + effects::no_certificate_sentence(external->name);
+    out.contact = spring ? fmt::format(
+                               "scene {}: the spring of a virtual tool, up to the {:.4g} N/m that "
+                               "the device can show, at the hand",
+                               scene.name, out.problem.contact.all_points)
+                         : fmt::format(
+                               "scene {}: {:.4g} N/m of one point, up to {:.4g} N/m of all {} "
+                               "points, at the hand",
+                               scene.name, out.problem.contact.one_point,
+                               out.problem.contact.all_points, plan.shell_points);
+    if (const effects::EffectSpec* external = effects::external_of(scene.effects))
+      out.contact += ". " + effects::no_certificate_sentence(external->name);
   }
-  if (input.scene.empty() || input.kind != "auto") out.problem.goals.kind = input.kind;
-  if (input.scene.empty() || input.cutoff_hz != 5.0) out.problem.goals.cutoff_hz = input.cutoff_hz;
-  if (input.scene.empty() || input.gain_margin != 2.0) out.problem.goals.gain_margin = input.gain_margin;
+  if (input.scene.empty() || input.kind != "auto")
+    out.problem.goals.kind = input.kind;
+  if (input.scene.empty() || input.cutoff_hz != 5.0)
+    out.problem.goals.cutoff_hz = input.cutoff_hz;
+  if (input.scene.empty() || input.gain_margin != 2.0)
+    out.problem.goals.gain_margin = input.gain_margin;
   apply(input, device, out.problem, hand);
   out.hand = hand_text(out.problem.hand, hand);
   return out;
@@ -79,7 +102,8 @@ DesignReport problem_of(const DesignInput& input, const coupling::design::Device
 
 }  // namespace
 
-DesignReport work_out(const DesignInput& input, const coupling::design::DeviceModel& device, const BuildScene& build) {
+DesignReport work_out(const DesignInput& input, const coupling::design::DeviceModel& device,
+                      const BuildScene& build) {
   DesignReport report = problem_of(input, device, build);
   report.design = coupling::design::design_coupling(report.problem);
   report.paper = judge_paper_recipe(report.problem);

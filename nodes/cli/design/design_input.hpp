@@ -12,13 +12,16 @@
 namespace voxtouch::cli {
 
 struct DesignInput {
-  std::filesystem::path scene;   ///< whose contact and design goals are to be met; empty: whatever the device can show
-  std::string hand;              ///< pen, arm or any_passive; empty: the scene's, else how the device is held
-  std::string kind = "auto";     ///< shaping_filter, spring_damper or direct
+  std::filesystem::path
+      scene;  ///< whose contact and design goals are to be met; empty: whatever the device can show
+  std::string hand;  ///< pen, arm or any_passive; empty: the scene's, else how the device is held
+  std::string kind = "auto";  ///< shaping_filter, spring_damper or direct
   double cutoff_hz = 5.0, gain_margin = 2.0;
-  double stiffness_n_per_m = 0.0;  ///< without a scene: the contact's, at the hand; 0: the device's largest
+  double stiffness_n_per_m =
+      0.0;  ///< without a scene: the contact's, at the hand; 0: the device's largest
   std::optional<double> damping_floor;  ///< with a hand; none: the scene's, or the standard
-  std::optional<double> damper_share;   ///< as CouplingSpec has it; none: the scene's, or the standard
+  std::optional<double>
+      damper_share;  ///< as CouplingSpec has it; none: the scene's, or the standard
   bool held = false, no_damping = false;
   bool no_velocity_windows = false;
 };
@@ -26,7 +29,9 @@ struct DesignInput {
 /// How a scene is built.
 using BuildScene = std::function<std::unique_ptr<rendering::BuiltScene>(const scene::Scene&)>;
 
-/// Builds the scene, where there is one, and designs for it. Takes seconds. Throws what reading and building a scene throw.
-DesignReport work_out(const DesignInput& input, const coupling::design::DeviceModel& device, const BuildScene& build);
+/// Builds the scene, where there is one, and designs for it. Takes seconds. Throws what reading and
+/// building a scene throw.
+DesignReport work_out(const DesignInput& input, const coupling::design::DeviceModel& device,
+                      const BuildScene& build);
 
 }  // namespace voxtouch::cli

@@ -31,12 +31,15 @@ std::string range(double low, double high) {
 
 std::string device_lines(const coupling::design::DeviceModel& d) {
   const coupling::design::AxisModel& a = d.translation;
-  std::string text = fmt::format("{} kg, {:.3g} Ns/m, {:.3g} N friction, step {:.3g} mm, {:.3g} N, {:.4g} N/m at most",
-                                 range(a.inertia_min, a.inertia_max), a.damping, a.coulomb_friction, a.resolution * 1e3,
-                                 a.max_effort, a.max_stiffness);
+  std::string text = fmt::format(
+      "{} kg, {:.3g} Ns/m, {:.3g} N friction, step {:.3g} mm, {:.3g} N, {:.4g} N/m at most",
+      range(a.inertia_min, a.inertia_max), a.damping, a.coulomb_friction, a.resolution * 1e3,
+      a.max_effort, a.max_stiffness);
   text += fmt::format(
-      "\n                {:.4g} Hz, {:.3g} ms from sample to force, periods up to +{:.0f} %, {} lost in a row",
-      1.0 / d.timing.period_s, d.timing.delay_s * 1e3, d.timing.jitter * 100, d.timing.lost_in_a_row);
+      "\n                {:.4g} Hz, {:.3g} ms from sample to force, periods up to +{:.0f} %, {} "
+      "lost in a row",
+      1.0 / d.timing.period_s, d.timing.delay_s * 1e3, d.timing.jitter * 100,
+      d.timing.lost_in_a_row);
   return text;
 }
 
@@ -44,33 +47,40 @@ std::string coupling_lines(const coupling::design::Design& design) {
   const coupling::CouplingSpec& s = design.spec;
   std::string text;
   if (s.kind == "shaping_filter")
-    text = fmt::format("shaping filter, {:.3g} Hz (w0 / 2 pi), damping ratio {:.3g}, gain {:.3g}; {:.2g} ms behind",
-                       s.cutoff_hz, s.damping_ratio, s.gain, design.lag_s * 1e3);
+    text = fmt::format(
+        "shaping filter, {:.3g} Hz (w0 / 2 pi), damping ratio {:.3g}, gain {:.3g}; {:.2g} ms "
+        "behind",
+        s.cutoff_hz, s.damping_ratio, s.gain, design.lag_s * 1e3);
   else if (s.kind == "spring_damper")
-    text = fmt::format("spring-damper, {:.4g} N/m and {:.3g} Ns/m", s.stiffness_n_per_m, s.damping_ns_per_m);
+    text = fmt::format("spring-damper, {:.4g} N/m and {:.3g} Ns/m", s.stiffness_n_per_m,
+                       s.damping_ns_per_m);
   else
     text = fmt::format("direct, gain {:.3g}", s.gain);
   if (s.injected_damping_ns_per_m > 0)
-    text += fmt::format("\n                {:.3g} Ns/m of damping while in contact, velocity of {}", s.injected_damping_ns_per_m,
+    text += fmt::format("\n                {:.3g} Ns/m of damping while in contact, velocity of {}",
+                        s.injected_damping_ns_per_m,
                         coupling::design::describe(coupling::design::velocity_of(s)));
-  for (const std::string& more : {coupling::design::describe_slow_velocity(s), coupling::design::describe_bound(s)})
-    if (!more.empty()) text += ";\n                it " + more;
+  for (const std::string& more :
+       {coupling::design::describe_slow_velocity(s), coupling::design::describe_bound(s)})
+    if (!more.empty())
+      text += ";\n                it " + more;
   if (std::isfinite(s.stiffness_cap_n_per_m))
     text += fmt::format("\n                contact capped at {:.4g} N/m", s.stiffness_cap_n_per_m);
   return text;
 }
 
 std::string axis_lines(const coupling::design::AxisDesign& a, const char* unit) {
-  std::string text = fmt::format("{:.4g} {} of {:.4g} wanted", a.shown_stiffness, unit, a.wanted_stiffness);
+  std::string text =
+      fmt::format("{:.4g} {} of {:.4g} wanted", a.shown_stiffness, unit, a.wanted_stiffness);
   if (std::isfinite(a.critical_stiffness))
-    text += fmt::format("; unstable from {:.4g}: {}\n                margin {:.3g}", a.critical_stiffness,
-                        a.worst_case_text, a.gain_margin);
+    text += fmt::format("; unstable from {:.4g}: {}\n                margin {:.3g}",
+                        a.critical_stiffness, a.worst_case_text, a.gain_margin);
   else
     text += "; no stiffness makes it unstable";
-  text += a.passive ? "; stable with every hand that creates no energy"
-          : a.injected_damping > 0.0
-              ? "; holds for the hands above, not for any hand at all"
-              : fmt::format("; with any hand at all only up to {:.3g} {}", a.passive_stiffness, unit);
+  text += a.passive                  ? "; stable with every hand that creates no energy"
+          : a.injected_damping > 0.0 ? "; holds for the hands above, not for any hand at all"
+                                     : fmt::format("; with any hand at all only up to {:.3g} {}",
+                                                   a.passive_stiffness, unit);
   return text;
 }
 
@@ -79,37 +89,52 @@ std::string damping_lines(const DesignReport& r) {
   namespace cd = coupling::design;
   const cd::SlowestSwing& least = r.design.swing;
   std::string text;
-  for (const auto& [who, ratio, where] : {std::tuple("released", least.released, &least.released_where), {"held", least.held, &least.held_where}})
-    if (!where->empty()) text += fmt::format("{}{:.2g} {} ({})", text.empty() ? "" : "\n                ", ratio, who, *where);
-  if (text.empty()) return "nothing swings";
+  for (const auto& [who, ratio, where] :
+       {std::tuple("released", least.released, &least.released_where),
+        {"held", least.held, &least.held_where}})
+    if (!where->empty())
+      text += fmt::format("{}{:.2g} {} ({})", text.empty() ? "" : "\n                ", ratio, who,
+                          *where);
+  if (text.empty())
+    return "nothing swings";
   const cd::DampingFloors& floors = r.problem.goals.floors;
   const bool kept = r.design.floors.released + r.design.floors.held > 0.0;
   if (floors.released + floors.held > 0.0)
-    text += fmt::format("\n                floors of {:.2g} released and {:.2g} held {}", floors.released, floors.held, kept ? "kept" : "not kept");
-  if (kept && !r.design.floors.out_of_reach.empty()) text += " where no hand forbids them:\n                " + r.design.floors.out_of_reach;
+    text += fmt::format("\n                floors of {:.2g} released and {:.2g} held {}",
+                        floors.released, floors.held, kept ? "kept" : "not kept");
+  if (kept && !r.design.floors.out_of_reach.empty())
+    text += " where no hand forbids them:\n                " + r.design.floors.out_of_reach;
   return text;
 }
 
 std::string paper_line(const PaperRecipe& p) {
   const auto verdict = [&](const char* who, double critical) {
-    if (std::isnan(critical)) return std::string();
-    return fmt::format("{} {} (limit {:.3g} N/m)", who, p.stiffness < critical ? "stable" : "UNSTABLE", critical);
+    if (std::isnan(critical))
+      return std::string();
+    return fmt::format("{} {} (limit {:.3g} N/m)", who,
+                       p.stiffness < critical ? "stable" : "UNSTABLE", critical);
   };
-  const std::string released = verdict("released", p.critical_released), held = verdict("held", p.critical_held);
+  const std::string released = verdict("released", p.critical_released),
+                    held = verdict("held", p.critical_held);
   return fmt::format("5 Hz, damping ratio 1, at {:.4g} N/m: {}{}{}", p.stiffness, released,
                      released.empty() || held.empty() ? "" : "; ", held);
 }
 
 std::string list(const char* title, const std::vector<std::string>& sentences) {
-  if (sentences.empty()) return "";
+  if (sentences.empty())
+    return "";
   std::string text = fmt::format("\n  {}\n", title);
-  for (const std::string& s : sentences) text += "   - " + s + "\n";
+  for (const std::string& s : sentences)
+    text += "   - " + s + "\n";
   return text;
 }
 
-nlohmann::ordered_json finite(double v) { return std::isfinite(v) ? nlohmann::ordered_json(v) : nlohmann::ordered_json(); }
+nlohmann::ordered_json finite(double v) {
+  return std::isfinite(v) ? nlohmann::ordered_json(v) : nlohmann::ordered_json();
+}
 
-/// A column of the stable region: its key in the JSON and the CSV. Infinite where no stiffness makes the loop unstable.
+/// A column of the stable region: its key in the JSON and the CSV. Infinite where no stiffness
+/// makes the loop unstable.
 struct RegionColumn {
   const char* key;
   std::vector<double> values;
@@ -117,7 +142,8 @@ struct RegionColumn {
 
 std::vector<RegionColumn> region_columns(const DesignReport& r) {
   std::vector<double> certified = r.region.critical;
-  for (double& k : certified) k /= r.problem.goals.gain_margin;
+  for (double& k : certified)
+    k /= r.problem.goals.gain_margin;
   return {{"cutoff_hz", r.region.cutoff_hz},
           {"critical_n_per_m", r.region.critical},
           {"certified_n_per_m", certified},
@@ -126,15 +152,21 @@ std::vector<RegionColumn> region_columns(const DesignReport& r) {
 }
 
 nlohmann::ordered_json region_json(const DesignReport& r) {
-  nlohmann::ordered_json j{{"gain_margin", r.problem.goals.gain_margin},
-                           {"device_limit_n_per_m", finite(r.problem.device.translation.max_stiffness)}};
+  nlohmann::ordered_json j{
+      {"gain_margin", r.problem.goals.gain_margin},
+      {"device_limit_n_per_m", finite(r.problem.device.translation.max_stiffness)}};
   for (const RegionColumn& column : region_columns(r)) {
     j[column.key] = nlohmann::ordered_json::array();
-    for (const double value : column.values) j[column.key].push_back(finite(value));
+    for (const double value : column.values)
+      j[column.key].push_back(finite(value));
   }
-  if (r.law.x.empty()) return j;
-  nlohmann::ordered_json& law = j["law"] = {
-      {"kind", r.design.spec.kind}, {"over", r.law.over}, {"unit", r.law.unit}, {"chosen", r.law.chosen}, {"x", r.law.x}};
+  if (r.law.x.empty())
+    return j;
+  nlohmann::ordered_json& law = j["law"] = {{"kind", r.design.spec.kind},
+                                            {"over", r.law.over},
+                                            {"unit", r.law.unit},
+                                            {"chosen", r.law.chosen},
+                                            {"x", r.law.x}};
   for (const double critical : r.law.critical) {
     law["critical_n_per_m"].push_back(finite(critical));
     law["certified_n_per_m"].push_back(finite(critical / r.problem.goals.gain_margin));
@@ -165,34 +197,42 @@ PaperRecipe judge_paper_recipe(const coupling::design::DesignProblem& problem) {
   const coupling::design::AxisModel& axis = problem.device.translation;
   out.stiffness = std::min(problem.contact.all_points, axis.max_stiffness);
   out.critical_released = out.critical_held = std::numeric_limits<double>::quiet_NaN();
-  for (const coupling::design::DesignCase& one : coupling::design::design_cases(axis, problem.device.timing, problem.hand.translation)) {
-    const double critical = coupling::design::critical_stiffness(one.plant, paper_controller()).stiffness;
+  for (const coupling::design::DesignCase& one :
+       coupling::design::design_cases(axis, problem.device.timing, problem.hand.translation)) {
+    const double critical =
+        coupling::design::critical_stiffness(one.plant, paper_controller()).stiffness;
     double& worst = one.held ? out.critical_held : out.critical_released;
     worst = std::isnan(worst) ? critical : std::min(worst, critical);
   }
   return out;
 }
 
-coupling::design::StableRegion region_round(const coupling::design::DesignProblem& problem, const coupling::design::Design& design) {
+coupling::design::StableRegion region_round(const coupling::design::DesignProblem& problem,
+                                            const coupling::design::Design& design) {
   const coupling::design::DeviceModel& device = problem.device;
   coupling::design::LoopController chosen;
   chosen.damping_ratio = design.spec.damping_ratio;
   chosen.injected_damping = design.translation.injected_damping;
   chosen.use(design.translation.velocity);
   const double high_hz = std::max(20.0, 0.6 / (2.0 * std::numbers::pi * device.timing.period_s));
-  return coupling::design::stable_region(device.translation, device.timing, problem.hand.translation, chosen, 1.0, high_hz, 64);
+  return coupling::design::stable_region(device.translation, device.timing,
+                                         problem.hand.translation, chosen, 1.0, high_hz, 64);
 }
 
-LawRegion region_of_law(const coupling::design::DesignProblem& problem, const coupling::design::Design& design) {
+LawRegion region_of_law(const coupling::design::DesignProblem& problem,
+                        const coupling::design::Design& design) {
   namespace cd = coupling::design;
   constexpr int kCount = 64;
   cd::AxisProblem axis = cd::axis_problems(problem).front();
-  axis.damper_share = design.spec.damper_share;  // a design may have left the bound out that was asked for
+  axis.damper_share =
+      design.spec.damper_share;  // a design may have left the bound out that was asked for
   cd::LoopController law = cd::controller_of(design.spec, axis, cd::arm_squared(problem));
-  const double cap = design.spec.stiffness_cap_n_per_m, contact = std::min(problem.contact.all_points, cap);
+  const double cap = design.spec.stiffness_cap_n_per_m,
+               contact = std::min(problem.contact.all_points, cap);
   const bool spring = law.law == cd::LoopController::Law::kSpringDamper;
   LawRegion out;
-  if (law.law == cd::LoopController::Law::kShapingFilter || (spring && law.stiffness <= 0.0)) return out;
+  if (law.law == cd::LoopController::Law::kShapingFilter || (spring && law.stiffness <= 0.0))
+    return out;
   out.over = spring ? "damper over spring" : "injected damping";
   out.unit = spring ? "s" : "Ns/m";
   out.chosen = spring ? law.damping / law.stiffness : law.injected_damping;
@@ -200,10 +240,14 @@ LawRegion region_of_law(const coupling::design::DesignProblem& problem, const co
   for (int i = 0; i < kCount; ++i) {
     const double x = middle * std::pow(10.0, 2.0 * i / (kCount - 1) - 1.0);
     (spring ? law.damping : law.injected_damping) = spring ? x * law.stiffness : x;
-    double critical = spring ? cd::critical_scale(axis, law, std::isfinite(cap) ? contact : cd::kInfinity).stiffness
-                             : cd::critical_case(axis, law).stiffness;
-    if (axis.hand.any_passive) critical = std::min(critical, cd::passive_limit(axis, law));
-    if (spring) critical *= law.stiffness * contact / (law.stiffness + contact);  // a factor on what is shown
+    double critical =
+        spring
+            ? cd::critical_scale(axis, law, std::isfinite(cap) ? contact : cd::kInfinity).stiffness
+            : cd::critical_case(axis, law).stiffness;
+    if (axis.hand.any_passive)
+      critical = std::min(critical, cd::passive_limit(axis, law));
+    if (spring)
+      critical *= law.stiffness * contact / (law.stiffness + contact);  // a factor on what is shown
     out.x.push_back(x);
     out.critical.push_back(critical);
   }
@@ -212,7 +256,9 @@ LawRegion region_of_law(const coupling::design::DesignProblem& problem, const co
 
 std::string to_text(const DesignReport& r) {
   const coupling::design::Design& d = r.design;
-  std::string text = fmt::format("\n  {}: {}\n\n", coupling::design::name_of(d.status), coupling::design::sentence_of(coupling::design::name_of(d.status)));
+  std::string text =
+      fmt::format("\n  {}: {}\n\n", coupling::design::name_of(d.status),
+                  coupling::design::sentence_of(coupling::design::name_of(d.status)));
   const auto row = [&](const char* name, const std::string& value) {
     text += fmt::format("  {:<13} {}\n", name, value);
   };
@@ -222,16 +268,17 @@ std::string to_text(const DesignReport& r) {
   row("contact", r.contact);
   row("coupling", coupling_lines(d));
   row("stiffness", axis_lines(d.translation, "N/m"));
-  if (r.problem.device.gives_torque) row("rotation", axis_lines(d.rotation, "Nm/rad"));
+  if (r.problem.device.gives_torque)
+    row("rotation", axis_lines(d.rotation, "Nm/rad"));
   row("damping", damping_lines(r));
-  row("encoder", d.translation.limit_cycle_bound > 0 ? fmt::format("its steps may leave up to {:.3g} mm peak to peak",
-                                                                   d.translation.limit_cycle_bound * 1e3)
-                                                     : "friction stops what its steps could leave");
+  row("encoder", d.translation.limit_cycle_bound > 0
+                     ? fmt::format("its steps may leave up to {:.3g} mm peak to peak",
+                                   d.translation.limit_cycle_bound * 1e3)
+                     : "friction stops what its steps could leave");
   if (d.max_approach_m_per_s > 0)
-    row("approach",
-        fmt::format(
-            "up to {:.2g} m/s stays within the layer that pushes ({:.2g} mm); faster goes deeper, and is held there",
-            d.max_approach_m_per_s, r.problem.goals.force_layer_depth_m * 1e3));
+    row("approach", fmt::format("up to {:.2g} m/s stays within the layer that pushes ({:.2g} mm); "
+                                "faster goes deeper, and is held there",
+                                d.max_approach_m_per_s, r.problem.goals.force_layer_depth_m * 1e3));
   row("paper's way", paper_line(r.paper));
   return text + list("What limits:", d.reasons) + list("What would help:", d.remedies);
 }
@@ -258,23 +305,34 @@ nlohmann::ordered_json to_json(const DesignReport& r) {
                    {"velocity_band_m_per_s", s.velocity_band_m_per_s},
                    {"damper_share", s.damper_share},
                    {"damper_free_n", s.damper_free_n}};
-  if (std::isfinite(s.stiffness_cap_n_per_m)) j["coupling"]["stiffness_cap_n_per_m"] = s.stiffness_cap_n_per_m;
-  if (std::isfinite(s.stiffness_cap_nm_per_rad)) j["coupling"]["stiffness_cap_nm_per_rad"] = s.stiffness_cap_nm_per_rad;
+  if (std::isfinite(s.stiffness_cap_n_per_m))
+    j["coupling"]["stiffness_cap_n_per_m"] = s.stiffness_cap_n_per_m;
+  if (std::isfinite(s.stiffness_cap_nm_per_rad))
+    j["coupling"]["stiffness_cap_nm_per_rad"] = s.stiffness_cap_nm_per_rad;
   j["lag_s"] = r.design.lag_s;
   j["max_approach_m_per_s"] = r.design.max_approach_m_per_s;
   j["translation"] = axis_json(r.design.translation);
-  if (r.problem.device.gives_torque) j["rotation"] = axis_json(r.design.rotation);
+  if (r.problem.device.gives_torque)
+    j["rotation"] = axis_json(r.design.rotation);
   const coupling::design::SlowestSwing& swing = r.design.swing;
   const coupling::design::FloorsKept& floors = r.design.floors;
-  j["slowest_swing"] = {{"released_damping_ratio", swing.released}, {"released", swing.released_where},
-                        {"held_damping_ratio", swing.held}, {"held", swing.held_where},
-                        {"floor_released", r.problem.goals.floors.released}, {"floor_held", r.problem.goals.floors.held},
-                        {"floors_kept", floors.released + floors.held > 0.0}, {"out_of_reach", floors.out_of_reach},
-                        {"cost_of_floors_n_per_m", floors.cost_n_per_m}, {"cost_of_floors_nm_per_rad", floors.cost_nm_per_rad}};
-  j["paper_recipe"] = {{"cutoff_hz", kPaperCutoffHz}, {"damping_ratio", 1.0}, {"stiffness_n_per_m", r.paper.stiffness}};
+  j["slowest_swing"] = {{"released_damping_ratio", swing.released},
+                        {"released", swing.released_where},
+                        {"held_damping_ratio", swing.held},
+                        {"held", swing.held_where},
+                        {"floor_released", r.problem.goals.floors.released},
+                        {"floor_held", r.problem.goals.floors.held},
+                        {"floors_kept", floors.released + floors.held > 0.0},
+                        {"out_of_reach", floors.out_of_reach},
+                        {"cost_of_floors_n_per_m", floors.cost_n_per_m},
+                        {"cost_of_floors_nm_per_rad", floors.cost_nm_per_rad}};
+  j["paper_recipe"] = {{"cutoff_hz", kPaperCutoffHz},
+                       {"damping_ratio", 1.0},
+                       {"stiffness_n_per_m", r.paper.stiffness}};
   const auto verdict = [&](const char* who, double critical) {
     if (!std::isnan(critical))
-      j["paper_recipe"][who] = {{"stable", r.paper.stiffness < critical}, {"critical_stiffness", critical}};
+      j["paper_recipe"][who] = {{"stable", r.paper.stiffness < critical},
+                                {"critical_stiffness", critical}};
   };
   verdict("released", r.paper.critical_released);
   verdict("held", r.paper.critical_held);
@@ -287,12 +345,15 @@ nlohmann::ordered_json to_json(const DesignReport& r) {
 std::string to_csv(const DesignReport& report) {
   const std::vector<RegionColumn> columns = region_columns(report);
   std::string text;
-  for (const RegionColumn& column : columns) text += fmt::format("{}{}", text.empty() ? "" : ",", column.key);
+  for (const RegionColumn& column : columns)
+    text += fmt::format("{}{}", text.empty() ? "" : ",", column.key);
   for (std::size_t row = 0; row < report.region.cutoff_hz.size(); ++row) {
     text += '\n';
     for (const RegionColumn& column : columns) {
-      if (&column != &columns.front()) text += ',';
-      if (std::isfinite(column.values[row])) text += fmt::format("{}", column.values[row]);
+      if (&column != &columns.front())
+        text += ',';
+      if (std::isfinite(column.values[row]))
+        text += fmt::format("{}", column.values[row]);
     }
   }
   return text + '\n';

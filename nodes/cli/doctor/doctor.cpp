@@ -22,7 +22,9 @@ namespace {
 
 std::string_view text_of(const dds_qos_t* qos, void** keeper) {
   std::size_t size = 0;
-  return qos && dds_qget_userdata(qos, keeper, &size) && *keeper ? std::string_view(static_cast<const char*>(*keeper), size) : std::string_view();
+  return qos && dds_qget_userdata(qos, keeper, &size) && *keeper
+             ? std::string_view(static_cast<const char*>(*keeper), size)
+             : std::string_view();
 }
 
 /// Calls f(const T&, user data) for each that is announced on a built-in topic.
@@ -46,28 +48,42 @@ std::vector<Finding> check_neighbours(const runtime::NodeOptions& o) {
   bus::ParticipantOptions options = o.participant("doctor");
   options.node.name.clear();  // it comes and goes: nothing for the graph
   const bus::Participant own(options);
-  const bus::Entity participants(dds_create_reader(own.get(), DDS_BUILTIN_TOPIC_DCPSPARTICIPANT, nullptr, nullptr),
-                                 "participants could not be asked for");
-  const bus::Entity readers(dds_create_reader(own.get(), DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION, nullptr, nullptr),
-                            "readers could not be asked for");
+  const bus::Entity participants(
+      dds_create_reader(own.get(), DDS_BUILTIN_TOPIC_DCPSPARTICIPANT, nullptr, nullptr),
+      "participants could not be asked for");
+  const bus::Entity readers(
+      dds_create_reader(own.get(), DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION, nullptr, nullptr),
+      "readers could not be asked for");
   std::this_thread::sleep_for(std::chrono::seconds(2));
   std::size_t ros = 0, others = 0;
-  each_announced<dds_builtintopic_participant_t>(participants.get(), [&](const auto& one, std::string_view user_data) {
-    if (std::memcmp(one.key.v, own.guid().data(), own.guid().size()) == 0) return;
-    ++(user_data.starts_with("enclave=") || user_data.contains(";enclave=") ? ros : others);
-  });
+  each_announced<dds_builtintopic_participant_t>(
+      participants.get(), [&](const auto& one, std::string_view user_data) {
+        if (std::memcmp(one.key.v, own.guid().data(), own.guid().size()) == 0)
+          return;
+        ++(user_data.starts_with("enclave=") || user_data.contains(";enclave=") ? ros : others);
+      });
   bool humble = false, iron = false;  // a reader of the graph has its type's hash from Iron on
-  each_announced<dds_builtintopic_endpoint_t>(readers.get(), [&](const auto& one, std::string_view user_data) {
-    if (std::string_view(one.topic_name) == "ros_discovery_info") (user_data.contains("typehash=") ? iron : humble) = true;
-  });
+  each_announced<dds_builtintopic_endpoint_t>(
+      readers.get(), [&](const auto& one, std::string_view user_data) {
+        if (std::string_view(one.topic_name) == "ros_discovery_info")
+          (user_data.contains("typehash=") ? iron : humble) = true;
+      });
   std::vector<Finding> findings{
-      {Health::kGood, fmt::format("{} participants of ROS 2 or voxtouch are on domain {}, and {} others; this is Cyclone DDS {}", ros, o.domain, others, DDS_VERSION)}};
-  if (humble && iron) findings.push_back({Health::kMind, "Humble and a later ROS 2 share the domain: one of them does not see a ring's nodes"});
-  if (humble && !iron && o.ros != bus::RosGraph::kHumble)
-    findings.push_back({Health::kMind, "a ROS 2 Humble is on the domain: start with --ros humble, or it does not see the ring's nodes"});
-  if (iron && !humble && o.ros == bus::RosGraph::kHumble)
+      {Health::kGood, fmt::format("{} participants of ROS 2 or voxtouch are on domain {}, and {} "
+                                  "others; this is Cyclone DDS {}",
+                                  ros, o.domain, others, DDS_VERSION)}};
+  if (humble && iron)
     findings.push_back(
-        {Health::kMind, "a ROS 2 later than Humble is on the domain: start without --ros humble, or it does not see the ring's nodes"});
+        {Health::kMind,
+         "Humble and a later ROS 2 share the domain: one of them does not see a ring's nodes"});
+  if (humble && !iron && o.ros != bus::RosGraph::kHumble)
+    findings.push_back({Health::kMind,
+                        "a ROS 2 Humble is on the domain: start with --ros humble, or it does not "
+                        "see the ring's nodes"});
+  if (iron && !humble && o.ros == bus::RosGraph::kHumble)
+    findings.push_back({Health::kMind,
+                        "a ROS 2 later than Humble is on the domain: start without --ros humble, "
+                        "or it does not see the ring's nodes"});
   return findings;
 }
 
@@ -76,12 +92,15 @@ int doctor(const runtime::NodeOptions& o) {
   const auto say = [&](const std::vector<Finding>& findings) {
     static constexpr std::string_view kMarks[] = {"ok  ", "mind", "BAD "};
     for (const Finding& finding : findings) {
-      log::print_result("{}  {}\n", kMarks[static_cast<std::size_t>(finding.health)], finding.sentence);
+      log::print_result("{}  {}\n", kMarks[static_cast<std::size_t>(finding.health)],
+                        finding.sentence);
       is_bad = is_bad || finding.health == Health::kBad;
     }
   };
   if (const char* uri = std::getenv("CYCLONEDDS_URI"); uri && bus::names_cards(uri))
-    say({{Health::kMind, "CYCLONEDDS_URI names network cards, which hold instead of --interface; the ring is not closed to other machines"}});
+    say({{Health::kMind,
+          "CYCLONEDDS_URI names network cards, which hold instead of --interface; the ring is not "
+          "closed to other machines"}});
   else
     say(check_cards(o.network_interface, bus::network_cards()));
   std::ifstream udp("/proc/net/udp");
@@ -91,10 +110,13 @@ int doctor(const runtime::NodeOptions& o) {
   say({check_governors()});
   say(check_link(o.network_interface));
   say(check_devices());
-  if (is_bad) return 1;
+  if (is_bad)
+    return 1;
   say(check_neighbours(o));
-  log::print_result("\nROS 2 finds the ring as it comes, but for what stands above. One with rmw_cyclonedds that does not:\n{}",
-                    ros_environment(o.domain, o.network_interface));
+  log::print_result(
+      "\nROS 2 finds the ring as it comes, but for what stands above. One with rmw_cyclonedds that "
+      "does not:\n{}",
+      ros_environment(o.domain, o.network_interface));
   return 0;
 }
 
@@ -102,11 +124,14 @@ int doctor(const runtime::NodeOptions& o) {
 
 void add_doctor(CLI::App& app, Action& action) {
   auto o = std::make_shared<runtime::NodeOptions>();
-  CLI::App* verb = app.add_subcommand("doctor",
-                                      "Checks what a ring needs of this machine: kernel, real-time rights and limits, CPU governor, network cards\n"
-                                      "and multicast, ports, buffers, haptic devices on USB, and who\n"
-                                      "else is on the domain. Prints the environment for a ROS 2 tool that does not find the ring. Takes 2 s; exit status 1\n"
-                                      "where a ring cannot run.");
+  CLI::App* verb =
+      app.add_subcommand("doctor",
+                         "Checks what a ring needs of this machine: kernel, real-time rights and "
+                         "limits, CPU governor, network cards\n"
+                         "and multicast, ports, buffers, haptic devices on USB, and who\n"
+                         "else is on the domain. Prints the environment for a ROS 2 tool that does "
+                         "not find the ring. Takes 2 s; exit status 1\n"
+                         "where a ring cannot run.");
   runtime::add_rig_options(*verb, *o);
   verb->callback([o, &action] { action = [o] { return doctor(*o); }; });
 }

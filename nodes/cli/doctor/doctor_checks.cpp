@@ -24,7 +24,8 @@ class Socket {
   Socket(const Socket&) = delete;
   Socket& operator=(const Socket&) = delete;
   ~Socket() {
-    if (fd_ >= 0) close(fd_);
+    if (fd_ >= 0)
+      close(fd_);
   }
   template <class T>
   bool set(int option, const T& value) const {
@@ -36,7 +37,8 @@ class Socket {
   int fd_;
 };
 
-/// Whether a datagram to DDS's group over this card comes back, as those of other processes of this machine must.
+/// Whether a datagram to DDS's group over this card comes back, as those of other processes of this
+/// machine must.
 bool multicast_returns(const bus::Card& card) {
   const Socket receiver, sender;
   sockaddr_in address{};
@@ -48,11 +50,13 @@ bool multicast_returns(const bus::Card& card) {
   inet_pton(AF_INET, "239.255.0.1", &group.imr_multiaddr);
   const in_addr from = group.imr_interface;
   const unsigned char hops = 0;
-  if (bind(receiver.fd(), plain, size) != 0 || getsockname(receiver.fd(), plain, &size) != 0 || !receiver.set(IP_ADD_MEMBERSHIP, group) ||
-      !sender.set(IP_MULTICAST_IF, from) || !sender.set(IP_MULTICAST_TTL, hops))
+  if (bind(receiver.fd(), plain, size) != 0 || getsockname(receiver.fd(), plain, &size) != 0 ||
+      !receiver.set(IP_ADD_MEMBERSHIP, group) || !sender.set(IP_MULTICAST_IF, from) ||
+      !sender.set(IP_MULTICAST_TTL, hops))
     return false;
   address.sin_addr = group.imr_multiaddr;
-  if (sendto(sender.fd(), "?", 1, 0, plain, size) != 1) return false;
+  if (sendto(sender.fd(), "?", 1, 0, plain, size) != 1)
+    return false;
   pollfd waiting{receiver.fd(), POLLIN, 0};
   return poll(&waiting, 1, 200) == 1;
 }
@@ -64,40 +68,58 @@ long number_in(const char* file) {
 
 }  // namespace
 
-std::vector<Finding> check_cards(std::string_view interface_name, const std::vector<bus::Card>& cards) {
+std::vector<Finding> check_cards(std::string_view interface_name,
+                                 const std::vector<bus::Card>& cards) {
   const bool is_host = interface_name == bus::kThisHost;
   const std::vector<bus::Card> chosen = bus::cards_of_this_host(cards);
   std::vector<Finding> findings;
   for (const bus::Card& card : cards) {
     const std::string name = fmt::format("{} ({})", card.name, bus::to_text(card.address));
-    const bool used = is_host ? std::ranges::any_of(chosen, [&](const bus::Card& c) { return c.name == card.name; }) : card.name == interface_name;
-    if (!is_host && !used) continue;
+    const bool used = is_host ? std::ranges::any_of(
+                                    chosen, [&](const bus::Card& c) { return c.name == card.name; })
+                              : card.name == interface_name;
+    if (!is_host && !used)
+      continue;
     if (!used)
-      findings.push_back({Health::kMind, fmt::format("card {} is not used ({}): a ROS 2 tool that listens there alone does not find the ring", name,
-                                                     card.is_multicast ? "DDS takes four" : "it does no multicast")});
+      findings.push_back(
+          {Health::kMind,
+           fmt::format("card {} is not used ({}): a ROS 2 tool that listens there alone does not "
+                       "find the ring",
+                       name, card.is_multicast ? "DDS takes four" : "it does no multicast")});
     else if (!multicast_returns(card))
-      findings.push_back({is_host ? Health::kBad : Health::kMind,
-                          fmt::format("card {}: multicast does not come back to this machine; a firewall may drop UDP to 239.255.0.1{}", name,
-                                      is_host ? "" : ", or name the other hosts by --discovery-peer")});
+      findings.push_back(
+          {is_host ? Health::kBad : Health::kMind,
+           fmt::format("card {}: multicast does not come back to this machine; a firewall may drop "
+                       "UDP to 239.255.0.1{}",
+                       name, is_host ? "" : ", or name the other hosts by --discovery-peer")});
     else
-      findings.push_back({Health::kGood, fmt::format("card {} is up, and multicast works within this machine", name)});
+      findings.push_back(
+          {Health::kGood,
+           fmt::format("card {} is up, and multicast works within this machine", name)});
   }
   if (findings.empty())
-    findings.push_back({Health::kBad, fmt::format("there is no card '{}' that is up and has an IPv4 address; `ip -4 address` lists them", interface_name)});
+    findings.push_back(
+        {Health::kBad,
+         fmt::format(
+             "there is no card '{}' that is up and has an IPv4 address; `ip -4 address` lists them",
+             interface_name)});
   return findings;
 }
 
 std::set<unsigned> taken_indices(std::istream& udp, std::uint32_t domain) {
   constexpr unsigned kLast = 119;
-  const unsigned first = 7400 + 250 * domain + 10;  // index n has first + 2n for discovery, and the next for data
+  const unsigned first =
+      7400 + 250 * domain + 10;  // index n has first + 2n for discovery, and the next for data
   std::set<unsigned> taken;
   std::string line;
   while (std::getline(udp, line)) {
     const std::size_t colon = line.find(':', line.find(':') + 1);  // "  12: 00000000:1CF2 ..."
-    if (colon == std::string::npos || line.size() < colon + 5) continue;
+    if (colon == std::string::npos || line.size() < colon + 5)
+      continue;
     unsigned port = 0;
     std::from_chars(line.data() + colon + 1, line.data() + colon + 5, port, 16);
-    if (port >= first && (port - first) / 2 <= kLast) taken.insert((port - first) / 2);
+    if (port >= first && (port - first) / 2 <= kLast)
+      taken.insert((port - first) / 2);
   }
   return taken;
 }
@@ -105,28 +127,45 @@ std::set<unsigned> taken_indices(std::istream& udp, std::uint32_t domain) {
 Finding check_indices(const std::set<unsigned>& taken) {
   constexpr unsigned kOfARing = 7;
   const auto left = [&](unsigned last) {
-    return last + 1 - static_cast<unsigned>(std::ranges::count_if(taken, [&](unsigned n) { return n <= last; }));
+    return last + 1 - static_cast<unsigned>(std::ranges::count_if(taken, [&](unsigned n) {
+             return n <= last;
+           }));
   };
-  const std::string counts = fmt::format("{} of the domain's participant indices are taken; of those up to 9 {} are left, of those up to 32 {}",
-                                         taken.size(), left(9), left(32));
-  if (left(119) < kOfARing) return {Health::kBad, counts + ": too few for a ring"};
-  if (left(32) < kOfARing) return {Health::kMind, counts + ": tools that use no multicast do not find a ring that starts now (see qos/README.md)"};
+  const std::string counts = fmt::format(
+      "{} of the domain's participant indices are taken; of those up to 9 {} are left, of those up "
+      "to 32 {}",
+      taken.size(), left(9), left(32));
+  if (left(119) < kOfARing)
+    return {Health::kBad, counts + ": too few for a ring"};
+  if (left(32) < kOfARing)
+    return {
+        Health::kMind,
+        counts +
+            ": tools that use no multicast do not find a ring that starts now (see qos/README.md)"};
   if (left(9) < kOfARing)
-    return {Health::kMind, counts + ": Humble with ROS_LOCALHOST_ONLY=1 does not find all of a ring that starts now (see qos/README.md)"};
+    return {Health::kMind, counts +
+                               ": Humble with ROS_LOCALHOST_ONLY=1 does not find all of a ring "
+                               "that starts now (see qos/README.md)"};
   return {Health::kGood, counts};
 }
 
 std::vector<Finding> check_rights() {
   std::vector<Finding> findings;
   std::thread([&] {  // of this thread only
-    for (const std::string& refused : runtime::enter_realtime({})) findings.push_back({Health::kMind, refused});
-  }).join();
-  if (findings.empty()) findings.push_back({Health::kGood, "real-time scheduling and locked memory are allowed"});
+    for (const std::string& refused : runtime::enter_realtime({}))
+      findings.push_back({Health::kMind, refused});
+  })
+      .join();
+  if (findings.empty())
+    findings.push_back({Health::kGood, "real-time scheduling and locked memory are allowed"});
   constexpr long kWanted = 4L << 20;
   const long allowed = number_in("/proc/sys/net/core/rmem_max");
   if (allowed >= 0 && allowed < kWanted)
-    findings.push_back({Health::kMind, fmt::format("receive buffers end at {} bytes: a reader that is late loses more; "
-                                                   "`sysctl -w net.core.rmem_max={}` allows DDS what it asks for", allowed, kWanted)});
+    findings.push_back(
+        {Health::kMind,
+         fmt::format("receive buffers end at {} bytes: a reader that is late loses more; "
+                     "`sysctl -w net.core.rmem_max={}` allows DDS what it asks for",
+                     allowed, kWanted)});
   return findings;
 }
 
@@ -134,8 +173,10 @@ std::string ros_environment(std::uint32_t domain, std::string_view interface_nam
   const std::string_view card = interface_name == bus::kThisHost ? "lo" : interface_name;
   return fmt::format(
       "export ROS_DOMAIN_ID={}\n"
-      "export CYCLONEDDS_URI='<CycloneDDS><Domain><General><Interfaces><NetworkInterface name=\"{}\" multicast=\"true\"/></Interfaces></General>"
-      "<Discovery><ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>119</MaxAutoParticipantIndex></Discovery></Domain></CycloneDDS>'\n",
+      "export CYCLONEDDS_URI='<CycloneDDS><Domain><General><Interfaces><NetworkInterface "
+      "name=\"{}\" multicast=\"true\"/></Interfaces></General>"
+      "<Discovery><ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>119</"
+      "MaxAutoParticipantIndex></Discovery></Domain></CycloneDDS>'\n",
       domain, card);
 }
 

@@ -30,27 +30,35 @@ std::string line_of(const fs::path& file) {
 std::vector<fs::path> entries_of(const fs::path& folder) {
   std::vector<fs::path> all;
   std::error_code error;
-  for (const auto& entry : fs::directory_iterator(folder, error)) all.push_back(entry.path());
+  for (const auto& entry : fs::directory_iterator(folder, error))
+    all.push_back(entry.path());
   std::ranges::sort(all);
   return all;
 }
 
-std::string text_of(rlim_t limit) { return limit == RLIM_INFINITY ? "unlimited" : fmt::to_string(limit); }
+std::string text_of(rlim_t limit) {
+  return limit == RLIM_INFINITY ? "unlimited" : fmt::to_string(limit);
+}
 
 struct UsbDevice {
   const char* vendor;
   const char* product;  ///< empty: any of this vendor
   const char* name;
 };
-/// 2988 stands in public drivers of the Touch, 0403:cb48 in those of the Falcon; 1451 is from memory.
-constexpr std::array kKnown{UsbDevice{"2988", "", "a 3D Systems Touch"}, UsbDevice{"0403", "cb48", "a Novint Falcon"},
+/// 2988 stands in public drivers of the Touch, 0403:cb48 in those of the Falcon; 1451 is from
+/// memory.
+constexpr std::array kKnown{UsbDevice{"2988", "", "a 3D Systems Touch"},
+                            UsbDevice{"0403", "cb48", "a Novint Falcon"},
                             UsbDevice{"1451", "", "a Force Dimension device"}};
 
 Finding found(const UsbDevice& known, const fs::path& device, const fs::path& root) {
   const std::string bus = line_of(device / "busnum"), number = line_of(device / "devnum");
-  const fs::path node = root / "dev/bus/usb" / fmt::format("{:0>3}", bus) / fmt::format("{:0>3}", number);
-  if (access(node.c_str(), R_OK | W_OK) == 0) return {Health::kGood, fmt::format("{} is on USB, and may be opened", known.name)};
-  return {Health::kMind, fmt::format("{} is on USB, and this user may not open {}: install the rules of deploy/devices/99-voxtouch-phantom.rules, join "
+  const fs::path node =
+      root / "dev/bus/usb" / fmt::format("{:0>3}", bus) / fmt::format("{:0>3}", number);
+  if (access(node.c_str(), R_OK | W_OK) == 0)
+    return {Health::kGood, fmt::format("{} is on USB, and may be opened", known.name)};
+  return {Health::kMind, fmt::format("{} is on USB, and this user may not open {}: install the "
+                                     "rules of deploy/devices/99-voxtouch-phantom.rules, join "
                                      "the group 'haptic', and plug it in anew",
                                      known.name, node.string())};
 }
@@ -58,10 +66,12 @@ Finding found(const UsbDevice& known, const fs::path& device, const fs::path& ro
 }  // namespace
 
 Finding check_kernel(const fs::path& root) {
-  const std::string release = line_of(root / "proc/sys/kernel/osrelease"), version = line_of(root / "proc/version");
+  const std::string release = line_of(root / "proc/sys/kernel/osrelease"),
+                    version = line_of(root / "proc/version");
   if (line_of(root / "sys/kernel/realtime") == "1" || version.contains("PREEMPT_RT"))
     return {Health::kGood, fmt::format("kernel {} is a real-time kernel", release)};
-  return {Health::kMind, fmt::format("kernel {} is no real-time kernel: other work may make samples late by milliseconds; on Debian `apt-get install "
+  return {Health::kMind, fmt::format("kernel {} is no real-time kernel: other work may make "
+                                     "samples late by milliseconds; on Debian `apt-get install "
                                      "linux-image-rt-amd64` and a restart give one",
                                      release)};
 }
@@ -70,21 +80,31 @@ Finding check_limits() {
   rlimit priority{}, memory{};
   getrlimit(RLIMIT_RTPRIO, &priority);
   getrlimit(RLIMIT_MEMLOCK, &memory);
-  const std::string text = fmt::format("limits of this user: rtprio {}, memlock {} bytes", text_of(priority.rlim_cur), text_of(memory.rlim_cur));
-  const bool enough = priority.rlim_cur >= static_cast<rlim_t>(runtime::RealtimeOptions{}.priority) && memory.rlim_cur == RLIM_INFINITY;
-  if (enough || geteuid() == 0) return {Health::kGood, text};
-  return {Health::kMind, text + fmt::format("; a ring wants rtprio {} and memlock unlimited: put deploy/services/99-voxtouch-realtime.conf into "
-                                            "/etc/security/limits.d, join its group, and log in anew",
-                                            runtime::RealtimeOptions{}.priority)};
+  const std::string text = fmt::format("limits of this user: rtprio {}, memlock {} bytes",
+                                       text_of(priority.rlim_cur), text_of(memory.rlim_cur));
+  const bool enough =
+      priority.rlim_cur >= static_cast<rlim_t>(runtime::RealtimeOptions{}.priority) &&
+      memory.rlim_cur == RLIM_INFINITY;
+  if (enough || geteuid() == 0)
+    return {Health::kGood, text};
+  return {Health::kMind,
+          text + fmt::format("; a ring wants rtprio {} and memlock unlimited: put "
+                             "deploy/services/99-voxtouch-realtime.conf into "
+                             "/etc/security/limits.d, join its group, and log in anew",
+                             runtime::RealtimeOptions{}.priority)};
 }
 
 Finding check_governors(const fs::path& root) {
   std::set<std::string> governors;
   for (const fs::path& cpu : entries_of(root / "sys/devices/system/cpu"))
-    if (const std::string governor = line_of(cpu / "cpufreq/scaling_governor"); !governor.empty()) governors.insert(governor);
-  if (governors.empty()) return {Health::kGood, "the system tells of no CPU governor, as virtual machines do not"};
-  if (governors == std::set<std::string>{"performance"}) return {Health::kGood, "CPU governor: performance"};
-  return {Health::kMind, fmt::format("CPU governor: {}; a processor that sleeps or slows down makes samples late: `cpupower frequency-set -g performance`",
+    if (const std::string governor = line_of(cpu / "cpufreq/scaling_governor"); !governor.empty())
+      governors.insert(governor);
+  if (governors.empty())
+    return {Health::kGood, "the system tells of no CPU governor, as virtual machines do not"};
+  if (governors == std::set<std::string>{"performance"})
+    return {Health::kGood, "CPU governor: performance"};
+  return {Health::kMind, fmt::format("CPU governor: {}; a processor that sleeps or slows down "
+                                     "makes samples late: `cpupower frequency-set -g performance`",
                                      fmt::join(governors, ", "))};
 }
 
@@ -92,29 +112,44 @@ std::vector<Finding> check_link(std::string_view card, const fs::path& root) {
   const fs::path folder = root / "sys/class/net" / card;
   std::error_code error;
   if (fs::exists(folder / "wireless", error))
-    return {{Health::kMind, fmt::format("card {} is wireless, which makes samples late by tens of milliseconds: a ring over several hosts wants a cable", card)}};
+    return {{Health::kMind, fmt::format("card {} is wireless, which makes samples late by tens of "
+                                        "milliseconds: a ring over several hosts wants a cable",
+                                        card)}};
   const std::string text = line_of(folder / "speed");
   const long speed = std::strtol(text.c_str(), nullptr, 10);
   if (speed > 0 && speed < 100)
-    return {{Health::kMind, fmt::format("card {} runs at {} Mbit/s; a ring over several hosts wants 100 or more: look at cable and switch", card, speed)}};
+    return {{Health::kMind, fmt::format("card {} runs at {} Mbit/s; a ring over several hosts "
+                                        "wants 100 or more: look at cable and switch",
+                                        card, speed)}};
   return {};
 }
 
 std::vector<Finding> check_devices(const fs::path& root) {
   std::vector<Finding> findings;
   for (const fs::path& device : entries_of(root / "sys/bus/usb/devices")) {
-    const std::string vendor = line_of(device / "idVendor"), product = line_of(device / "idProduct");
-    const auto known = std::ranges::find_if(kKnown, [&](const UsbDevice& d) { return vendor == d.vendor && (*d.product == '\0' || product == d.product); });
-    if (known != kKnown.end()) findings.push_back(found(*known, device, root));
+    const std::string vendor = line_of(device / "idVendor"),
+                      product = line_of(device / "idProduct");
+    const auto known = std::ranges::find_if(kKnown, [&](const UsbDevice& d) {
+      return vendor == d.vendor && (*d.product == '\0' || product == d.product);
+    });
+    if (known != kKnown.end())
+      findings.push_back(found(*known, device, root));
   }
   const auto has_library = [&](const char* folder) {
-    return std::ranges::any_of(entries_of(root / folder), [](const fs::path& file) { return file.filename().string().starts_with("libHD.so"); });
+    return std::ranges::any_of(entries_of(root / folder), [](const fs::path& file) {
+      return file.filename().string().starts_with("libHD.so");
+    });
   };
-  const bool library = std::ranges::any_of(std::array{"usr/lib", "usr/lib64", "usr/local/lib", "usr/lib/x86_64-linux-gnu"}, has_library);
+  const bool library = std::ranges::any_of(
+      std::array{"usr/lib", "usr/lib64", "usr/local/lib", "usr/lib/x86_64-linux-gnu"}, has_library);
   if (!findings.empty() && !library)
-    findings.push_back({Health::kMind, "the vendor's library libHD.so is not in a usual folder: `--device phantom` needs OpenHaptics (deploy/devices/phantom.md)"});
+    findings.push_back({Health::kMind,
+                        "the vendor's library libHD.so is not in a usual folder: `--device "
+                        "phantom` needs OpenHaptics (deploy/devices/phantom.md)"});
   if (findings.empty())
-    findings.push_back({Health::kGood, "no haptic device is on USB; simulated ones need none, and others than USB's are not looked for"});
+    findings.push_back({Health::kGood,
+                        "no haptic device is on USB; simulated ones need none, and others than "
+                        "USB's are not looked for"});
   return findings;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
-/// What of the machine itself, its kernel, limits, processors and devices, keeps a ring from running well.
+/// What of the machine itself, its kernel, limits, processors and devices, keeps a ring from
+/// running well.
 #include <filesystem>
 #include <vector>
 
@@ -16,7 +17,8 @@ Finding check_limits();
 /// Processors that change their clock, and the command that holds it.
 Finding check_governors(const std::filesystem::path& root = "/");
 
-/// Whether a card is wireless or slow: for rings over several hosts. Empty for a card that is neither, or unknown.
+/// Whether a card is wireless or slow: for rings over several hosts. Empty for a card that is
+/// neither, or unknown.
 std::vector<Finding> check_link(std::string_view card, const std::filesystem::path& root = "/");
 
 /// Haptic devices on USB, whether this user may open them, and the vendor's library.

@@ -2,14 +2,14 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "core/rendering/build.hpp"
 #include "core/felt/felt.hpp"
 #include "core/fitting/device_check.hpp"
 #include "core/fitting/fit_coupling.hpp"
+#include "core/rendering/build.hpp"
 #include "core/scene/scene_file.hpp"
 #include "nodes/cli/known_device.hpp"
-#include "nodes/cli/plan/plan_report.hpp"
 #include "nodes/cli/machine.hpp"
+#include "nodes/cli/plan/plan_report.hpp"
 #include "nodes/cli/verbs.hpp"
 #include "nodes/rendering/plan_ring.hpp"
 #include "nodes/runtime/scene_argument.hpp"
@@ -19,10 +19,12 @@ namespace voxtouch::cli {
 namespace {
 
 constexpr const char* kPlanDescription =
-    "What a scene calls for: which parts are built for it and why, what they weigh in memory, what they are expected "
+    "What a scene calls for: which parts are built for it and why, what they weigh in memory, what "
+    "they are expected "
     "to take "
     "in a\n"
-    "frame and what they take here; which topics and nodes stand round it; what is left out and why.\n"
+    "frame and what they take here; which topics and nodes stand round it; what is left out and "
+    "why.\n"
     "Exit status 1 where the device named cannot run it.\n"
     "Try: voxtouch plan deploy/scenes/cup.yaml --device sim-phantom";
 
@@ -41,7 +43,9 @@ DeviceVerdict judge(const PlanVerb& o, const scene::Scene& scene, rendering::Bui
   const coupling::design::DeviceModel device = find_device(o.device);
   DeviceVerdict out{.device = o.device, .errors = {}, .notes = {}};
   if (!device.gives_torque)
-    out.notes.push_back("It gives no torque: the contact's torque about the tool's origin is computed, and not felt.");
+    out.notes.push_back(
+        "It gives no torque: the contact's torque about the tool's origin is computed, and not "
+        "felt.");
   const fitting::FittedCoupling fit =
       fitting::fit_coupling(scene, device, plan.contact_n_per_m, plan.contact_nm_per_rad);
   if (!fit.refusal.empty()) {
@@ -50,13 +54,17 @@ DeviceVerdict judge(const PlanVerb& o, const scene::Scene& scene, rendering::Bui
   }
   if (scene.design) {
     out.notes.push_back(fmt::format("The designed coupling shows {:.4g} of {:.4g} N/m at the hand.",
-                                    fit.design.translation.shown_stiffness, fit.design.translation.wanted_stiffness));
+                                    fit.design.translation.shown_stiffness,
+                                    fit.design.translation.wanted_stiffness));
   } else {
-    const fitting::DeviceCheck all = fitting::check_device(scene, device, plan.contact_n_per_m.all_points);
+    const fitting::DeviceCheck all =
+        fitting::check_device(scene, device, plan.contact_n_per_m.all_points);
     out.notes.insert(out.notes.end(), all.warnings.begin(), all.warnings.end());
-    if (!all.fits()) out.notes.push_back("Where all points push together: " + all.errors.front());
+    if (!all.fits())
+      out.notes.push_back("Where all points push together: " + all.errors.front());
   }
-  if (std::string felt = felt::felt_sentence(fit, scene, device, built); !felt.empty()) out.notes.push_back(std::move(felt));
+  if (std::string felt = felt::felt_sentence(fit, scene, device, built); !felt.empty())
+    out.notes.push_back(std::move(felt));
   fitted = scene.design ? fit.spec : scene.coupling;
   return out;
 }
@@ -64,23 +72,30 @@ DeviceVerdict judge(const PlanVerb& o, const scene::Scene& scene, rendering::Bui
 PlanReport make_report(const PlanVerb& o) {
   scene::Scene scene = scene::load_scene(o.scene);
   if (!o.model.empty() && scene.virtual_tool() && o.model != scene.contact.model)
-    throw std::runtime_error(fmt::format("a virtual tool goes with the contact model {}, not with {}", scene.contact.model, o.model));
-  if (!o.model.empty()) scene.contact.model = o.model;
+    throw std::runtime_error(
+        fmt::format("a virtual tool goes with the contact model {}, not with {}",
+                    scene.contact.model, o.model));
+  if (!o.model.empty())
+    scene.contact.model = o.model;
   log::tell("building {}\n", scene.name);
   const std::unique_ptr<rendering::BuiltScene> built =
       scene_build::build_here(scene, {.who = "plan", .cache = o.cache});
   PlanReport report;
   report.plan = built->plan();
-  for (rendering::PlanPart& part : rendering_node::ring_parts(scene)) report.plan.parts.push_back(std::move(part));
+  for (rendering::PlanPart& part : rendering_node::ring_parts(scene))
+    report.plan.parts.push_back(std::move(part));
   MeasureOptions options{.frames = o.frames, .cpu_time_s = thread_cpu_s, .coupling = {}};
-  if (!scene.design) options.coupling = scene.coupling;
-  if (!o.device.empty()) report.device = judge(o, scene, *built, options.coupling);
-  if (o.no_measure) return report;
+  if (!scene.design)
+    options.coupling = scene.coupling;
+  if (!o.device.empty())
+    report.device = judge(o, scene, *built, options.coupling);
+  if (o.no_measure)
+    return report;
   if (!options.coupling)
-    report.why_no_coupling_time = report.device
-                                      ? "The coupling was not measured: none may run."
-                                      : "The coupling was not measured: it is designed for a device; name one "
-                                        "with --device.";
+    report.why_no_coupling_time =
+        report.device ? "The coupling was not measured: none may run."
+                      : "The coupling was not measured: it is designed for a device; name one "
+                        "with --device.";
   log::tell("measuring {} frames\n", o.frames);
   report.machine = this_machine(), report.load = load_average();
   report.times = measure_plan(scene, *built, options);
@@ -98,15 +113,20 @@ int run(const PlanVerb& o) {
 void add_plan(CLI::App& app, Action& action) {
   auto o = std::make_shared<PlanVerb>();
   CLI::App* verb = app.add_subcommand("plan", kPlanDescription);
-  verb->add_option("SCENE", o->scene, "Scene file (YAML), or the name of one that comes with voxtouch")->required()->transform(runtime::scene_argument());
-  verb->add_option("--device", o->device,
-                   "Also says what this device cannot show: a name, or a file (deploy/devices/*.yaml)");
+  verb->add_option("SCENE", o->scene,
+                   "Scene file (YAML), or the name of one that comes with voxtouch")
+      ->required()
+      ->transform(runtime::scene_argument());
+  verb->add_option(
+      "--device", o->device,
+      "Also says what this device cannot show: a name, or a file (deploy/devices/*.yaml)");
   verb->add_option("--model", o->model, "This contact model instead of the scene's")
       ->check(CLI::IsMember({"original", "adapted", "field"}));
   verb->add_option("--frames", o->frames, "How many frames are measured")
       ->capture_default_str()
       ->check(CLI::Range(1, 1'000'000));
-  verb->add_flag("--no-measure", o->no_measure, "Only what is expected, which is the same on every machine");
+  verb->add_flag("--no-measure", o->no_measure,
+                 "Only what is expected, which is the same on every machine");
   scene_build::add_cache_options(*verb, o->cache);
   verb->add_flag("--json", o->json, "One JSON object on stdout; all else goes to stderr");
   verb->callback([o, &action] { action = [o] { return run(*o); }; });

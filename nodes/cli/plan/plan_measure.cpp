@@ -6,57 +6,67 @@
 #include <random>
 
 #include "core/accuracy/tool_row.hpp"
-#include "core/effects/body.hpp"
 #include "core/coupling/running_coupling.hpp"
+#include "core/effects/body.hpp"
 #include "core/fitting/coupling_input.hpp"
 
 namespace voxtouch::cli {
 namespace {
 
-/// Calls in one reading of the clock: enough that its own steps do not show, few enough that a frame stays short.
+/// Calls in one reading of the clock: enough that its own steps do not show, few enough that a
+/// frame stays short.
 constexpr int kBatch = 16;
 /// Of a circle or of a way back and forth, for motions that never end.
 constexpr double kAfterApproachS = 4.0;
 constexpr std::uint32_t kSeed = 1;
 
-/// Where no motion leads there, the hand goes straight in from outside, in so many frames, from so far before the touch to so far behind it.
+/// Where no motion leads there, the hand goes straight in from outside, in so many frames, from so
+/// far before the touch to so far behind it.
 constexpr int kLeadFrames = 33;
 constexpr double kLeadEdges = 2.0;
 
 double mean(const std::vector<double>& values) {
-  return values.empty() ? 0.0 : std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+  return values.empty() ? 0.0
+                        : std::accumulate(values.begin(), values.end(), 0.0) /
+                              static_cast<double>(values.size());
 }
 
 double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
+  if (values.empty())
+    return 0.0;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
 }
 
-/// Where the tool is in frame `n` of `frames`: spread evenly over the first motion by name, or about its own size from a voxel
-/// of the surface that is drawn with a fixed seed.
+/// Where the tool is in frame `n` of `frames`: spread evenly over the first motion by name, or
+/// about its own size from a voxel of the surface that is drawn with a fixed seed.
 class Way {
  public:
   Way(const scene::Scene& scene, const voxmap::Voxmap& voxmap, double reach_m, int frames)
-      : frames_(frames), random_(kSeed), edge_m_(voxmap.grid().edge) {
+      : frames_(frames),
+        random_(kSeed),
+        edge_m_(voxmap.grid().edge) {
     if (!scene.motions.empty()) {
       name_ = scene.motions.begin()->first, motion_ = scene.motions.begin()->second;
-      duration_s_ =
-          approach_duration(*motion_) + (motion_->circle_centre || motion_->repeat_from ? kAfterApproachS : 0.0);
+      duration_s_ = approach_duration(*motion_) +
+                    (motion_->circle_centre || motion_->repeat_from ? kAfterApproachS : 0.0);
       return;
     }
     reach_m_ = reach_m;
     voxmap.for_each_occupied([&](const voxmap::VoxelIndex& v, voxmap::VoxelKind kind) {
-      if (kind == voxmap::VoxelKind::kSurface) surface_.push_back(voxmap.grid().centre(v));
+      if (kind == voxmap::VoxelKind::kSurface)
+        surface_.push_back(voxmap.grid().centre(v));
     });
   }
   const std::string& name() const { return name_; }
   double step_s() const { return motion_ ? duration_s_ / frames_ : 1e-3; }
   rendering::ToolState at(int n) {
-    if (motion_) return along(step_s() * n);
+    if (motion_)
+      return along(step_s() * n);
     rendering::ToolState tool;
-    if (surface_.empty()) return tool;
+    if (surface_.empty())
+      return tool;
     const auto draw = [this] {
       return 2.0 * static_cast<double>(random_()) / static_cast<double>(std::mt19937::max()) - 1.0;
     };
@@ -66,18 +76,21 @@ class Way {
     return tool;
   }
   bool leads() const { return motion_.has_value(); }
-  /// The hand on its way to the place of frame `n`, at most a millisecond each: along the motion, or straight in.
+  /// The hand on its way to the place of frame `n`, at most a millisecond each: along the motion,
+  /// or straight in.
   std::vector<rendering::ToolState> lead(int n) {
     std::vector<rendering::ToolState> out;
     if (motion_) {
       const double from_s = step_s() * std::max(n - 1, 0), way_s = step_s() * n - from_s;
       const int steps = std::max(1, static_cast<int>(std::ceil(way_s / 1e-3)));
-      for (int k = 1; k <= steps; ++k) out.push_back(along(from_s + way_s * k / steps));
+      for (int k = 1; k <= steps; ++k)
+        out.push_back(along(from_s + way_s * k / steps));
       return out;
     }
     out.assign(kLeadFrames, at(n));
     for (int k = 0; k < kLeadFrames; ++k)
-      out[static_cast<std::size_t>(k)].pose.position += kLeadEdges * edge_m_ * (1.0 - 2.0 * k / (kLeadFrames - 1)) * from_surface_;
+      out[static_cast<std::size_t>(k)].pose.position +=
+          kLeadEdges * edge_m_ * (1.0 - 2.0 * k / (kLeadFrames - 1)) * from_surface_;
     return out;
   }
 
@@ -98,7 +111,7 @@ class Way {
   double duration_s_ = 0.0;
   double reach_m_ = 0.0, edge_m_;
   Vec3 from_surface_ = Vec3::Zero();  ///< unit, of the last place without a motion
-  std::vector<Vec3> surface_;  ///< centres of voxels; empty where there is a motion
+  std::vector<Vec3> surface_;         ///< centres of voxels; empty where there is a motion
 };
 
 class Stopwatch {
@@ -109,13 +122,15 @@ class Stopwatch {
       overhead_s_ = std::min(overhead_s_, clock_() - begin);
     }
   }
-  /// Nanoseconds of one call, the best of three batches: what else ran in between is not the code's.
+  /// Nanoseconds of one call, the best of three batches: what else ran in between is not the
+  /// code's.
   template <class Call>
   double ns(Call&& call) const {
     double best = 1e9;
     for (int round = 0; round < 3; ++round) {
       const double begin = clock_();
-      for (int n = 0; n < kBatch; ++n) call();
+      for (int n = 0; n < kBatch; ++n)
+        call();
       best = std::min(best, clock_() - begin - overhead_s_);
     }
     return std::max(0.0, best) * 1e9 / kBatch;
@@ -141,12 +156,17 @@ struct Samples {
 
 class Measurement {
  public:
-  Measurement(const scene::Scene& scene, rendering::BuiltScene& built, const MeasureOptions& options)
-      : scene_(scene), built_(built), way_(scene, built.voxmap(), built.renderer().query().reach_m(), options.frames),
+  Measurement(const scene::Scene& scene, rendering::BuiltScene& built,
+              const MeasureOptions& options)
+      : scene_(scene),
+        built_(built),
+        way_(scene, built.voxmap(), built.renderer().query().reach_m(), options.frames),
         watch_(options.cpu_time_s) {
     samples_.effects.resize(scene.effects.size());
-    for (const effects::EffectSpec& effect : scene.effects) alone_.emplace_back(std::vector<effects::EffectSpec>{effect});
-    if (options.coupling) coupling_.emplace(*options.coupling, coupling::CouplingLimits{}, kDefaultS);
+    for (const effects::EffectSpec& effect : scene.effects)
+      alone_.emplace_back(std::vector<effects::EffectSpec>{effect});
+    if (options.coupling)
+      coupling_.emplace(*options.coupling, coupling::CouplingLimits{}, kDefaultS);
     hits_.reserve(built.renderer().query().shell().size());
     built.scene_renderer().reset();
     built.scene_renderer().aim_for_spring(kSpringNPerM);
@@ -154,17 +174,21 @@ class Measurement {
 
   /// Frames in contact are what counts, where there are any: those without are told apart.
   void frame(int n, PlanTimes& out) {
-    if (scene_.virtual_tool()) return slide(n, out);
+    if (scene_.virtual_tool())
+      return slide(n, out);
     const rendering::ToolState tool = way_.at(n);
     rendering::ObjectContacts& contacts = built_.contacts();
     double time_s = static_cast<double>(n), hits = 0.0, tested = 0.0;
     for (std::size_t o = 0; o < contacts.size(); ++o) {
       contacts.object(o).renderer->query().find(tool.pose, hits_);
-      hits += static_cast<double>(hits_.surface.size() + hits_.interior.size()), tested += hits_.tested;
+      hits += static_cast<double>(hits_.surface.size() + hits_.interior.size()),
+          tested += hits_.tested;
     }
     const bool touches = hits > 0.0;
-    if (!touches && out.touching > 0) return free_frame(tool, time_s);
-    if (touches && out.touching++ == 0) begin_contact();
+    if (!touches && out.touching > 0)
+      return free_frame(tool, time_s);
+    if (touches && out.touching++ == 0)
+      begin_contact();
     double find = 0.0;
     for (std::size_t o = 0; o < contacts.size(); ++o)
       find += watch_.ns([&] { contacts.object(o).renderer->query().find(tool.pose, hits_); });
@@ -174,11 +198,13 @@ class Measurement {
     samples_.rest.push_back(std::max(0.0, whole - find));
     samples_.tested.push_back(tested);
     samples_.hits.push_back(hits);
-    const effects::EffectFrame in = built_.scene_renderer().look(tool, kDefaultS, time_s, contacts.parts(touch));
+    const effects::EffectFrame in =
+        built_.scene_renderer().look(tool, kDefaultS, time_s, contacts.parts(touch));
     for (std::size_t e = 0; e < alone_.size(); ++e)
       samples_.effects[e].push_back(watch_.ns([&] { push_ = alone_[e].apply(in); }));
     rendering::SceneFrame all;
-    samples_.frame.push_back(watch_.ns([&] { all = built_.scene_renderer().render(tool, time_s += kDefaultS); }));
+    samples_.frame.push_back(
+        watch_.ns([&] { all = built_.scene_renderer().render(tool, time_s += kDefaultS); }));
     if (coupling_) {
       const coupling::CouplingInput input = fitting::coupling_input(all, tool.pose);
       samples_.coupling.push_back(watch_.ns([&] { coupling_->step(input, kDefaultS); }));
@@ -188,26 +214,32 @@ class Measurement {
   /// The same of a virtual tool, from where the hand is led to.
   void slide(int n, PlanTimes& out) {
     rendering::SceneRenderer& renderer = built_.scene_renderer();
-    if (!way_.leads()) renderer.lose_tool();
+    if (!way_.leads())
+      renderer.lose_tool();
     rendering::SceneFrame frame;
     rendering::ToolState hand;
-    for (const rendering::ToolState& next : way_.lead(n)) frame = renderer.render(hand = next, time_s_ += kDefaultS);
+    for (const rendering::ToolState& next : way_.lead(n))
+      frame = renderer.render(hand = next, time_s_ += kDefaultS);
     const Vec3 normal = frame.touch.contact.mean_normal;
-    if (frame.tool.constrained && out.touching++ == 0) begin_contact();
+    if (frame.tool.constrained && out.touching++ == 0)
+      begin_contact();
     const bool counts = frame.tool.constrained || out.touching == 0;
     double find = 0.0, effects = 0.0, tested = 0.0, hits = 0.0;
     if (counts) {
       rendering::ObjectContacts& contacts = built_.contacts();
       for (std::size_t o = 0; o < contacts.size(); ++o) {
         find += watch_.ns([&] { contacts.object(o).renderer->query().find(frame.object, hits_); });
-        hits += static_cast<double>(hits_.surface.size() + hits_.interior.size()), tested += hits_.tested;
+        hits += static_cast<double>(hits_.surface.size() + hits_.interior.size()),
+            tested += hits_.tested;
       }
-      const effects::EffectFrame in = renderer.look(hand, kDefaultS, time_s_, contacts.parts(contacts.render(hand.pose, 0.0)));
+      const effects::EffectFrame in =
+          renderer.look(hand, kDefaultS, time_s_, contacts.parts(contacts.render(hand.pose, 0.0)));
       for (std::size_t e = 0; e < alone_.size(); ++e) {
         samples_.effects[e].push_back(watch_.ns([&] { push_ = alone_[e].apply(in); }));
         effects += samples_.effects[e].back();
       }
-      samples_.find.push_back(find), samples_.tested.push_back(tested), samples_.hits.push_back(hits);
+      samples_.find.push_back(find), samples_.tested.push_back(tested),
+          samples_.hits.push_back(hits);
       if (coupling_) {
         const coupling::CouplingInput input = fitting::coupling_input(frame, hand.pose);
         samples_.coupling.push_back(watch_.ns([&] { coupling_->step(input, kDefaultS); }));
@@ -216,13 +248,15 @@ class Measurement {
     const Vec3 aside = normal.isZero(0.0) ? Vec3(Vec3::UnitX()) : normal.unitOrthogonal();
     for (int k = 0; k < kBatch; ++k) {
       hand.pose.position += accuracy::kSlideEdges * scene_.voxel_size_m * aside;
-      const double ns = watch_.once_ns([&] { frame = renderer.render(hand, time_s_ += kDefaultS); });
+      const double ns =
+          watch_.once_ns([&] { frame = renderer.render(hand, time_s_ += kDefaultS); });
       if (!frame.tool.constrained || !counts) {
         free_.push_back(ns);
         continue;
       }
       samples_.frame.push_back(ns);
-      samples_.queries.push_back(frame.tool.queries), samples_.iterations.push_back(frame.tool.iterations);
+      samples_.queries.push_back(frame.tool.queries),
+          samples_.iterations.push_back(frame.tool.iterations);
       samples_.rest.push_back(std::max(0.0, ns - frame.tool.queries * find - effects));
     }
   }
@@ -231,7 +265,8 @@ class Measurement {
   double measured(std::size_t effect) {
     const effects::EffectSpec& spec = scene_.effects[effect];
     const std::optional<effects::BodyShape>& shape = built_.effect_ground().body;
-    if (!spec.kind->needs(spec.values).body || !shape) return median(samples_.effects[effect]);
+    if (!spec.kind->needs(spec.values).body || !shape)
+      return median(samples_.effects[effect]);
     effects::RigidBody body(*shape);
     body.place({}, true);
     const effects::BodyParameters parameters = effects::body_parameters(spec.values);
@@ -253,24 +288,33 @@ class Measurement {
     out.along = way_.name();
     out.points_tested = median(samples_.tested), out.hits = median(samples_.hits);
     out.slides = scene_.virtual_tool();
-    if (out.slides) out.queries_per_frame = mean(samples_.queries);
-    const double queries = out.queries_per_frame;
-    out.parts.push_back({"pointshell", queries * rendering::kNsPerPoint * out.points_tested, queries * median(samples_.find)});
-    const std::string& model = built_.plan().contact_model;
-    const double weighed = rendering::kNsPerFrame + rendering::ns_per_contact_point(model) * out.hits;
     if (out.slides)
-      out.parts.push_back({"virtual tool", queries * weighed + rendering::kNsPerIteration * mean(samples_.iterations), median(samples_.rest)});
+      out.queries_per_frame = mean(samples_.queries);
+    const double queries = out.queries_per_frame;
+    out.parts.push_back({"pointshell", queries * rendering::kNsPerPoint * out.points_tested,
+                         queries * median(samples_.find)});
+    const std::string& model = built_.plan().contact_model;
+    const double weighed =
+        rendering::kNsPerFrame + rendering::ns_per_contact_point(model) * out.hits;
+    if (out.slides)
+      out.parts.push_back(
+          {"virtual tool",
+           queries * weighed + rendering::kNsPerIteration * mean(samples_.iterations),
+           median(samples_.rest)});
     else
       out.parts.push_back({"contact model " + model, weighed, median(samples_.rest)});
     for (std::size_t e = 0; e < alone_.size(); ++e) {
       const effects::EffectSpec& effect = scene_.effects[e];
-      out.parts.push_back({"effect " + effect.name,
-                           rendering::expected_ns(effect, built_.effect_ground().tool.points.size()), measured(e)});
+      out.parts.push_back(
+          {"effect " + effect.name,
+           rendering::expected_ns(effect, built_.effect_ground().tool.points.size()), measured(e)});
     }
-    if (coupling_) out.parts.push_back({"coupling", rendering::kNsPerCoupling, median(samples_.coupling)});
+    if (coupling_)
+      out.parts.push_back({"coupling", rendering::kNsPerCoupling, median(samples_.coupling)});
     std::vector<double> frames = samples_.frame.empty() ? free_ : samples_.frame;
     std::sort(frames.begin(), frames.end());
-    if (frames.empty()) return;
+    if (frames.empty())
+      return;
     out.frame_free_ns = out.touching > 0 ? median(free_) : median(frames);
     out.frame_median_ns = median(frames), out.frame_worst_ns = frames.back();
     out.frame_p95_ns = frames[std::min(frames.size() - 1, frames.size() * 95 / 100)];
@@ -295,11 +339,13 @@ class Measurement {
 
 }  // namespace
 
-PlanTimes measure_plan(const scene::Scene& scene, rendering::BuiltScene& built, const MeasureOptions& options) {
+PlanTimes measure_plan(const scene::Scene& scene, rendering::BuiltScene& built,
+                       const MeasureOptions& options) {
   PlanTimes out;
   out.frames = options.frames;
   Measurement measurement(scene, built, options);
-  for (int n = 0; n < options.frames; ++n) measurement.frame(n, out);
+  for (int n = 0; n < options.frames; ++n)
+    measurement.frame(n, out);
   measurement.sum_up(out);
   built.scene_renderer().reset();
   return out;

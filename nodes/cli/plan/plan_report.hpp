@@ -20,7 +20,7 @@ struct DeviceVerdict {
 };
 
 struct PlanReport {
-  rendering::Plan plan;                       ///< its parts with those of the ring behind them
+  rendering::Plan plan;            ///< its parts with those of the ring behind them
   std::optional<PlanTimes> times;  ///< none: nothing was measured
   std::optional<DeviceVerdict> device;
   std::string why_no_coupling_time;  ///< empty: it was measured, or nothing was

@@ -9,8 +9,9 @@
 
 namespace voxtouch::cli {
 
-/// Reads the columns qw qx qy qz tx ty tz, found by the header's names in any order; other columns are left alone. Quaternions with
-/// a finite norm in [1e-3, 1e3] are normalised. Throws std::runtime_error "file:line: sentence".
+/// Reads the columns qw qx qy qz tx ty tz, found by the header's names in any order; other columns
+/// are left alone. Quaternions with a finite norm in [1e-3, 1e3] are normalised. Throws
+/// std::runtime_error "file:line: sentence".
 std::vector<Pose> read_poses(std::istream& in, const std::string& name);
 std::vector<Pose> read_poses(const std::filesystem::path& file);  ///< "-": standard input
 

@@ -17,7 +17,8 @@
 namespace voxtouch::cli {
 namespace {
 
-// Readers are taps: they slow no writer and bear any deadline, but ask for the last value where a topic keeps one.
+// Readers are taps: they slow no writer and bear any deadline, but ask for the last value where a
+// topic keeps one.
 constexpr std::string_view kCode = R"py(
 
 @dataclass(frozen=True)
@@ -68,11 +69,12 @@ def join(domain=0, interface="lo"):
 std::string row_text(const qos::Topic& topic, std::string_view package, std::string_view name) {
   const qos::Profile& profile = qos::profile(topic.profile);
   const auto truth = [](bool value) { return value ? "True" : "False"; };
-  return fmt::format(R"(    Row("{}", {}.{}, outside_rig={}, reliable={}, keeps_last={}, depth={}, deadline_s={}),
+  return fmt::format(
+      R"(    Row("{}", {}.{}, outside_rig={}, reliable={}, keeps_last={}, depth={}, deadline_s={}),
 )",
-                     topic.path, package, name, truth(topic.global), truth(profile.reliable),
-                     truth(profile.transient_local), profile.depth,
-                     topic.rate_hz > 0 ? profile.deadline_periods / topic.rate_hz : 0.0);
+      topic.path, package, name, truth(topic.global), truth(profile.reliable),
+      truth(profile.transient_local), profile.depth,
+      topic.rate_hz > 0 ? profile.deadline_periods / topic.rate_hz : 0.0);
 }
 
 std::string python_topics() {
@@ -83,7 +85,8 @@ std::string python_topics() {
     packages.insert(package);
     rows += row_text(topic, package, topic.type.substr(topic.type.rfind('/') + 1));
   }
-  return fmt::format(R"py("""Topics of voxtouch with their types and policies, and its network; written by `voxtouch types --python`."""
+  return fmt::format(
+      R"py("""Topics of voxtouch with their types and policies, and its network; written by `voxtouch types --python`."""
 from dataclasses import dataclass
 
 from cyclonedds.domain import Domain, DomainParticipant
@@ -100,7 +103,7 @@ NETWORK = """{}"""
 TOPICS = {{row.path: row for row in (
 {})}}
 )py",
-                     fmt::join(packages, ", "), qos::kNetworkXml, kCode, rows);
+      fmt::join(packages, ", "), qos::kNetworkXml, kCode, rows);
 }
 
 int write_types(const std::filesystem::path& folder) {
@@ -108,11 +111,15 @@ int write_types(const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::create_directories(package, error);
   if (error)
-    throw std::runtime_error(fmt::format("the folder {} could not be made: {}", package.string(), error.message()));
-  for (const msg::PythonFile& file : msg::kPythonFiles) OutputFile(package / file.name).keep(std::string(file.text));
+    throw std::runtime_error(
+        fmt::format("the folder {} could not be made: {}", package.string(), error.message()));
+  for (const msg::PythonFile& file : msg::kPythonFiles)
+    OutputFile(package / file.name).keep(std::string(file.text));
   OutputFile(package / "topics.py").keep(python_topics());
-  log::print_result("{} holds the messages for PyPI's cyclonedds 11; its __init__.py shows how to listen in five lines.\n",
-             package.string());
+  log::print_result(
+      "{} holds the messages for PyPI's cyclonedds 11; its __init__.py shows how to listen in five "
+      "lines.\n",
+      package.string());
   return 0;
 }
 
@@ -120,11 +127,13 @@ int write_types(const std::filesystem::path& folder) {
 
 void add_types(CLI::App& app, Action& action) {
   const auto folder = std::make_shared<std::filesystem::path>();
-  CLI::App* verb = app.add_subcommand("types",
-                                      "Writes all message types and the table of topics for programs in other languages: "
-                                      "voxtouch announces no types on\n"
-                                      "the network, so that tools which look types up there find none.");
-  verb->add_option("--python", *folder, "writes DIR/voxtouch_types, a Python package for cyclonedds 11 of PyPI")
+  CLI::App* verb = app.add_subcommand(
+      "types",
+      "Writes all message types and the table of topics for programs in other languages: "
+      "voxtouch announces no types on\n"
+      "the network, so that tools which look types up there find none.");
+  verb->add_option("--python", *folder,
+                   "writes DIR/voxtouch_types, a Python package for cyclonedds 11 of PyPI")
       ->type_name("DIR")
       ->required();
   verb->callback([&action, folder] { action = [folder] { return write_types(*folder); }; });

@@ -29,17 +29,23 @@ constexpr std::chrono::milliseconds kStopTimeout{8'000};
 
 class ChildProcess final : public RunningNode {
  public:
-  ChildProcess(std::string name, const std::filesystem::path& program, const std::vector<std::string>& arguments,
-               runtime::Starter starter, std::chrono::milliseconds patience = kStopTimeout)
-      : name_(std::move(name)), patience_(patience), starter_(std::move(starter)) {
+  ChildProcess(std::string name, const std::filesystem::path& program,
+               const std::vector<std::string>& arguments, runtime::Starter starter,
+               std::chrono::milliseconds patience = kStopTimeout)
+      : name_(std::move(name)),
+        patience_(patience),
+        starter_(std::move(starter)) {
     std::vector<std::string> texts = {program.string()};
     texts.insert(texts.end(), arguments.begin(), arguments.end());
     texts.insert(texts.end(), {"--with-parent", fmt::to_string(getpid())});
-    if (starter_.input() >= 0) texts.push_back("--held");
+    if (starter_.input() >= 0)
+      texts.push_back("--held");
     std::vector<char*> argv;
-    for (std::string& text : texts) argv.push_back(text.data());
+    for (std::string& text : texts)
+      argv.push_back(text.data());
     argv.push_back(nullptr);
-    // Its own process group: Ctrl-C reaches `up` alone, which stops its children in order. stdout goes to stderr: `up --json` owns it.
+    // Its own process group: Ctrl-C reaches `up` alone, which stops its children in order. stdout
+    // goes to stderr: `up --json` owns it.
     posix_spawnattr_t attributes;
     posix_spawnattr_init(&attributes);
     // SIGTERM waits until the child can act on it: a stop during the start is a stop, not a death.
@@ -55,13 +61,15 @@ class ChildProcess final : public RunningNode {
       posix_spawn_file_actions_adddup2(&actions, starter_.input(), STDIN_FILENO);
     else
       posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", 0, 0);
-    const int error = posix_spawn(&pid_, program.c_str(), &actions, &attributes, argv.data(), environ);
+    const int error =
+        posix_spawn(&pid_, program.c_str(), &actions, &attributes, argv.data(), environ);
     posix_spawn_file_actions_destroy(&actions);
     posix_spawnattr_destroy(&attributes);
     starter_.close_input();
     if (error != 0)
-      throw std::runtime_error(fmt::format("{} could not be started ({}); it should stand beside voxtouch",
-                                           program.string(), std::strerror(error)));
+      throw std::runtime_error(
+          fmt::format("{} could not be started ({}); it should stand beside voxtouch",
+                      program.string(), std::strerror(error)));
   }
   ~ChildProcess() override {
     request_stop();
@@ -69,7 +77,8 @@ class ChildProcess final : public RunningNode {
   }
   const std::string& name() const noexcept override { return name_; }
   void request_stop() override {
-    if (!status_) ::kill(pid_, SIGTERM);
+    if (!status_)
+      ::kill(pid_, SIGTERM);
   }
   void let_begin() override { starter_.let_begin(); }
   std::optional<int> ended() override {
@@ -93,7 +102,8 @@ class ThreadOfThisProcess final : public RunningNode {
  public:
   using Run = std::function<int(const std::atomic<bool>&)>;
   ThreadOfThisProcess(std::string name, runtime::NodeOptions& options, Run run)
-      : name_(std::move(name)), thread_([this, &options, run = std::move(run)] {
+      : name_(std::move(name)),
+        thread_([this, &options, run = std::move(run)] {
           int status = 1;
           try {
             options.warnings = runtime::enter_realtime(options.scheduling());
@@ -107,7 +117,8 @@ class ThreadOfThisProcess final : public RunningNode {
     stop_.store(true);
     join(kStopTimeout);
     if (!ended()) {
-      // A thread cannot be ended by force, and nothing may be destroyed under it: the process goes instead.
+      // A thread cannot be ended by force, and nothing may be destroyed under it: the process goes
+      // instead.
       log::tell("error: {} did not stop; the process ends without it\n", name_);
       log::finish_telling();
       std::_Exit(1);
@@ -133,18 +144,23 @@ class ThreadOfThisProcess final : public RunningNode {
 std::vector<std::string> device_arguments(const device_node::Options& o) {
   std::vector<std::string> a = runtime::to_arguments(o, true);
   a.insert(a.end(), {"--device", o.device, "--duration", fmt::format("{}", o.duration_s)});
-  if (!o.motion.empty()) a.insert(a.end(), {"--motion", o.motion});
+  if (!o.motion.empty())
+    a.insert(a.end(), {"--motion", o.motion});
   device_node::append_arguments(o.hand, a);
-  for (const std::string& setting : o.settings) a.insert(a.end(), {"--device-option", setting});
-  if (o.network_delay_ms > 0.0) a.insert(a.end(), {"--network-delay", fmt::format("{}", o.network_delay_ms)});
-  if (!o.fault_records.empty()) a.insert(a.end(), {"--fault-records", o.fault_records.string()});
+  for (const std::string& setting : o.settings)
+    a.insert(a.end(), {"--device-option", setting});
+  if (o.network_delay_ms > 0.0)
+    a.insert(a.end(), {"--network-delay", fmt::format("{}", o.network_delay_ms)});
+  if (!o.fault_records.empty())
+    a.insert(a.end(), {"--fault-records", o.fault_records.string()});
   return a;
 }
 
 std::vector<std::string> coupling_arguments(const coupling_node::Options& o) {
   std::vector<std::string> a = runtime::to_arguments(o, true);
   runtime::append_arguments(o.standby, a);
-  if (!o.fault_records.empty()) a.insert(a.end(), {"--fault-records", o.fault_records.string()});
+  if (!o.fault_records.empty())
+    a.insert(a.end(), {"--fault-records", o.fault_records.string()});
   return a;
 }
 
@@ -158,8 +174,10 @@ std::vector<std::string> rendering_arguments(const rendering_node::Options& o) {
 std::vector<std::string> logger_arguments(const logger::Options& o) {
   std::vector<std::string> a = runtime::to_arguments(o, false);
   a.insert(a.end(), {"--bag", o.bag.string()});
-  for (const std::string& word : logger::to_arguments(o.format)) a.push_back(word);
-  for (const std::string& topic : o.topics) a.insert(a.end(), {"--topic", topic});
+  for (const std::string& word : logger::to_arguments(o.format))
+    a.push_back(word);
+  for (const std::string& topic : o.topics)
+    a.insert(a.end(), {"--topic", topic});
   return a;
 }
 
@@ -176,7 +194,8 @@ int RunningNode::join(std::chrono::milliseconds patience) {
   while (!ended()) {
     if (std::chrono::steady_clock::now() >= until) {
       kill();
-      for (int i = 0; i < 200 && !ended(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+      for (int i = 0; i < 200 && !ended(); ++i)
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
       return ended().value_or(1) == 0 ? 1 : ended().value_or(1);
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
@@ -184,15 +203,21 @@ int RunningNode::join(std::chrono::milliseconds patience) {
   return *ended();
 }
 
-std::unique_ptr<RunningNode> start_page(const runtime::NodeOptions& o, const scene_build::CacheOptions& cache) {
+std::unique_ptr<RunningNode> start_page(const runtime::NodeOptions& o,
+                                        const scene_build::CacheOptions& cache) {
   constexpr std::chrono::milliseconds kPatience{2'000};
-  std::vector<std::string> arguments = {"view",     o.scene.string(),          "--rig",       o.rig,
-                                        "--domain", fmt::to_string(o.domain), "--interface", o.network_interface};
-  for (const std::string& peer : o.discovery_peers) arguments.insert(arguments.end(), {"--discovery-peer", peer});
-  if (!o.security.empty()) arguments.insert(arguments.end(), {"--security", o.security.string()});
-  if (o.ros == bus::RosGraph::kHumble) arguments.insert(arguments.end(), {"--ros", "humble"});
+  std::vector<std::string> arguments = {"view",        o.scene.string(),   "--rig",
+                                        o.rig,         "--domain",         fmt::to_string(o.domain),
+                                        "--interface", o.network_interface};
+  for (const std::string& peer : o.discovery_peers)
+    arguments.insert(arguments.end(), {"--discovery-peer", peer});
+  if (!o.security.empty())
+    arguments.insert(arguments.end(), {"--security", o.security.string()});
+  if (o.ros == bus::RosGraph::kHumble)
+    arguments.insert(arguments.end(), {"--ros", "humble"});
   scene_build::append_arguments(cache, arguments);
-  return std::make_unique<ChildProcess>("view", program_folder() / "voxtouch", arguments, runtime::Starter(), kPatience);
+  return std::make_unique<ChildProcess>("view", program_folder() / "voxtouch", arguments,
+                                        runtime::Starter(), kPatience);
 }
 
 std::vector<std::unique_ptr<RunningNode>> launch(LauncherOptions& o) {
@@ -202,20 +227,30 @@ std::vector<std::unique_ptr<RunningNode>> launch(LauncherOptions& o) {
     if (o.one_process)
       nodes.push_back(std::make_unique<ThreadOfThisProcess>(name, options, std::move(run)));
     else
-      nodes.push_back(std::make_unique<ChildProcess>(name, program_folder() / ("voxtouch_" + name), arguments(), runtime::Starter::make()));
+      nodes.push_back(std::make_unique<ChildProcess>(name, program_folder() / ("voxtouch_" + name),
+                                                     arguments(), runtime::Starter::make()));
   };
-  const auto start_standby = [&](const std::string& role, const std::vector<std::string>& arguments) {
-    nodes.push_back(std::make_unique<ChildProcess>(runtime::standby_of(role), program_folder() / ("voxtouch_" + role), arguments, runtime::Starter::make()));
+  const auto start_standby = [&](const std::string& role,
+                                 const std::vector<std::string>& arguments) {
+    nodes.push_back(std::make_unique<ChildProcess>(runtime::standby_of(role),
+                                                   program_folder() / ("voxtouch_" + role),
+                                                   arguments, runtime::Starter::make()));
   };
   using Stop = const std::atomic<bool>&;
-  // Device, rendering and coupling take turns: on one processor a sample need not wake another to go on.
+  // Device, rendering and coupling take turns: on one processor a sample need not wake another to
+  // go on.
   if (o.one_process && !o.device.realtime.cpu)
-    o.device.realtime.loop_cpu = o.rendering.realtime.loop_cpu = o.coupling.realtime.loop_cpu = sched_getcpu();
+    o.device.realtime.loop_cpu = o.rendering.realtime.loop_cpu = o.coupling.realtime.loop_cpu =
+        sched_getcpu();
   o.logger.realtime.mode = o.validator.realtime.mode = runtime::Realtime::kOff;  // taps
-  // What is recorded is recorded from its first sample on. In lockstep `up` has said who takes part.
-  for (runtime::NodeOptions* one : std::initializer_list<runtime::NodeOptions*>{&o.device, &o.rendering, &o.coupling, o.rendering_standby ? &*o.rendering_standby : nullptr,
-                                                                                o.coupling_standby ? &*o.coupling_standby : nullptr})
-    if (one != nullptr && o.record && !one->lockstep) one->peers = {"logger"};
+  // What is recorded is recorded from its first sample on. In lockstep `up` has said who takes
+  // part.
+  for (runtime::NodeOptions* one : std::initializer_list<runtime::NodeOptions*>{
+           &o.device, &o.rendering, &o.coupling,
+           o.rendering_standby ? &*o.rendering_standby : nullptr,
+           o.coupling_standby ? &*o.coupling_standby : nullptr})
+    if (one != nullptr && o.record && !one->lockstep)
+      one->peers = {"logger"};
   if (o.record)
     start(
         "logger", o.logger, [&] { return logger_arguments(o.logger); },
@@ -229,8 +264,10 @@ std::vector<std::unique_ptr<RunningNode>> launch(LauncherOptions& o) {
   start(
       "rendering", o.rendering, [&] { return rendering_arguments(o.rendering); },
       [&o](Stop stop) { return rendering_node::run(o.rendering, stop); });
-  if (o.coupling_standby) start_standby("coupling", coupling_arguments(*o.coupling_standby));
-  if (o.rendering_standby) start_standby("rendering", rendering_arguments(*o.rendering_standby));
+  if (o.coupling_standby)
+    start_standby("coupling", coupling_arguments(*o.coupling_standby));
+  if (o.rendering_standby)
+    start_standby("rendering", rendering_arguments(*o.rendering_standby));
   start(
       "device", o.device, [&] { return device_arguments(o.device); },
       [&o](Stop stop) { return device_node::run(o.device, stop); });

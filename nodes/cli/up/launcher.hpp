@@ -20,7 +20,8 @@ class RunningNode {
   virtual ~RunningNode() = default;
   /// As its status says it: "device", ...
   virtual const std::string& name() const noexcept = 0;
-  /// Asks it to end in order (SIGTERM, or its flag); does not wait, and does nothing to one that has ended.
+  /// Asks it to end in order (SIGTERM, or its flag); does not wait, and does nothing to one that
+  /// has ended.
   virtual void request_stop() = 0;
   /// One that was started held joins the rig now.
   virtual void let_begin() {}
@@ -48,12 +49,16 @@ struct LauncherOptions {
   bool one_process = false;
 };
 
-/// Starts logger, validator, coupling, rendering, their standbys, device. Order does not matter to them; this is the order of the returned list.
-/// Processes are held (nodes/runtime/held_start.hpp) until `let_begin`; threads join the rig at once. `options` must outlive the members. Throws std::runtime_error if a program cannot be started.
+/// Starts logger, validator, coupling, rendering, their standbys, device. Order does not matter to
+/// them; this is the order of the returned list. Processes are held (nodes/runtime/held_start.hpp)
+/// until `let_begin`; threads join the rig at once. `options` must outlive the members. Throws
+/// std::runtime_error if a program cannot be started.
 std::vector<std::unique_ptr<RunningNode>> launch(LauncherOptions& options);
 
-/// The page of `up --view`: `voxtouch view` as a process of its own, whose end the ring does not notice. Shows the ring of `options` and
-/// the meshes of its scene, and tells its address on stderr. Throws std::runtime_error where it cannot be started.
-std::unique_ptr<RunningNode> start_page(const runtime::NodeOptions& options, const scene_build::CacheOptions& cache);
+/// The page of `up --view`: `voxtouch view` as a process of its own, whose end the ring does not
+/// notice. Shows the ring of `options` and the meshes of its scene, and tells its address on
+/// stderr. Throws std::runtime_error where it cannot be started.
+std::unique_ptr<RunningNode> start_page(const runtime::NodeOptions& options,
+                                        const scene_build::CacheOptions& cache);
 
 }  // namespace voxtouch::cli

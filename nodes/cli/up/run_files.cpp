@@ -13,8 +13,10 @@
 namespace voxtouch::cli {
 
 std::filesystem::path recordings_folder() {
-  if (const char* data = std::getenv("XDG_DATA_HOME"); data && *data == '/') return std::filesystem::path(data) / "voxtouch/recordings";
-  if (const char* home = std::getenv("HOME"); home && *home == '/') return std::filesystem::path(home) / ".local/share/voxtouch/recordings";
+  if (const char* data = std::getenv("XDG_DATA_HOME"); data && *data == '/')
+    return std::filesystem::path(data) / "voxtouch/recordings";
+  if (const char* home = std::getenv("HOME"); home && *home == '/')
+    return std::filesystem::path(home) / ".local/share/voxtouch/recordings";
   return std::filesystem::absolute("recordings");
 }
 
@@ -29,31 +31,40 @@ std::filesystem::path default_bag(const std::string& scene) {
 
 std::filesystem::path faults_beside(const std::filesystem::path& bag) {
   std::filesystem::path folder = std::filesystem::absolute(bag).lexically_normal();
-  if (!folder.has_filename()) folder = folder.parent_path();  // "bags/run/"
+  if (!folder.has_filename())
+    folder = folder.parent_path();  // "bags/run/"
   return folder += "_faults";
 }
 
 std::string json_of(const RunSummary& summary) {
-  return to_json(summary).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";  // paths need not be UTF-8
+  return to_json(summary).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) +
+         "\n";  // paths need not be UTF-8
 }
 
 void keep_verdict(const RunSummary& summary) {
-  if (!std::filesystem::exists(summary.bag)) return;
-  const auto kept = bag::write_atomically(std::filesystem::path(summary.bag) / "voxtouch_run.json", json_of(summary), bag::Flush::kNo);
-  if (!kept) log::tell("note: the verdict on this run does not stand beside its bag: {}\n", kept.error().sentence);
+  if (!std::filesystem::exists(summary.bag))
+    return;
+  const auto kept = bag::write_atomically(std::filesystem::path(summary.bag) / "voxtouch_run.json",
+                                          json_of(summary), bag::Flush::kNo);
+  if (!kept)
+    log::tell("note: the verdict on this run does not stand beside its bag: {}\n",
+              kept.error().sentence);
 }
 
 void report_on(const RunSummary& summary) {
   constexpr std::chrono::seconds kPatience{4};
-  if (number(summary.reports, "device", "samples") == 0 || !std::filesystem::exists(summary.bag)) return;
+  if (number(summary.reports, "device", "samples") == 0 || !std::filesystem::exists(summary.bag))
+    return;
   const std::filesystem::path page = std::filesystem::path(summary.bag) / "report.html";
   try {
     if (write_report({.bag = summary.bag, .page = page}, kPatience))
       log::tell("report: {}\n", page.string());
     else
-      log::tell("report: {} is still being drawn, and will be there when it is whole\n", page.string());
+      log::tell("report: {} is still being drawn, and will be there when it is whole\n",
+                page.string());
   } catch (const std::exception& error) {
-    log::tell("note: no report is drawn: {} `voxtouch report {}` draws it later\n", error.what(), summary.bag);
+    log::tell("note: no report is drawn: {} `voxtouch report {}` draws it later\n", error.what(),
+              summary.bag);
   }
 }
 

@@ -15,30 +15,42 @@ namespace {
 constexpr Limit kLimits[] = {
     {"first_answer_s", "s", false, 2.0, false, "the time to the first answered sample",
      "until then nothing is felt; the coupling is designed in it, in some tenths of a second"},
-    {"answered_share", "1", true, 0.95, false, "the share of samples answered, from the first answer on,",
-     "the ring did not keep up, so that forces were held and faded; see what else the machine does"},
+    {"answered_share", "1", true, 0.95, false,
+     "the share of samples answered, from the first answer on,",
+     "the ring did not keep up, so that forces were held and faded; see what else the machine "
+     "does"},
     {"rate_share", "1", true, 0.95, false, "the rate, as a share of the device's own,",
      "the coupling is certified for the device's rate only"},
     {"overrun_share", "1", false, 0.05, false, "the share of periods that were skipped",
-     "the device's loop was kept from running; see what else the machine does, and whether it has real-time priority"},
+     "the device's loop was kept from running; see what else the machine does, and whether it has "
+     "real-time priority"},
     {"deadline_miss_share", "1", false, 0.01, false, "deadlines missed, as a share of the samples,",
      "for three periods and more no command came"},
     {"clamped_share", "1", false, 0.001, true, "the share of commands that the guard cut",
      "the scene asks for more than the device may give: less stiffness or gain"},
-    {"missed_samples", "samples", false, 0.0, true, "the number of samples in which the tool may have passed something unseen",
-     "it moved more than half a voxel a sample beside the scene: a slower hand, larger voxels, or contact: {rendering: virtual_tool}, which passes no wall"},
-    {"passing_samples", "samples", false, 0.0, true, "the number of samples in which the middle of the tool was in what it touched, with nothing that holds it,",
-     "it has passed a wall or gone into a body: contact: {rendering: virtual_tool}, which passes no wall, or rendering: penalty, which holds depths; model_alone is "
+    {"missed_samples", "samples", false, 0.0, true,
+     "the number of samples in which the tool may have passed something unseen",
+     "it moved more than half a voxel a sample beside the scene: a slower hand, larger voxels, or "
+     "contact: {rendering: virtual_tool}, which passes no wall"},
+    {"passing_samples", "samples", false, 0.0, true,
+     "the number of samples in which the middle of the tool was in what it touched, with nothing "
+     "that holds it,",
+     "it has passed a wall or gone into a body: contact: {rendering: virtual_tool}, which passes "
+     "no wall, or rendering: penalty, which holds depths; model_alone is "
      "the paper's law, and where its walls are passed is what it shows"},
-    {"energy_debt", "1", false, 1.0, true, "the energy that the coupling gave away, over what its observer may show of a sound contact,",
-     "the contact was not passive: less stiffness or gain, or let the coupling be designed (coupling: {design: auto})"},
+    {"energy_debt", "1", false, 1.0, true,
+     "the energy that the coupling gave away, over what its observer may show of a sound contact,",
+     "the contact was not passive: less stiffness or gain, or let the coupling be designed "
+     "(coupling: {design: auto})"},
     {"first_validation_s", "s", false, 5.0, true, "the time to the first validated sample",
      "what came before it was not checked"},
-    {"validated_share", "1", true, 0.9, true, "the share of due samples validated, from the first on,",
+    {"validated_share", "1", true, 0.9, true,
+     "the share of due samples validated, from the first on,",
      "the validator did not keep up: a larger --validate-every asks for less"},
     {"first_recorded_s", "s", false, 3.0, true, "the time to the first recorded sample",
      "what came before it is not in the bag"},
-    {"recorded_share", "1", true, 0.99, true, "the share of sent samples in the bag, from the first on,",
+    {"recorded_share", "1", true, 0.99, true,
+     "the share of sent samples in the bag, from the first on,",
      "the logger did not keep up: a faster disk, or --no-record"},
     {"silence_s", "s", false, 0.4, false, "the longest time without a sign of life of a node",
      "a node that hangs leaves the others without what it should tell them"},
@@ -70,47 +82,66 @@ Measured energy_debt(const RunFigures& run) {
   };
   const double translation = debt(run.lowest_energy_j, run.energy_bound_j),
                rotation = debt(run.lowest_energy_rotation_j, run.energy_bound_rotation_j);
-  return rotation > translation ? Measured{rotation, "rotation"} : Measured{translation, "translation"};
+  return rotation > translation ? Measured{rotation, "rotation"}
+                                : Measured{translation, "translation"};
 }
 
 /// Samples that were sent before the first one in the bag.
-double head(const RunFigures::Stream& s) { return std::max(s.first.value_or(s.first_sent) - s.first_sent, 0.0); }
+double head(const RunFigures::Stream& s) {
+  return std::max(s.first.value_or(s.first_sent) - s.first_sent, 0.0);
+}
 
 /// The worst stream's.
 Measured recorded_share(const RunFigures& run) {
   Measured worst{1.0, ""};
   for (const RunFigures::Stream& s : run.streams)
-    if (const double part = share(s.recorded, s.sent - head(s)); part < *worst.value) worst = {part, s.name};
+    if (const double part = share(s.recorded, s.sent - head(s)); part < *worst.value)
+      worst = {part, s.name};
   return worst;
 }
 
 Measured first_recorded(const RunFigures& run) {
   Measured worst{0.0, ""};
   for (const RunFigures::Stream& s : run.streams)
-    if (const double late_s = s.first ? head(s) / run.nominal_rate_hz : kNever; s.sent > 0.0 && late_s > *worst.value)
+    if (const double late_s = s.first ? head(s) / run.nominal_rate_hz : kNever;
+        s.sent > 0.0 && late_s > *worst.value)
       worst = {late_s, s.name};
   return worst;
 }
 
 Measured measure(std::string_view name, const RunFigures& run) {
-  if (name == "first_answer_s") return {seconds_to(run, run.first_answered), ""};
-  if (name == "answered_share") return {share(run.answered, run.samples - run.first_answered.value_or(0.0)), ""};
-  if (name == "rate_share") return {share(run.rate_hz, run.nominal_rate_hz), ""};
-  if (name == "overrun_share") return {run.overruns / (run.samples + run.overruns), ""};
-  if (name == "deadline_miss_share") return {run.deadline_misses / run.samples, ""};
-  if (name == "clamped_share") return {run.clamped / run.samples, ""};
-  if (name == "missed_samples") return {run.missed, ""};
-  if (name == "passing_samples") return {run.passing, ""};
-  if (name == "energy_debt") return energy_debt(run);
-  if (name == "first_validation_s") return {due(run) > 0.0 ? seconds_to(run, run.first_judged) : 0.0, ""};
-  if (name == "validated_share") return {share(run.judged, due(run) - run.excused), ""};
-  if (name == "silence_s") return {run.silence_s, run.silent};
-  if (!run.recording) return {};
+  if (name == "first_answer_s")
+    return {seconds_to(run, run.first_answered), ""};
+  if (name == "answered_share")
+    return {share(run.answered, run.samples - run.first_answered.value_or(0.0)), ""};
+  if (name == "rate_share")
+    return {share(run.rate_hz, run.nominal_rate_hz), ""};
+  if (name == "overrun_share")
+    return {run.overruns / (run.samples + run.overruns), ""};
+  if (name == "deadline_miss_share")
+    return {run.deadline_misses / run.samples, ""};
+  if (name == "clamped_share")
+    return {run.clamped / run.samples, ""};
+  if (name == "missed_samples")
+    return {run.missed, ""};
+  if (name == "passing_samples")
+    return {run.passing, ""};
+  if (name == "energy_debt")
+    return energy_debt(run);
+  if (name == "first_validation_s")
+    return {due(run) > 0.0 ? seconds_to(run, run.first_judged) : 0.0, ""};
+  if (name == "validated_share")
+    return {share(run.judged, due(run) - run.excused), ""};
+  if (name == "silence_s")
+    return {run.silence_s, run.silent};
+  if (!run.recording)
+    return {};
   return name == "first_recorded_s" ? first_recorded(run) : recorded_share(run);
 }
 
 const Limit* find(std::string_view name) {
-  const auto found = std::find_if(std::begin(kLimits), std::end(kLimits), [&](const Limit& l) { return l.name == name; });
+  const auto found = std::find_if(std::begin(kLimits), std::end(kLimits),
+                                  [&](const Limit& l) { return l.name == name; });
   return found == std::end(kLimits) ? nullptr : &*found;
 }
 
@@ -125,10 +156,14 @@ std::string choose_limit(const std::string& text, ChosenLimits& chosen) {
   const std::size_t sign = text.find('=');
   const std::string name = text.substr(0, sign);
   std::string known;
-  for (const Limit& limit : kLimits) known += (known.empty() ? "" : ", ") + std::string(limit.name);
-  if (sign == std::string::npos || !find(name)) return fmt::format("it takes NAME=VALUE and there is no limit '{}'; there are {}", name, known);
+  for (const Limit& limit : kLimits)
+    known += (known.empty() ? "" : ", ") + std::string(limit.name);
+  if (sign == std::string::npos || !find(name))
+    return fmt::format("it takes NAME=VALUE and there is no limit '{}'; there are {}", name, known);
   const auto value = parse_number<double>(std::string_view(text).substr(sign + 1));
-  if (!value || !(*value >= 0.0)) return fmt::format("{}: '{}' is not a number of 0 or more (inf: no limit)", name, text.substr(sign + 1));
+  if (!value || !(*value >= 0.0))
+    return fmt::format("{}: '{}' is not a number of 0 or more (inf: no limit)", name,
+                       text.substr(sign + 1));
   chosen[name] = *value;
   return {};
 }
@@ -136,8 +171,9 @@ std::string choose_limit(const std::string& text, ChosenLimits& chosen) {
 std::string describe_limits() {
   std::string text;
   for (const Limit& limit : kLimits)
-    text += fmt::format("{}{} {} {}", text.empty() ? "" : ", ", limit.name, limit.at_least ? "at least" : "at most",
-                        with_unit(limit.value, limit.unit));
+    text +=
+        fmt::format("{}{} {} {}", text.empty() ? "" : ", ", limit.name,
+                    limit.at_least ? "at least" : "at most", with_unit(limit.value, limit.unit));
   return text;
 }
 
@@ -145,16 +181,20 @@ std::vector<Judged> judge_figures(const RunFigures& run, const ChosenLimits& cho
   std::vector<Judged> all;
   for (const Limit& limit : kLimits) {
     const auto other = chosen.find(limit.name);
-    Judged judged{&limit, other == chosen.end() ? limit.value : other->second, std::nullopt, true, ""};
+    Judged judged{&limit, other == chosen.end() ? limit.value : other->second, std::nullopt, true,
+                  ""};
     const bool applies = run.samples > 0.0 && (limit.in_lockstep || !run.lockstep);
     const Measured measured = applies ? measure(limit.name, run) : Measured{};
     judged.measured = measured.value;
-    if (measured.value) judged.met = limit.at_least ? *measured.value >= judged.bound : *measured.value <= judged.bound;
+    if (measured.value)
+      judged.met =
+          limit.at_least ? *measured.value >= judged.bound : *measured.value <= judged.bound;
     if (!judged.met)
-      judged.sentence = fmt::format("{} is {}{}, {} than the {} that a good run has: {}", limit.what,
-                                    with_unit(*measured.value, limit.unit),
+      judged.sentence = fmt::format("{} is {}{}, {} than the {} that a good run has: {}",
+                                    limit.what, with_unit(*measured.value, limit.unit),
                                     measured.of.empty() ? "" : " (" + measured.of + ")",
-                                    limit.at_least ? "less" : "more", with_unit(judged.bound, limit.unit), limit.means);
+                                    limit.at_least ? "less" : "more",
+                                    with_unit(judged.bound, limit.unit), limit.means);
     all.push_back(std::move(judged));
   }
   return all;

@@ -1,5 +1,6 @@
 #pragma once
-/// When a run was a good one: what is measured of it, the bounds, and the sentence where it is not met. Pure.
+/// When a run was a good one: what is measured of it, the bounds, and the sentence where it is not
+/// met. Pure.
 #include <map>
 #include <optional>
 #include <string>
@@ -21,7 +22,8 @@ struct Limit {
 
 /// Bounds that were chosen instead of the defaults, by name.
 using ChosenLimits = std::map<std::string, double, std::less<>>;
-/// Adds "NAME=VALUE" as typed. Returns nothing, or what is wrong with it: a sentence that names the limits there are.
+/// Adds "NAME=VALUE" as typed. Returns nothing, or what is wrong with it: a sentence that names the
+/// limits there are.
 std::string choose_limit(const std::string& text, ChosenLimits& chosen);
 /// For --help: every limit with its default.
 std::string describe_limits();
@@ -31,13 +33,17 @@ struct RunFigures {
   bool lockstep = false;
   double samples = 0.0;  ///< of the device
   double nominal_rate_hz = 0.0, rate_hz = 0.0;
-  std::optional<double> first_answered;  ///< number of the first sample that was answered; absent: none was
+  std::optional<double>
+      first_answered;  ///< number of the first sample that was answered; absent: none was
   double answered = 0.0;
   double overruns = 0.0, deadline_misses = 0.0, clamped = 0.0;
-  double missed = 0.0;  ///< samples in which a contact may have been missed
-  double passing = 0.0;  ///< samples in which the tool's middle was in what it touched, with a contact model alone
-  /// Below zero: what the coupling gave more than it took; and as much as its observer may show of a sound contact [J].
-  double lowest_energy_j = 0.0, energy_bound_j = 0.0, lowest_energy_rotation_j = 0.0, energy_bound_rotation_j = 0.0;
+  double missed = 0.0;   ///< samples in which a contact may have been missed
+  double passing = 0.0;  ///< samples in which the tool's middle was in what it touched, with a
+                         ///< contact model alone
+  /// Below zero: what the coupling gave more than it took; and as much as its observer may show of
+  /// a sound contact [J].
+  double lowest_energy_j = 0.0, energy_bound_j = 0.0, lowest_energy_rotation_j = 0.0,
+         energy_bound_rotation_j = 0.0;
   double validate_every = 1.0;
   std::optional<double> first_judged;  ///< likewise, of the validator
   double judged = 0.0, excused = 0.0;  ///< samples; excused: due, but of a kind that is not judged
@@ -56,7 +62,7 @@ struct RunFigures {
 /// One limit compared with one run.
 struct Judged {
   const Limit* limit = nullptr;
-  double bound = 0.0;  ///< the chosen one, else the default
+  double bound = 0.0;              ///< the chosen one, else the default
   std::optional<double> measured;  ///< absent: not judged in this run
   bool met = true;
   std::string sentence;  ///< where it is not met

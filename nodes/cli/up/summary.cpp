@@ -14,12 +14,15 @@ double number(const Reports& reports, const std::string& node, const std::string
 
 std::string word(const Reports& reports, const std::string& node, const std::string& key) {
   const auto report = reports.find(node);
-  if (report == reports.end()) return "";
+  if (report == reports.end())
+    return "";
   const auto value = report->second.values.find(key);
   return value == report->second.values.end() ? "" : value->second;
 }
 
-bool has_virtual_tool(const RunSummary& summary) { return number(summary.reports, "rendering", "spring_n_per_m") > 0.0; }
+bool has_virtual_tool(const RunSummary& summary) {
+  return number(summary.reports, "rendering", "spring_n_per_m") > 0.0;
+}
 
 namespace {
 
@@ -37,10 +40,12 @@ using Names = std::initializer_list<const char*>;
 
 /// Figures of a node under their own names: those that count as whole numbers.
 void add_counts(nlohmann::ordered_json& j, const Reports& r, const char* node, Names names) {
-  for (const char* name : names) j[name] = count(r, node, name);
+  for (const char* name : names)
+    j[name] = count(r, node, name);
 }
 void add_numbers(nlohmann::ordered_json& j, const Reports& r, const char* node, Names names) {
-  for (const char* name : names) j[name] = number(r, node, name);
+  for (const char* name : names)
+    j[name] = number(r, node, name);
 }
 
 nlohmann::ordered_json coupling_json(const Reports& r) {
@@ -53,9 +58,11 @@ nlohmann::ordered_json coupling_json(const Reports& r) {
   j["critical_stiffness_n_per_m"] = number(r, "coupling", "design_critical_n_per_m");
   j["gain_margin"] = number(r, "coupling", "design_gain_margin");
   j["worst_case"] = word(r, "coupling", "design_worst_case");
-  add_counts(j, r, "coupling", {"designs", "capped_samples", "bounded_samples", "passivity_samples"});
-  add_numbers(j, r, "coupling", {"passivity_most_damping_ns_per_m", "lowest_energy_j", "lowest_energy_rotation_j",
-                                 "energy_bound_j", "energy_bound_rotation_j"});
+  add_counts(j, r, "coupling",
+             {"designs", "capped_samples", "bounded_samples", "passivity_samples"});
+  add_numbers(j, r, "coupling",
+              {"passivity_most_damping_ns_per_m", "lowest_energy_j", "lowest_energy_rotation_j",
+               "energy_bound_j", "energy_bound_rotation_j"});
   return j;
 }
 
@@ -63,16 +70,22 @@ nlohmann::ordered_json coupling_json(const Reports& r) {
 void add_what_the_scene_has(nlohmann::ordered_json& j, const RunSummary& s) {
   const Reports& r = s.reports;
   if (has_virtual_tool(s)) {
-    add_numbers(j["virtual_tool"], r, "rendering", {"spring_n_per_m", "most_penetration_m", "most_residual_m"});
-    add_counts(j["virtual_tool"], r, "rendering", {"samples_at_most_queries", "lag_samples", "unplaced_samples"});
+    add_numbers(j["virtual_tool"], r, "rendering",
+                {"spring_n_per_m", "most_penetration_m", "most_residual_m"});
+    add_counts(j["virtual_tool"], r, "rendering",
+               {"samples_at_most_queries", "lag_samples", "unplaced_samples"});
   }
   if (!word(r, "rendering", "external").empty()) {
-    j["external"] = {{"topic", word(r, "rendering", "external_topic")}, {"writer", word(r, "rendering", "external_writer")}};
-    add_counts(j["external"], r, "rendering", {"external_samples", "external_foreign", "external_not_finite", "external_wrong_frame", "external_late"});
+    j["external"] = {{"topic", word(r, "rendering", "external_topic")},
+                     {"writer", word(r, "rendering", "external_writer")}};
+    add_counts(j["external"], r, "rendering",
+               {"external_samples", "external_foreign", "external_not_finite",
+                "external_wrong_frame", "external_late"});
     add_numbers(j["external"], r, "rendering", {"external_given_j"});
   }
   if (has_budget(s)) {
-    add_counts(j["budget"], r, "rendering", {"left_out_samples", "over_budget_samples", "cut_short_samples"});
+    add_counts(j["budget"], r, "rendering",
+               {"left_out_samples", "over_budget_samples", "cut_short_samples"});
     add_numbers(j["budget"], r, "rendering", {"most_left_out_depth_m"});
   }
 }
@@ -101,19 +114,23 @@ nlohmann::ordered_json to_json(const RunSummary& s) {
                           {"p99", number(r, "device", "latency_p99_us")},
                           {"max", number(r, "device", "latency_max_us")}};
   add_counts(j, r, "device", {"answered", "overruns", "deadline_misses"});
-  add_counts(j, r, "rendering", {"contact_samples", "held_samples", "saturated_samples", "fast_samples", "missed_samples", "passing_samples"});
+  add_counts(j, r, "rendering",
+             {"contact_samples", "held_samples", "saturated_samples", "fast_samples",
+              "missed_samples", "passing_samples"});
   add_what_the_scene_has(j, s);
   add_counts(j, r, "device", {"zero_force_samples", "interruptions"});
   j["max_force_n"] = number(r, "device", "max_force_n");
   j["coupling"] = coupling_json(r);
   add_counts(j["guard"], r, "device", {"refused", "refused_late", "clamped"});
-  add_counts(j["validator"], r, "validator", {"checked", "decided", "agree", "in_band", "disagree"});
+  add_counts(j["validator"], r, "validator",
+             {"checked", "decided", "agree", "in_band", "disagree"});
   add_recording(j["recording"], r);
   for (const Judged& judged : s.judged)
-    j["limits"][std::string(judged.limit->name)] = {{"value", judged.measured ? nlohmann::ordered_json(*judged.measured) : nullptr},
-                                                    {judged.limit->at_least ? "at_least" : "at_most", judged.bound},
-                                                    {"unit", judged.limit->unit},
-                                                    {"met", judged.met}};
+    j["limits"][std::string(judged.limit->name)] = {
+        {"value", judged.measured ? nlohmann::ordered_json(*judged.measured) : nullptr},
+        {judged.limit->at_least ? "at_least" : "at_most", judged.bound},
+        {"unit", judged.limit->unit},
+        {"met", judged.met}};
   for (const auto& [name, times] : s.takeovers)
     j["takeovers"][name] = {{"times", times}, {"last_sample", count(r, name, "took_over_at")}};
   j["bag"] = s.bag.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(s.bag);
@@ -128,37 +145,51 @@ std::string figures(const RunSummary& s) {
   const Reports& r = s.reports;
   std::string text = fmt::format(
       "\n  device      {} samples at {:.1f} Hz, {} overruns, largest force {:.2f} N\n"
-      "  ring        {} answered, latency p50 {:.0f} us, p99 {:.0f} us, max {:.0f} us, {} deadlines missed\n"
+      "  ring        {} answered, latency p50 {:.0f} us, p99 {:.0f} us, max {:.0f} us, {} "
+      "deadlines missed\n"
       "  contact     {} samples with force, {} held, {} faster than half a voxel a sample\n"
-      "  coupling    {}, {}: {:.4g} N/m of certified stiffness, margin {:.3g}; capped in {} samples, passivity "
+      "  coupling    {}, {}: {:.4g} N/m of certified stiffness, margin {:.3g}; capped in {} "
+      "samples, passivity "
       "controller in {}\n"
       "  guard       {} commands refused, {} of them as too late, {} clamped\n"
       "  validator   {} checked: {} decided, {} agree, {} in band, {} disagree\n",
       count(r, "device", "samples"), number(r, "device", "rate_hz"), count(r, "device", "overruns"),
-      number(r, "device", "max_force_n"), count(r, "device", "answered"), number(r, "device", "latency_p50_us"),
-      number(r, "device", "latency_p99_us"), number(r, "device", "latency_max_us"),
-      count(r, "device", "deadline_misses"), count(r, "rendering", "contact_samples"),
-      count(r, "rendering", "held_samples"), count(r, "rendering", "fast_samples"), word(r, "coupling", "design_kind"),
+      number(r, "device", "max_force_n"), count(r, "device", "answered"),
+      number(r, "device", "latency_p50_us"), number(r, "device", "latency_p99_us"),
+      number(r, "device", "latency_max_us"), count(r, "device", "deadline_misses"),
+      count(r, "rendering", "contact_samples"), count(r, "rendering", "held_samples"),
+      count(r, "rendering", "fast_samples"), word(r, "coupling", "design_kind"),
       word(r, "coupling", "design_status"), number(r, "coupling", "design_shown_n_per_m"),
       number(r, "coupling", "design_gain_margin"), count(r, "coupling", "capped_samples"),
-      count(r, "coupling", "passivity_samples"), count(r, "device", "refused"), count(r, "device", "refused_late"),
-      count(r, "device", "clamped"), count(r, "validator", "checked"), count(r, "validator", "decided"),
-      count(r, "validator", "agree"), count(r, "validator", "in_band"), count(r, "validator", "disagree"));
-  if (const std::string_view means = coupling::design::sentence_of(word(r, "coupling", "design_status")); !means.empty())
+      count(r, "coupling", "passivity_samples"), count(r, "device", "refused"),
+      count(r, "device", "refused_late"), count(r, "device", "clamped"),
+      count(r, "validator", "checked"), count(r, "validator", "decided"),
+      count(r, "validator", "agree"), count(r, "validator", "in_band"),
+      count(r, "validator", "disagree"));
+  if (const std::string_view means =
+          coupling::design::sentence_of(word(r, "coupling", "design_status"));
+      !means.empty())
     text += fmt::format("  {}: {}\n", word(r, "coupling", "design_status"), means);
   if (has_virtual_tool(s))
-    text += fmt::format("  virtual     {:.4g} N/m of spring; at most {:.3g} mm in a wall and {:.3g} mm from rest; {} samples took all queries, {} lagged, "
-                        "{} without a place\n",
-                        number(r, "rendering", "spring_n_per_m"), 1e3 * number(r, "rendering", "most_penetration_m"),
-                        1e3 * number(r, "rendering", "most_residual_m"), count(r, "rendering", "samples_at_most_queries"),
-                        count(r, "rendering", "lag_samples"), count(r, "rendering", "unplaced_samples"));
+    text += fmt::format(
+        "  virtual     {:.4g} N/m of spring; at most {:.3g} mm in a wall and {:.3g} mm from rest; "
+        "{} samples took all queries, {} lagged, "
+        "{} without a place\n",
+        number(r, "rendering", "spring_n_per_m"),
+        1e3 * number(r, "rendering", "most_penetration_m"),
+        1e3 * number(r, "rendering", "most_residual_m"),
+        count(r, "rendering", "samples_at_most_queries"), count(r, "rendering", "lag_samples"),
+        count(r, "rendering", "unplaced_samples"));
   if (has_budget(s))
-    text += fmt::format("  budget      {} samples left out points, at most {:.3g} mm deeper than those tested; {} cut short; {} over the time by a tenth\n",
-                        count(r, "rendering", "left_out_samples"), 1e3 * number(r, "rendering", "most_left_out_depth_m"),
-                        count(r, "rendering", "cut_short_samples"), count(r, "rendering", "over_budget_samples"));
+    text += fmt::format(
+        "  budget      {} samples left out points, at most {:.3g} mm deeper than those tested; {} "
+        "cut short; {} over the time by a tenth\n",
+        count(r, "rendering", "left_out_samples"),
+        1e3 * number(r, "rendering", "most_left_out_depth_m"),
+        count(r, "rendering", "cut_short_samples"), count(r, "rendering", "over_budget_samples"));
   if (!s.bag.empty())
-    text += fmt::format("  bag         {} ({} messages, {} dropped)\n", s.bag, count(r, "logger", "written"),
-                        count(r, "logger", "dropped"));
+    text += fmt::format("  bag         {} ({} messages, {} dropped)\n", s.bag,
+                        count(r, "logger", "written"), count(r, "logger", "dropped"));
   return text;
 }
 
@@ -166,8 +197,10 @@ std::string figures(const RunSummary& s) {
 
 std::string to_text(const RunSummary& s) {
   std::string text = count(s.reports, "device", "samples") > 0 ? figures(s) : "\n";
-  for (const std::string& note : s.notes) text += "  NOTE        " + note + "\n";
-  for (const std::string& problem : s.problems) text += "  PROBLEM     " + problem + "\n";
+  for (const std::string& note : s.notes)
+    text += "  NOTE        " + note + "\n";
+  for (const std::string& problem : s.problems)
+    text += "  PROBLEM     " + problem + "\n";
   text += s.problems.empty() ? "  All is well.\n" : "";
   return text;
 }
@@ -175,21 +208,27 @@ std::string to_text(const RunSummary& s) {
 std::string status_line(const Reports& r, const std::vector<std::string>& nodes) {
   const auto device = r.find("device");
   std::string silent, unready;
-  const auto add = [](std::string& to, const std::string& node) { to += (to.empty() ? "" : ", ") + node; };
+  const auto add = [](std::string& to, const std::string& node) {
+    to += (to.empty() ? "" : ", ") + node;
+  };
   for (const std::string& node : nodes)
     if (const auto report = r.find(node); report == r.end())
       add(silent, node);
     else if (report->second.session_id == 0)
       add(unready, node);
-  const std::string& waiting = silent.empty() ? unready : silent;  // who is there waits for who has said nothing
+  const std::string& waiting =
+      silent.empty() ? unready : silent;  // who is there waits for who has said nothing
   const bool starts = device == r.end() || device->second.state == runtime::NodeState::kStarting;
-  if (starts || (!waiting.empty() && count(r, "device", "samples") == 0)) return "starting: waiting for " + waiting;  // in lockstep a ready device waits too
+  if (starts || (!waiting.empty() && count(r, "device", "samples") == 0))
+    return "starting: waiting for " + waiting;  // in lockstep a ready device waits too
   return fmt::format(
-      "{:>7} samples  force {:6.2f} N at most  answered {:5.1f} %  latency p50 {:>4.0f} us p99 {:>5.0f} us  overruns {}  "
+      "{:>7} samples  force {:6.2f} N at most  answered {:5.1f} %  latency p50 {:>4.0f} us p99 "
+      "{:>5.0f} us  overruns {}  "
       "contacts {}  validator {}/{} agree",
       count(r, "device", "samples"), number(r, "device", "last_second_max_force_n"),
-      100.0 * number(r, "device", "last_second_answered_share"), number(r, "device", "latency_p50_us"),
-      number(r, "device", "latency_p99_us"), count(r, "device", "overruns"), count(r, "rendering", "contact_samples"),
+      100.0 * number(r, "device", "last_second_answered_share"),
+      number(r, "device", "latency_p50_us"), number(r, "device", "latency_p99_us"),
+      count(r, "device", "overruns"), count(r, "rendering", "contact_samples"),
       count(r, "validator", "agree"), count(r, "validator", "decided"));
 }
 

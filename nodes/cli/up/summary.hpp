@@ -23,8 +23,10 @@ struct RunSummary {
   std::string scene, device, motion, mode, bag;
   std::uint64_t seed = 0;
   double validate_every = 1.0;
-  std::map<std::string, double> silence_s;  ///< of each node: longest time without a status, as `up` saw it
-  std::map<std::string, std::uint64_t> takeovers;  ///< how often each took over from the one that it stood by for; none where nobody did
+  std::map<std::string, double>
+      silence_s;  ///< of each node: longest time without a status, as `up` saw it
+  std::map<std::string, std::uint64_t> takeovers;  ///< how often each took over from the one that
+                                                   ///< it stood by for; none where nobody did
   ChosenLimits limits;
   std::vector<Judged> judged;  ///< by `judge`
   Reports reports;

@@ -24,16 +24,23 @@ namespace {
 /// Of every process that is to come: half a ring under DDS Security would find out one by one.
 void require_all_keys(const UpOptions& options) {
   if (!options.node.security.empty() && options.ring.one_process)
-    throw std::runtime_error("--security gives each node its own rights, and DDS (Cyclone DDS 0.10) knows one certificate a process: start without --one-process");
+    throw std::runtime_error(
+        "--security gives each node its own rights, and DDS (Cyclone DDS 0.10) knows one "
+        "certificate a process: start without --one-process");
   for (const std::string& role : security::roles())
-    if ((role != "logger" || !options.no_record) && (role != security::kTool || options.view)) options.node.require_keys(role);
+    if ((role != "logger" || !options.no_record) && (role != security::kTool || options.view))
+      options.node.require_keys(role);
 }
 
 /// What takes over is another process, by the clock.
 void require_room_for_standby(const UpOptions& options) {
-  if (!options.standby) return;
+  if (!options.standby)
+    return;
   (void)runtime::in_mode({.is_standby = true}, options.node.lockstep);
-  if (options.ring.one_process) throw std::runtime_error("--standby starts a second rendering and coupling to go on where the first is lost. Start without --one-process");
+  if (options.ring.one_process)
+    throw std::runtime_error(
+        "--standby starts a second rendering and coupling to go on where the first is lost. Start "
+        "without --one-process");
 }
 
 RunSummary run_up(const UpOptions& options) {
@@ -44,24 +51,32 @@ RunSummary run_up(const UpOptions& options) {
   const scene::Scene scene = scene::load_scene(options.node.scene);
   std::unique_ptr<RunningNode> page;
   RingRun run(options, scene);  // first, for it looks who else is there
-  if (options.view) page = start_page(options.node, options.ring.rendering.cache);  // what takes long to build can be looked at meanwhile
+  if (options.view)
+    page = start_page(
+        options.node,
+        options.ring.rendering.cache);  // what takes long to build can be looked at meanwhile
   run.announce_start();
   const device_node::Options& device = options.ring.device;
   std::vector<std::string> warnings = scene.warnings;
-  const std::vector<std::string> notes = check_before_start(
-      scene, {device.device, devices::parse_settings(device.settings), device.motion, options.no_record ? "" : options.ring.logger.bag, device.network_delay_ms,
-              options.node.lockstep, options.ring.rendering.cache},
-      warnings);
+  const std::vector<std::string> notes =
+      check_before_start(scene,
+                         {device.device, devices::parse_settings(device.settings), device.motion,
+                          options.no_record ? "" : options.ring.logger.bag, device.network_delay_ms,
+                          options.node.lockstep, options.ring.rendering.cache},
+                         warnings);
   std::ranges::copy(warnings_of_machine(options.node.scheduling()), std::back_inserter(warnings));
-  for (const std::string& line : few_warnings(warnings, options.node.scene.string())) log::tell("{}\n", line);
-  for (const std::string& note : notes) log::tell("note: {}\n", note);
+  for (const std::string& line : few_warnings(warnings, options.node.scene.string()))
+    log::tell("{}\n", line);
+  for (const std::string& note : notes)
+    log::tell("note: {}\n", note);
   return run.go();
 }
 
 int up(const UpOptions& options) {
   const RunSummary summary = run_up(options);
   log::print_result("{}", options.json ? json_of(summary) : to_text(summary));
-  if (!options.no_record) keep_verdict(summary);
+  if (!options.no_record)
+    keep_verdict(summary);
   if (!options.no_record && !options.no_report) {
     log::finish_results();  // nobody waits for the summary while a page is drawn
     report_on(summary);
@@ -73,11 +88,12 @@ int up(const UpOptions& options) {
 
 void add_up(CLI::App& app, Action& action) {
   auto options = std::make_shared<UpOptions>();
-  CLI::App* verb = app.add_subcommand(
-      "up",
-      "Start the whole ring (device, rendering, coupling, logger, validator), watch it, stop it on Ctrl-C, sum it up");
+  CLI::App* verb = app.add_subcommand("up",
+                                      "Start the whole ring (device, rendering, coupling, logger, "
+                                      "validator), watch it, stop it on Ctrl-C, sum it up");
   verb->add_option("SCENE", options->node.scene,
-                   fmt::format("Scene file (YAML), or the name of one that comes with voxtouch: {}", fmt::join(runtime::shipped_scenes(), ", ")))
+                   fmt::format("Scene file (YAML), or the name of one that comes with voxtouch: {}",
+                               fmt::join(runtime::shipped_scenes(), ", ")))
       ->required()
       ->transform(runtime::scene_argument());
   runtime::add_node_options(*verb, options->node, false);
@@ -87,27 +103,39 @@ void add_up(CLI::App& app, Action& action) {
                    "Folder for the bag; it must not exist (default: " +
                        (recordings_folder() / "<scene>-<time>").string() + ")");
   logger::add_format_options(*verb, options->ring.logger.format);
-  verb->add_option("--topic", options->ring.logger.topics, "Record this DDS topic as well (its type has to be compiled in), such as rt/tf")
+  verb->add_option("--topic", options->ring.logger.topics,
+                   "Record this DDS topic as well (its type has to be compiled in), such as rt/tf")
       ->check(runtime::check_topic);
-  verb->add_option("--validate-every", options->ring.validator.every, "The validator checks every n-th sample")
+  verb->add_option("--validate-every", options->ring.validator.every,
+                   "The validator checks every n-th sample")
       ->capture_default_str()
       ->check(runtime::require_count);
   const auto choose_limits = [options](const std::vector<std::string>& texts) {
     for (const std::string& text : texts)
-      if (const std::string wrong = choose_limit(text, options->limits); !wrong.empty()) throw CLI::ValidationError("--limit", wrong);
+      if (const std::string wrong = choose_limit(text, options->limits); !wrong.empty())
+        throw CLI::ValidationError("--limit", wrong);
   };
-  verb->add_option_function<std::vector<std::string>>("--limit", choose_limits,
-                                                      "NAME=VALUE: a run is a good one, and the exit status 0, only within limits; this sets one of "
-                                                      "them (0 or inf lifts it), and may be given more than once. Defaults: " +
-                                                          describe_limits())
+  verb->add_option_function<std::vector<std::string>>(
+          "--limit", choose_limits,
+          "NAME=VALUE: a run is a good one, and the exit status 0, only within limits; this sets "
+          "one of "
+          "them (0 or inf lifts it), and may be given more than once. Defaults: " +
+              describe_limits())
       ->allow_extra_args(false);
   verb->add_flag("--no-record", options->no_record, "No logger, no bag");
-  verb->add_flag("--no-report", options->no_report, "No report.html beside the bag: see voxtouch report --help");
-  verb->add_flag("--one-process", options->ring.one_process, "All nodes in this process; still over DDS");
-  verb->add_flag("--standby", options->standby, "A second rendering and a second coupling stand by, and take over where the first leaves samples without an answer");
+  verb->add_flag("--no-report", options->no_report,
+                 "No report.html beside the bag: see voxtouch report --help");
+  verb->add_flag("--one-process", options->ring.one_process,
+                 "All nodes in this process; still over DDS");
+  verb->add_flag("--standby", options->standby,
+                 "A second rendering and a second coupling stand by, and take over where the first "
+                 "leaves samples without an answer");
   scene_build::add_cache_options(*verb, options->ring.rendering.cache);
-  verb->add_flag("--view", options->view, "Serves a page that shows the ring, and tells its address: see voxtouch view --help");
-  verb->add_flag("--json", options->json, "Summary as one JSON object on stdout; all else goes to stderr");
+  verb->add_flag(
+      "--view", options->view,
+      "Serves a page that shows the ring, and tells its address: see voxtouch view --help");
+  verb->add_flag("--json", options->json,
+                 "Summary as one JSON object on stdout; all else goes to stderr");
   verb->callback([options, &action] { action = [options] { return up(*options); }; });
 }
 

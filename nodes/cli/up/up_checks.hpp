@@ -21,10 +21,12 @@ struct Plans {
   scene_build::CacheOptions cache = {};
 };
 
-/// Throws std::runtime_error, a sentence: unknown device, device option or motion, a scene that cannot be built, a device that the
-/// coupling node would command no force for with this scene, a bag folder that exists or could not be made. Returns what a user may
-/// want to know, as sentences; warnings of the scene as it is built go to `warnings`. Takes as long as the scene is built for.
-std::vector<std::string> check_before_start(const scene::Scene& scene, const Plans& plans, std::vector<std::string>& warnings);
+/// Throws std::runtime_error, a sentence: unknown device, device option or motion, a scene that
+/// cannot be built, a device that the coupling node would command no force for with this scene, a
+/// bag folder that exists or could not be made. Returns what a user may want to know, as sentences;
+/// warnings of the scene as it is built go to `warnings`. Takes as long as the scene is built for.
+std::vector<std::string> check_before_start(const scene::Scene& scene, const Plans& plans,
+                                            std::vector<std::string>& warnings);
 
 /// Sorts what the nodes have reported into problems and notes.
 void judge(RunSummary& summary);

@@ -1,4 +1,5 @@
-// A rendering and a coupling lost in contact, with a standby each; failover_campaign does it a hundred times.
+// A rendering and a coupling lost in contact, with a standby each; failover_campaign does it a
+// hundred times.
 #include <gtest/gtest.h>
 #include <signal.h>
 
@@ -12,7 +13,9 @@ struct Case {
   const char* victim;
   int signal;
 };
-void PrintTo(const Case& c, std::ostream* out) { *out << c.victim << (c.signal == SIGKILL ? " killed" : " stopped"); }
+void PrintTo(const Case& c, std::ostream* out) {
+  *out << c.victim << (c.signal == SIGKILL ? " killed" : " stopped");
+}
 
 class Failover : public testing::TestWithParam<Case> {};
 
@@ -21,14 +24,21 @@ TEST_P(Failover, GoesOnWithoutAStepAndAnswersNoSampleTwice) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Ring, Failover,
-                         testing::Values(Case{"rendering", SIGKILL}, Case{"rendering", SIGSTOP}, Case{"coupling", SIGKILL}),
-                         [](const auto& c) { return std::string(c.param.victim) + (c.param.signal == SIGKILL ? "_killed" : "_stopped"); });
+                         testing::Values(Case{"rendering", SIGKILL}, Case{"rendering", SIGSTOP},
+                                         Case{"coupling", SIGKILL}),
+                         [](const auto& c) {
+                           return std::string(c.param.victim) +
+                                  (c.param.signal == SIGKILL ? "_killed" : "_stopped");
+                         });
 
-TEST(UpWithStandby, SaysWhoWasLostWhereItSeesItOnlyInTheEnd) { expect_taken_over({.victim = "rendering", .up_waits = true}); }
+TEST(UpWithStandby, SaysWhoWasLostWhereItSeesItOnlyInTheEnd) {
+  expect_taken_over({.victim = "rendering", .up_waits = true});
+}
 
 TEST(UpWithStandby, IsRefusedWhereNobodyCouldTakeOver) {
   for (const char* option : {"--lockstep", "--one-process"}) {
-    test::Process up({VOXTOUCH_BIN "/voxtouch", "up", "cup", "--standby", option, "--no-record", "--domain", test::fresh_domain()});
+    test::Process up({VOXTOUCH_BIN "/voxtouch", "up", "cup", "--standby", option, "--no-record",
+                      "--domain", test::fresh_domain()});
     const test::Finished end = up.wait(std::chrono::seconds(20));
     EXPECT_EQ(end.status, 1) << option;
     EXPECT_NE(end.err.find("--standby"), std::string::npos) << end.err;

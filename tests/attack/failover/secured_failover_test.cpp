@@ -1,4 +1,5 @@
-// The same under --security: the one that takes over has the certificate of the role, and nobody else writes its topic.
+// The same under --security: the one that takes over has the certificate of the role, and nobody
+// else writes its topic.
 #include <gtest/gtest.h>
 
 #include "nodes/security/make_keys.hpp"
@@ -19,9 +20,12 @@ const std::filesystem::path& keys() {
   return made;
 }
 
-TEST_P(SecuredFailover, GoesOnWithoutAStepAndAnswersNoSampleTwice) { expect_taken_over({.victim = GetParam(), .keys = keys()}); }
+TEST_P(SecuredFailover, GoesOnWithoutAStepAndAnswersNoSampleTwice) {
+  expect_taken_over({.victim = GetParam(), .keys = keys()});
+}
 
-INSTANTIATE_TEST_SUITE_P(Ring, SecuredFailover, testing::Values("rendering", "coupling"), [](const auto& victim) { return std::string(victim.param) + "_killed"; });
+INSTANTIATE_TEST_SUITE_P(Ring, SecuredFailover, testing::Values("rendering", "coupling"),
+                         [](const auto& victim) { return std::string(victim.param) + "_killed"; });
 
 }  // namespace
 }  // namespace voxtouch::attack

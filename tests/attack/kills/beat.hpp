@@ -7,8 +7,9 @@
 
 namespace voxtouch::attack {
 
-/// On each CPU a thread that wants to wake up every millisecond, with the priority that the nodes of the ring ask for where it is granted:
-/// of a virtual machine one CPU may stand still while the others run.
+/// On each CPU a thread that wants to wake up every millisecond, with the priority that the nodes
+/// of the ring ask for where it is granted: of a virtual machine one CPU may stand still while the
+/// others run.
 class Beats {
  public:
   Beats();

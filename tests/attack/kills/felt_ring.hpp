@@ -1,5 +1,6 @@
 #pragma once
-/// A ring of `voxtouch up` in a contact that its hand feels, with a listener beside it: where the rounds that lose one of its processes begin.
+/// A ring of `voxtouch up` in a contact that its hand feels, with a listener beside it: where the
+/// rounds that lose one of its processes begin.
 #include <sys/types.h>
 
 #include <chrono>
@@ -20,11 +21,12 @@ namespace voxtouch::attack {
 bool wait_until(const std::function<bool()>& holds, std::chrono::milliseconds patience);
 
 struct FeltRingOptions {
-  std::string scene, motion;          ///< shipped ones
+  std::string scene, motion;  ///< shipped ones
   std::string rig = "haptic";
   std::uint32_t domain = 0;
   std::vector<std::string> more = {};  ///< options of `up`
-  std::filesystem::path keys = {};    ///< folder of --security; empty: plain. DDS takes one set of keys a process and domain
+  std::filesystem::path keys =
+      {};  ///< folder of --security; empty: plain. DDS takes one set of keys a process and domain
 };
 
 class FeltRing {
@@ -32,15 +34,17 @@ class FeltRing {
   /// Starts `up`. Throws where it cannot be started or listened to.
   explicit FeltRing(const FeltRingOptions& ask);
 
-  /// Waits for force and a contact that is felt behind sample `behind`, `after` longer, and for the contact to be felt then. `also`: what has to hold
-  /// before. False where that does not come.
-  bool reach_contact(std::uint64_t behind, std::chrono::milliseconds after, const std::function<bool()>& also = {});
+  /// Waits for force and a contact that is felt behind sample `behind`, `after` longer, and for the
+  /// contact to be felt then. `also`: what has to hold before. False where that does not come.
+  bool reach_contact(std::uint64_t behind, std::chrono::milliseconds after,
+                     const std::function<bool()>& also = {});
   /// What `up` said, where the contact was not reached: it ends.
   std::string why_not();
   /// Sends the signal, and notes when. Throws where there is no such process.
   void lose(pid_t victim, int signal);
   std::int64_t lost_at_ns() const noexcept { return lost_at_ns_; }  ///< Unix time
-  /// The longest time since then that the machine kept a thread of the ring's priority waiting [ms].
+  /// The longest time since then that the machine kept a thread of the ring's priority waiting
+  /// [ms].
   double machine_ms() const noexcept { return 1e-6 * static_cast<double>(beats_.longest_ns()); }
   bool felt() const;
   /// All samples of the device that were heard.

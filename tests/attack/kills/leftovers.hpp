@@ -9,7 +9,8 @@
 
 namespace voxtouch::attack {
 
-/// The names that a ring could have left: shared memory, lock files and sockets of ours or of the middleware, in the folders for such.
+/// The names that a ring could have left: shared memory, lock files and sockets of ours or of the
+/// middleware, in the folders for such.
 std::set<std::string> shared_names();
 
 /// UDP ports of a DDS domain that a process other than this one holds.

@@ -1,5 +1,6 @@
 #pragma once
-/// One ring, one of its processes killed or stopped while the hand feels a contact, and what came of it.
+/// One ring, one of its processes killed or stopped while the hand feels a contact, and what came
+/// of it.
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -8,31 +9,38 @@
 namespace voxtouch::attack {
 
 struct RoundOptions {
-  std::string victim = "rendering";  ///< device, rendering, coupling, logger, validator, up; or nobody, to compare with
+  std::string victim = "rendering";  ///< device, rendering, coupling, logger, validator, up; or
+                                     ///< nobody, to compare with
   int signal = 9;                    ///< SIGKILL or SIGSTOP
   std::uint32_t domain = 0;
   std::string rig = "haptic";
   std::vector<std::string> options = {};  ///< more of `up`
-  int after_ms = 0;                  ///< of contact, before the signal
+  int after_ms = 0;                       ///< of contact, before the signal
 };
 
 struct RoundResult {
-  bool played = false;                    ///< false: the ring did not come into contact
-  std::optional<double> zero_ms;          ///< from the signal to the first sample without force, by the device's own samples
-  std::optional<double> zero_wall_ms;     ///< likewise, by this machine's clock, until the device wrote it
-  double machine_ms = 0.0;                ///< the longest time in this span that the machine kept a thread of the ring's priority waiting
-  double gap_ms = 0.0;                    ///< the longest time in this span without a sample of the device
-  std::optional<double> bag_lost_s;       ///< of the device's samples that were seen, how much is missing at the bag's end
-  int unforced = 0;                       ///< samples without force while what only listens stood still
-  bool stalled = false;                   ///< the machine kept threads waiting for so long just then that force had to fade, or that zero came late
-  int status = 0;                         ///< of `up`
-  std::vector<std::string> faults;        ///< what did not hold, a sentence each
+  bool played = false;  ///< false: the ring did not come into contact
+  std::optional<double>
+      zero_ms;  ///< from the signal to the first sample without force, by the device's own samples
+  std::optional<double>
+      zero_wall_ms;         ///< likewise, by this machine's clock, until the device wrote it
+  double machine_ms = 0.0;  ///< the longest time in this span that the machine kept a thread of the
+                            ///< ring's priority waiting
+  double gap_ms = 0.0;      ///< the longest time in this span without a sample of the device
+  std::optional<double>
+      bag_lost_s;  ///< of the device's samples that were seen, how much is missing at the bag's end
+  int unforced = 0;      ///< samples without force while what only listens stood still
+  bool stalled = false;  ///< the machine kept threads waiting for so long just then that force had
+                         ///< to fade, or that zero came late
+  int status = 0;        ///< of `up`
+  std::vector<std::string> faults;  ///< what did not hold, a sentence each
 };
 
 /// Plays it; takes two to five seconds.
 RoundResult play(const RoundOptions& ask);
 
-/// The device has to be at zero by then [ms of its own samples]: three held periods, 20 ms of fade, and the way of a command.
+/// The device has to be at zero by then [ms of its own samples]: three held periods, 20 ms of fade,
+/// and the way of a command.
 inline constexpr double kZeroWithinMs = 30.0;
 
 }  // namespace voxtouch::attack

@@ -31,7 +31,8 @@ void Tap::listen() {
     });
     msg::ForceCommand command;
     while (commands_.take(command))
-      commanded_n_.store(std::hypot(command.wrench.force.x, command.wrench.force.y, command.wrench.force.z));
+      commanded_n_.store(
+          std::hypot(command.wrench.force.x, command.wrench.force.y, command.wrench.force.z));
   }
 }
 

@@ -12,12 +12,13 @@
 
 namespace voxtouch::attack {
 
-/// One sample of the device. When this process got it says nothing where it had been kept from running itself.
+/// One sample of the device. When this process got it says nothing where it had been kept from
+/// running itself.
 struct Seen {
-  std::int64_t written_ns = 0;   ///< when the device wrote it, by DDS; Unix time
-  std::int64_t sample_ns = 0;    ///< the device's own clock
+  std::int64_t written_ns = 0;  ///< when the device wrote it, by DDS; Unix time
+  std::int64_t sample_ns = 0;   ///< the device's own clock
   std::uint64_t sequence = 0;
-  bool force_on = false;         ///< the guard lets force through
+  bool force_on = false;  ///< the guard lets force through
 };
 
 class Tap {

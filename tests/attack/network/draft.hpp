@@ -25,13 +25,16 @@ class Draft {
   void byte(std::uint64_t value) { bytes_.push_back(static_cast<std::uint8_t>(value)); }
   template <class T>
   void number(T value) {  // little endian
-    for (std::size_t n = 0; n < sizeof value; ++n) byte(static_cast<std::uint64_t>(value) >> (8 * n));
+    for (std::size_t n = 0; n < sizeof value; ++n)
+      byte(static_cast<std::uint64_t>(value) >> (8 * n));
   }
   void noise(std::size_t count) {
-    while (count-- > 0) byte(any());
+    while (count-- > 0)
+      byte(any());
   }
   void big_endian(std::uint32_t value) {
-    for (int shift = 24; shift >= 0; shift -= 8) byte(value >> shift);
+    for (int shift = 24; shift >= 0; shift -= 8)
+      byte(value >> shift);
   }
   template <class Range>
   void append(const Range& range) {
@@ -39,7 +42,8 @@ class Draft {
   }
   /// Overwrites 16 bits, little endian: a length that is known afterwards.
   void set_length(std::size_t at, std::size_t value) {
-    bytes_[at] = static_cast<std::uint8_t>(value), bytes_[at + 1] = static_cast<std::uint8_t>(value >> 8);
+    bytes_[at] = static_cast<std::uint8_t>(value),
+    bytes_[at + 1] = static_cast<std::uint8_t>(value >> 8);
   }
   std::size_t size() const noexcept { return bytes_.size(); }
   Bytes take() && { return std::move(bytes_); }

@@ -29,16 +29,20 @@ struct Options {
   std::vector<std::string> topics;
 };
 
-/// A sample whose numbers are random, where the type holds nothing else: memory of strings and sequences stays empty.
+/// A sample whose numbers are random, where the type holds nothing else: memory of strings and
+/// sequences stays empty.
 std::vector<std::uint64_t> sample_of(const dds_topic_descriptor_t& type, std::mt19937_64& random) {
   std::vector<std::uint64_t> memory(type.m_size / sizeof(std::uint64_t) + 1);
   if (type.m_flagset & DDS_TOPIC_FIXED_SIZE)
-    for (std::byte& byte : std::as_writable_bytes(std::span(memory))) byte = static_cast<std::byte>(random());
+    for (std::byte& byte : std::as_writable_bytes(std::span(memory)))
+      byte = static_cast<std::byte>(random());
   return memory;
 }
 
-void flood(const Options& o, const bus::Participant& participant, const qos::Topic& topic, std::mt19937_64& random) {
-  const auto type = std::find_if(std::begin(msg::kAllTypes), std::end(msg::kAllTypes), [&](const msg::AnyType& t) { return t.ros_name == topic.type; });
+void flood(const Options& o, const bus::Participant& participant, const qos::Topic& topic,
+           std::mt19937_64& random) {
+  const auto type = std::find_if(std::begin(msg::kAllTypes), std::end(msg::kAllTypes),
+                                 [&](const msg::AnyType& t) { return t.ros_name == topic.type; });
   const bus::EndpointEntities writer =
       bus::make_writer(participant, topic, o.rig, qos::profile(topic.profile), *type);
   std::this_thread::sleep_for(std::chrono::milliseconds(200));  // discovery
@@ -48,12 +52,14 @@ void flood(const Options& o, const bus::Participant& participant, const qos::Top
   const auto sample = sample_of(*type->descriptor, random);
   for (; n < count && Clock::now() - start < 2 * std::chrono::duration<double>(o.seconds); ++n) {
     if (n % 50 == 0)
-      std::this_thread::sleep_until(start + std::chrono::nanoseconds(std::llround(1e9 * static_cast<double>(n) / o.rate)));
+      std::this_thread::sleep_until(
+          start + std::chrono::nanoseconds(std::llround(1e9 * static_cast<double>(n) / o.rate)));
     written += dds_write(writer.endpoint.get(), sample.data()) == DDS_RETCODE_OK;
   }
   const double elapsed = std::chrono::duration<double>(Clock::now() - start).count();
-  fmt::print("figure: {}: {} of {} written in {:.1f} s, {:.0f} a second, to {} readers\n", topic.path, written, count, elapsed,
-             static_cast<double>(written) / elapsed, bus::matched_readers(writer.endpoint.get()).size());
+  fmt::print("figure: {}: {} of {} written in {:.1f} s, {:.0f} a second, to {} readers\n",
+             topic.path, written, count, elapsed, static_cast<double>(written) / elapsed,
+             bus::matched_readers(writer.endpoint.get()).size());
   std::fflush(stdout);
 }
 
@@ -61,7 +67,8 @@ int run(const Options& o) {
   const bus::Participant participant(o.participant);
   std::mt19937_64 random(o.seed);
   for (const qos::Topic& topic : qos::kTopics)
-    if (o.topics.empty() || std::find(o.topics.begin(), o.topics.end(), topic.path) != o.topics.end())
+    if (o.topics.empty() ||
+        std::find(o.topics.begin(), o.topics.end(), topic.path) != o.topics.end())
       flood(o, participant, topic, random);
   return 0;
 }
@@ -70,15 +77,24 @@ int run(const Options& o) {
 
 int main(int argc, char** argv) {
   CLI::App app(
-      "A foreign participant writes on each topic of a rig in turn, with its type, as fast as asked: numbers are random, texts and lists\n"
+      "A foreign participant writes on each topic of a rig in turn, with its type, as fast as "
+      "asked: numbers are random, texts and lists\n"
       "empty. No process of the ring may end of it, and none of it may reach the device.");
   Options o;
   std::vector<std::string> paths;
-  for (const qos::Topic& topic : qos::kTopics) paths.emplace_back(topic.path);
-  app.add_option("--domain", o.participant.domain, "DDS domain")->required()->check(CLI::Range(0U, 200U));
+  for (const qos::Topic& topic : qos::kTopics)
+    paths.emplace_back(topic.path);
+  app.add_option("--domain", o.participant.domain, "DDS domain")
+      ->required()
+      ->check(CLI::Range(0U, 200U));
   app.add_option("--rig", o.rig, "of these topics")->capture_default_str();
-  app.add_option("--seconds", o.seconds, "for each topic; at most twice that where it cannot be so fast")->check(CLI::Range(0.0, 60.0))->capture_default_str();
-  app.add_option("--rate", o.rate, "messages a second")->check(CLI::Range(1.0, 200000.0))->capture_default_str();
+  app.add_option("--seconds", o.seconds,
+                 "for each topic; at most twice that where it cannot be so fast")
+      ->check(CLI::Range(0.0, 60.0))
+      ->capture_default_str();
+  app.add_option("--rate", o.rate, "messages a second")
+      ->check(CLI::Range(1.0, 200000.0))
+      ->capture_default_str();
   app.add_option("--seed", o.seed, "of the numbers")->capture_default_str();
   app.add_option("--topics", o.topics, "these only")->delimiter(',')->check(CLI::IsMember(paths));
   CLI11_PARSE(app, argc, argv);

@@ -13,8 +13,9 @@
 namespace voxtouch::attack {
 namespace {
 
-constexpr std::size_t kHeader = 20;        // "RTPS", version, vendor, prefix
-constexpr std::uint16_t kUnicast = 0x31, kDiscoveryUnicast = 0x32;  // parameters that hold a locator
+constexpr std::size_t kHeader = 20;  // "RTPS", version, vendor, prefix
+constexpr std::uint16_t kUnicast = 0x31,
+                        kDiscoveryUnicast = 0x32;  // parameters that hold a locator
 
 class Socket {
  public:
@@ -33,7 +34,8 @@ class Socket {
         setsockopt(fd_, SOL_SOCKET, SO_RCVTIMEO, &wait, sizeof wait) != 0) {
       const std::string why = std::strerror(errno);
       close(fd_);
-      throw std::runtime_error("the announcements of domain " + std::to_string(domain) + " cannot be listened to: " + why + ".");
+      throw std::runtime_error("the announcements of domain " + std::to_string(domain) +
+                               " cannot be listened to: " + why + ".");
     }
   }
   ~Socket() { close(fd_); }
@@ -56,11 +58,13 @@ class Socket {
 template <class T>
 T number(const Bytes& bytes, std::size_t at) {
   T value = 0;
-  if (at + sizeof value <= bytes.size()) std::memcpy(&value, bytes.data() + at, sizeof value);
+  if (at + sizeof value <= bytes.size())
+    std::memcpy(&value, bytes.data() + at, sizeof value);
   return value;
 }
 
-void collect_ports(const Bytes& bytes, std::size_t at, std::size_t end, std::set<std::uint16_t>& ports) {
+void collect_ports(const Bytes& bytes, std::size_t at, std::size_t end,
+                   std::set<std::uint16_t>& ports) {
   while (at + 4 <= end) {
     const auto id = number<std::uint16_t>(bytes, at), size = number<std::uint16_t>(bytes, at + 2);
     // a locator: kind, port, address of 16 bytes
@@ -78,14 +82,18 @@ Neighbours listen_for_neighbours(std::uint32_t domain, std::chrono::milliseconds
   const auto until = std::chrono::steady_clock::now() + time;
   while (std::chrono::steady_clock::now() < until) {
     Bytes bytes = socket.receive();
-    if (bytes.size() < kHeader || std::memcmp(bytes.data(), "RTPS", 4) != 0) continue;
+    if (bytes.size() < kHeader || std::memcmp(bytes.data(), "RTPS", 4) != 0)
+      continue;
     GuidPrefix prefix{};
     std::copy_n(bytes.begin() + 8, prefix.size(), prefix.begin());
     for (std::size_t at = kHeader; at + 4 <= bytes.size();) {
-      const std::size_t size = number<std::uint16_t>(bytes, at + 2), end = size ? at + 4 + size : bytes.size();
+      const std::size_t size = number<std::uint16_t>(bytes, at + 2),
+                        end = size ? at + 4 + size : bytes.size();
       // 20 bytes of the submessage, then 4 that say how the parameters are encoded
-      if (bytes[at] == kData) collect_ports(bytes, at + 28, std::min(end, bytes.size()), found.ports);
-      if (bytes[at] == kData && found.prefixes.insert(prefix).second) found.announcements.push_back(bytes);
+      if (bytes[at] == kData)
+        collect_ports(bytes, at + 28, std::min(end, bytes.size()), found.ports);
+      if (bytes[at] == kData && found.prefixes.insert(prefix).second)
+        found.announcements.push_back(bytes);
       at = end;
     }
   }

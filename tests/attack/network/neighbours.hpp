@@ -1,5 +1,6 @@
 #pragma once
-/// Who takes part in a DDS domain on loopback, learned from what they announce to everybody (RTPS participant discovery).
+/// Who takes part in a DDS domain on loopback, learned from what they announce to everybody (RTPS
+/// participant discovery).
 #include <array>
 #include <chrono>
 #include <cstdint>
@@ -11,7 +12,8 @@ namespace voxtouch::attack {
 using GuidPrefix = std::array<std::uint8_t, 12>;
 using Bytes = std::vector<std::uint8_t>;
 
-inline constexpr std::uint8_t kData = 0x15;  ///< the submessage that carries a sample, also one of discovery
+inline constexpr std::uint8_t kData =
+    0x15;  ///< the submessage that carries a sample, also one of discovery
 
 struct Neighbours {
   std::set<GuidPrefix> prefixes;
@@ -20,9 +22,12 @@ struct Neighbours {
 };
 
 /// Port of the domain that all its participants listen on (RTPS 2.2, 9.6.1.1).
-constexpr std::uint16_t discovery_port(std::uint32_t domain) { return static_cast<std::uint16_t>(7400 + 250 * domain); }
+constexpr std::uint16_t discovery_port(std::uint32_t domain) {
+  return static_cast<std::uint16_t>(7400 + 250 * domain);
+}
 
-/// Listens for `time`. Sends nothing. \throws std::runtime_error, a sentence, where the port cannot be listened on.
+/// Listens for `time`. Sends nothing. \throws std::runtime_error, a sentence, where the port cannot
+/// be listened on.
 Neighbours listen_for_neighbours(std::uint32_t domain, std::chrono::milliseconds time);
 
 }  // namespace voxtouch::attack

@@ -28,18 +28,31 @@ import time
 
 HERE = pathlib.Path(__file__).resolve().parents[3]
 FORCE_ON = 4
-LATE_S = 0.003   # a witness that wakes this late says that its CPU stood still
-STILL_S = 0.02   # a CPU that stood still this long within WINDOW_S explains a lost force: the guard waits 24 ms
+LATE_S = 0.003  # a witness that wakes this late says that its CPU stood still
+STILL_S = 0.02  # a CPU that stood still this long within WINDOW_S explains a lost force: the guard waits 24 ms
 WINDOW_S = 0.08  # the guard's time, and that in which the loop catches up, some 20 samples
 STATE = struct.Struct("<QQq7d6dII")  # DeviceState, as its .msg says
 
 
 def arguments():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--build", type=pathlib.Path, default=HERE / "build", help="build folder")
     parser.add_argument("--duration", type=float, default=300.0, help="seconds of each form")
-    parser.add_argument("--domains", type=int, nargs=2, default=[66, 67], help="the first for one domain, both for two")
-    parser.add_argument("--forms", choices=["names", "domains", "both"], default="both", help="told apart by rig names, by domains, or first so and then so")
+    parser.add_argument(
+        "--domains",
+        type=int,
+        nargs=2,
+        default=[66, 67],
+        help="the first for one domain, both for two",
+    )
+    parser.add_argument(
+        "--forms",
+        choices=["names", "domains", "both"],
+        default="both",
+        help="told apart by rig names, by domains, or first so and then so",
+    )
     return parser.parse_args()
 
 
@@ -65,8 +78,13 @@ class Machine:
     def __init__(self, folder):
         self.file = folder / "still"
         with open(self.file, "a") as file:
-            self.witnesses = [subprocess.Popen([sys.executable, "-c", self.WITNESS, str(cpu), str(os.getpid()), str(LATE_S)], stdout=file)
-                              for cpu in os.sched_getaffinity(0)]
+            self.witnesses = [
+                subprocess.Popen(
+                    [sys.executable, "-c", self.WITNESS, str(cpu), str(os.getpid()), str(LATE_S)],
+                    stdout=file,
+                )
+                for cpu in os.sched_getaffinity(0)
+            ]
 
     def end(self):
         for witness in self.witnesses:
@@ -79,7 +97,9 @@ class Machine:
         """Seconds that the CPU which stood still longest did so within WINDOW_S before a moment."""
         by_cpu = {}
         for cpu, begin, end in self.still:
-            by_cpu[cpu] = by_cpu.get(cpu, 0.0) + max(0.0, min(end, moment) - max(begin, moment - WINDOW_S))
+            by_cpu[cpu] = by_cpu.get(cpu, 0.0) + max(
+                0.0, min(end, moment) - max(begin, moment - WINDOW_S)
+            )
         return max(by_cpu.values(), default=0.0)
 
     def stood_still_before(self, moment):
@@ -89,10 +109,31 @@ class Machine:
 class Rig:
     def __init__(self, ask, name, domain, folder):
         self.name, self.bag = name, folder / name
-        self.said, self.told = open(folder / f"{name}.err", "w+"), open(folder / f"{name}.out", "w+")
+        self.said, self.told = open(folder / f"{name}.err", "w+"), open(
+            folder / f"{name}.out", "w+"
+        )
         self.process = subprocess.Popen(
-            [ask.build / "bin/voxtouch", "up", HERE / "deploy/scenes/cup.yaml", "--motion", "slide", "--duration", str(ask.duration), "--json", "--no-report",
-             "--rig", name, "--domain", str(domain), "--record", self.bag], stdout=self.told, stderr=self.said, stdin=subprocess.DEVNULL)
+            [
+                ask.build / "bin/voxtouch",
+                "up",
+                HERE / "deploy/scenes/cup.yaml",
+                "--motion",
+                "slide",
+                "--duration",
+                str(ask.duration),
+                "--json",
+                "--no-report",
+                "--rig",
+                name,
+                "--domain",
+                str(domain),
+                "--record",
+                self.bag,
+            ],
+            stdout=self.told,
+            stderr=self.said,
+            stdin=subprocess.DEVNULL,
+        )
 
     def lines(self):
         return pathlib.Path(self.said.name).read_text()
@@ -105,7 +146,9 @@ class Rig:
             if entry.name.isdigit():
                 try:
                     command = pathlib.Path(entry.path, "cmdline").read_bytes().split(b"\0")
-                    parent = int(pathlib.Path(entry.path, "stat").read_text().rsplit(")", 1)[1].split()[1])
+                    parent = int(
+                        pathlib.Path(entry.path, "stat").read_text().rsplit(")", 1)[1].split()[1]
+                    )
                 except (OSError, IndexError):
                     continue
                 if parent == self.process.pid and command[0].endswith(f"voxtouch_{name}".encode()):
@@ -121,10 +164,12 @@ class Rig:
         found = []
         for file in sorted(self.bag.glob("*.db3")):
             with sqlite3.connect(f"file:{file}?mode=ro", uri=True) as database:
-                rows = database.execute("select timestamp, data from messages join topics on topics.id = topic_id where name = ? order by messages.id",
-                                        (f"/{self.name}/device/state",))
+                rows = database.execute(
+                    "select timestamp, data from messages join topics on topics.id = topic_id where name = ? order by messages.id",
+                    (f"/{self.name}/device/state",),
+                )
                 for written_ns, data in rows:
-                    session, *rest = STATE.unpack(data[4:4 + STATE.size])
+                    session, *rest = STATE.unpack(data[4 : 4 + STATE.size])
                     found.append((written_ns * 1e-9, session, bool(rest[-1] & FORCE_ON)))
         return found
 
@@ -133,12 +178,18 @@ def play(ask, form, domains):
     faults = []
     with tempfile.TemporaryDirectory(prefix="voxtouch_test_two_rigs_") as folder:
         machine = Machine(pathlib.Path(folder))
-        rigs = [Rig(ask, name, domain, pathlib.Path(folder)) for name, domain in zip(("left", "right"), domains)]
+        rigs = [
+            Rig(ask, name, domain, pathlib.Path(folder))
+            for name, domain in zip(("left", "right"), domains)
+        ]
         try:
             until = time.monotonic() + 60
             while not all(rig.running() for rig in rigs):
                 if time.monotonic() > until or any(rig.process.poll() is not None for rig in rigs):
-                    return [f"{form}: the rigs did not both start: " + " | ".join(rig.lines()[-300:] for rig in rigs)]
+                    return [
+                        f"{form}: the rigs did not both start: "
+                        + " | ".join(rig.lines()[-300:] for rig in rigs)
+                    ]
                 time.sleep(0.05)
             time.sleep(ask.duration / 2)
             os.kill(rigs[0].node("rendering"), signal.SIGKILL)
@@ -152,13 +203,25 @@ def play(ask, form, domains):
             machine.end()
         left, right = rigs
         if left.status != 1 or not any("rendering" in p for p in left.summary["problems"]):
-            faults.append(f"the left rig lost its rendering and ends with {left.status}: {left.summary['problems']}")
-        faults += [f"the right rig names the left: {p}" for p in right.summary["problems"] if "left" in p or "rendering was ended" in p or "writer" in p]
+            faults.append(
+                f"the left rig lost its rendering and ends with {left.status}: {left.summary['problems']}"
+            )
+        faults += [
+            f"the right rig names the left: {p}"
+            for p in right.summary["problems"]
+            if "left" in p or "rendering was ended" in p or "writer" in p
+        ]
         if (right.status == 0) != (not right.summary["problems"]):
-            faults.append(f"the right rig ends with {right.status} and these problems: {right.summary['problems']}")
+            faults.append(
+                f"the right rig ends with {right.status} and these problems: {right.summary['problems']}"
+            )
         guard = right.summary["guard"]
-        if guard["refused"] > guard["refused_late"]:  # late ones are the rig's own: its coupling was kept from running for a while
-            faults.append(f"the right guard refused {guard['refused'] - guard['refused_late']} commands that were not its coupling's or not in order")
+        if (
+            guard["refused"] > guard["refused_late"]
+        ):  # late ones are the rig's own: its coupling was kept from running for a while
+            faults.append(
+                f"the right guard refused {guard['refused'] - guard['refused_late']} commands that were not its coupling's or not in order"
+            )
         for rig in rigs:
             states = rig.states()
             sessions = {session for _, session, _ in states}
@@ -169,15 +232,19 @@ def play(ask, form, domains):
                 lost = [moment for moment, _, on in states[first:] if not on]
                 by_machine = sum(map(machine.stood_still_before, lost))
                 if first == len(states) or len(lost) > by_machine:
-                    faults.append(f"the right rig lost its force at {len(lost) - by_machine} of {len(states) - first} samples, with the machine running: "
-                                  f"its CPUs stood still for {', '.join(f'{1000 * machine.still_before(moment):.0f}' for moment in lost[:20])} ms of the "
-                                  f"{1000 * WINDOW_S:.0f} before")
+                    faults.append(
+                        f"the right rig lost its force at {len(lost) - by_machine} of {len(states) - first} samples, with the machine running: "
+                        f"its CPUs stood still for {', '.join(f'{1000 * machine.still_before(moment):.0f}' for moment in lost[:20])} ms of the "
+                        f"{1000 * WINDOW_S:.0f} before"
+                    )
         own = "; ".join(right.summary["problems"]) or "none"
-        print(f"figure: {form}: left ended with {left.status}; right ended with {right.status}, {right.summary['samples']} samples at "
-              f"{right.summary['rate_hz']:.0f} Hz, {guard['refused']} commands refused, {guard['refused_late']} of them as too late, "
-              f"{len(lost)} samples without force, {by_machine} of them while a CPU stood still for {1000 * STILL_S:.0f} of the last {1000 * WINDOW_S:.0f} ms; "
-              f"{len(machine.still)} times a CPU stood still for more than {1000 * LATE_S:.0f} ms, {sum(end - begin for _, begin, end in machine.still):.1f} s "
-              f"in all (longest {1000 * max((end - begin for _, begin, end in machine.still), default=0):.0f} ms); problems of its own: {own}")
+        print(
+            f"figure: {form}: left ended with {left.status}; right ended with {right.status}, {right.summary['samples']} samples at "
+            f"{right.summary['rate_hz']:.0f} Hz, {guard['refused']} commands refused, {guard['refused_late']} of them as too late, "
+            f"{len(lost)} samples without force, {by_machine} of them while a CPU stood still for {1000 * STILL_S:.0f} of the last {1000 * WINDOW_S:.0f} ms; "
+            f"{len(machine.still)} times a CPU stood still for more than {1000 * LATE_S:.0f} ms, {sum(end - begin for _, begin, end in machine.still):.1f} s "
+            f"in all (longest {1000 * max((end - begin for _, begin, end in machine.still), default=0):.0f} ms); problems of its own: {own}"
+        )
     return [f"{form}: {fault}" for fault in faults]
 
 

@@ -1,6 +1,6 @@
 #pragma once
-/// Campaigns of simulated runs that try coupling designs on devices, hands and contacts nobody chose. Each phase is a pure
-/// function of its options: the same seed gives the same counts.
+/// Campaigns of simulated runs that try coupling designs on devices, hands and contacts nobody
+/// chose. Each phase is a pure function of its options: the same seed gives the same counts.
 #include <array>
 #include <cstdint>
 #include <functional>
@@ -20,19 +20,22 @@ struct Options {
   std::uint64_t members = 2500;
   bool corners = true;         ///< designs: the corners of the population's ranges as well
   std::uint64_t limits = 150;  ///< designs: how many promises are compared with the simulated limit
-  double overload =
-      1.0;  ///< designs: every contact this many times stiffer than promised; to see that the campaign sees it
-  std::optional<double> damper_share;  ///< designs: as CouplingSpec has it; none: the designer chooses
+  double overload = 1.0;  ///< designs: every contact this many times stiffer than promised; to see
+                          ///< that the campaign sees it
+  std::optional<double>
+      damper_share;  ///< designs: as CouplingSpec has it; none: the designer chooses
   std::function<void(std::uint64_t done, std::uint64_t all)> progress;  ///< may be empty
 };
 
 /// Runs of one kind.
 struct Tally {
   std::string name;
-  std::uint64_t runs = 0, unstable = 0, decaying = 0;  ///< decaying: not at rest at the end, but on the way
+  std::uint64_t runs = 0, unstable = 0,
+                decaying = 0;  ///< decaying: not at rest at the end, but on the way
 };
 
-/// Everything that it takes to see a run again: draw_member(seed, index), or the corner of that index, and the trial's name.
+/// Everything that it takes to see a run again: draw_member(seed, index), or the corner of that
+/// index, and the trial's name.
 struct Failure {
   std::string trial;
   std::uint64_t seed = 0, index = 0;
@@ -49,30 +52,36 @@ struct PhaseResult {
   std::string name;
   std::vector<Tally> tallies;
   std::vector<Figure> figures;
-  std::vector<Failure> failures;  ///< unstable runs that should not be; empty for phases that only count
+  std::vector<Failure>
+      failures;  ///< unstable runs that should not be; empty for phases that only count
 
   Tally& tally(const std::string& kind);
   /// Counts a run; true if it is unstable.
   bool count(const std::string& kind, const coupling_models::NonlinearVerdict& verdict);
 };
 
-/// The paper's filter taken literally, 5 Hz and d = 1, its gain limited only by the device's largest stiffness.
+/// The paper's filter taken literally, 5 Hz and d = 1, its gain limited only by the device's
+/// largest stiffness.
 PhaseResult recipe_phase(const Options& options);
 /// Designs by design_coupling; every unstable run is a failure.
 PhaseResult design_phase(const Options& options);
 /// Random loops around the boundary that the linear model predicts.
 PhaseResult predictor_phase(const Options& options);
 
-/// Push, speed and length of a run for a loop whose contact is set. `shown`: stiffness that reaches the hand; it says how deep
-/// the push goes, half a millimetre to a centimetre or 60 % of `max_effort`. At least 8 of the loop's slowest time constants
-/// and 20 swings, at most two million samples; the longest eight times that.
-void drive(coupling_models::NonlinearLoop& loop, double shown, double max_effort, coupling_models::Random& random);
-/// Jitter within +- `jitter`, 1 to 3 % loss of at most `lost_in_a_row`, quantisation, a wall that only pushes, any of the laws.
-void disturb(coupling_models::NonlinearLoop& loop, const coupling::design::LoopTiming& timing, double resolution,
-             coupling_models::Random& random);
+/// Push, speed and length of a run for a loop whose contact is set. `shown`: stiffness that reaches
+/// the hand; it says how deep the push goes, half a millimetre to a centimetre or 60 % of
+/// `max_effort`. At least 8 of the loop's slowest time constants and 20 swings, at most two million
+/// samples; the longest eight times that.
+void drive(coupling_models::NonlinearLoop& loop, double shown, double max_effort,
+           coupling_models::Random& random);
+/// Jitter within +- `jitter`, 1 to 3 % loss of at most `lost_in_a_row`, quantisation, a wall that
+/// only pushes, any of the laws.
+void disturb(coupling_models::NonlinearLoop& loop, const coupling::design::LoopTiming& timing,
+             double resolution, coupling_models::Random& random);
 
 /// A loop and what became of it, for a person and for a debugger.
-std::string describe(const coupling_models::NonlinearLoop& loop, const coupling_models::NonlinearVerdict& verdict);
+std::string describe(const coupling_models::NonlinearLoop& loop,
+                     const coupling_models::NonlinearVerdict& verdict);
 
 /// As lines of text, or as one JSON object.
 std::string as_table(const std::vector<PhaseResult>& phases);

@@ -1,5 +1,5 @@
-/// coupling_campaign: tries coupling designs in simulated loops and counts what becomes unstable. Exit status 1 if a design, or a
-/// loop that the linear model calls stable with 5 % to spare, is.
+/// coupling_campaign: tries coupling designs in simulated loops and counts what becomes unstable.
+/// Exit status 1 if a design, or a loop that the linear model calls stable with 5 % to spare, is.
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
@@ -20,19 +20,24 @@ struct Arguments {
 
 Arguments parse(CLI::App& app, int argc, char** argv) {
   Arguments a;
-  app.add_option("--runs", a.runs,
-                 "runs of designs, four a member of the population; the other phases get a quarter of it")
+  app.add_option(
+         "--runs", a.runs,
+         "runs of designs, four a member of the population; the other phases get a quarter of it")
       ->check(CLI::PositiveNumber);
   app.add_option("--seed", a.seed, "of the population and of every run");
-  app.add_option("--first", a.first, "index of the first member: --first N --runs 4 repeats member N alone");
+  app.add_option("--first", a.first,
+                 "index of the first member: --first N --runs 4 repeats member N alone");
   app.add_option("--phases", a.phases, "any of recipe, designs, predictor")
       ->check(CLI::IsMember({"recipe", "designs", "predictor"}))
       ->delimiter(',');
-  app.add_flag("--corners,!--no-corners", a.corners, "designs for the corners of the population's ranges as well");
+  app.add_flag("--corners,!--no-corners", a.corners,
+               "designs for the corners of the population's ranges as well");
   app.add_option("--overload", a.overload,
                  "designs: contacts this many times stiffer than promised, to see that it is seen")
       ->check(CLI::PositiveNumber);
-  app.add_option("--damper-share", a.damper_share, "designs: most that injected damping adds, as a share of the law's force; 0: not bounded. Default: as the designer chooses")
+  app.add_option("--damper-share", a.damper_share,
+                 "designs: most that injected damping adds, as a share of the law's force; 0: not "
+                 "bounded. Default: as the designer chooses")
       ->check(CLI::NonNegativeNumber);
   app.add_flag("--json", a.json, "one JSON array instead of the table");
   app.parse(argc, argv);
@@ -41,13 +46,15 @@ Arguments parse(CLI::App& app, int argc, char** argv) {
 
 int run(const Arguments& a) {
   Options options;
-  options.seed = a.seed, options.first = a.first, options.corners = a.corners, options.overload = a.overload, options.damper_share = a.damper_share;
+  options.seed = a.seed, options.first = a.first, options.corners = a.corners,
+  options.overload = a.overload, options.damper_share = a.damper_share;
   options.members = (a.runs + 3) / 4;
   std::vector<PhaseResult> results;
   for (const std::string& phase : a.phases) {
     std::uint64_t told = 0;
     options.progress = [&](std::uint64_t done, std::uint64_t all) {
-      if (20 * done / all == told) return;
+      if (20 * done / all == told)
+        return;
       told = 20 * done / all;
       fmt::print(stderr, "{}: {} of {}\n", phase, done, all);
     };
@@ -57,7 +64,8 @@ int run(const Arguments& a) {
   }
   fmt::print("{}", a.json ? as_json(results) : as_table(results));
   for (const PhaseResult& r : results)
-    if (!r.failures.empty()) return 1;
+    if (!r.failures.empty())
+      return 1;
   return 0;
 }
 

@@ -1,4 +1,5 @@
-// device_faults: each fault that a counterpart offers, into the driver at it; what the driver said, and what the plant received.
+// device_faults: each fault that a counterpart offers, into the driver at it; what the driver said,
+// and what the plant received.
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
@@ -29,7 +30,8 @@ std::string device_of(const FaultCase& fault) {
 
 bool wanted(const Options& o, const FaultCase& fault) {
   for (const std::string& name : o.only)
-    if (name == fault.name || name == device_of(fault)) return true;
+    if (name == fault.name || name == device_of(fault))
+      return true;
   return o.only.empty();
 }
 
@@ -42,22 +44,29 @@ FaultOutcome run(const FaultCase& fault, bool virtual_time) {
 
 std::string told(const FaultOutcome& o) {
   std::string text;
-  for (const devices::DeviceError error : o.told) text += fmt::format("{}{}", text.empty() ? "" : ", ", devices::name_of(error));
+  for (const devices::DeviceError error : o.told)
+    text += fmt::format("{}{}", text.empty() ? "" : ", ", devices::name_of(error));
   return text.empty() ? "-" : text;
 }
 
-std::string ms(const std::optional<double>& seconds) { return seconds ? fmt::format("{:.1f}", 1e3 * *seconds) : "-"; }
+std::string ms(const std::optional<double>& seconds) {
+  return seconds ? fmt::format("{:.1f}", 1e3 * *seconds) : "-";
+}
 
 std::string verdict(const FaultOutcome& o) {
-  if (!o.good()) return "BAD";
+  if (!o.good())
+    return "BAD";
   const bool milder = o.fault->after == After::kRidesThrough && o.after == After::kRecovers;
   return o.fault->after == o.after || milder ? "good" : "good, but not as expected";
 }
 
 nlohmann::json to_json(const FaultOutcome& o) {
-  const auto in_ms = [](const std::optional<double>& s) { return s ? nlohmann::json(1e3 * *s) : nlohmann::json(); };
+  const auto in_ms = [](const std::optional<double>& s) {
+    return s ? nlohmann::json(1e3 * *s) : nlohmann::json();
+  };
   std::vector<std::string> kinds;
-  for (const devices::DeviceError error : o.told) kinds.emplace_back(devices::name_of(error));
+  for (const devices::DeviceError error : o.told)
+    kinds.emplace_back(devices::name_of(error));
   return {{"device", device_of(*o.fault)},
           {"fault", o.fault->name},
           {"time", o.virtual_time ? "virtual" : "real"},
@@ -77,35 +86,43 @@ nlohmann::json to_json(const FaultOutcome& o) {
 
 std::string quoted(const std::string& text) {
   std::string out = "\"";
-  for (const char c : text) out += c == '"' ? "\"\"" : std::string(1, c);
+  for (const char c : text)
+    out += c == '"' ? "\"\"" : std::string(1, c);
   return out + "\"";
 }
 
 void write_csv(const std::string& file, const std::vector<FaultOutcome>& outcomes) {
   std::ofstream out(file);
-  out << "device,fault,time,period_ms,force_before_n,errors,told_after_ms,zero_after_ms,bound_ms,largest_force_n,"
+  out << "device,fault,time,period_ms,force_before_n,errors,told_after_ms,zero_after_ms,bound_ms,"
+         "largest_force_n,"
          "largest_torque_nm,"
          "after,verdict,sentence\n";
   for (const FaultOutcome& o : outcomes)
-    out << fmt::format("{},{},{},{:.3f},{:.4f},{},{},{},{:.3f},{:.9g},{:.9g},{},{},{}\n", device_of(*o.fault),
-                       o.fault->name, o.virtual_time ? "virtual" : "real", 1e3 * o.period_s, o.before_n,
-                       quoted(told(o)), ms(o.told_after_s), ms(o.zero_after_s), 1e3 * o.bound_s, o.largest_n,
-                       o.largest_nm, name_of(o.after), quoted(verdict(o)), quoted(o.sentence));
+    out << fmt::format("{},{},{},{:.3f},{:.4f},{},{},{},{:.3f},{:.9g},{:.9g},{},{},{}\n",
+                       device_of(*o.fault), o.fault->name, o.virtual_time ? "virtual" : "real",
+                       1e3 * o.period_s, o.before_n, quoted(told(o)), ms(o.told_after_s),
+                       ms(o.zero_after_s), 1e3 * o.bound_s, o.largest_n, o.largest_nm,
+                       name_of(o.after), quoted(verdict(o)), quoted(o.sentence));
   out.flush();
-  if (!out) throw std::runtime_error(fmt::format("'{}' cannot be written", file));
+  if (!out)
+    throw std::runtime_error(fmt::format("'{}' cannot be written", file));
 }
 
 void print(const std::vector<FaultOutcome>& outcomes) {
-  fmt::print("{:8} {:15} {:7} {:>6} {:24} {:>8} {:>8} {:>9} {:>9} {:>9} {:14} {}\n", "device", "fault", "time",
-             "push N", "errors", "told ms", "zero ms", "within ms", "then N", "then Nm", "then", "verdict");
+  fmt::print("{:8} {:15} {:7} {:>6} {:24} {:>8} {:>8} {:>9} {:>9} {:>9} {:14} {}\n", "device",
+             "fault", "time", "push N", "errors", "told ms", "zero ms", "within ms", "then N",
+             "then Nm", "then", "verdict");
   for (const FaultOutcome& o : outcomes)
-    fmt::print("{:8} {:15} {:7} {:6.2f} {:24} {:>8} {:>8} {:9.1f} {:9.3g} {:9.3g} {:14} {}\n", device_of(*o.fault),
-               o.fault->name, o.virtual_time ? "virtual" : "real", o.before_n, told(o), ms(o.told_after_s),
-               ms(o.zero_after_s), 1e3 * o.bound_s, o.largest_n, o.largest_nm, name_of(o.after), verdict(o));
+    fmt::print("{:8} {:15} {:7} {:6.2f} {:24} {:>8} {:>8} {:9.1f} {:9.3g} {:9.3g} {:14} {}\n",
+               device_of(*o.fault), o.fault->name, o.virtual_time ? "virtual" : "real", o.before_n,
+               told(o), ms(o.told_after_s), ms(o.zero_after_s), 1e3 * o.bound_s, o.largest_n,
+               o.largest_nm, name_of(o.after), verdict(o));
   fmt::print("\nWhat the driver said first, and why a bound is longer than one period:\n");
   for (const FaultOutcome& o : outcomes) {
-    fmt::print("{} {}: {}\n", device_of(*o.fault), o.fault->name, o.sentence.empty() ? "-" : o.sentence);
-    if (!o.fault->why.empty()) fmt::print("    ({})\n", o.fault->why);
+    fmt::print("{} {}: {}\n", device_of(*o.fault), o.fault->name,
+               o.sentence.empty() ? "-" : o.sentence);
+    if (!o.fault->why.empty())
+      fmt::print("    ({})\n", o.fault->why);
   }
 }
 
@@ -113,19 +130,25 @@ int run_all(const Options& o) {
   std::vector<FaultOutcome> outcomes;
   for (const bool virtual_time : {true, false})
     for (const FaultCase& fault : fault_cases())
-      if (wanted(o, fault) && (virtual_time || o.real_time)) outcomes.push_back(run(fault, virtual_time));
-  if (outcomes.empty()) throw std::runtime_error("no fault of that name");
-  if (!o.csv_file.empty()) write_csv(o.csv_file, outcomes);
+      if (wanted(o, fault) && (virtual_time || o.real_time))
+        outcomes.push_back(run(fault, virtual_time));
+  if (outcomes.empty())
+    throw std::runtime_error("no fault of that name");
+  if (!o.csv_file.empty())
+    write_csv(o.csv_file, outcomes);
   if (o.json) {
     nlohmann::json all = nlohmann::json::array();
-    for (const FaultOutcome& outcome : outcomes) all.push_back(to_json(outcome));
+    for (const FaultOutcome& outcome : outcomes)
+      all.push_back(to_json(outcome));
     fmt::print("{}\n", all.dump(2));
   } else {
     print(outcomes);
   }
   int bad = 0;
-  for (const FaultOutcome& outcome : outcomes) bad += !outcome.good();
-  if (bad) fmt::print(stderr, "{} of {} faults: force that should not be\n", bad, outcomes.size());
+  for (const FaultOutcome& outcome : outcomes)
+    bad += !outcome.good();
+  if (bad)
+    fmt::print(stderr, "{} of {} faults: force that should not be\n", bad, outcomes.size());
   return bad ? 1 : 0;
 }
 
@@ -133,7 +156,8 @@ int run_all(const Options& o) {
 
 int main(int argc, char** argv) {
   CLI::App app(
-      "Every fault of the simulated counterparts, into the drivers; exit status 1 where force was received that should "
+      "Every fault of the simulated counterparts, into the drivers; exit status 1 where force was "
+      "received that should "
       "not be");
   Options options;
   app.add_option("--only", options.only, "Faults by name, or all of a device: phantom, lwr, fr3");

@@ -1,7 +1,9 @@
-// What the place of the voxel grid does to each contact model and to the virtual tool: planes, corners and thin walls along the grid, moved by random shares
-// of a voxel, on the grid whose borders are multiples of e and on the grid that a scene gives an object.
+// What the place of the voxel grid does to each contact model and to the virtual tool: planes,
+// corners and thin walls along the grid, moved by random shares of a voxel, on the grid whose
+// borders are multiples of e and on the grid that a scene gives an object.
 //
-// A virtual tool is held beside the exact ball that is drawn to the same hand, which goes in from a voxel outside and rests.
+// A virtual tool is held beside the exact ball that is drawn to the same hand, which goes in from a
+// voxel outside and rests.
 //
 //   grid_phase [--phases N] [--places N] [--seed S]        20 s; a row a model and ground
 #include <fmt/core.h>
@@ -25,15 +27,17 @@ using contact::ContactModelKind;
 using test::uniform;
 
 constexpr double kEdge = 2e-3, kRadius = 5 * kEdge, kDepth = 0.5 * kEdge;
-constexpr std::array kModels = {ContactModelKind::kOriginal, ContactModelKind::kAdapted, ContactModelKind::kField};
+constexpr std::array kModels = {ContactModelKind::kOriginal, ContactModelKind::kAdapted,
+                                ContactModelKind::kField};
 
 /// Faces at whole voxels, and where the ball touches them half a voxel deep.
 struct Place {
   std::string name;
   mesh::TriangleMesh mesh;
-  std::function<double(const Vec3&)> depth;          ///< of a point, negative outside; 1-Lipschitz
+  std::function<double(const Vec3&)> depth;  ///< of a point, negative outside; 1-Lipschitz
   std::function<Vec3(std::mt19937_64&)> ball_centre;
-  std::function<Vec3(const Vec3&)> out;              ///< the way of the exact ball, with its centre there, until it is outside
+  std::function<Vec3(const Vec3&)>
+      out;  ///< the way of the exact ball, with its centre there, until it is outside
 };
 
 double depth_in(const Vec3& size, const Vec3& middle, const Vec3& x) {
@@ -46,29 +50,41 @@ double along(std::mt19937_64& random) { return uniform(random, -0.012, 0.012); }
 /// A slab `thick` voxels thick with its top at z = 0; the ball comes from above.
 Place slab(const std::string& name, double thick) {
   const Vec3 size(0.08, 0.08, thick * kEdge), middle(0, 0, -0.5 * thick * kEdge);
-  return {name, test::box_mesh(size, {middle, Quat::Identity()}), [=](const Vec3& x) { return depth_in(size, middle, x); },
-          [](std::mt19937_64& random) { return Vec3(along(random), along(random), kRadius - kDepth); },
-          [](const Vec3&) { return Vec3(0, 0, kDepth); }};
+  return {
+      name, test::box_mesh(size, {middle, Quat::Identity()}),
+      [=](const Vec3& x) { return depth_in(size, middle, x); },
+      [](std::mt19937_64& random) { return Vec3(along(random), along(random), kRadius - kDepth); },
+      [](const Vec3&) { return Vec3(0, 0, kDepth); }};
 }
 
 /// A block's edge along y through the origin; the ball comes from `degrees` off the vertical.
 Place convex(const std::string& name, double least_degrees, double most_degrees) {
   const Vec3 size = Vec3::Constant(0.06), middle(-0.03, 0, -0.03);
-  return {name, test::box_mesh(size, {middle, Quat::Identity()}), [=](const Vec3& x) { return depth_in(size, middle, x); },
+  return {name, test::box_mesh(size, {middle, Quat::Identity()}),
+          [=](const Vec3& x) { return depth_in(size, middle, x); },
           [=](std::mt19937_64& random) {
             const double a = uniform(random, least_degrees, most_degrees) * 3.14159265358979 / 180;
-            return Vec3((kRadius - kDepth) * std::sin(a), along(random), (kRadius - kDepth) * std::cos(a));
+            return Vec3((kRadius - kDepth) * std::sin(a), along(random),
+                        (kRadius - kDepth) * std::cos(a));
           },
-          [](const Vec3& centre) -> Vec3 { return kDepth * Vec3(centre.x(), 0, centre.z()).normalized(); }};
+          [](const Vec3& centre) -> Vec3 {
+            return kDepth * Vec3(centre.x(), 0, centre.z()).normalized();
+          }};
 }
 
 /// Two walls that meet along z, the free space is x, y > 0; the ball lies in it against both.
 Place concave() {
-  const mesh::TriangleMesh left = test::box_mesh(Vec3(0.02, 0.08, 0.06), {Vec3(-0.01, 0.02, 0), Quat::Identity()}),
-                           below = test::box_mesh(Vec3(0.08, 0.02, 0.06), {Vec3(0.02, -0.01, 0), Quat::Identity()});
+  const mesh::TriangleMesh left = test::box_mesh(Vec3(0.02, 0.08, 0.06),
+                                                 {Vec3(-0.01, 0.02, 0), Quat::Identity()}),
+                           below = test::box_mesh(Vec3(0.08, 0.02, 0.06),
+                                                  {Vec3(0.02, -0.01, 0), Quat::Identity()});
   return {"concave corner", test::joined(left, below),
-          [](const Vec3& x) { return x.x() < 0 && x.y() < 0 ? std::hypot(x.x(), x.y()) : -std::min(x.x(), x.y()); },
-          [](std::mt19937_64& random) { return Vec3(kRadius - kDepth, kRadius - kDepth, along(random)); },
+          [](const Vec3& x) {
+            return x.x() < 0 && x.y() < 0 ? std::hypot(x.x(), x.y()) : -std::min(x.x(), x.y());
+          },
+          [](std::mt19937_64& random) {
+            return Vec3(kRadius - kDepth, kRadius - kDepth, along(random));
+          },
           [](const Vec3&) { return Vec3(kDepth, kDepth, 0); }};
 }
 
@@ -93,29 +109,42 @@ Figures judge(const std::vector<Touch>& touches, Force&& force_at, Truth&& truth
   for (const Touch& touch : touches) {
     const Vec3 force = force_at(touch);
     got += force.norm(), truth += truth_of(touch).norm();
-    if (force.isZero(0.0)) f.missed += 1.0 / static_cast<double>(touches.size());
-    else directions.push_back(test::degrees_between(force, truth_of(touch)));
+    if (force.isZero(0.0))
+      f.missed += 1.0 / static_cast<double>(touches.size());
+    else
+      directions.push_back(test::degrees_between(force, truth_of(touch)));
   }
   f.size = got / truth;
   f.direction = directions.empty() ? NAN : test::quantile(directions, 0.5);
   return f;
 }
 
-Figures measure(contact::ContactRenderer renderer, const std::vector<Touch>& touches, const Vec3& shift) {
-  return judge(touches, [&](const Touch& touch) { return renderer.probe({touch.pose.position + shift, touch.pose.orientation}).wrench.force; },
-               [](const Touch& touch) { return touch.truth; });
+Figures measure(contact::ContactRenderer renderer, const std::vector<Touch>& touches,
+                const Vec3& shift) {
+  return judge(
+      touches,
+      [&](const Touch& touch) {
+        return renderer.probe({touch.pose.position + shift, touch.pose.orientation}).wrench.force;
+      },
+      [](const Touch& touch) { return touch.truth; });
 }
 
-Figures measure_tool(const mesh::TriangleMesh& mesh, const test::Ground& ground, const mesh::TriangleMesh& ball, const pointshell::Pointshell& shell,
+Figures measure_tool(const mesh::TriangleMesh& mesh, const test::Ground& ground,
+                     const mesh::TriangleMesh& ball, const pointshell::Pointshell& shell,
                      const std::vector<Touch>& touches, const Vec3& shift) {
   const contact::ContactQuery query(ground.voxmap, shell);
   const virtual_tool::EdgeLookup edges(mesh, ground.field.grid(), ball);
-  contact::VirtualTool tool({.points = shell.size(), .edge_points = edges.query.shell().size(), .reach_m = query.reach_m(), .edge_m = kEdge});
+  contact::VirtualTool tool({.points = shell.size(),
+                             .edge_points = edges.query.shell().size(),
+                             .reach_m = query.reach_m(),
+                             .edge_m = kEdge});
   const std::array grounds = {edges.with({&query, &ground.field, Vec3::Zero()})};
   const auto force_at = [&](const Touch& touch) {
     constexpr int kWayFrames = 12, kRestFrames = 50;
-    const Vec3 hand = touch.pose.position + shift, begin = touch.out + kEdge * touch.out.normalized();
-    if (!tool.place({hand + begin, touch.pose.orientation}, grounds)) return Vec3(Vec3::Zero());
+    const Vec3 hand = touch.pose.position + shift,
+               begin = touch.out + kEdge * touch.out.normalized();
+    if (!tool.place({hand + begin, touch.pose.orientation}, grounds))
+      return Vec3(Vec3::Zero());
     contact::VirtualToolFrame frame;
     for (int n = 1; n <= kWayFrames + kRestFrames; ++n) {
       const double left = std::max(0.0, 1.0 - static_cast<double>(n) / kWayFrames);
@@ -131,12 +160,17 @@ std::string summary(const std::vector<Figures>& all) {
   std::vector<double> missed, size, direction;
   for (const Figures& f : all) {
     missed.push_back(f.missed), size.push_back(f.size);
-    if (std::isfinite(f.direction)) direction.push_back(f.direction);
+    if (std::isfinite(f.direction))
+      direction.push_back(f.direction);
   }
-  const auto worst_size = *std::max_element(size.begin(), size.end(), [](double a, double b) { return std::abs(a - 1) < std::abs(b - 1); });
-  return fmt::format("{:3.0f} % {:3.0f} % | {:4.2f} {:4.2f} | {:4.1f} {:4.1f}", 100 * test::quantile(missed, 0.5),
-                     100 * test::quantile(missed, 1.0), test::quantile(size, 0.5), worst_size,
-                     direction.empty() ? NAN : test::quantile(direction, 0.5), direction.empty() ? NAN : test::quantile(direction, 1.0));
+  const auto worst_size = *std::max_element(size.begin(), size.end(), [](double a, double b) {
+    return std::abs(a - 1) < std::abs(b - 1);
+  });
+  return fmt::format("{:3.0f} % {:3.0f} % | {:4.2f} {:4.2f} | {:4.1f} {:4.1f}",
+                     100 * test::quantile(missed, 0.5), 100 * test::quantile(missed, 1.0),
+                     test::quantile(size, 0.5), worst_size,
+                     direction.empty() ? NAN : test::quantile(direction, 0.5),
+                     direction.empty() ? NAN : test::quantile(direction, 1.0));
 }
 
 }  // namespace
@@ -146,44 +180,61 @@ int main(int argc, char** argv) {
   std::uint64_t seed = 1;
   int phases = 50, places = 20;
   app.add_option("--seed", seed, "of phases, places and turns");
-  app.add_option("--phases", phases, "random places of the meshes in the grid")->check(CLI::PositiveNumber);
+  app.add_option("--phases", phases, "random places of the meshes in the grid")
+      ->check(CLI::PositiveNumber);
   app.add_option("--places", places, "touches at each phase")->check(CLI::PositiveNumber);
   CLI11_PARSE(app, argc, argv);
 
   const test::Ball ball(kRadius, 4);
   const pointshell::Pointshell shell = test::exact_shell(ball.mesh, kEdge);
-  const std::vector<Place> all = {slab("plane", 10.0), convex("right angle, 35 to 45 deg", 35, 45), convex("right angle, 10 to 80 deg", 10, 80),
-                                  concave(), slab("wall of 0.5 e", 0.5), slab("wall of 1 e", 1.0), slab("wall of 1.5 e", 1.5),
+  const std::vector<Place> all = {slab("plane", 10.0),
+                                  convex("right angle, 35 to 45 deg", 35, 45),
+                                  convex("right angle, 10 to 80 deg", 10, 80),
+                                  concave(),
+                                  slab("wall of 0.5 e", 0.5),
+                                  slab("wall of 1 e", 1.0),
+                                  slab("wall of 1.5 e", 1.5),
                                   slab("wall of 2 e", 2.0)};
   std::mt19937_64 random(seed);
   std::vector<Vec3> shifts;
-  for (int n = 0; n < phases; ++n) shifts.push_back(kEdge * Vec3(uniform(random, 0, 1), uniform(random, 0, 1), uniform(random, 0, 1)));
-  // Whole voxels, and a nanometre beside: what rounding makes of a part that CAD has put on the borders.
+  for (int n = 0; n < phases; ++n)
+    shifts.push_back(kEdge *
+                     Vec3(uniform(random, 0, 1), uniform(random, 0, 1), uniform(random, 0, 1)));
+  // Whole voxels, and a nanometre beside: what rounding makes of a part that CAD has put on the
+  // borders.
   const std::vector<Vec3> on_borders = {Vec3::Zero(), Vec3::Constant(1e-9), Vec3::Constant(-1e-9)};
-  fmt::print("seed {}; each: touches missed, force over the law's, direction [deg]: median and worst over {} phases\n", seed, phases);
+  fmt::print(
+      "seed {}; each: touches missed, force over the law's, direction [deg]: median and worst over "
+      "{} phases\n",
+      seed, phases);
   for (const Place& place : all) {
     std::vector<Touch> touches;
     for (int n = 0; n < places; ++n) {
       const Quat turn = test::random_rotation(random);
       const Vec3 centre = place.ball_centre(random);
       const Pose pose = ball.posed(centre, turn);
-      touches.push_back({pose, test::integral_over(ball.mesh, pose, place.depth).force, place.out(centre)});
+      touches.push_back(
+          {pose, test::integral_over(ball.mesh, pose, place.depth).force, place.out(centre)});
     }
     const auto over = [&](const std::vector<Vec3>& moved, auto&& grid_of) {
       std::array<std::vector<Figures>, kModels.size() + 1> figures;  // the virtual tool's last
       for (const Vec3& shift : moved) {
         mesh::TriangleMesh mesh = place.mesh;
-        for (Vec3& v : mesh.vertices) v += shift;
+        for (Vec3& v : mesh.vertices)
+          v += shift;
         const test::Ground ground(mesh, grid_of(mesh, kEdge), 12.0);
-        for (std::size_t m = 0; m < kModels.size(); ++m) figures[m].push_back(measure(ground.renderer(shell, kModels[m]), touches, shift));
+        for (std::size_t m = 0; m < kModels.size(); ++m)
+          figures[m].push_back(measure(ground.renderer(shell, kModels[m]), touches, shift));
         figures.back().push_back(measure_tool(mesh, ground, ball.mesh, shell, touches, shift));
       }
       return figures;
     };
-    const auto borders = over(on_borders, voxmap::default_grid), before = over(shifts, voxmap::default_grid),
+    const auto borders = over(on_borders, voxmap::default_grid),
+               before = over(shifts, voxmap::default_grid),
                after = over(shifts, voxmap::object_grid);
     for (std::size_t m = 0; m <= kModels.size(); ++m)
-      fmt::print("{:26} {:12} | faces on borders {} || multiples of e {} || clear of faces {}\n", place.name, m < kModels.size() ? contact::name_of(kModels[m]) : "virtual tool",
+      fmt::print("{:26} {:12} | faces on borders {} || multiples of e {} || clear of faces {}\n",
+                 place.name, m < kModels.size() ? contact::name_of(kModels[m]) : "virtual tool",
                  summary(borders[m]), summary(before[m]), summary(after[m]));
     std::fflush(stdout);
   }

@@ -1,4 +1,5 @@
-/// The short form: broken files made for this (tests/data/hostile), and a sample of the collection where it is installed.
+/// The short form: broken files made for this (tests/data/hostile), and a sample of the collection
+/// where it is installed.
 #include "tests/experiments/hostile_meshes/trial.hpp"
 
 #include <gtest/gtest.h>
@@ -25,15 +26,21 @@ std::filesystem::path made(const std::string& name) {
 }
 
 TEST(HostileMeshes, MadeForThisAreTouchedOrRefusedForTheRightReason) {
-  const std::map<std::string, std::string> refused{
-      {"far.obj", "single precision"},  {"no_faces.obj", "no triangles"},
-      {"wrong_index.obj", "index"},     {"nan.obj", "not finite"},
-      {"overflow.obj", "not finite"},   {"truncated.stl", "1000 triangles"},
-      {"no_end.stl", "endsolid"},       {"absurd_count.ply", "4000000000"},
-      {"negative_index.ply", "not there"},   {"ring.gltf", "recursive"},
-      {"deep.gltf", "cannot be read"},  {"no_text.dae", "No document element"},
-      {"open_tag.dae", "tags mismatch"}, {"nothing.obj", "is empty"},
-      {"cut.glb", "4096 bytes"}};
+  const std::map<std::string, std::string> refused{{"far.obj", "single precision"},
+                                                   {"no_faces.obj", "no triangles"},
+                                                   {"wrong_index.obj", "index"},
+                                                   {"nan.obj", "not finite"},
+                                                   {"overflow.obj", "not finite"},
+                                                   {"truncated.stl", "1000 triangles"},
+                                                   {"no_end.stl", "endsolid"},
+                                                   {"absurd_count.ply", "4000000000"},
+                                                   {"negative_index.ply", "not there"},
+                                                   {"ring.gltf", "recursive"},
+                                                   {"deep.gltf", "cannot be read"},
+                                                   {"no_text.dae", "No document element"},
+                                                   {"open_tag.dae", "tags mismatch"},
+                                                   {"nothing.obj", "is empty"},
+                                                   {"cut.glb", "4096 bytes"}};
   const std::set<std::string> touched{
       "inside_out.obj", "one_face_turned.obj", "hole.obj",        "litter.obj",  "shared_edge.obj",
       "fin.obj",        "plate.obj",           "needle.obj",      "moebius.obj", "one_place.obj",
@@ -43,7 +50,8 @@ TEST(HostileMeshes, MadeForThisAreTouchedOrRefusedForTheRightReason) {
   for (const std::filesystem::path& file : files_below(made(""))) {
     const Verdict v = trial(file, l);
     const std::string name = file.filename().string();
-    std::printf("%-22s %-8s %.2f s  %s\n", name.c_str(), name_of(v.outcome).c_str(), v.cpu_s, v.sentence.c_str());
+    std::printf("%-22s %-8s %.2f s  %s\n", name.c_str(), name_of(v.outcome).c_str(), v.cpu_s,
+                v.sentence.c_str());
     EXPECT_TRUE(v.good()) << name << ": " << name_of(v.outcome) << ": " << v.sentence;
     EXPECT_TRUE(touched.contains(name) || refused.contains(name)) << name << " has no expectation";
     if (touched.contains(name)) {
@@ -64,9 +72,11 @@ TEST(HostileMeshes, OfTheCollectionAreTouchedOrRefused) {
   std::vector<std::filesystem::path> known;
   for (const std::filesystem::path& file : files_below("/usr/share/assimp/models")) {
     const std::string e = file.extension().string();
-    if (e == ".obj" || e == ".stl" || e == ".ply" || e == ".gltf" || e == ".glb" || e == ".dae") known.push_back(file);
+    if (e == ".obj" || e == ".stl" || e == ".ply" || e == ".gltf" || e == ".glb" || e == ".dae")
+      known.push_back(file);
   }
-  if (known.empty()) GTEST_SKIP() << "the package assimp-testmodels is not installed";
+  if (known.empty())
+    GTEST_SKIP() << "the package assimp-testmodels is not installed";
   Limits l = limits();
   for (std::size_t n = 0; n < known.size(); n += 8) {
     const Verdict v = trial(known[n], l);
@@ -84,7 +94,8 @@ TEST(HostileMeshes, ATrialOutlivesWhateverItsProcessDoes) {
   const std::string table = as_markdown(verdicts);
   EXPECT_NE(table.find("| obj | 2 | 0 | 1 | 0 | 0 | 0 | 1 | 0 |"), std::string::npos) << table;
   EXPECT_NE(table.find("**out of time**"), std::string::npos) << table;
-  EXPECT_NE(as_csv(verdicts).find("nothing.obj\",obj,refused,"), std::string::npos) << as_csv(verdicts);
+  EXPECT_NE(as_csv(verdicts).find("nothing.obj\",obj,refused,"), std::string::npos)
+      << as_csv(verdicts);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
-/// hostile_meshes: every file of a folder of meshes, broken ones included, is touched or refused with a sentence. Exit status 1
-/// where a file crashes, hangs, is refused without a reason or makes a number that is not finite.
+/// hostile_meshes: every file of a folder of meshes, broken ones included, is touched or refused
+/// with a sentence. Exit status 1 where a file crashes, hangs, is refused without a reason or makes
+/// a number that is not finite.
 #include <fmt/core.h>
 #include <unistd.h>
 
@@ -20,10 +21,12 @@ struct Arguments {
 };
 
 void parse(CLI::App& app, int argc, char** argv, Arguments& a) {
-  app.add_option("places", a.places,
-                 "folders or files; without any, the models of the Debian package assimp-testmodels")
+  app.add_option(
+         "places", a.places,
+         "folders or files; without any, the models of the Debian package assimp-testmodels")
       ->capture_default_str();
-  app.add_option("--poses", a.limits.poses, "of a ball on each mesh, and as many of the mesh on a block")
+  app.add_option("--poses", a.limits.poses,
+                 "of a ball on each mesh, and as many of the mesh on a block")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   app.add_option("--seed", a.limits.seed, "of the poses")->capture_default_str();
@@ -42,20 +45,24 @@ std::vector<std::filesystem::path> all_files(const Arguments& a) {
   std::vector<std::filesystem::path> files;
   for (const std::string& place : a.places) {
     const std::vector<std::filesystem::path> found =
-        std::filesystem::is_directory(place) ? files_below(place) : std::vector<std::filesystem::path>{place};
+        std::filesystem::is_directory(place) ? files_below(place)
+                                             : std::vector<std::filesystem::path>{place};
     if (found.empty() || !std::filesystem::exists(place))
-      throw std::runtime_error(place +
-                               " holds no files: install the package assimp-testmodels (apt-get install "
-                               "assimp-testmodels), or name a folder of meshes");
+      throw std::runtime_error(
+          place +
+          " holds no files: install the package assimp-testmodels (apt-get install "
+          "assimp-testmodels), or name a folder of meshes");
     files.insert(files.end(), found.begin(), found.end());
   }
   return files;
 }
 
 void write(const std::string& file, const std::string& text) {
-  if (file.empty()) return;
+  if (file.empty())
+    return;
   std::ofstream out(file, std::ios::binary);
-  if (!(out << text)) throw std::runtime_error(file + " cannot be written: check the folder and its rights");
+  if (!(out << text))
+    throw std::runtime_error(file + " cannot be written: check the folder and its rights");
 }
 
 int run(const Arguments& a) {
@@ -68,16 +75,21 @@ int run(const Arguments& a) {
     const Verdict& v = verdicts.back();
     good = good && v.good();
     if (!v.good())
-      fmt::print(stderr, "{}{}: {}: {}\n", screen ? "\r\x1b[K" : "", file.string(), name_of(v.outcome), v.sentence);
+      fmt::print(stderr, "{}{}: {}: {}\n", screen ? "\r\x1b[K" : "", file.string(),
+                 name_of(v.outcome), v.sentence);
     if (screen)
-      fmt::print(stderr, "\r\x1b[K{} of {}: {}", verdicts.size(), files.size(), file.filename().string());
+      fmt::print(stderr, "\r\x1b[K{} of {}: {}", verdicts.size(), files.size(),
+                 file.filename().string());
     else if (verdicts.size() % 50 == 0)
       fmt::print(stderr, "{} of {}\n", verdicts.size(), files.size());
     std::fflush(stderr);
   }
-  if (screen) fmt::print(stderr, "\r\x1b[K");
-  fmt::print("{} files, {} poses each way, seed {}, at most {} s of CPU time and {} MiB a file\n\n{}", files.size(),
-             a.limits.poses, a.limits.seed, a.limits.cpu_s, a.limits.memory_mib, as_markdown(verdicts));
+  if (screen)
+    fmt::print(stderr, "\r\x1b[K");
+  fmt::print(
+      "{} files, {} poses each way, seed {}, at most {} s of CPU time and {} MiB a file\n\n{}",
+      files.size(), a.limits.poses, a.limits.seed, a.limits.cpu_s, a.limits.memory_mib,
+      as_markdown(verdicts));
   write(a.markdown, as_markdown(verdicts));
   write(a.csv, as_csv(verdicts));
   return good ? 0 : 1;

@@ -30,8 +30,8 @@ double uniform(Random& random, double low, double high) {
 Quat any_rotation(Random& random) {
   Quat q;
   do
-    q.coeffs() =
-        Eigen::Vector4d(uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1));
+    q.coeffs() = Eigen::Vector4d(uniform(random, -1, 1), uniform(random, -1, 1),
+                                 uniform(random, -1, 1), uniform(random, -1, 1));
   while (q.norm() < 0.1);
   return q.normalized();
 }
@@ -39,17 +39,24 @@ Quat any_rotation(Random& random) {
 Vec3 on_triangle(const mesh::TriangleMesh& mesh, Random& random) {
   const std::size_t t = random() % mesh.triangles.size();
   double s = uniform(random, 0, 1), r = uniform(random, 0, 1);
-  if (s + r > 1.0) s = 1.0 - s, r = 1.0 - r;
-  return mesh.corner(t, 0) + s * (mesh.corner(t, 1) - mesh.corner(t, 0)) + r * (mesh.corner(t, 2) - mesh.corner(t, 0));
+  if (s + r > 1.0)
+    s = 1.0 - s, r = 1.0 - r;
+  return mesh.corner(t, 0) + s * (mesh.corner(t, 1) - mesh.corner(t, 0)) +
+         r * (mesh.corner(t, 2) - mesh.corner(t, 0));
 }
 
 /// Empty if all of it is finite and bounded.
 std::string complaint(const contact::ContactResult& r, double most_force) {
-  if (!r.wrench.finite()) return "a wrench is not finite";
-  if (!r.mean_normal.allFinite() || !std::isfinite(r.coherence)) return "a mean normal or coherence is not finite";
-  if (!r.deepest_point.allFinite() || !std::isfinite(r.deepest_depth_m)) return "a depth is not finite";
-  if (!r.stiffness.allFinite() || !std::isfinite(r.stiffness_bound_n_per_m)) return "a stiffness is not finite";
-  if (!(r.wrench.force.norm() <= most_force)) return "a force is beyond what all points together can push";
+  if (!r.wrench.finite())
+    return "a wrench is not finite";
+  if (!r.mean_normal.allFinite() || !std::isfinite(r.coherence))
+    return "a mean normal or coherence is not finite";
+  if (!r.deepest_point.allFinite() || !std::isfinite(r.deepest_depth_m))
+    return "a depth is not finite";
+  if (!r.stiffness.allFinite() || !std::isfinite(r.stiffness_bound_n_per_m))
+    return "a stiffness is not finite";
+  if (!(r.wrench.force.norm() <= most_force))
+    return "a force is beyond what all points together can push";
   return {};
 }
 
@@ -61,16 +68,22 @@ struct Touches {
 /// One tool on one ground with every model that they allow.
 class Contact {
  public:
-  Contact(const voxmap::Voxmap& voxmap, const pointshell::Pointshell& shell, const voxmap::DistanceField* field) {
+  Contact(const voxmap::Voxmap& voxmap, const pointshell::Pointshell& shell,
+          const voxmap::DistanceField* field) {
     double area = 0.0;
-    for (const double a : shell.area_m2) area += a;
+    for (const double a : shell.area_m2)
+      area += a;
     const double depth = kMaxDepthEdges * voxmap.grid().edge;
-    for (const contact::ContactModelKind kind : {contact::ContactModelKind::kOriginal, contact::ContactModelKind::kAdapted}) {
-      add(voxmap, shell, kind, {kStiffness, contact::PointWeights::kOne}, nullptr, kStiffness * double(shell.size()) * depth);
-      add(voxmap, shell, kind, {kPressure, contact::PointWeights::kArea}, nullptr, kPressure * area * depth);
+    for (const contact::ContactModelKind kind :
+         {contact::ContactModelKind::kOriginal, contact::ContactModelKind::kAdapted}) {
+      add(voxmap, shell, kind, {kStiffness, contact::PointWeights::kOne}, nullptr,
+          kStiffness * double(shell.size()) * depth);
+      add(voxmap, shell, kind, {kPressure, contact::PointWeights::kArea}, nullptr,
+          kPressure * area * depth);
     }
     if (field)
-      add(voxmap, shell, contact::ContactModelKind::kField, {kPressure, contact::PointWeights::kArea}, field, kPressure * area * depth);
+      add(voxmap, shell, contact::ContactModelKind::kField,
+          {kPressure, contact::PointWeights::kArea}, field, kPressure * area * depth);
   }
   void touch(const Pose& pose, Touches& touches) {
     bool met = false;
@@ -79,17 +92,20 @@ class Contact {
       const contact::ContactResult plain = renderers_[n]->probe(pose);
       met = met || plain.surface_hits > 0;
       for (const contact::ContactResult* r : {&stage.contact, &plain})
-        if (const std::string wrong = complaint(*r, most_force_[n]); !wrong.empty() && touches.wrong.empty())
-          touches.wrong =
-              wrong + " (model " + std::string(contact::name_of(kind_[n])) + ", pose " + std::to_string(touches.poses) + ")";
+        if (const std::string wrong = complaint(*r, most_force_[n]);
+            !wrong.empty() && touches.wrong.empty())
+          touches.wrong = wrong + " (model " + std::string(contact::name_of(kind_[n])) + ", pose " +
+                          std::to_string(touches.poses) + ")";
     }
     ++touches.poses, touches.met += met;
   }
 
  private:
-  void add(const voxmap::Voxmap& voxmap, const pointshell::Pointshell& shell, contact::ContactModelKind kind,
-           const contact::ContactParameters& parameters, const voxmap::DistanceField* field, double most_force) {
-    renderers_.push_back(std::make_unique<contact::ContactRenderer>(voxmap, shell, kind, parameters, field));
+  void add(const voxmap::Voxmap& voxmap, const pointshell::Pointshell& shell,
+           contact::ContactModelKind kind, const contact::ContactParameters& parameters,
+           const voxmap::DistanceField* field, double most_force) {
+    renderers_.push_back(
+        std::make_unique<contact::ContactRenderer>(voxmap, shell, kind, parameters, field));
     kind_.push_back(kind), most_force_.push_back(most_force);
   }
   std::vector<std::unique_ptr<contact::ContactRenderer>> renderers_;
@@ -98,7 +114,8 @@ class Contact {
 };
 
 /// A ball of three voxels on the mesh.
-Touches ball_on(const mesh::TriangleMesh& mesh, double e, std::uint32_t poses, Random& random, bool& has_inside) {
+Touches ball_on(const mesh::TriangleMesh& mesh, double e, std::uint32_t poses, Random& random,
+                bool& has_inside) {
   const voxmap::Voxmap voxmap = voxmap::voxelise(mesh, voxmap::default_grid(mesh, e), serial_for());
   const voxmap::DistanceField field = voxmap::build_distance_field(mesh, voxmap, {}, serial_for());
   has_inside = field.has_inside();
@@ -113,7 +130,8 @@ Touches ball_on(const mesh::TriangleMesh& mesh, double e, std::uint32_t poses, R
 }
 
 /// The mesh as the tool on a block whose top is the plane z = 0.
-Touches mesh_on_block(const mesh::TriangleMesh& mesh, double e, std::uint32_t poses, Random& random) {
+Touches mesh_on_block(const mesh::TriangleMesh& mesh, double e, std::uint32_t poses,
+                      Random& random) {
   Pose down;
   down.position.z() = -10.0 * e;
   const test::Ground block(test::box_mesh(Vec3(160.0 * e, 160.0 * e, 20.0 * e), down), e);
@@ -121,7 +139,8 @@ Touches mesh_on_block(const mesh::TriangleMesh& mesh, double e, std::uint32_t po
   Touches touches;
   for (std::uint32_t n = 0; n < poses; ++n) {
     const Quat turn = any_rotation(random);
-    const Vec3 place(uniform(random, -e, e), uniform(random, -e, e), uniform(random, -1.5 * e, 0.9 * e));
+    const Vec3 place(uniform(random, -e, e), uniform(random, -e, e),
+                     uniform(random, -1.5 * e, 0.9 * e));
     contact.touch({place - turn * on_triangle(mesh, random), turn}, touches);
   }
   return touches;
@@ -130,9 +149,13 @@ Touches mesh_on_block(const mesh::TriangleMesh& mesh, double e, std::uint32_t po
 }  // namespace
 
 Verdict touch(const std::filesystem::path& file, const Limits& limits) {
-  Verdict verdict{.file = file, .outcome = Outcome::kRefused, .sentence = {}, .cpu_s = 0.0, .peak_mib = 0};
+  Verdict verdict{
+      .file = file, .outcome = Outcome::kRefused, .sentence = {}, .cpu_s = 0.0, .peak_mib = 0};
   try {
-    const double extent = mesh::bounds(mesh::import_mesh(file, {}, mesh_import::mesh_process()).mesh).sizes().maxCoeff();
+    const double extent =
+        mesh::bounds(mesh::import_mesh(file, {}, mesh_import::mesh_process()).mesh)
+            .sizes()
+            .maxCoeff();
     mesh::ImportOptions options;
     options.voxel_size_m = extent > 0.0 ? extent / kVoxelsLong : 1e-3;
     const mesh::ImportedMesh read = mesh::import_mesh(file, options, mesh_import::mesh_process());
@@ -148,19 +171,21 @@ Verdict touch(const std::filesystem::path& file, const Limits& limits) {
     verdict.sentence =
         !wrong.empty()
             ? wrong
-            : std::to_string(read.mesh.triangles.size()) + " triangles, " + (has_inside ? "with" : "without") +
-                  " an inside, in contact at " + std::to_string(ball.met) + " and " + std::to_string(tool.met) +
-                  " of " + std::to_string(limits.poses) + " poses" +
-                  (read.report.clean()
-                       ? ""
-                       : ", " + std::to_string(read.report.sentences().size()) + " warnings of its surface");
+            : std::to_string(read.mesh.triangles.size()) + " triangles, " +
+                  (has_inside ? "with" : "without") + " an inside, in contact at " +
+                  std::to_string(ball.met) + " and " + std::to_string(tool.met) + " of " +
+                  std::to_string(limits.poses) + " poses" +
+                  (read.report.clean() ? ""
+                                       : ", " + std::to_string(read.report.sentences().size()) +
+                                             " warnings of its surface");
   } catch (const std::bad_alloc&) {
     verdict.outcome = Outcome::kUnnamed;
     verdict.sentence = "memory ran out";
   } catch (const std::exception& error) {
     verdict.sentence = error.what();
     // Every refusal says what happened and what to do.
-    if (verdict.sentence.size() < 20) verdict.outcome = Outcome::kUnnamed;
+    if (verdict.sentence.size() < 20)
+      verdict.outcome = Outcome::kUnnamed;
   }
   return verdict;
 }

@@ -1,5 +1,6 @@
 #pragma once
-/// One mesh file from anywhere: read, made into voxels and shell, touched; in a process of its own, so that whatever it does is seen.
+/// One mesh file from anywhere: read, made into voxels and shell, touched; in a process of its own,
+/// so that whatever it does is seen.
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -21,9 +22,10 @@ std::string name_of(Outcome outcome);
 
 /// What a file may take, and how it is touched.
 struct Limits {
-  unsigned cpu_s = 20;              ///< RLIMIT_CPU; the clock may show ten times as much
-  std::uint64_t memory_mib = 4096;  ///< RLIMIT_AS; not held where a sanitizer needs the address space
-  std::uint32_t poses = 1000;       ///< of a ball on the mesh, and as many of the mesh on a block
+  unsigned cpu_s = 20;  ///< RLIMIT_CPU; the clock may show ten times as much
+  std::uint64_t memory_mib =
+      4096;                    ///< RLIMIT_AS; not held where a sanitizer needs the address space
+  std::uint32_t poses = 1000;  ///< of a ball on the mesh, and as many of the mesh on a block
   std::uint64_t seed = 1;
 };
 
@@ -36,8 +38,9 @@ struct Verdict {
   bool good() const { return outcome == Outcome::kTouched || outcome == Outcome::kRefused; }
 };
 
-/// Reads `file`, takes a fortieth of its longest side for the voxel, and touches it with every contact model: a ball of three
-/// voxels against the mesh, then the mesh as the tool against a block. Runs here; `trial` wraps it.
+/// Reads `file`, takes a fortieth of its longest side for the voxel, and touches it with every
+/// contact model: a ball of three voxels against the mesh, then the mesh as the tool against a
+/// block. Runs here; `trial` wraps it.
 Verdict touch(const std::filesystem::path& file, const Limits& limits);
 
 /// `touch` in a forked process under the limits. The caller must have no other threads.

@@ -15,8 +15,8 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// A way over the outside of the cup (its axis is z) away from its handle: mostly pressed into the wall by up to 3 mm, every eighth
-/// point lifted off.
+/// A way over the outside of the cup (its axis is z) away from its handle: mostly pressed into the
+/// wall by up to 3 mm, every eighth point lifted off.
 Motion wandering(std::uint64_t seed) {
   std::mt19937_64 random(seed);
   const auto draw = [&](double low, double high) {
@@ -41,14 +41,18 @@ struct Tenth {
 
 /// The wrench's bits, mixed.
 void mix(Fnv1a& hash, const Wrench& w) {
-  for (const Vec3& part : {w.force, w.torque}) hash.add({reinterpret_cast<const char*>(part.data()), sizeof part});
+  for (const Vec3& part : {w.force, w.torque})
+    hash.add({reinterpret_cast<const char*>(part.data()), sizeof part});
 }
 
-/// The answers to one fixed motion, after three seconds away from everything, in which what has run must have forgotten it all.
+/// The answers to one fixed motion, after three seconds away from everything, in which what has run
+/// must have forgotten it all.
 std::uint64_t answers(RigFront& front, std::int64_t from_ns, bool& touched) {
   Motion motion;
-  motion.path = {
-      {-0.07518, -0.02736, 0.025}, {-0.04435, -0.01614, 0.025}, {-0.03866, -0.02707, 0.07}, {-0.06553, -0.04589, 0.07}};
+  motion.path = {{-0.07518, -0.02736, 0.025},
+                 {-0.04435, -0.01614, 0.025},
+                 {-0.03866, -0.02707, 0.07},
+                 {-0.06553, -0.04589, 0.07}};
   motion.speed_m_per_s = 0.08;
   Fnv1a hash;
   for (std::int64_t n = 0; n < 5000; ++n) {
@@ -57,7 +61,8 @@ std::uint64_t answers(RigFront& front, std::int64_t from_ns, bool& touched) {
     sample.time_ns = from_ns + n * 1'000'000;
     sample.pose.position = at.position, sample.twist.linear = at.velocity;
     const Wrench wrench = front.answer(sample);
-    if (n < 3000) continue;
+    if (n < 3000)
+      continue;
     mix(hash, wrench);
     touched |= !wrench.zero();
   }
@@ -71,11 +76,13 @@ std::uint64_t play(LoopRig& rig, std::uint64_t frames, Tenth& tenth, Findings& o
     const Wrench& force = rig.step();
     const double magnitude = force.force.norm();
     if (!(magnitude <= most)) {
-      out.faults.push_back(fmt::format("frame {}: {} N reach the device", rig.sequence(), magnitude));
+      out.faults.push_back(
+          fmt::format("frame {}: {} N reach the device", rig.sequence(), magnitude));
       return 0;
     }
     ++tenth.frames;
-    if (!rig.front().frame().touch.contact.wrench.zero()) ++tenth.touching, tenth.force_n += magnitude;
+    if (!rig.front().frame().touch.contact.wrench.zero())
+      ++tenth.touching, tenth.force_n += magnitude;
     tenth.most_n = std::max(tenth.most_n, magnitude);
   }
   tenth.cpu_s += thread_seconds() - begin;
@@ -84,29 +91,37 @@ std::uint64_t play(LoopRig& rig, std::uint64_t frames, Tenth& tenth, Findings& o
 
 void judge(const LoopRig& rig, const Tenth& first, const Tenth& last, Findings& out) {
   const coupling::CouplingCounters& c = rig.front().counters();
-  const double mean_first = first.force_n / static_cast<double>(std::max<std::uint64_t>(first.touching, 1)),
-               mean_last = last.force_n / static_cast<double>(std::max<std::uint64_t>(last.touching, 1));
-  out.lines.push_back(fmt::format(
-      "in contact {:.0f} % (first tenth {:.0f} %), mean force there {:.4f} N ({:.4f} N), largest {:.2f} N ({:.2f} N)",
-      100.0 * static_cast<double>(last.touching) / static_cast<double>(last.frames),
-      100.0 * static_cast<double>(first.touching) / static_cast<double>(first.frames), mean_last, mean_first,
-      last.most_n, first.most_n));
-  out.lines.push_back(fmt::format(
-      "coupling: {} samples, lowest energy {:.2g} J, controller in {}, {} capped; guard: {} clamped, {} refused",
-      c.samples, c.lowest_energy_j, c.controlled, c.capped, rig.guard().counts().clamped(),
-      rig.guard().counts().refused()));
+  const double mean_first =
+                   first.force_n / static_cast<double>(std::max<std::uint64_t>(first.touching, 1)),
+               mean_last =
+                   last.force_n / static_cast<double>(std::max<std::uint64_t>(last.touching, 1));
+  out.lines.push_back(
+      fmt::format("in contact {:.0f} % (first tenth {:.0f} %), mean force there {:.4f} N ({:.4f} "
+                  "N), largest {:.2f} N ({:.2f} N)",
+                  100.0 * static_cast<double>(last.touching) / static_cast<double>(last.frames),
+                  100.0 * static_cast<double>(first.touching) / static_cast<double>(first.frames),
+                  mean_last, mean_first, last.most_n, first.most_n));
+  out.lines.push_back(
+      fmt::format("coupling: {} samples, lowest energy {:.2g} J, controller in {}, {} capped; "
+                  "guard: {} clamped, {} refused",
+                  c.samples, c.lowest_energy_j, c.controlled, c.capped,
+                  rig.guard().counts().clamped(), rig.guard().counts().refused()));
   const double q = rig.front().frame().object.orientation.norm();
-  if (last.touching == 0) out.faults.push_back("the tool does not touch any more");
-  if (c.faults || c.repeated || c.not_finite || c.pose_jumps || rig.refused_writes() || rig.guard().counts().refused())
+  if (last.touching == 0)
+    out.faults.push_back("the tool does not touch any more");
+  if (c.faults || c.repeated || c.not_finite || c.pose_jumps || rig.refused_writes() ||
+      rig.guard().counts().refused())
     out.faults.push_back(
-        fmt::format("faults where none were given: {} bad samples, {} held, {} not finite, {} jumps, {} refused",
+        fmt::format("faults where none were given: {} bad samples, {} held, {} not finite, {} "
+                    "jumps, {} refused",
                     c.faults, c.repeated, c.not_finite, c.pose_jumps, rig.refused_writes()));
   if (!(std::abs(q - 1.0) < 1e-14))
     out.faults.push_back(fmt::format("the tool's quaternion has the norm 1 + {:.2g}", q - 1.0));
   // A tenth of many rounds (one takes a minute and a half) is as every other; of a few it is not.
   constexpr std::uint64_t kManyRounds = 900'000;
   if (last.frames >= kManyRounds && !(std::abs(mean_last - mean_first) < 0.02 * mean_first))
-    out.faults.push_back(fmt::format("the mean force went from {} N to {} N", mean_first, mean_last));
+    out.faults.push_back(
+        fmt::format("the mean force went from {} N to {} N", mean_first, mean_last));
 }
 
 }  // namespace
@@ -116,7 +131,8 @@ Findings run_contact(const ContactRunOptions& ask, const Progress& progress) {
   RigOptions rig_ask;
   rig_ask.scene = ask.scene, rig_ask.path = wandering(ask.seed), rig_ask.seed = ask.seed;
   contact::ContactModelKind kind{};
-  if (contact::parse_contact_model(ask.model, kind)) rig_ask.model = kind;
+  if (contact::parse_contact_model(ask.model, kind))
+    rig_ask.model = kind;
   sim::OperatorConfig hand = rig_ask.device.hand;
   hand.tremor_n = 0.02;
   rig_ask.hand = hand;
@@ -128,11 +144,14 @@ Findings run_contact(const ContactRunOptions& ask, const Progress& progress) {
   for (Tenth& tenth : tenths) {
     for (int piece = 0; piece < 10; ++piece) {
       const std::uint64_t done = play(rig, ask.frames / 100, tenth, out);
-      if (done == 0) return out;
+      if (done == 0)
+        return out;
       played += done;
-      if (progress) progress(played, ask.frames);
+      if (progress)
+        progress(played, ask.frames);
     }
-    if (!early) early = memory_in_use();
+    if (!early)
+      early = memory_in_use();
   }
   const Memory late = memory_in_use();
   out.resident_growth = late.resident - early->resident, out.heap_growth = late.heap - early->heap;
@@ -141,15 +160,18 @@ Findings run_contact(const ContactRunOptions& ask, const Progress& progress) {
                                   tenths[9].cpu_s / static_cast<double>(tenths[9].frames) * 1e6));
   judge(rig, tenths[0], tenths[9], out);
   // Nothing in a frame takes memory; what is left is the progress' own.
-  if (out.heap_growth > 4096) out.faults.push_back(fmt::format("the heap grew by {} bytes", out.heap_growth));
+  if (out.heap_growth > 4096)
+    out.faults.push_back(fmt::format("the heap grew by {} bytes", out.heap_growth));
   if (out.resident_growth > 1'000'000)
     out.faults.push_back(fmt::format("memory grew by {} bytes", out.resident_growth));
 
   bool touched = false, touched_new = false;
   const std::uint64_t worn = answers(rig.front(), rig.device().time_ns() + 1'000'000, touched);
   const std::uint64_t as_new = answers(*rig.fresh_front(), 0, touched_new);
-  if (!touched || !touched_new) out.faults.push_back("the fixed motion does not touch");
-  if (worn != as_new) out.faults.push_back("what has run answers a fixed motion with other bits than what is new");
+  if (!touched || !touched_new)
+    out.faults.push_back("the fixed motion does not touch");
+  if (worn != as_new)
+    out.faults.push_back("what has run answers a fixed motion with other bits than what is new");
   return out;
 }
 

@@ -26,22 +26,40 @@ import threading
 
 HERE = pathlib.Path(__file__).resolve().parents[3]
 LINE = re.compile(r"^\s*(\d+) samples\s+force\s+([\d.]+) N.*contacts (\d+)")
-CONTACT_SHARE_FROM_S = 600.0  # below that a tenth is too few rounds of the motion to be like another
+CONTACT_SHARE_FROM_S = (
+    600.0  # below that a tenth is too few rounds of the motion to be like another
+)
 
 
 def arguments():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--build", type=pathlib.Path, default=HERE / "build", help="build folder")
     parser.add_argument("--scene", type=pathlib.Path, default=HERE / "deploy/scenes/cup.yaml")
     parser.add_argument("--motion", default="slide")
     parser.add_argument("--device", default="sim-phantom")
     length = parser.add_mutually_exclusive_group()
     length.add_argument("--duration", type=float, default=3600.0, help="ring time [s]")
-    length.add_argument("--hours", type=lambda hours: 3600.0 * float(hours), dest="duration", help="the same in hours")
+    length.add_argument(
+        "--hours",
+        type=lambda hours: 3600.0 * float(hours),
+        dest="duration",
+        help="the same in hours",
+    )
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--record", type=pathlib.Path, help="folder for the bag (an hour is some GB); default: no bag")
+    parser.add_argument(
+        "--record",
+        type=pathlib.Path,
+        help="folder for the bag (an hour is some GB); default: no bag",
+    )
     parser.add_argument("--domain", type=int, default=int(os.environ.get("ROS_DOMAIN_ID", "0")))
-    parser.add_argument("--growth-kb", type=int, default=8192, help="most that a process may grow after the first tenth")
+    parser.add_argument(
+        "--growth-kb",
+        type=int,
+        default=8192,
+        help="most that a process may grow after the first tenth",
+    )
     return parser.parse_args()
 
 
@@ -55,8 +73,8 @@ def family(root):
             text = pathlib.Path(entry.path, "stat").read_text()
         except OSError:
             continue  # gone meanwhile
-        pid, rest = int(entry.name), text[text.rindex(")") + 2:].split()
-        parents[pid], names[pid] = int(rest[1]), text[text.index("(") + 1:text.rindex(")")]
+        pid, rest = int(entry.name), text[text.rindex(")") + 2 :].split()
+        parents[pid], names[pid] = int(rest[1]), text[text.index("(") + 1 : text.rindex(")")]
     found, grown = {root}, True
     while grown:
         grown = False
@@ -74,7 +92,7 @@ def look(pid):
         text = pathlib.Path(f"/proc/{pid}/stat").read_text()
     except (OSError, IndexError):
         return None
-    fields = text[text.rindex(")") + 2:].split()
+    fields = text[text.rindex(")") + 2 :].split()
     cpu = (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
     return pages * os.sysconf("SC_PAGE_SIZE") // 1024, cpu
 
@@ -91,7 +109,15 @@ def places(pid):
         words = line.split()
         if re.match(r"^[0-9a-f]+-[0-9a-f]+$", words[0]):
             name = words[5] if len(words) > 5 else ""
-            place = "heap" if name == "[heap]" else "files" if name.startswith("/") else "stack" if name.startswith("[stack") else "anonymous"
+            place = (
+                "heap"
+                if name == "[heap]"
+                else "files"
+                if name.startswith("/")
+                else "stack"
+                if name.startswith("[stack")
+                else "anonymous"
+            )
         elif words[0] == "Rss:":
             sums[place] = sums.get(place, 0) + int(words[1])
     return sums
@@ -111,7 +137,9 @@ class Watch:
                 print(text.rstrip(), file=sys.stderr)
             return
         seen = {f"{name} {pid}": look(pid) for pid, name in family(self.root).items()}
-        self.rows.append((int(match[1]), float(match[2]), int(match[3]), {k: v for k, v in seen.items() if v}))
+        self.rows.append(
+            (int(match[1]), float(match[2]), int(match[3]), {k: v for k, v in seen.items() if v})
+        )
         percent = 100 * self.rows[-1][0] // self.samples
         if percent != self.told:
             self.told = percent
@@ -119,7 +147,12 @@ class Watch:
             self.late = {name: places(int(name.split()[-1])) for name in seen}
             if percent >= 10 and not self.early:
                 self.early = self.late
-            print(f"\r{percent:3} %  {self.rows[-1][0]} samples, {kb} kB", end="", file=sys.stderr, flush=True)
+            print(
+                f"\r{percent:3} %  {self.rows[-1][0]} samples, {kb} kB",
+                end="",
+                file=sys.stderr,
+                flush=True,
+            )
 
     def ends(self):
         """First and last row of the first tenth and of the last one; as much more as one line a second makes it."""
@@ -141,28 +174,72 @@ def judge(watch, args):
             faults.append(f"{name} was not there in the first tenth")
             continue
         grown = kb - first[1][3][name][0]
-        cpu = [(b[3][name][1] - a[3][name][1]) / (b[0] - a[0]) * 1e6 for a, b in (first, last) if name in a[3] and b[0] > a[0]]
-        print(f"{name:32} {kb:7} kB, {grown:+5} kB since the first tenth; CPU a sample " + ", ".join(f"{c:.1f} us" for c in cpu) +
-              (f" (ratio {cpu[1] / cpu[0]:.2f})" if len(cpu) == 2 and cpu[0] > 0 else ""))
-        course = [next((r[3][name][0] for r in watch.rows if r[0] >= watch.samples * t / 10 and name in r[3]), kb) for t in range(1, 10)]
+        cpu = [
+            (b[3][name][1] - a[3][name][1]) / (b[0] - a[0]) * 1e6
+            for a, b in (first, last)
+            if name in a[3] and b[0] > a[0]
+        ]
+        print(
+            f"{name:32} {kb:7} kB, {grown:+5} kB since the first tenth; CPU a sample "
+            + ", ".join(f"{c:.1f} us" for c in cpu)
+            + (f" (ratio {cpu[1] / cpu[0]:.2f})" if len(cpu) == 2 and cpu[0] > 0 else "")
+        )
+        course = [
+            next(
+                (
+                    r[3][name][0]
+                    for r in watch.rows
+                    if r[0] >= watch.samples * t / 10 and name in r[3]
+                ),
+                kb,
+            )
+            for t in range(1, 10)
+        ]
         print(f"{'':32} kB after each tenth: " + " ".join(str(c) for c in [*course, kb]))
-        where = {place: kb - watch.early.get(name, {}).get(place, 0) for place, kb in watch.late.get(name, {}).items()}
-        print(f"{'':32} kB more since the first tenth: " + ", ".join(f"{place} {kb:+}" for place, kb in where.items() if kb))
+        where = {
+            place: kb - watch.early.get(name, {}).get(place, 0)
+            for place, kb in watch.late.get(name, {}).items()
+        }
+        print(
+            f"{'':32} kB more since the first tenth: "
+            + ", ".join(f"{place} {kb:+}" for place, kb in where.items() if kb)
+        )
         if grown > args.growth_kb:
             faults.append(f"{name} grew by {grown} kB")
     share = [(b[2] - a[2]) / max(b[0] - a[0], 1) for a, b in (first, last)]
-    print(f"in contact: {100 * share[0]:.1f} % of the first tenth, {100 * share[1]:.1f} % of the last")
+    print(
+        f"in contact: {100 * share[0]:.1f} % of the first tenth, {100 * share[1]:.1f} % of the last"
+    )
     if args.duration >= CONTACT_SHARE_FROM_S and abs(share[1] - share[0]) > 0.03:
-        faults.append(f"the tool touches {100 * share[1]:.1f} % of the time instead of {100 * share[0]:.1f} %")
+        faults.append(
+            f"the tool touches {100 * share[1]:.1f} % of the time instead of {100 * share[0]:.1f} %"
+        )
     return faults
 
 
 def main():
     args = arguments()
-    command = [args.build / "bin/voxtouch", "up", args.scene, "--lockstep", "--json", "--motion", args.motion, "--device", args.device,
-               "--duration", str(args.duration), "--seed", str(args.seed), "--domain", str(args.domain)]
+    command = [
+        args.build / "bin/voxtouch",
+        "up",
+        args.scene,
+        "--lockstep",
+        "--json",
+        "--motion",
+        args.motion,
+        "--device",
+        args.device,
+        "--duration",
+        str(args.duration),
+        "--seed",
+        str(args.seed),
+        "--domain",
+        str(args.domain),
+    ]
     command += ["--record", args.record] if args.record else ["--no-record"]
-    up = subprocess.Popen([str(word) for word in command], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    up = subprocess.Popen(
+        [str(word) for word in command], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
     out = []
     reader = threading.Thread(target=lambda: out.append(up.stdout.read()))
     reader.start()
@@ -178,15 +255,22 @@ def main():
     faults = [] if status == 0 else [f"up ended with {status}"]
     summary = json.loads(out[0]) if out and out[0].strip() else {}
     faults += summary.get("problems", [])
-    for key, wanted in (("ok", True), ("samples", watch.samples), ("answered", watch.samples), ("overruns", 0)):
+    for key, wanted in (
+        ("ok", True),
+        ("samples", watch.samples),
+        ("answered", watch.samples),
+        ("overruns", 0),
+    ):
         if summary.get(key) != wanted:
             faults.append(f"{key} is {summary.get(key)}, not {wanted}")
     if summary.get("guard", {}).get("refused") != 0:
         faults.append(f"the guard refused {summary.get('guard', {}).get('refused')} commands")
     if summary.get("validator", {}).get("disagree") != 0:
         faults.append("the validator disagrees")
-    print(f"{summary.get('samples')} samples, {summary.get('contact_samples')} with contact, largest force {summary.get('max_force_n')} N, "
-          f"lowest energy {summary.get('coupling', {}).get('lowest_energy_j')} J")
+    print(
+        f"{summary.get('samples')} samples, {summary.get('contact_samples')} with contact, largest force {summary.get('max_force_n')} N, "
+        f"lowest energy {summary.get('coupling', {}).get('lowest_energy_j')} J"
+    )
     faults += judge(watch, args)
     for fault in faults:
         print("FAULT:", fault)

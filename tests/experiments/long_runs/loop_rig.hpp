@@ -1,6 +1,6 @@
 #pragma once
-/// The whole ring as function calls: device, scene, coupling, gate and guard, one sample after the other, without DDS, clock or
-/// thread. What a wire does to samples and commands is the caller's.
+/// The whole ring as function calls: device, scene, coupling, gate and guard, one sample after the
+/// other, without DDS, clock or thread. What a wire does to samples and commands is the caller's.
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -13,22 +13,25 @@
 namespace voxtouch::long_runs {
 
 struct RigOptions {
-  std::filesystem::path scene;            ///< a scene file
+  std::filesystem::path scene;                     ///< a scene file
   std::optional<contact::ContactModelKind> model;  ///< instead of the scene's
   sim::SimParameters device = sim::sim_phantom();
-  std::optional<DeviceDescription> designed_for = {};  ///< instead of the device's: what the coupling is fitted to
+  std::optional<DeviceDescription> designed_for =
+      {};  ///< instead of the device's: what the coupling is fitted to
   std::optional<sim::OperatorConfig> hand;  ///< instead of the device's usual one
-  std::string motion;                  ///< of the scene
-  std::optional<Motion> path;          ///< in W, instead of a motion of the scene
-  double stiffness_times = 1.0;        ///< of the scene's contact
+  std::string motion;                       ///< of the scene
+  std::optional<Motion> path;               ///< in W, instead of a motion of the scene
+  double stiffness_times = 1.0;             ///< of the scene's contact
   std::uint64_t seed = 0;
 };
 
-/// A scene and the coupling that was designed for it: what rendering and coupling node hold together.
+/// A scene and the coupling that was designed for it: what rendering and coupling node hold
+/// together.
 class RigFront {
  public:
-  RigFront(const scene::Scene& scene, std::unique_ptr<rendering::BuiltScene> built, const coupling::CouplingSpec& spec,
-           const coupling::CouplingLimits& limits, double period_s, double spring_n_per_m);
+  RigFront(const scene::Scene& scene, std::unique_ptr<rendering::BuiltScene> built,
+           const coupling::CouplingSpec& spec, const coupling::CouplingLimits& limits,
+           double period_s, double spring_n_per_m);
   /// One sample of the device answered, in D. Real-time safe.
   Wrench answer(const devices::DeviceSample& sample) noexcept;
 
@@ -36,7 +39,8 @@ class RigFront {
   const rendering::SceneFrame& frame() const noexcept { return frame_; }
   const coupling::CouplingCounters& counters() const noexcept { return coupling_.counters(); }
   const coupling::EnergyAccounts& energy() const noexcept { return coupling_.energy(); }
-  /// Another scene takes the place of the one that runs, as after a reload. Not while one still fades in.
+  /// Another scene takes the place of the one that runs, as after a reload. Not while one still
+  /// fades in.
   void swap_to(std::unique_ptr<rendering::BuiltScene> next);
 
  private:
@@ -65,7 +69,8 @@ class LoopRig {
   const devices::DeviceSample& read() noexcept;
   std::uint64_t sequence() const noexcept { return sequence_; }
   Command answer(const devices::DeviceSample& sample, std::uint64_t sequence) noexcept;
-  /// A command reaches the device, whatever it is: the newest one that the gate accepts counts in the next `finish`.
+  /// A command reaches the device, whatever it is: the newest one that the gate accepts counts in
+  /// the next `finish`.
   devices::GateVerdict arrive(const Command& command) noexcept;
   /// Ends the period: guard, driver. What the device was given.
   const Wrench& finish() noexcept;
@@ -81,7 +86,9 @@ class LoopRig {
   sim::SimulatedDevice& device() noexcept { return *device_; }
   const devices::ForceGuard& guard() const noexcept { return guard_; }
   const coupling::CouplingSpec& spec() const noexcept { return spec_; }
-  double spring_n_per_m() const noexcept { return spring_n_per_m_; }  ///< of a virtual tool, in W; 0 without one
+  double spring_n_per_m() const noexcept {
+    return spring_n_per_m_;
+  }  ///< of a virtual tool, in W; 0 without one
   std::uint64_t refused_writes() const noexcept { return refused_writes_; }
 
  private:
@@ -100,8 +107,9 @@ class LoopRig {
   std::uint64_t sequence_ = 0, next_ = 0, refused_writes_ = 0;
 };
 
-/// Resident memory of this process, and what of its heap is in use [bytes]: what was freed while building stays resident, and would
-/// hide a small leak. A sanitiser that owns the heap makes the second zero.
+/// Resident memory of this process, and what of its heap is in use [bytes]: what was freed while
+/// building stays resident, and would hide a small leak. A sanitiser that owns the heap makes the
+/// second zero.
 struct Memory {
   std::int64_t resident = 0, heap = 0;
 };

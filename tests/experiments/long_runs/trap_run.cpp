@@ -30,10 +30,11 @@ extern "C" void tell_trap(int, siginfo_t* info, void*) {
                      : info->si_code == FPE_FLTINV ? "invalid operation"
                                                    : "floating-point trap";
   char text[256];
-  const int length =
-      std::snprintf(text, sizeof text, "%s at %p: %s, frame %llu, seed %llu\n", what, info->si_addr, place.name,
-                    static_cast<unsigned long long>(place.frame), static_cast<unsigned long long>(place.seed));
-  if (length > 0 && write(STDERR_FILENO, text, static_cast<std::size_t>(length)) < 0) _exit(1);
+  const int length = std::snprintf(
+      text, sizeof text, "%s at %p: %s, frame %llu, seed %llu\n", what, info->si_addr, place.name,
+      static_cast<unsigned long long>(place.frame), static_cast<unsigned long long>(place.seed));
+  if (length > 0 && write(STDERR_FILENO, text, static_cast<std::size_t>(length)) < 0)
+    _exit(1);
 }  // the instruction is tried again, now without a handler
 
 /// Traps are on while it lives; the handler of this process stays.
@@ -73,19 +74,25 @@ class Dice {
   std::mt19937_64 random_;
 };
 
-/// A tool that somebody shakes about the surface: tiny and large steps, jumps to other places, places exactly on the grid, rests.
+/// A tool that somebody shakes about the surface: tiny and large steps, jumps to other places,
+/// places exactly on the grid, rests.
 class Shaken {
  public:
   /// `home`: where a body is taken up, and carried about; else all of the surface is visited.
   Shaken(rendering::BuiltScene& built, Dice& dice, const std::optional<Vec3>& home)
-      : dice_(dice), home_(home), grid_(built.voxmap().grid()), reach_m_(built.renderer().query().reach_m()) {
+      : dice_(dice),
+        home_(home),
+        grid_(built.voxmap().grid()),
+        reach_m_(built.renderer().query().reach_m()) {
     built.voxmap().for_each_occupied([&](const voxmap::VoxelIndex& v, voxmap::VoxelKind kind) {
-      if (kind == voxmap::VoxelKind::kSurface) surface_.push_back(v);
+      if (kind == voxmap::VoxelKind::kSurface)
+        surface_.push_back(v);
     });
   }
   /// The body lies where the tool is in the first frame after this.
   void go_home() {
-    if (home_) sample_.pose = {*home_, Quat::Identity()}, sample_.buttons = 1, rests_ = true;
+    if (home_)
+      sample_.pose = {*home_, Quat::Identity()}, sample_.buttons = 1, rests_ = true;
   }
   const devices::DeviceSample& next(double dt_s) {
     const Vec3 before = sample_.pose.position;
@@ -98,9 +105,11 @@ class Shaken {
       sample_.pose.position = dice_.cube(dice_.log(1, 1e6));  // far away, then back
     else if (what < 0.9)
       move();
-    sample_.twist.linear = dice_.chance(0.2) ? Vec3::Zero().eval() : Vec3((sample_.pose.position - before) / 1e-3);
+    sample_.twist.linear =
+        dice_.chance(0.2) ? Vec3::Zero().eval() : Vec3((sample_.pose.position - before) / 1e-3);
     sample_.twist.angular = dice_.chance(0.5) ? Vec3::Zero().eval() : dice_.cube(5.0);
-    if (dice_.chance(home_ && sample_.buttons ? 0.002 : 0.02)) sample_.buttons ^= 1U;
+    if (dice_.chance(home_ && sample_.buttons ? 0.002 : 0.02))
+      sample_.buttons ^= 1U;
     sample_.time_ns += std::llround(dt_s * 1e9);
     if (what >= 0.02 && what < 0.025)
       back_ = true;
@@ -117,14 +126,17 @@ class Shaken {
     }
     const voxmap::VoxelIndex v = surface_[dice_.below(surface_.size())];
     const Vec3 aside = dice_.cube(1.0);
-    sample_.pose.position = grid_.centre(v) + reach_m_ * dice_.uniform(0, 1.2) * aside.stableNormalized();
+    sample_.pose.position =
+        grid_.centre(v) + reach_m_ * dice_.uniform(0, 1.2) * aside.stableNormalized();
     const double w = dice_.uniform(-1, 1);
     const Vec3 axis = dice_.cube(1.0);
     Quat turned(w, axis.x(), axis.y(), axis.z());
-    sample_.pose.orientation = dice_.chance(0.3) || turned.norm() < 0.1 ? Quat::Identity() : turned.normalized();
+    sample_.pose.orientation =
+        dice_.chance(0.3) || turned.norm() < 0.1 ? Quat::Identity() : turned.normalized();
   }
   void on_grid() {
-    if (home_) return jump();
+    if (home_)
+      return jump();
     const voxmap::VoxelIndex v = surface_[dice_.below(surface_.size())];
     const double half = dice_.chance(0.5) ? 0.5 : 0.0;
     sample_.pose.position = grid_.from_grid(Vec3(v.i + half, v.j, v.k + half));
@@ -133,7 +145,8 @@ class Shaken {
   void move() {
     sample_.pose.position += dice_.cube(dice_.log(1e-9, 3e-3));
     const Vec3 turn = dice_.cube(dice_.log(1e-9, 0.05));
-    sample_.pose.orientation = (Quat(1, turn.x(), turn.y(), turn.z()) * sample_.pose.orientation).normalized();
+    sample_.pose.orientation =
+        (Quat(1, turn.x(), turn.y(), turn.z()) * sample_.pose.orientation).normalized();
   }
 
   Dice& dice_;
@@ -153,10 +166,13 @@ coupling::CouplingSpec any_coupling(Dice& dice) {
   spec.gain = dice.chance(0.1) ? 0.0 : dice.log(0.01, 3);
   spec.stiffness_n_per_m = dice.log(50, 5000), spec.damping_ns_per_m = dice.uniform(0, 20);
   if (dice.chance(0.7))
-    spec.stiffness_cap_n_per_m = dice.log(10, 2000), spec.stiffness_cap_nm_per_rad = dice.log(0.01, 10);
+    spec.stiffness_cap_n_per_m = dice.log(10, 2000),
+    spec.stiffness_cap_nm_per_rad = dice.log(0.01, 10);
   if (dice.chance(0.7))
-    spec.injected_damping_ns_per_m = dice.log(0.1, 20), spec.injected_damping_nms_per_rad = dice.log(1e-4, 0.1);
-  if (dice.chance(0.7)) spec.passivity_damping_limit_ns_per_m = 10, spec.passivity_damping_limit_nms_per_rad = 0.05;
+    spec.injected_damping_ns_per_m = dice.log(0.1, 20),
+    spec.injected_damping_nms_per_rad = dice.log(1e-4, 0.1);
+  if (dice.chance(0.7))
+    spec.passivity_damping_limit_ns_per_m = 10, spec.passivity_damping_limit_nms_per_rad = 0.05;
   return spec;
 }
 
@@ -167,16 +183,21 @@ struct Case {
   std::optional<Vec3> home;
 };
 
-/// Three scenes with every contact model: the cup with all effects that a tool may have, objects that move, a body.
+/// Three scenes with every contact model: the cup with all effects that a tool may have, objects
+/// that move, a body.
 std::vector<Case> cases(const std::filesystem::path& folder) {
-  scene::Scene cup = scene::load_scene(folder / "cup_field.yaml");  // its stiffness is of the area, which every model takes
-  for (const char* name : {"friction", "surface_damping", "texture", "viscosity", "guide_plane", "guide_line",
-                           "guide_point", "magnet", "proximity"})
-    for (const effects::EffectSpec& effect : scene::load_scene(folder / (std::string("cup_") + name + ".yaml")).effects)
+  scene::Scene cup = scene::load_scene(
+      folder / "cup_field.yaml");  // its stiffness is of the area, which every model takes
+  for (const char* name : {"friction", "surface_damping", "texture", "viscosity", "guide_plane",
+                           "guide_line", "guide_point", "magnet", "proximity"})
+    for (const effects::EffectSpec& effect :
+         scene::load_scene(folder / (std::string("cup_") + name + ".yaml")).effects)
       cup.effects.push_back(effect);
   const scene::Scene block = scene::load_scene(folder / "block.yaml");
   std::vector<Case> out;
-  for (const contact::ContactModelKind model : {contact::ContactModelKind::kOriginal, contact::ContactModelKind::kAdapted, contact::ContactModelKind::kField}) {
+  for (const contact::ContactModelKind model :
+       {contact::ContactModelKind::kOriginal, contact::ContactModelKind::kAdapted,
+        contact::ContactModelKind::kField}) {
     out.push_back({"cup with nine effects", cup, model, {}});
     out.push_back({"objects", scene::load_scene(folder / "objects.yaml"), model, {}});
     out.push_back({"block, a body", block, model, block.motions.at("fall").path.front()});
@@ -190,39 +211,51 @@ struct Count {
 
 volatile double nothing = 0.0;
 
-void shake(const Case& c, const TrapRunOptions& ask, std::uint64_t frames, Dice& dice, Count& count, Findings& out) {
+void shake(const Case& c, const TrapRunOptions& ask, std::uint64_t frames, Dice& dice, Count& count,
+           Findings& out) {
   constexpr std::uint64_t kPiece = 1000;
   constexpr double kPeriodS = 1e-3;
   rendering::BuildChoices choices;
   choices.model = c.model;
-  std::unique_ptr<rendering::BuiltScene> built = rendering::build_scene(c.scene, serial_for(), choices);
+  std::unique_ptr<rendering::BuiltScene> built =
+      rendering::build_scene(c.scene, serial_for(), choices);
   Shaken shaken(*built, dice, c.home);
-  std::snprintf(place.name, sizeof place.name, "%s, %s", c.scene.name.c_str(), std::string(contact::name_of(c.model)).c_str());
-  const DeviceDescription device = dice.chance(0.5) ? sim::sim_phantom().description : sim::sim_lwr().description;
+  std::snprintf(place.name, sizeof place.name, "%s, %s", c.scene.name.c_str(),
+                std::string(contact::name_of(c.model)).c_str());
+  const DeviceDescription device =
+      dice.chance(0.5) ? sim::sim_phantom().description : sim::sim_lwr().description;
   devices::ForceGuard guard(devices::guard_config(device));
   for (std::uint64_t done = 0; done < frames; done += kPiece) {
     const coupling::CouplingLimits limits =
-        dice.chance(0.2) ? coupling::CouplingLimits{} : coupling::CouplingLimits{device.max_force_n, device.max_torque_nm};
+        dice.chance(0.2) ? coupling::CouplingLimits{}
+                         : coupling::CouplingLimits{device.max_force_n, device.max_torque_nm};
     coupling::RunningCoupling coupling(any_coupling(dice), limits, kPeriodS);
     rendering::DeviceMapping mapping(c.scene.device);
-    if (c.home || dice.chance(0.3)) built->scene_renderer().reset(), shaken.go_home();
+    if (c.home || dice.chance(0.3))
+      built->scene_renderer().reset(), shaken.go_home();
     const TrapsOn traps;
     for (std::uint64_t n = 0; n < std::min(kPiece, frames - done); ++n) {
       place.frame = done + n;
-      if (ask.trip_at == place.frame) nothing = 1.0 / nothing;
+      if (ask.trip_at == place.frame)
+        nothing = 1.0 / nothing;
       const double dt_s = dice.chance(0.95) ? kPeriodS : kPeriodS * dice.log(1e-3, 100);
       const devices::DeviceSample& sample = shaken.next(dt_s);
       const rendering::ToolState& tool = mapping.update(sample.pose, sample.twist, sample.buttons);
-      const rendering::SceneFrame frame = built->scene_renderer().render(tool, static_cast<double>(sample.time_ns) * 1e-9);
-      const coupling::CouplingOutput answer = coupling.step(fitting::coupling_input(frame, tool.pose), dt_s);
-      const Wrench force = guard.pass(devices::GuardInput{rendering::wrench_to_device(c.scene.device, answer.wrench, tool.pose.orientation),
-                                                 sample.time_ns + 5'000'000},
-                                      sample.time_ns);
+      const rendering::SceneFrame frame =
+          built->scene_renderer().render(tool, static_cast<double>(sample.time_ns) * 1e-9);
+      const coupling::CouplingOutput answer =
+          coupling.step(fitting::coupling_input(frame, tool.pose), dt_s);
+      const Wrench force = guard.pass(
+          devices::GuardInput{
+              rendering::wrench_to_device(c.scene.device, answer.wrench, tool.pose.orientation),
+              sample.time_ns + 5'000'000},
+          sample.time_ns);
       ++count.frames, count.touching += !frame.touch.contact.wrench.zero(),
           count.effects += !frame.effects.wrench.zero();
       count.pushing += !force.zero();
       if (!force.finite()) {
-        out.faults.push_back(fmt::format("{}: frame {} gives a force that is no number", c.name, place.frame));
+        out.faults.push_back(
+            fmt::format("{}: frame {} gives a force that is no number", c.name, place.frame));
         return;
       }
     }
@@ -253,21 +286,27 @@ Findings run_traps(const TrapRunOptions& ask, const Progress& progress) {
   for (const Case& c : every) {
     Count count;
     shake(c, ask, ask.frames / (every.size() + 1), dice, count, out);
-    out.lines.push_back(fmt::format("{:9} {:22} {} frames, {} touch, effects push in {}, the device in {}",
-                                    contact::name_of(c.model), c.name, count.frames, count.touching, count.effects,
-                                    count.pushing));
+    out.lines.push_back(
+        fmt::format("{:9} {:22} {} frames, {} touch, effects push in {}, the device in {}",
+                    contact::name_of(c.model), c.name, count.frames, count.touching, count.effects,
+                    count.pushing));
     // Couplings and places are drawn; with some of them a tool is pushed off for good.
     if (count.touching * 20 < count.frames || count.pushing * 20 < count.frames)
-      out.faults.push_back(fmt::format("{} with {} hardly touches: nothing is tried", c.name, contact::name_of(c.model)));
+      out.faults.push_back(fmt::format("{} with {} hardly touches: nothing is tried", c.name,
+                                       contact::name_of(c.model)));
     all.frames += count.frames;
-    if (progress) progress(all.frames, ask.frames);
+    if (progress)
+      progress(all.frames, ask.frames);
   }
   Count looped;
   loop(ask, ask.frames / (every.size() + 1), looped);
-  out.lines.push_back(fmt::format("{:9} {:22} {} frames, {} touch, the device pushes in {}", "field", "cup, whole loop",
-                                  looped.frames, looped.touching, looped.pushing));
-  out.lines.push_back(fmt::format("{} frames without a floating-point trap", all.frames + looped.frames));
-  if (progress) progress(ask.frames, ask.frames);
+  out.lines.push_back(fmt::format("{:9} {:22} {} frames, {} touch, the device pushes in {}",
+                                  "field", "cup, whole loop", looped.frames, looped.touching,
+                                  looped.pushing));
+  out.lines.push_back(
+      fmt::format("{} frames without a floating-point trap", all.frames + looped.frames));
+  if (progress)
+    progress(ask.frames, ask.frames);
   return out;
 }
 

@@ -22,11 +22,13 @@ effects::RigidBody tumbling() {
   return body;
 }
 
-/// About axes that change, and back and forth, so that it neither comes to rest nor turns ever faster.
+/// About axes that change, and back and forth, so that it neither comes to rest nor turns ever
+/// faster.
 effects::BodyLoad push(std::uint64_t n) {
   effects::BodyLoad load;
   load.wrench.torque = 1e-4 * Vec3(std::sin(0.01 * static_cast<double>(n % 10000)), 0.7, -0.4);
-  if (n / 2000 % 2 == 1) load.wrench.torque *= -1.0;
+  if (n / 2000 % 2 == 1)
+    load.wrench.torque *= -1.0;
   return load;
 }
 
@@ -50,19 +52,23 @@ Findings run_tumble(const TumbleRunOptions& ask, const Progress& progress) {
         const Mat3 r = q.toRotationMatrix();
         skew = std::max(skew, (r.transpose() * r - Mat3::Identity()).cwiseAbs().maxCoeff());
       }
-      if (progress && n % 100'000 == 0) progress(n, ask.steps);
+      if (progress && n % 100'000 == 0)
+        progress(n, ask.steps);
     }
     (tenth == 1 ? first_s : last_s) = thread_seconds() - begin;
   }
   out.slow_down = last_s / first_s;
-  out.lines.push_back(
-      fmt::format("a body that tumbles, {} steps, {:.4g} rad: |q| - 1 at most {:.2g}, R'R - I at most {:.2g}", n, angle,
-                  norm, skew));
+  out.lines.push_back(fmt::format(
+      "a body that tumbles, {} steps, {:.4g} rad: |q| - 1 at most {:.2g}, R'R - I at most {:.2g}",
+      n, angle, norm, skew));
   // Written so that a NaN, too, is a fault.
-  if (!(norm <= kMaxNorm)) out.faults.push_back(fmt::format("a quaternion's norm is off one by {:.3g}", norm));
-  if (!(skew <= kMaxSkew)) out.faults.push_back(fmt::format("a rotation matrix is off orthogonal by {:.3g}", skew));
+  if (!(norm <= kMaxNorm))
+    out.faults.push_back(fmt::format("a quaternion's norm is off one by {:.3g}", norm));
+  if (!(skew <= kMaxSkew))
+    out.faults.push_back(fmt::format("a rotation matrix is off orthogonal by {:.3g}", skew));
   if (!(angle >= 1e-4 * static_cast<double>(ask.steps)))
-    out.faults.push_back(fmt::format("the body turned by {:.3g} rad only, which shows nothing", angle));
+    out.faults.push_back(
+        fmt::format("the body turned by {:.3g} rad only, which shows nothing", angle));
   return out;
 }
 

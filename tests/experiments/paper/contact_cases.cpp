@@ -15,12 +15,14 @@ constexpr double kTurn = 2.0 * std::numbers::pi;
 
 Ground::Ground(const mesh::TriangleMesh& mesh)
     : voxmap(voxmap::voxelise(mesh, voxmap::default_grid(mesh, kEdge), serial_for())),
-      field(voxmap::build_distance_field(mesh, voxmap, {.depth_voxels = 3.0, .band_voxels = 2.0}, serial_for())) {}
+      field(voxmap::build_distance_field(mesh, voxmap, {.depth_voxels = 3.0, .band_voxels = 2.0},
+                                         serial_for())) {}
 
 Sphere::Sphere(const Vec3& grid_shift) : mesh(test::sphere_mesh(kRadius, 5)) {
   voxmap::Grid grid = voxmap::default_grid(mesh, kEdge);
   grid.origin -= kEdge * grid_shift;
-  const std::vector<pointshell::ShellPoint> points = pointshell::shell_points(mesh, grid, serial_for());
+  const std::vector<pointshell::ShellPoint> points =
+      pointshell::shell_points(mesh, grid, serial_for());
   exact = pointshell::make_exact_shell(points, grid);
   naive = pointshell::make_naive_shell(points, grid);
 }
@@ -35,12 +37,17 @@ std::vector<ContactCase> all_contact_cases() {
           {"field", kField, kArea}};
 }
 
-contact::ContactRenderer renderer_of(const ContactCase& contact_case, const Ground& ground, const Sphere& sphere) {
-  return {ground.voxmap, contact_case.naive ? sphere.naive : sphere.exact, contact_case.model, {1.0, contact_case.weights}, &ground.field};
+contact::ContactRenderer renderer_of(const ContactCase& contact_case, const Ground& ground,
+                                     const Sphere& sphere) {
+  return {ground.voxmap,
+          contact_case.naive ? sphere.naive : sphere.exact,
+          contact_case.model,
+          {1.0, contact_case.weights},
+          &ground.field};
 }
 
-Slide circle_on_plane(const std::string& name, const Quat& turn, double up_its_voxel, double depth_edges,
-                      const Quat& ball) {
+Slide circle_on_plane(const std::string& name, const Quat& turn, double up_its_voxel,
+                      double depth_edges, const Quat& ball) {
   constexpr double kHalf = 0.02;
   // Half a voxel from a border at 0.5; the slab's other faces lie as they come.
   const Pose pose{Vec3(0.0007, 0.0011, kEdge * up_its_voxel - kHalf), turn};
@@ -72,10 +79,12 @@ Slide round_a_cylinder(double radius_m, double depth_edges, const Quat& ball, do
 Distraction distraction(contact::ContactRenderer renderer, const Slide& slide, int steps) {
   Distraction out;
   Vec3 mean_across = Vec3::Zero();
-  std::vector<Vec3> turned;  // seen from the normal, so that a push that goes round with it has a mean
+  std::vector<Vec3>
+      turned;  // seen from the normal, so that a push that goes round with it has a mean
   for (int n = 0; n < steps; ++n) {
     const double s = static_cast<double>(n) / steps;
-    const Vec3 normal = slide.normal(s), force = renderer.probe({slide.centre(s), slide.turn}).wrench.force;
+    const Vec3 normal = slide.normal(s),
+               force = renderer.probe({slide.centre(s), slide.turn}).wrench.force;
     out.along.push_back(force.dot(normal));
     out.across.push_back(force - out.along.back() * normal);
     out.mean += out.along.back() / steps;

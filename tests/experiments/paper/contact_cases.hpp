@@ -36,30 +36,33 @@ struct ContactCase {
 };
 /// original, adapted, both by area, field; all with the exact shell.
 std::vector<ContactCase> all_contact_cases();
-contact::ContactRenderer renderer_of(const ContactCase& contact_case, const Ground& ground, const Sphere& sphere);
+contact::ContactRenderer renderer_of(const ContactCase& contact_case, const Ground& ground,
+                                     const Sphere& sphere);
 
-/// A way on which the sphere keeps its depth: where its centre is, and the surface's normal there. `s` from 0 to 1.
+/// A way on which the sphere keeps its depth: where its centre is, and the surface's normal there.
+/// `s` from 0 to 1.
 struct Slide {
   std::string name;
   mesh::TriangleMesh mesh;
   std::function<Vec3(double s)> centre, normal;
   Quat turn = Quat::Identity();  ///< of the sphere
 };
-/// A circle of ten edges over a plane that is turned by `turn`; `up_its_voxel` in [0, 1) is where an aligned face lies.
-Slide circle_on_plane(const std::string& name, const Quat& turn, double up_its_voxel, double depth_edges,
-                      const Quat& ball);
+/// A circle of ten edges over a plane that is turned by `turn`; `up_its_voxel` in [0, 1) is where
+/// an aligned face lies.
+Slide circle_on_plane(const std::string& name, const Quat& turn, double up_its_voxel,
+                      double depth_edges, const Quat& ball);
 /// Round a cylinder about the z axis.
 Slide round_a_cylinder(double radius_m, double depth_edges, const Quat& ball, double along_m);
 
 /// Force across the normal at `steps` poses of a slide, and what its noise is.
 struct Distraction {
-  std::vector<Vec3> across;   ///< [k e^3 or K e: as the contact model's unit], W
-  std::vector<double> along;  ///< force along the normal
-  double mean = 0.0;          ///< of `along`
-  double rms = 0.0;           ///< of |across|, over the mean
-  double rms_about_mean =
-      0.0;             ///< the same after its mean has been taken off (in the frame that turns with the normal)
-  double noise = 0.0;  ///< standard deviation of `along` over its mean
+  std::vector<Vec3> across;     ///< [k e^3 or K e: as the contact model's unit], W
+  std::vector<double> along;    ///< force along the normal
+  double mean = 0.0;            ///< of `along`
+  double rms = 0.0;             ///< of |across|, over the mean
+  double rms_about_mean = 0.0;  ///< the same after its mean has been taken off (in the frame that
+                                ///< turns with the normal)
+  double noise = 0.0;           ///< standard deviation of `along` over its mean
 };
 Distraction distraction(contact::ContactRenderer renderer, const Slide& slide, int steps);
 

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "tests/experiments/paper/merits.hpp"
 #include "tests/experiments/paper/contact_cases.hpp"
+#include "tests/experiments/paper/merits.hpp"
 
 namespace voxtouch::paper {
 
@@ -21,12 +21,14 @@ struct FilterExperiment {
 };
 FilterExperiment filter_experiment();
 
-/// Where the paper's claim does not hold: a concave corner and a symmetric slot, and what every contact model makes of them. Means over
-/// random places and turns; R / e = 10, 0.5 e deep.
+/// Where the paper's claim does not hold: a concave corner and a symmetric slot, and what every
+/// contact model makes of them. Means over random places and turns; R / e = 10, 0.5 e deep.
 struct CornerAndSlot {
   std::string contact_model;
-  double corner_over_walls = 0.0;  ///< |mean force in the corner| over |sum of the two walls' alone|
-  double slot_over_wall = 0.0;     ///< RMS of the net force over one wall's mean force; 0 would be right
+  double corner_over_walls =
+      0.0;  ///< |mean force in the corner| over |sum of the two walls' alone|
+  double slot_over_wall =
+      0.0;  ///< RMS of the net force over one wall's mean force; 0 would be right
 };
 std::vector<CornerAndSlot> corner_and_slot(std::uint64_t seed);
 

@@ -8,9 +8,11 @@
 namespace voxtouch::paper {
 namespace {
 
-const ContactCase kOriginal{"original", contact::ContactModelKind::kOriginal, contact::PointWeights::kOne},
+const ContactCase kOriginal{"original", contact::ContactModelKind::kOriginal,
+                            contact::PointWeights::kOne},
     kAdapted{"adapted", contact::ContactModelKind::kAdapted, contact::PointWeights::kOne},
-    kNaiveOriginal{"naive, original", contact::ContactModelKind::kOriginal, contact::PointWeights::kOne, true};
+    kNaiveOriginal{"naive, original", contact::ContactModelKind::kOriginal,
+                   contact::PointWeights::kOne, true};
 
 /// How the sphere is turned: not at all, and three ways.
 std::vector<Quat> turned() {
@@ -19,8 +21,8 @@ std::vector<Quat> turned() {
           Quat(Eigen::AngleAxisd(2.3, Vec3(0.3, -1, 1).normalized()))};
 }
 
-double ratio(const ContactCase& above, const ContactCase& below, const Slide& slide, const Ground& ground, const Sphere& sphere,
-             int steps, bool about_mean = false) {
+double ratio(const ContactCase& above, const ContactCase& below, const Slide& slide,
+             const Ground& ground, const Sphere& sphere, int steps, bool about_mean = false) {
   const Distraction a = distraction(renderer_of(above, ground, sphere), slide, steps),
                     b = distraction(renderer_of(below, ground, sphere), slide, steps);
   return about_mean ? a.rms_about_mean / b.rms_about_mean : a.rms / b.rms;
@@ -34,12 +36,16 @@ Quat tilt(double degrees, const Vec3& axis) {
 class Ratios {
  public:
   void add(double value) {
-    if (std::isfinite(value)) values_.push_back(value);  // neither pushes: the layer's middle lies below this depth
+    if (std::isfinite(value))
+      values_.push_back(value);  // neither pushes: the layer's middle lies below this depth
   }
   Merit merit(const std::string& what, double reference, const std::string& conditions) const {
-    return {
-        what,      test::quantile(values_, 0.5), test::quantile(values_, 0.0), test::quantile(values_, 1.0), reference,
-        conditions};
+    return {what,
+            test::quantile(values_, 0.5),
+            test::quantile(values_, 0.0),
+            test::quantile(values_, 1.0),
+            reference,
+            conditions};
   }
 
  private:
@@ -60,7 +66,8 @@ void on_planes(const Sphere& sphere, int steps, PlaneRatios& out) {
       out.aligned.add(ratio(kAdapted, kOriginal, s, ground, sphere, steps));
       out.aligned_about.add(ratio(kAdapted, kOriginal, s, ground, sphere, steps, true));
     }
-    for (const Quat& turn : {tilt(15, Vec3(1, 0.3, 0)), tilt(26.6, Vec3::UnitX()), tilt(34, Vec3(1, 2, 0.5))}) {
+    for (const Quat& turn :
+         {tilt(15, Vec3(1, 0.3, 0)), tilt(26.6, Vec3::UnitX()), tilt(34, Vec3(1, 2, 0.5))}) {
       const Slide s = circle_on_plane("tilted", turn, 0.3, depth, Quat::Identity());
       const Ground ground(s.mesh);
       out.tilted.add(ratio(kAdapted, kOriginal, s, ground, sphere, steps));
@@ -80,7 +87,8 @@ void round_cylinders(const Sphere& sphere, int steps, CylinderRatios& out) {
         const bool still = turn.vec().isZero(0.0);
         const Slide s = round_a_cylinder(radius, depth, turn, 0.0007);
         out.exact.add(ratio(kAdapted, kOriginal, s, ground, sphere, steps));
-        (still ? out.naive_still : out.naive_turned).add(ratio(kAdapted, kNaiveOriginal, s, ground, sphere, steps));
+        (still ? out.naive_still : out.naive_turned)
+            .add(ratio(kAdapted, kNaiveOriginal, s, ground, sphere, steps));
       }
   }
 }
@@ -92,25 +100,30 @@ std::vector<Merit> contact_merits(int steps) {
   PlaneRatios planes;
   on_planes(askew, steps, planes);
   CylinderRatios cylinders;
-  for (const Sphere* sphere : {&askew, &symmetric}) round_cylinders(*sphere, steps, cylinders);
-  const std::string
-      plane = "depth 0.25, 0.5, 0.75 e; ",
-      round = "depth 0.25, 0.5, 0.75 e, radius 10 and 20 e, sphere's centre on a corner of its voxels and askew";
-  return {
-      planes.aligned.merit(
-          "plane along the grid: adapted over original", 0.47,
-          plane +
-              "face 0.6, 0.75, 0.9 up its voxel. All of adapted's distraction is constant here: it is what the shell's "
-              "points "
-              "sum up to, and 0 for a sphere that lies symmetric in its voxels; so the ratio hangs on where it lies"),
-      planes.aligned_about.merit("plane along the grid, about its mean", 0.0, "the same"),
-      planes.tilted.merit("tilted plane: adapted over original", 0.62, plane + "15, 26.6 and 34 degrees"),
-      cylinders.exact.merit("cylinder: adapted over original", 0.58, round + ", sphere turned four ways"),
-      cylinders.naive_still.merit("cylinder, sphere not turned: exact and adapted over naive and original", 0.27,
-                                  round + ". The naive shell's steps line up with the wall's only where the sphere "
-                                          "lies symmetric (0.23), askew they do not (0.37)"),
-      cylinders.naive_turned.merit("cylinder, sphere turned: exact and adapted over naive and original", 0.56,
-                                   round + ", turned three ways; falls with the depth: 0.6 at 0.25 e, 0.75 at 0.75 e")};
+  for (const Sphere* sphere : {&askew, &symmetric})
+    round_cylinders(*sphere, steps, cylinders);
+  const std::string plane = "depth 0.25, 0.5, 0.75 e; ",
+                    round =
+                        "depth 0.25, 0.5, 0.75 e, radius 10 and 20 e, sphere's centre on a corner "
+                        "of its voxels and askew";
+  return {planes.aligned.merit("plane along the grid: adapted over original", 0.47,
+                               plane + "face 0.6, 0.75, 0.9 up its voxel. All of adapted's "
+                                       "distraction is constant here: it is what the shell's "
+                                       "points "
+                                       "sum up to, and 0 for a sphere that lies symmetric in its "
+                                       "voxels; so the ratio hangs on where it lies"),
+          planes.aligned_about.merit("plane along the grid, about its mean", 0.0, "the same"),
+          planes.tilted.merit("tilted plane: adapted over original", 0.62,
+                              plane + "15, 26.6 and 34 degrees"),
+          cylinders.exact.merit("cylinder: adapted over original", 0.58,
+                                round + ", sphere turned four ways"),
+          cylinders.naive_still.merit(
+              "cylinder, sphere not turned: exact and adapted over naive and original", 0.27,
+              round + ". The naive shell's steps line up with the wall's only where the sphere "
+                      "lies symmetric (0.23), askew they do not (0.37)"),
+          cylinders.naive_turned.merit(
+              "cylinder, sphere turned: exact and adapted over naive and original", 0.56,
+              round + ", turned three ways; falls with the depth: 0.6 at 0.25 e, 0.75 at 0.75 e")};
 }
 
 }  // namespace voxtouch::paper

@@ -10,7 +10,8 @@ namespace {
 
 const Merit& named(const std::vector<Merit>& merits, const std::string& what) {
   for (const Merit& m : merits)
-    if (m.what.find(what) != std::string::npos) return m;
+    if (m.what.find(what) != std::string::npos)
+      return m;
   throw std::runtime_error("no merit " + what);
 }
 
@@ -20,7 +21,8 @@ TEST(PaperExperiments, DistractionsOfTheAdaptedForceAreTheReferencesShareOfTheOr
   EXPECT_NEAR(named(merits, "cylinder: adapted").ours, 0.58, 0.058);
   EXPECT_NEAR(named(merits, "not turned").ours, 0.27, 0.054);
   EXPECT_NEAR(named(merits, "sphere turned").ours, 0.56, 0.15) << "lower at small depths";
-  EXPECT_LE(named(merits, "about its mean").ours, 0.02) << "on a plane along the grid nothing but a constant is left";
+  EXPECT_LE(named(merits, "about its mean").ours, 0.02)
+      << "on a plane along the grid nothing but a constant is left";
   const Merit& aligned = named(merits, "plane along the grid: adapted");
   EXPECT_LE(aligned.least, 0.47);
   EXPECT_GE(aligned.most, 0.47) << "between, by how the sphere lies in its voxels";
@@ -39,7 +41,8 @@ TEST(PaperExperiments, TheMeanNormalFailsInCornersAndSlotsAndTheFieldMendsIt) {
   const std::vector<CornerAndSlot> all = corner_and_slot(22);
   const auto of = [&](const std::string& name) {
     for (const CornerAndSlot& c : all)
-      if (c.contact_model == name) return c;
+      if (c.contact_model == name)
+        return c;
     throw std::runtime_error("no contact model " + name);
   };
   EXPECT_GT(of("adapted").corner_over_walls, 1.3);

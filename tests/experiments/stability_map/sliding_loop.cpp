@@ -26,21 +26,25 @@ mesh::TriangleMesh plane(const Quat& turn) {
   return test::box_mesh(Vec3(0.06, 0.06, 0.04), {turn * Vec3(0, 0, -0.02), turn});
 }
 
-/// Which voxel each point was in, so that border crossings can be counted: only of points that are hits before or after.
+/// Which voxel each point was in, so that border crossings can be counted: only of points that are
+/// hits before or after.
 class Crossings {
  public:
   explicit Crossings(std::size_t points) : last_(points), seen_(points, 0) {}
-  /// The weights of the points that are in another voxel than in the frame before, or came, or went.
+  /// The weights of the points that are in another voxel than in the frame before, or came, or
+  /// went.
   double count(const contact::HitList& hits, const voxmap::Grid& grid) {
     ++frame_;
     double sum = 0.0, stayed = 0.0, now = 0.0;
     for (const contact::Hits* list : {&hits.surface, &hits.interior})
       for (const contact::Hit& hit : *list) {
-        const voxmap::VoxelIndex v = voxmap::Grid::voxel_of((hits.pose_WT.position + hit.arm - grid.origin) / grid.edge);
+        const voxmap::VoxelIndex v =
+            voxmap::Grid::voxel_of((hits.pose_WT.position + hit.arm - grid.origin) / grid.edge);
         now += hit.weight;
         if (seen_[hit.point] + 1 == frame_) {
           stayed += hit.weight;
-          if (v != last_[hit.point]) sum += hit.weight;
+          if (v != last_[hit.point])
+            sum += hit.weight;
         } else {
           sum += hit.weight;
         }
@@ -63,8 +67,8 @@ struct Loop {
   int frames = 0;
 };
 
-/// Work of the contact on the hand along the closed way of `count` poses, by the trapezoid rule: what is there beside the lag of a
-/// held force, which goes to zero with the period.
+/// Work of the contact on the hand along the closed way of `count` poses, by the trapezoid rule:
+/// what is there beside the lag of a held force, which goes to zero with the period.
 template <class PoseOf>
 Loop go_round(contact::ContactRenderer& renderer, int count, const PoseOf& pose_of) {
   Loop loop;
@@ -75,7 +79,8 @@ Loop go_round(contact::ContactRenderer& renderer, int count, const PoseOf& pose_
   crossings.count(renderer.hits(), grid);
   for (int n = 1; n <= count; ++n) {
     const Pose pose = pose_of(n % count);
-    const Vec3 now = renderer.render(pose).contact.wrench.force, way = pose.position - last.position;
+    const Vec3 now = renderer.render(pose).contact.wrench.force,
+               way = pose.position - last.position;
     loop.energy_j += 0.5 * (force + now).dot(way);
     loop.force_sum += now.norm();
     loop.way_m += way.norm();
@@ -93,8 +98,10 @@ Bench::Bench(double radius_voxels, double tilt_deg)
     : edge_(kRadiusM / radius_voxels),
       turn_(Eigen::AngleAxisd(tilt_deg * std::numbers::pi / 180.0, Vec3(2, 1, 0).normalized())),
       shell_(test::exact_shell(ball().mesh, edge_)),
-      voxmap_(voxmap::voxelise(plane(turn_), voxmap::default_grid(plane(turn_), edge_), serial_for())),
-      field_(voxmap::build_distance_field(plane(turn_), voxmap_, {.depth_voxels = 4.0, .band_voxels = 2.0}, serial_for())) {}
+      voxmap_(
+          voxmap::voxelise(plane(turn_), voxmap::default_grid(plane(turn_), edge_), serial_for())),
+      field_(voxmap::build_distance_field(
+          plane(turn_), voxmap_, {.depth_voxels = 4.0, .band_voxels = 2.0}, serial_for())) {}
 
 contact::ContactRenderer Bench::renderer(contact::ContactModelKind model) const {
   return {voxmap_, shell_, model, {kPressure, contact::PointWeights::kArea}, &field_};
@@ -104,11 +111,13 @@ Pose Bench::at(double x, double y, double depth_m) const {
   return ball().posed(turn_ * Vec3(x, y, kRadiusM - depth_m), Quat::Identity());
 }
 
-Created Bench::worst_loop(contact::ContactModelKind model, double depth_voxels, int loops, std::uint64_t seed) const {
+Created Bench::worst_loop(contact::ContactModelKind model, double depth_voxels, int loops,
+                          std::uint64_t seed) const {
   std::mt19937_64 random(seed);
   contact::ContactRenderer contact = renderer(model);
   const double round_m = std::max(0.2 * kRadiusM, 3.0 * edge_), depth_m = depth_voxels * edge_;
-  const int count = static_cast<int>(std::ceil(2.0 * std::numbers::pi * round_m / (kStepEdges * edge_)));
+  const int count =
+      static_cast<int>(std::ceil(2.0 * std::numbers::pi * round_m / (kStepEdges * edge_)));
   Created worst;
   for (int n = 0; n < loops; ++n) {
     const double x = 4.0 * edge_ * drawn(random), y = 4.0 * edge_ * drawn(random);
@@ -121,13 +130,15 @@ Created Bench::worst_loop(contact::ContactModelKind model, double depth_voxels, 
       for (double above = 1.0; above > 0.0; above -= 0.1)  // from outside, as a hand comes
         contact.render(at(x + round_m, y, depth_m - above * (1.0 + depth_voxels) * edge_));
       const Loop loop = go_round(contact, count, pose_of);
-      if (!(loop.force_sum > 0.0)) continue;
+      if (!(loop.force_sum > 0.0))
+        continue;
       const double mean = loop.force_sum / loop.frames;
       worst.share = std::max(worst.share, loop.energy_j / (mean * loop.way_m));
       worst.mean_force_n = std::max(worst.mean_force_n, mean);
       worst.largest_step = std::max(worst.largest_step, loop.largest_step / mean);
       if (loop.crossed > 0.0)
-        worst.per_crossing = std::max(worst.per_crossing, loop.energy_j / (kPressure * edge_ * edge_ * loop.crossed));
+        worst.per_crossing = std::max(worst.per_crossing,
+                                      loop.energy_j / (kPressure * edge_ * edge_ * loop.crossed));
     }
   }
   return worst;

@@ -15,10 +15,13 @@ struct Setting {
   double tilt_deg = 0.0;        ///< of the plane against the grid, about (2, 1, 0)
 };
 
-/// Of the worst of several loops: circles of a fifth of the ball's radius, but at least three voxels, at random places, both ways round.
+/// Of the worst of several loops: circles of a fifth of the ball's radius, but at least three
+/// voxels, at random places, both ways round.
 struct Created {
-  double share = 0.0;         ///< energy that the hand is given over (mean force times the length of the way)
-  double per_crossing = 0.0;  ///< the same over k e^2 times the weights of the points that crossed a voxel border
+  double share =
+      0.0;  ///< energy that the hand is given over (mean force times the length of the way)
+  double per_crossing =
+      0.0;  ///< the same over k e^2 times the weights of the points that crossed a voxel border
   double mean_force_n = 0.0;  ///< for k = 1 N/mm^3, a ball of 10 mm
   double largest_step = 0.0;  ///< of the force between two poses 0.05 e apart, over the mean force
 };
@@ -28,7 +31,8 @@ class Bench {
  public:
   Bench(double radius_voxels, double tilt_deg);
   /// `loops` drawn from `seed`, each walked both ways through the ring's stage, memory included.
-  Created worst_loop(contact::ContactModelKind model, double depth_voxels, int loops, std::uint64_t seed) const;
+  Created worst_loop(contact::ContactModelKind model, double depth_voxels, int loops,
+                     std::uint64_t seed) const;
 
   static constexpr double kRadiusM = 0.01;
   static constexpr double kPressure = 1e9;  ///< k [N/m^3]

@@ -13,11 +13,14 @@ Vec3 nearest_on_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
 
 Vec3 nearest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 n = (b - a).cross(c - a);
-  const bool in = (b - a).cross(p - a).dot(n) >= 0.0 && (c - b).cross(p - b).dot(n) >= 0.0 && (a - c).cross(p - c).dot(n) >= 0.0;
-  if (in && n.squaredNorm() > 0.0) return p - n * (n.dot(p - a) / n.squaredNorm());
+  const bool in = (b - a).cross(p - a).dot(n) >= 0.0 && (c - b).cross(p - b).dot(n) >= 0.0 &&
+                  (a - c).cross(p - c).dot(n) >= 0.0;
+  if (in && n.squaredNorm() > 0.0)
+    return p - n * (n.dot(p - a) / n.squaredNorm());
   Vec3 best = nearest_on_segment(p, a, b);
   for (const Vec3& q : {nearest_on_segment(p, b, c), nearest_on_segment(p, c, a)})
-    if ((q - p).squaredNorm() < (best - p).squaredNorm()) best = q;
+    if ((q - p).squaredNorm() < (best - p).squaredNorm())
+      best = q;
   return best;
 }
 
@@ -37,7 +40,8 @@ Vec3 kept_out(const Vec3& way, std::vector<Wall>& walls) {
       most = std::max(most, std::abs(push - wall.push));
       wall.push = push;
     }
-    if (most < 1e-12) break;
+    if (most < 1e-12)
+      break;
   }
   return out;
 }
@@ -47,7 +51,10 @@ Vec3 kept_out(const Vec3& way, std::vector<Wall>& walls) {
 double GodObject::distance(const Vec3& x) const {
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t t = 0; t < mesh_.triangles.size(); ++t)
-    least = std::min(least, (nearest_on_triangle(x, mesh_.corner(t, 0), mesh_.corner(t, 1), mesh_.corner(t, 2)) - x).norm());
+    least = std::min(
+        least,
+        (nearest_on_triangle(x, mesh_.corner(t, 0), mesh_.corner(t, 1), mesh_.corner(t, 2)) - x)
+            .norm());
   return least;
 }
 
@@ -55,7 +62,9 @@ void GodObject::place(const Vec3& centre, double range_m) {
   centre_ = centre;
   near_.clear();
   for (std::size_t t = 0; t < mesh_.triangles.size(); ++t)
-    if ((nearest_on_triangle(centre, mesh_.corner(t, 0), mesh_.corner(t, 1), mesh_.corner(t, 2)) - centre).norm() < range_m)
+    if ((nearest_on_triangle(centre, mesh_.corner(t, 0), mesh_.corner(t, 1), mesh_.corner(t, 2)) -
+         centre)
+            .norm() < range_m)
       near_.push_back(t);
 }
 
@@ -65,13 +74,17 @@ const Vec3& GodObject::draw_to(const Vec3& hand) {
   for (int n = 0; n < 300; ++n) {
     walls.clear();
     for (const std::size_t t : near_) {
-      const Vec3 from = centre_ - nearest_on_triangle(centre_, mesh_.corner(t, 0), mesh_.corner(t, 1), mesh_.corner(t, 2));
-      if (const double far = from.norm(); far < radius_m_ + 2.0 * kStep) walls.push_back({from / far, far - radius_m_, 0.0});
+      const Vec3 from = centre_ - nearest_on_triangle(centre_, mesh_.corner(t, 0),
+                                                      mesh_.corner(t, 1), mesh_.corner(t, 2));
+      if (const double far = from.norm(); far < radius_m_ + 2.0 * kStep)
+        walls.push_back({from / far, far - radius_m_, 0.0});
     }
     Vec3 way = kept_out(hand - centre_, walls);
-    if (const double length = way.norm(); length > kStep) way *= kStep / length;
+    if (const double length = way.norm(); length > kStep)
+      way *= kStep / length;
     centre_ += way;
-    if (way.norm() < 1e-8) break;
+    if (way.norm() < 1e-8)
+      break;
   }
   return centre_;
 }

@@ -1,19 +1,22 @@
 #pragma once
-/// The truth for a ball: the exact ball that stays outside exact triangles and is drawn to the hand (Zilles and Salisbury 1995).
+/// The truth for a ball: the exact ball that stays outside exact triangles and is drawn to the hand
+/// (Zilles and Salisbury 1995).
 #include <vector>
 
 #include "core/mesh/triangle_mesh.hpp"
 
 namespace voxtouch::virtual_tool {
 
-/// Shares nothing with the virtual tool: no voxels, no shell, no rows; every triangle near by is asked for its nearest point.
+/// Shares nothing with the virtual tool: no voxels, no shell, no rows; every triangle near by is
+/// asked for its nearest point.
 class GodObject {
  public:
   GodObject(const mesh::TriangleMesh& mesh, double radius_m) : mesh_(mesh), radius_m_(radius_m) {}
 
   /// Distance from `x` to the nearest triangle [m], unsigned.
   double distance(const Vec3& x) const;
-  /// Sets the ball's centre; the caller sees to it that the ball is outside. Only triangles within `range_m` are asked from then on.
+  /// Sets the ball's centre; the caller sees to it that the ball is outside. Only triangles within
+  /// `range_m` are asked from then on.
   void place(const Vec3& centre, double range_m);
   /// Draws the ball to `hand` in steps too short to pass a wall. \returns its centre.
   const Vec3& draw_to(const Vec3& hand);

@@ -8,15 +8,17 @@
 
 namespace voxtouch::virtual_tool {
 
-/// Names of all shapes: "sheet"; "fold:60", "fold:120", two sheets that meet at that angle; "tee", three that share an edge; "cross", two that pass through
-/// each other; "lidless", a box without its lid; "hole", a box without one triangle; "tube"; "bowl"; "moebius", a strip with half a turn; "shards", a
-/// sheet of triangles that nowhere touch; "fin", a closed block with a sheet on it; "inverted", a closed box inside out; "doubled", a sheet once each way
-/// round.
+/// Names of all shapes: "sheet"; "fold:60", "fold:120", two sheets that meet at that angle; "tee",
+/// three that share an edge; "cross", two that pass through each other; "lidless", a box without
+/// its lid; "hole", a box without one triangle; "tube"; "bowl"; "moebius", a strip with half a
+/// turn; "shards", a sheet of triangles that nowhere touch; "fin", a closed block with a sheet on
+/// it; "inverted", a closed box inside out; "doubled", a sheet once each way round.
 std::span<const char* const> open_shapes();
 /// One of them, some 80 mm large. Throws std::invalid_argument for another name.
 mesh::TriangleMesh open_shape(const std::string& name);
 
-/// A ball driven through the mesh at random places from either side, along it, and then wherever chance leads, at each speed.
+/// A ball driven through the mesh at random places from either side, along it, and then wherever
+/// chance leads, at each speed.
 struct DriveOptions {
   std::string shape = "sheet";
   double edge = 0.002, radius_edges = 5.0;
@@ -26,10 +28,12 @@ struct DriveOptions {
   std::uint64_t seed = 1;
 };
 struct DriveFigures {
-  int runs = 0, passed = 0, rims = 0;  ///< a triangle came nearer to the ball's middle than half of its radius: in a face; at a rim, which came in between points
-  double into_worst = 0.0;      ///< by how much a triangle was inside the exact ball [e]
+  int runs = 0, passed = 0,
+      rims = 0;  ///< a triangle came nearer to the ball's middle than half of its radius: in a
+                 ///< face; at a rim, which came in between points
+  double into_worst = 0.0;                 ///< by how much a triangle was inside the exact ball [e]
   double rest_95 = 0.0, rest_worst = 0.0;  ///< |F| from frame to frame, hand still [N]
-  int touched = 0;              ///< runs with a force where the hand rests
+  int touched = 0;                         ///< runs with a force where the hand rests
 };
 DriveFigures drive(const DriveOptions& options);
 

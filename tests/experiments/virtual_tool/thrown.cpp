@@ -14,9 +14,12 @@ mesh::TriangleMesh wall_mesh(const ThrowOptions& o) {
   return test::plate_mesh(2 * kHalfSide, o.thick_edges * o.edge, at);
 }
 
-/// The cap of the coupling: the whole wrench scaled until its stiffness against shifts is kStiffness at most.
+/// The cap of the coupling: the whole wrench scaled until its stiffness against shifts is
+/// kStiffness at most.
 Vec3 capped(const contact::ContactResult& result) {
-  const double largest = Eigen::SelfAdjointEigenSolver<Mat3>(result.stiffness.topLeftCorner<3, 3>(), Eigen::EigenvaluesOnly).eigenvalues()[2];
+  const double largest = Eigen::SelfAdjointEigenSolver<Mat3>(result.stiffness.topLeftCorner<3, 3>(),
+                                                             Eigen::EigenvaluesOnly)
+                             .eigenvalues()[2];
   return (largest > kStiffness ? kStiffness / largest : 1.0) * result.wrench.force;
 }
 
@@ -26,9 +29,11 @@ ThrowFigures thrown(const ThrowOptions& o) {
   std::mt19937_64 random(o.seed);
   const pointshell::Pointshell shell = ball_shell(o.edge);
   Rig rig(wall_mesh(o), o.edge, ball_mesh());
-  contact::ContactRenderer renderer = rig.ground.renderer(shell, o.holder.model.value_or(contact::ContactModelKind::kAdapted), !o.holder.remembers);
+  contact::ContactRenderer renderer = rig.ground.renderer(
+      shell, o.holder.model.value_or(contact::ContactModelKind::kAdapted), !o.holder.remembers);
   const auto force_at = [&](const Pose& pose) -> Vec3 {
-    if (!o.holder.model) return rig.frame(pose).wrench(kStiffness).force;
+    if (!o.holder.model)
+      return rig.frame(pose).wrench(kStiffness).force;
     return capped(renderer.render(pose).contact);
   };
   const Quat turn = o.askew ? tilt() : Quat::Identity();
@@ -39,24 +44,33 @@ ThrowFigures thrown(const ThrowOptions& o) {
     for (int n = 0; n < o.tries; ++n) {
       const double side = n % 2 == 0 ? 1.0 : -1.0;
       const Vec3 normal = side * (turn * Vec3::UnitZ());
-      Vec3 x = turn * Vec3(uniform(random, -0.01, 0.01), uniform(random, -0.01, 0.01), 0.0) + (kBall + half + o.edge) * normal;
-      Vec3 v = speed * (0.1 * (turn * Vec3(uniform(random, -1, 1), uniform(random, -1, 1), 0.0)) - normal).normalized();
+      Vec3 x = turn * Vec3(uniform(random, -0.01, 0.01), uniform(random, -0.01, 0.01), 0.0) +
+               (kBall + half + o.edge) * normal;
+      Vec3 v = speed *
+               (0.1 * (turn * Vec3(uniform(random, -1, 1), uniform(random, -1, 1), 0.0)) - normal)
+                   .normalized();
       const Quat orientation(Eigen::AngleAxisd(uniform(random, 0, 3), random_direction(random)));
       renderer.reset();
-      if (!o.holder.model && !rig.place({x, orientation})) continue;
+      if (!o.holder.model && !rig.place({x, orientation}))
+        continue;
       ++figures.runs;
       bool met = false;
       for (int frame = 0; frame < 1500; ++frame) {
         const Vec3 force = force_at({x, orientation});
-        if (!met && force.norm() > kFelt) met = true, directions.push_back(test::degrees_between(force, normal));
+        if (!met && force.norm() > kFelt)
+          met = true, directions.push_back(test::degrees_between(force, normal));
         v += kPeriod / kMass * (force - kPull * normal - kDamping * v);
         x += kPeriod * v;
-        if (normal.dot(x) < -half - kBall || normal.dot(x) > kBall + half + 0.01) break;
+        if (normal.dot(x) < -half - kBall || normal.dot(x) > kBall + half + 0.01)
+          break;
       }
-      const Vec3 at = o.holder.model ? x : rig.tool.placed() ? rig.frame(Pose{x, orientation}).tool.position : x;
+      const Vec3 at = o.holder.model      ? x
+                      : rig.tool.placed() ? rig.frame(Pose{x, orientation}).tool.position
+                                          : x;
       figures.passed += normal.dot(at) < -half;  // its middle is beyond the far face
     }
-  if (!directions.empty()) figures.direction_95 = test::quantile(directions, 0.95);
+  if (!directions.empty())
+    figures.direction_95 = test::quantile(directions, 0.95);
   return figures;
 }
 

@@ -1,6 +1,8 @@
-// How a node of the ring should be woken: three processes hand a sample round as device, rendering and coupling do, once with each way,
-// in turns, and the time of a round is told. What a node computes is left out; the ways differ in nothing else. With --protection the same under
-// DDS Security: a process of the ring has one set of keys, so kinds of protection are told apart by runs (tests/security/cost.py).
+// How a node of the ring should be woken: three processes hand a sample round as device, rendering
+// and coupling do, once with each way, in turns, and the time of a round is told. What a node
+// computes is left out; the ways differ in nothing else. With --protection the same under DDS
+// Security: a process of the ring has one set of keys, so kinds of protection are told apart by
+// runs (tests/security/cost.py).
 #include <spawn.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
@@ -30,7 +32,9 @@ namespace {
 constexpr std::int64_t kPeriodNs = 1'000'000;
 const std::vector<std::string>& kWays = test::ways_to_be_woken();
 
-qos::Topic row(std::string_view path) { return {path, "voxtouch_msgs/msg/DeviceState", qos::ProfileId::kStream, 1000}; }
+qos::Topic row(std::string_view path) {
+  return {path, "voxtouch_msgs/msg/DeviceState", qos::ProfileId::kStream, 1000};
+}
 
 using Woken = test::Woken<msg::DeviceState>;
 
@@ -45,24 +49,41 @@ struct Options {
 
 bus::Participant join(const Options& o) {
   runtime::enter_realtime({});
-  return bus::Participant({o.domain, "lo", "wake_up", {}, {}, o.protection.empty() ? security::Properties() : protected_by(o.keys)});
+  return bus::Participant({o.domain,
+                           "lo",
+                           "wake_up",
+                           {},
+                           {},
+                           o.protection.empty() ? security::Properties() : protected_by(o.keys)});
 }
 
 int relay(const Options& o) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   const bus::Participant participant = join(o);
   const bool first = o.relay == "first";
-  bus::Writer<msg::DeviceState> writer(participant, row(first ? "b" : "c"), o.way, qos::profile(qos::ProfileId::kStream));
-  Woken reader(participant, row(first ? "a" : "b"), o.way, o.way, [&](const msg::DeviceState& sample) { writer.write(sample); });
+  bus::Writer<msg::DeviceState> writer(participant, row(first ? "b" : "c"), o.way,
+                                       qos::profile(qos::ProfileId::kStream));
+  Woken reader(participant, row(first ? "a" : "b"), o.way, o.way,
+               [&](const msg::DeviceState& sample) { writer.write(sample); });
   reader.run_until(runtime::monotonic_ns() + static_cast<std::int64_t>((o.seconds + 30.0) * 1e9));
   return 0;
 }
 
 pid_t start(const Options& o, const std::string& way, const std::string& relay) {
-  std::vector<std::string> words = {"wake_up", "--way", way, "--relay", relay, "--domain", std::to_string(o.domain), "--seconds", std::to_string(o.seconds)};
-  if (!o.protection.empty()) words.insert(words.end(), {"--protection", o.protection, "--keys", o.keys.string()});
+  std::vector<std::string> words = {"wake_up",
+                                    "--way",
+                                    way,
+                                    "--relay",
+                                    relay,
+                                    "--domain",
+                                    std::to_string(o.domain),
+                                    "--seconds",
+                                    std::to_string(o.seconds)};
+  if (!o.protection.empty())
+    words.insert(words.end(), {"--protection", o.protection, "--keys", o.keys.string()});
   std::vector<char*> argv;
-  for (std::string& word : words) argv.push_back(word.data());
+  for (std::string& word : words)
+    argv.push_back(word.data());
   argv.push_back(nullptr);
   pid_t pid = 0;
   return posix_spawn(&pid, "/proc/self/exe", nullptr, nullptr, argv.data(), environ) == 0 ? pid : 0;
@@ -73,10 +94,12 @@ void measure(const Options& o, const std::string& way, runtime::LatencyHistogram
   const pid_t children[] = {start(o, way, "first"), start(o, way, "second")};
   {
     const bus::Participant participant = join(o);
-    bus::Writer<msg::DeviceState> writer(participant, row("a"), way, qos::profile(qos::ProfileId::kStream));
+    bus::Writer<msg::DeviceState> writer(participant, row("a"), way,
+                                         qos::profile(qos::ProfileId::kStream));
     std::uint64_t back = 0;
     Woken reader(participant, row("c"), way, way, [&](const msg::DeviceState& sample) {
-      if (++back > 500) latency.record(runtime::monotonic_ns() - sample.sample_time_ns);
+      if (++back > 500)
+        latency.record(runtime::monotonic_ns() - sample.sample_time_ns);
     });
     const std::int64_t begin = runtime::monotonic_ns() + 2'000'000'000;
     reader.run_until(begin);
@@ -98,7 +121,8 @@ void measure(const Options& o, const std::string& way, runtime::LatencyHistogram
 int run(Options o) {
   const test::TemporaryFolder folder;
   o.keys = folder / "keys";
-  if (!o.protection.empty()) make_keys_of(o.protection, o.keys);
+  if (!o.protection.empty())
+    make_keys_of(o.protection, o.keys);
   const std::vector<std::string> ways = o.way.empty() ? kWays : std::vector{o.way};
   std::map<std::string, runtime::LatencyHistogram> of;
   for (int round = 0; round < o.rounds; ++round)
@@ -109,8 +133,9 @@ int run(Options o) {
   std::fprintf(stderr, "\r");
   std::printf("%-18s %8s %9s %9s %9s\n", "way", "rounds", "p50 us", "p99 us", "p99.9 us");
   for (const std::string& way : ways)
-    std::printf("%-18s %8lu %9.0f %9.0f %9.0f\n", way.c_str(), static_cast<unsigned long>(of[way].count()), of[way].quantile_us(0.5), of[way].quantile_us(0.99),
-                of[way].quantile_us(0.999));
+    std::printf("%-18s %8lu %9.0f %9.0f %9.0f\n", way.c_str(),
+                static_cast<unsigned long>(of[way].count()), of[way].quantile_us(0.5),
+                of[way].quantile_us(0.99), of[way].quantile_us(0.999));
   return 0;
 }
 
@@ -119,13 +144,17 @@ int run(Options o) {
 
 int main(int argc, char** argv) {
   voxtouch::wake_up::Options o;
-  CLI::App app{"Measures how long a sample takes round three processes over DDS, by the way in which each is woken: a wait set, a listener that wakes a "
-               "thread, a listener that answers. In turns, so that what else the machine does meets all of them."};
+  CLI::App app{
+      "Measures how long a sample takes round three processes over DDS, by the way in which each "
+      "is woken: a wait set, a listener that wakes a "
+      "thread, a listener that answers. In turns, so that what else the machine does meets all of "
+      "them."};
   app.add_option("--seconds", o.seconds, "of each way in a round (10)");
   app.add_option("--rounds", o.rounds, "how often each way takes its turn (3)");
   app.add_option("--domain", o.domain, "DDS domain (93)");
   app.add_option("--way", o.way, "this one only")->check(CLI::IsMember(voxtouch::wake_up::kWays));
-  app.add_option("--protection", o.protection, "under DDS Security, protected like this")->check(CLI::IsMember(voxtouch::wake_up::protections()));
+  app.add_option("--protection", o.protection, "under DDS Security, protected like this")
+      ->check(CLI::IsMember(voxtouch::wake_up::protections()));
   app.add_option("--keys", o.keys)->group("");
   app.add_option("--relay", o.relay)->group("");
   CLI11_PARSE(app, argc, argv);

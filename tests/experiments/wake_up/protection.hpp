@@ -1,5 +1,6 @@
 #pragma once
-/// Keys whose rules protect messages in one of the ways that DDS Security has, to measure what each costs. Every topic is allowed.
+/// Keys whose rules protect messages in one of the ways that DDS Security has, to measure what each
+/// costs. Every topic is allowed.
 #include <filesystem>
 #include <string>
 #include <vector>

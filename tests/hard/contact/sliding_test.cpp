@@ -1,4 +1,5 @@
-// Sliding over voxel borders gives energy; how much at most, and what the observer of the coupling makes of it.
+// Sliding over voxel borders gives energy; how much at most, and what the observer of the coupling
+// makes of it.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -14,15 +15,20 @@
 namespace voxtouch::sliding {
 namespace {
 
-constexpr std::array kModels = {contact::ContactModelKind::kOriginal, contact::ContactModelKind::kAdapted, contact::ContactModelKind::kField};
+constexpr std::array kModels = {contact::ContactModelKind::kOriginal,
+                                contact::ContactModelKind::kAdapted,
+                                contact::ContactModelKind::kField};
 
-/// The bound that the map shows (deploy/pictures/stability_map.png): energy given on a closed loop, over mean force times way, for a
-/// ball of `radius_voxels`. core/coupling/passivity.hpp states the same.
+/// The bound that the map shows (deploy/pictures/stability_map.png): energy given on a closed loop,
+/// over mean force times way, for a ball of `radius_voxels`. core/coupling/passivity.hpp states the
+/// same.
 double most_share(contact::ContactModelKind model, double radius_voxels) {
   switch (model) {
     case contact::ContactModelKind::kOriginal:
-    case contact::ContactModelKind::kAdapted: return coupling::kSlidingShare / radius_voxels;
-    case contact::ContactModelKind::kField: return radius_voxels < 5.0 ? 0.4 * coupling::kSlidingShare / radius_voxels : 1e-6;
+    case contact::ContactModelKind::kAdapted:
+      return coupling::kSlidingShare / radius_voxels;
+    case contact::ContactModelKind::kField:
+      return radius_voxels < 5.0 ? 0.4 * coupling::kSlidingShare / radius_voxels : 1e-6;
   }
   return 0.0;
 }
@@ -37,10 +43,11 @@ TEST(F2SlidingOverVoxelBorders, GivesNoMoreEnergyOnAClosedLoopThanTheMapStates) 
         for (const double depth : {0.25, 0.5, 1.5}) {
           const Created made = bench.worst_loop(model, depth, 1, seed);
           EXPECT_LE(made.share, most_share(model, radius))
-              << contact::name_of(model) << " R/e " << radius << " depth " << depth << " tilt " << tilt;
+              << contact::name_of(model) << " R/e " << radius << " depth " << depth << " tilt "
+              << tilt;
           // The row's own bound: k e^2 for each point and crossing.
-          EXPECT_LE(made.per_crossing, 0.01)
-              << contact::name_of(model) << " R/e " << radius << " depth " << depth << " tilt " << tilt;
+          EXPECT_LE(made.per_crossing, 0.01) << contact::name_of(model) << " R/e " << radius
+                                             << " depth " << depth << " tilt " << tilt;
         }
     }
 }
@@ -50,16 +57,18 @@ struct Slid {
   double largest_n = 0.0, way_m = 0.0, longest_m = 0.0, mean_n = 0.0;
 };
 
-/// A hand that nothing moves slides round and round at `speed`, 1 kHz; the commands are what the observer books.
-Slid slide(const Bench& bench, contact::ContactModelKind model, double depth_voxels, double speed, int rounds,
-           double most_damping) {
+/// A hand that nothing moves slides round and round at `speed`, 1 kHz; the commands are what the
+/// observer books.
+Slid slide(const Bench& bench, contact::ContactModelKind model, double depth_voxels, double speed,
+           int rounds, double most_damping) {
   constexpr double kPeriod = 1e-3, kRound = 3e-3;
   contact::ContactRenderer contact = bench.renderer(model);
   coupling::CouplingSpec spec;
   spec.kind = "direct";
   spec.velocity_filter_hz = 100.0;
   spec.passivity_damping_limit_ns_per_m = most_damping;
-  coupling::RunningCoupling coupling(spec, {.max_force_n = 1e4, .max_torque_nm = 1e3}, kPeriod, 1e-3, {1e3, 1e3});
+  coupling::RunningCoupling coupling(spec, {.max_force_n = 1e4, .max_torque_nm = 1e3}, kPeriod,
+                                     1e-3, {1e3, 1e3});
   Slid out;
   const double depth = depth_voxels * bench.edge_m(), turn = speed * kPeriod / kRound;
   // At the slowest speeds a round takes a second or two; a few are enough there.
@@ -71,7 +80,8 @@ Slid slide(const Bench& bench, contact::ContactModelKind model, double depth_vox
     const contact::StageResult r = contact.render(pose);
     coupling::CouplingInput in;
     in.contact.force = r.contact.wrench.force;  // of translation alone: a ball that does not turn
-    in.contact_stiffness_n_per_m = r.contact.stiffness_bound_n_per_m, in.contact_stiffness = r.contact.stiffness;
+    in.contact_stiffness_n_per_m = r.contact.stiffness_bound_n_per_m,
+    in.contact_stiffness = r.contact.stiffness;
     in.tool = pose;
     const coupling::CouplingOutput command = coupling.step(in, kPeriod);
     out.lowest_j = std::min(out.lowest_j, command.energy_j);
@@ -87,7 +97,8 @@ Slid slide(const Bench& bench, contact::ContactModelKind model, double depth_vox
   return out;
 }
 
-TEST(F2SlidingOverVoxelBorders, StaysWithinWhatTheObserverIsPromisedFromACentimetreToThreeMetresASecond) {
+TEST(F2SlidingOverVoxelBorders,
+     StaysWithinWhatTheObserverIsPromisedFromACentimetreToThreeMetresASecond) {
   double worst = 0.0, least = 0.0;
   for (const double tilt : {0.0, 10.0}) {
     const Bench bench(5.0, tilt);
@@ -97,27 +108,36 @@ TEST(F2SlidingOverVoxelBorders, StaysWithinWhatTheObserverIsPromisedFromACentime
           const int rounds = speed < 0.05 ? 3 : 20;
           const Slid alone = slide(bench, model, depth, speed, rounds, 0.0);
           const double period_j = alone.largest_n * alone.longest_m, s = most_share(model, 5.0);
-          const double voxel_j = alone.largest_n * bench.edge_m();  // given and taken back within one
+          const double voxel_j =
+              alone.largest_n * bench.edge_m();  // given and taken back within one
           EXPECT_GE(alone.lowest_j, -5.0 * period_j - voxel_j - s * alone.mean_n * alone.way_m)
-              << contact::name_of(model) << " depth " << depth << " tilt " << tilt << " at " << speed << " m/s";
-          // With the controller: where its damping takes more than sliding gives, twenty rounds cost no more than one.
+              << contact::name_of(model) << " depth " << depth << " tilt " << tilt << " at "
+              << speed << " m/s";
+          // With the controller: where its damping takes more than sliding gives, twenty rounds
+          // cost no more than one.
           const double damping = 4.0 * std::max(s, 0.5e-3) * alone.largest_n / speed;
           const Slid braked = slide(bench, model, depth, speed, rounds, damping);
           EXPECT_GE(braked.lowest_j, -5.0 * period_j - voxel_j)
-              << contact::name_of(model) << " depth " << depth << " tilt " << tilt << " at " << speed << " m/s, " << damping
-              << " Ns/m";
+              << contact::name_of(model) << " depth " << depth << " tilt " << tilt << " at "
+              << speed << " m/s, " << damping << " Ns/m";
           worst = std::max(worst, (-braked.lowest_j - 5.0 * period_j) / voxel_j);
           least = std::min(least, alone.lowest_j / (alone.mean_n * alone.way_m));
         }
   }
-  std::printf("most debt beyond five periods with the controller: %.2f F e; only observed: %.4f F L\n", worst, -least);
+  std::printf(
+      "most debt beyond five periods with the controller: %.2f F e; only observed: %.4f F L\n",
+      worst, -least);
 }
 
-/// A ball of five voxels and a ground with an axis along z, touched from outside or from within at `radius_m`; capped at 300 N/m as for a stylus.
+/// A ball of five voxels and a ground with an axis along z, touched from outside or from within at
+/// `radius_m`; capped at 300 N/m as for a stylus.
 struct Round {
   static constexpr double kEdge = 2e-3, kBall = 0.01, kPeriod = 1e-3, kStep = 5e-5;
   Round(const mesh::TriangleMesh& mesh, double radius_m, contact::ContactModelKind model)
-      : radius(radius_m), ground(mesh, kEdge), contact(ground.renderer(test::exact_shell(ball.mesh, kEdge), model)), coupling(spec(), {.max_force_n = 1e4, .max_torque_nm = 1e3}, kPeriod, 0.0) {}
+      : radius(radius_m),
+        ground(mesh, kEdge),
+        contact(ground.renderer(test::exact_shell(ball.mesh, kEdge), model)),
+        coupling(spec(), {.max_force_n = 1e4, .max_torque_nm = 1e3}, kPeriod, 0.0) {}
   static coupling::CouplingSpec spec() {
     coupling::CouplingSpec s;
     s.kind = "direct", s.stiffness_cap_n_per_m = 300.0;
@@ -129,16 +149,22 @@ struct Round {
     const int steps = std::max(1, static_cast<int>(std::ceil(way / kStep)));
     const double from_angle = angle, from_depth = depth;
     for (int n = 1; n <= steps; ++n) {
-      angle = from_angle + (to_angle - from_angle) * n / steps, depth = from_depth + (to_depth - from_depth) * n / steps;
-      const double r = radius > 0.03 ? radius - kBall + depth : radius + kBall - depth;  // the larger one is a hollow
-      const Pose pose = ball.posed(Vec3(r * std::cos(angle), r * std::sin(angle), 0.4e-3), Quat::Identity());
+      angle = from_angle + (to_angle - from_angle) * n / steps,
+      depth = from_depth + (to_depth - from_depth) * n / steps;
+      const double r = radius > 0.03 ? radius - kBall + depth
+                                     : radius + kBall - depth;  // the larger one is a hollow
+      const Pose pose =
+          ball.posed(Vec3(r * std::cos(angle), r * std::sin(angle), 0.4e-3), Quat::Identity());
       const contact::StageResult result = contact.render(pose);
-      if (known) given_j += force.dot(pose.position - last), way_n_m += force.norm() * (pose.position - last).norm();
+      if (known)
+        given_j += force.dot(pose.position - last),
+            way_n_m += force.norm() * (pose.position - last).norm();
       coupling::CouplingInput in;
       in.contact.force = result.contact.wrench.force;
       in.contact_stiffness.topLeftCorner<3, 3>() = result.contact.stiffness.topLeftCorner<3, 3>();
       in.contact_stiffness_n_per_m = result.contact.stiffness_bound_n_per_m;
-      in.contact_depth_m = result.contact.deepest_depth_m, in.depth_goes_on = result.retained, in.tool = pose;
+      in.contact_depth_m = result.contact.deepest_depth_m, in.depth_goes_on = result.retained,
+      in.tool = pose;
       const coupling::CouplingOutput out = coupling.step(in, kPeriod);
       lowest_j = std::min(lowest_j, out.energy_j);
       force = out.wrench.force, last = pose.position, known = true;
@@ -155,16 +181,19 @@ struct Round {
   bool known = false;
 };
 
-/// What the cap gives beyond the scaled wrench is the hand's own work: pushed in, slid and pulled out, and in rounds that never leave the contact, the hand
-/// gets no more than sliding over voxels gives in any case.
+/// What the cap gives beyond the scaled wrench is the hand's own work: pushed in, slid and pulled
+/// out, and in rounds that never leave the contact, the hand gets no more than sliding over voxels
+/// gives in any case.
 TEST(F2SlidingOverVoxelBorders, GivesNoMoreWhereTheForceIsHeldWhileTheHandGoesIn) {
-  mesh::TriangleMesh hollow = test::joined(test::cylinder_mesh(0.05, 0.08, 192), test::inside_out(test::cylinder_mesh(0.04, 0.06, 192)));
+  mesh::TriangleMesh hollow = test::joined(test::cylinder_mesh(0.05, 0.08, 192),
+                                           test::inside_out(test::cylinder_mesh(0.04, 0.06, 192)));
   double most = 0.0;
   for (const bool within : {false, true})
     for (const contact::ContactModelKind model : kModels)
       for (const double deep : {2e-3, 6e-3})
         for (const bool leaves : {true, false}) {
-          Round round(within ? hollow : test::cylinder_mesh(0.02, 0.06, 192), within ? 0.04 : 0.02, model);
+          Round round(within ? hollow : test::cylinder_mesh(0.02, 0.06, 192), within ? 0.04 : 0.02,
+                      model);
           const double slide = 0.01 / round.radius, between = leaves ? -1e-3 : 0.5 * deep;
           for (int n = 0; n < 10; ++n) {
             round.go(0.1, deep);
@@ -174,10 +203,16 @@ TEST(F2SlidingOverVoxelBorders, GivesNoMoreWhereTheForceIsHeldWhileTheHandGoesIn
           }
           round.go(0.1, -1e-3);
           const double share = round.given_j / round.way_n_m;
-          std::printf("%s %s, %g mm deep, %s: up to %.3f N, given %+.2e J, %+.4f of force times way, observer's lowest %+.2e J\n", within ? "hollow" : "cylinder",
-                      std::string(contact::name_of(model)).c_str(), 1e3 * deep, leaves ? "pulled out" : "never out", round.most_n, round.given_j, share, round.lowest_j);
+          std::printf(
+              "%s %s, %g mm deep, %s: up to %.3f N, given %+.2e J, %+.4f of force times way, "
+              "observer's lowest %+.2e J\n",
+              within ? "hollow" : "cylinder", std::string(contact::name_of(model)).c_str(),
+              1e3 * deep, leaves ? "pulled out" : "never out", round.most_n, round.given_j, share,
+              round.lowest_j);
           EXPECT_LE(share, coupling::kSlidingShare / 5.0) << contact::name_of(model);
-          EXPECT_GE(round.lowest_j, -5.0 * round.most_n * Round::kStep - round.most_n * Round::kEdge - coupling::kSlidingShare / 5.0 * round.way_n_m);
+          EXPECT_GE(round.lowest_j, -5.0 * round.most_n * Round::kStep -
+                                        round.most_n * Round::kEdge -
+                                        coupling::kSlidingShare / 5.0 * round.way_n_m);
           most = std::max(most, share);
         }
   std::printf("most given over force times way %.4f\n", most);

@@ -12,8 +12,9 @@ namespace voxtouch::virtual_tool {
 inline constexpr double kEdge = 0.002;
 
 inline bool finite(const contact::VirtualToolFrame& f) {
-  return f.tool.finite() && f.wrench(kStiffness).finite() && f.stiffness(kStiffness).allFinite() && f.contact_point.allFinite() &&
-         std::isfinite(f.residual_m) && std::isfinite(f.worst_depth_m);
+  return f.tool.finite() && f.wrench(kStiffness).finite() && f.stiffness(kStiffness).allFinite() &&
+         f.contact_point.allFinite() && std::isfinite(f.residual_m) &&
+         std::isfinite(f.worst_depth_m);
 }
 
 /// What holds in every frame, whatever the scene is.
@@ -25,8 +26,10 @@ inline void expect_sound(const contact::VirtualToolFrame& f) {
 }
 
 inline mesh::TriangleMesh slot_mesh(double width) {
-  return test::joined(test::box_mesh(Vec3(0.02, 0.06, 0.04), {Vec3(-0.5 * width - 0.01, 0, -0.02), Quat::Identity()}),
-                      test::box_mesh(Vec3(0.02, 0.06, 0.04), {Vec3(0.5 * width + 0.01, 0, -0.02), Quat::Identity()}));
+  return test::joined(test::box_mesh(Vec3(0.02, 0.06, 0.04),
+                                     {Vec3(-0.5 * width - 0.01, 0, -0.02), Quat::Identity()}),
+                      test::box_mesh(Vec3(0.02, 0.06, 0.04),
+                                     {Vec3(0.5 * width + 0.01, 0, -0.02), Quat::Identity()}));
 }
 
 }  // namespace voxtouch::virtual_tool

@@ -1,4 +1,5 @@
-// Hard cases of the virtual tool: odd poses, levers and grids, balls, broken meshes, noise, and what must not change a bit.
+// Hard cases of the virtual tool: odd poses, levers and grids, balls, broken meshes, noise, and
+// what must not change a bit.
 #include <fenv.h>
 #include <gtest/gtest.h>
 
@@ -21,11 +22,15 @@ TEST(VirtualToolPoses, ThatAreNoneLeaveTheToolWhereItIs) {
   ASSERT_TRUE(rig.place({Vec3(0, 0, 0.0105), Quat::Identity()}));
   const Vec3 hand(0, 0, 0.004);
   contact::VirtualToolFrame good;
-  for (int n = 0; n < 200; ++n) good = rig.frame(hand);
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kInf = std::numeric_limits<double>::infinity();
-  for (const Pose& bad : {Pose{Vec3(kNan, 0, 0), Quat::Identity()}, Pose{Vec3(0, kInf, 0), Quat::Identity()}, Pose{Vec3(0, 0, 1e300), Quat::Identity()},
-                          Pose{Vec3::Zero(), Quat(0, 0, 0, 0)}, Pose{Vec3::Zero(), Quat(kNan, 0, 0, 0)}, Pose{Vec3::Zero(), Quat(1e9, 0, 0, 0)},
-                          Pose{Vec3(1e12, 0, 0), Quat::Identity()}}) {
+  for (int n = 0; n < 200; ++n)
+    good = rig.frame(hand);
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN(),
+                   kInf = std::numeric_limits<double>::infinity();
+  for (const Pose& bad :
+       {Pose{Vec3(kNan, 0, 0), Quat::Identity()}, Pose{Vec3(0, kInf, 0), Quat::Identity()},
+        Pose{Vec3(0, 0, 1e300), Quat::Identity()}, Pose{Vec3::Zero(), Quat(0, 0, 0, 0)},
+        Pose{Vec3::Zero(), Quat(kNan, 0, 0, 0)}, Pose{Vec3::Zero(), Quat(1e9, 0, 0, 0)},
+        Pose{Vec3(1e12, 0, 0), Quat::Identity()}}) {
     const contact::VirtualToolFrame f = rig.frame(bad);
     EXPECT_NE(f.pose_status, contact::PoseStatus::kUsable);
     EXPECT_TRUE(f.wrench(kStiffness).zero());
@@ -39,18 +44,21 @@ TEST(VirtualToolPoses, ThatAreNoneLeaveTheToolWhereItIs) {
 TEST(VirtualToolPoses, AQuaternionAndItsNegativeAreOne) {
   const mesh::TriangleMesh box = test::box_mesh(Vec3(0.008, 0.012, 0.03));
   Rig plus(scene_mesh("cup"), kEdge, box), minus(scene_mesh("cup"), kEdge, box);
-  for (Rig* rig : {&plus, &minus}) ASSERT_TRUE(rig->place({Vec3(0, 0, 0.14), Quat::Identity()}));
+  for (Rig* rig : {&plus, &minus})
+    ASSERT_TRUE(rig->place({Vec3(0, 0, 0.14), Quat::Identity()}));
   for (int n = 0; n < 800; ++n) {
     const Quat q(Eigen::AngleAxisd(0.005 * n, Vec3(1, 2, 3).normalized()));
     const Quat negative(-q.w(), -q.x(), -q.y(), -q.z());
     const Vec3 hand(1e-5 * n, 0, 0.14 - 2e-4 * n);
-    const contact::VirtualToolFrame a = plus.frame(Pose{hand, q}), b = minus.frame(Pose{hand, n % 2 == 0 ? q : negative});
+    const contact::VirtualToolFrame a = plus.frame(Pose{hand, q}),
+                                    b = minus.frame(Pose{hand, n % 2 == 0 ? q : negative});
     ASSERT_EQ(a.tool.position, b.tool.position) << n;
     ASSERT_EQ(a.wrench(kStiffness).torque, b.wrench(kStiffness).torque) << n;
   }
 }
 
-/// A bar in a slot that cannot turn, a hand that turns on and on: the torque keeps its axis past half a turn by some degrees, then turns over.
+/// A bar in a slot that cannot turn, a hand that turns on and on: the torque keeps its axis past
+/// half a turn by some degrees, then turns over.
 TEST(VirtualToolPoses, AHandTurnedRoundByHalfATurnGivesNoNoise) {
   const mesh::TriangleMesh bar = test::box_mesh(Vec3(0.03, 0.008, 0.008));
   Rig rig(slot_mesh(0.0095), 0.001, bar);
@@ -60,8 +68,10 @@ TEST(VirtualToolPoses, AHandTurnedRoundByHalfATurnGivesNoNoise) {
   int turned_over = 0;
   Vec3 last = Vec3::Zero();
   for (int n = 0; n < 4000; ++n) {
-    const double angle = std::min(0.001 * n, std::numbers::pi) + 1e-3 * uniform(random, -1, 1);  // then trembles about half a turn
-    const contact::VirtualToolFrame f = rig.frame(Pose{Vec3(0, 0, -0.01), Quat(Eigen::AngleAxisd(angle, Vec3::UnitZ())) * along});
+    const double angle = std::min(0.001 * n, std::numbers::pi) +
+                         1e-3 * uniform(random, -1, 1);  // then trembles about half a turn
+    const contact::VirtualToolFrame f =
+        rig.frame(Pose{Vec3(0, 0, -0.01), Quat(Eigen::AngleAxisd(angle, Vec3::UnitZ())) * along});
     expect_sound(f);
     turned_over += n > 0 && f.turn.dot(last) < 0.0;
     last = f.turn;
@@ -79,9 +89,12 @@ TEST(VirtualToolPoses, AnyLeverFromATenthToTenTimesTheReachIsSound) {
     ASSERT_TRUE(rig.place(hand));
     Vec3 target = Vec3::Zero();
     for (int n = 0; n < 1500; ++n) {
-      if (n % 100 == 0) target = Vec3(uniform(random, -0.05, 0.05), uniform(random, -0.05, 0.05), uniform(random, 0.0, 0.12));
+      if (n % 100 == 0)
+        target = Vec3(uniform(random, -0.05, 0.05), uniform(random, -0.05, 0.05),
+                      uniform(random, 0.0, 0.12));
       hand.position += 0.02 * (target - hand.position);
-      hand.orientation = (Quat(Eigen::AngleAxisd(0.01, random_direction(random))) * hand.orientation).normalized();
+      hand.orientation =
+          (Quat(Eigen::AngleAxisd(0.01, random_direction(random))) * hand.orientation).normalized();
       const contact::VirtualToolFrame f = rig.frame(hand);
       expect_sound(f);
       ASSERT_LT(f.worst_depth_m, kEdge) << "lever " << lever << ", frame " << n;
@@ -95,10 +108,13 @@ TEST(VirtualToolMany, PointsFlatOnAPlaneAreAsGoodAsFew) {
   const pointshell::Pointshell shell = shell_of(plate, 0.0005);
   ASSERT_GT(shell.size(), 20000U);
   std::vector<std::uint32_t> backwards(shell.size());
-  for (std::uint32_t n = 0; n < backwards.size(); ++n) backwards[n] = static_cast<std::uint32_t>(shell.size()) - 1 - n;
-  Rig a(scene_mesh("plane"), kEdge, plate, shell), b(scene_mesh("plane"), kEdge, plate, test::reordered(shell, backwards));
+  for (std::uint32_t n = 0; n < backwards.size(); ++n)
+    backwards[n] = static_cast<std::uint32_t>(shell.size()) - 1 - n;
+  Rig a(scene_mesh("plane"), kEdge, plate, shell),
+      b(scene_mesh("plane"), kEdge, plate, test::reordered(shell, backwards));
   contact::VirtualToolFrame fa, fb;
-  for (Rig* rig : {&a, &b}) ASSERT_TRUE(rig->place({Vec3(0, 0, 0.003), Quat::Identity()}));
+  for (Rig* rig : {&a, &b})
+    ASSERT_TRUE(rig->place({Vec3(0, 0, 0.003), Quat::Identity()}));
   for (int n = 0; n < 100; ++n) {
     const Vec3 hand(0, 0, 0.003 - 5e-5 * n);
     fa = a.frame(hand), fb = b.frame(hand);
@@ -110,7 +126,8 @@ TEST(VirtualToolMany, PointsFlatOnAPlaneAreAsGoodAsFew) {
   EXPECT_NEAR(fa.wrench(kStiffness).force.z(), kStiffness * (0.002 - (0.003 - 5e-5 * 99)), 1e-2);
 }
 
-/// Ball on ball: the top of a ball is no minimum. Energy is only lost: what the hand puts in on a closed loop is not less than nothing.
+/// Ball on ball: the top of a ball is no minimum. Energy is only lost: what the hand puts in on a
+/// closed loop is not less than nothing.
 TEST(VirtualToolBalls, OnABallSlideOffAndGiveNoEnergy) {
   Rig rig(test::sphere_mesh(0.02, 4), 0.001, ball_mesh());
   ASSERT_TRUE(rig.place({Vec3(1e-5, 0, 0.032), Quat::Identity()}));
@@ -128,10 +145,12 @@ TEST(VirtualToolBalls, OnABallSlideOffAndGiveNoEnergy) {
   EXPECT_LE(work, 1e-6);
 }
 
-/// A box that stands on its edge has no minimum either: it tips over or turns back. A hand that presses it on a closed way gets no energy.
+/// A box that stands on its edge has no minimum either: it tips over or turns back. A hand that
+/// presses it on a closed way gets no energy.
 TEST(VirtualToolBoxes, OnTheirEdgeGiveNoEnergy) {
   for (const double edge : {0.002, 0.001}) {
-    Rig rig(test::box_mesh(Vec3(0.06, 0.06, 0.04), {Vec3(0.3e-3, 0.1e-3, -0.02), Quat::Identity()}), edge, test::box_mesh(Vec3(0.02, 0.02, 0.02)));
+    Rig rig(test::box_mesh(Vec3(0.06, 0.06, 0.04), {Vec3(0.3e-3, 0.1e-3, -0.02), Quat::Identity()}),
+            edge, test::box_mesh(Vec3(0.02, 0.02, 0.02)));
     const Quat turn(Eigen::AngleAxisd(0.25 * std::numbers::pi, Vec3::UnitY()));
     ASSERT_TRUE(rig.place({Vec3(0.3e-3, 0, 0.016), turn}));
     double work = 0.0, most = 0.0;
@@ -152,7 +171,8 @@ TEST(VirtualToolBoxes, OnTheirEdgeGiveNoEnergy) {
   }
 }
 
-/// Traps on for as long as it lives: the process ends at the first operation that is invalid, divides by zero or overflows.
+/// Traps on for as long as it lives: the process ends at the first operation that is invalid,
+/// divides by zero or overflows.
 struct Traps {
   Traps() { feclearexcept(FE_ALL_EXCEPT), feenableexcept(FE_INVALID | FE_DIVBYZERO | FE_OVERFLOW); }
   ~Traps() { fedisableexcept(FE_ALL_EXCEPT); }
@@ -164,22 +184,29 @@ TEST(VirtualToolTraps, NoFrameOfATumblingToolIsInvalidOverflowsOrDividesByZero) 
   SCOPED_TRACE(testing::seed_trace(seed));
   for (const bool box : {false, true})
     for (const double friction : {0.0, 0.5}) {
-      Rig rig(scene_mesh("cup"), kEdge, box ? test::box_mesh(Vec3(0.008, 0.012, 0.03)) : ball_mesh());
+      Rig rig(scene_mesh("cup"), kEdge,
+              box ? test::box_mesh(Vec3(0.008, 0.012, 0.03)) : ball_mesh());
       std::mt19937_64 random(seed);
       Pose hand{Vec3(0, 0, 0.14), Quat::Identity()};
       Vec3 target = Vec3::Zero();
       const Traps traps;
       for (int n = 0; n < 4000; ++n) {
-        if (n % 60 == 0) target = Vec3(uniform(random, -0.06, 0.06), uniform(random, -0.06, 0.06), uniform(random, -0.02, 0.12));
+        if (n % 60 == 0)
+          target = Vec3(uniform(random, -0.06, 0.06), uniform(random, -0.06, 0.06),
+                        uniform(random, -0.02, 0.12));
         hand.position += 0.03 * (target - hand.position);
-        hand.orientation = (Quat(Eigen::AngleAxisd(0.03, random_direction(random))) * hand.orientation).normalized();
-        if (n % 500 == 0) rig.tool.reset();
+        hand.orientation =
+            (Quat(Eigen::AngleAxisd(0.03, random_direction(random))) * hand.orientation)
+                .normalized();
+        if (n % 500 == 0)
+          rig.tool.reset();
         expect_sound(rig.frame(hand, friction));
       }
     }
 }
 
-/// Eight at most, whatever the hand does. In contact seven, but for a frame that comes to it with its eighth.
+/// Eight at most, whatever the hand does. In contact seven, but for a frame that comes to it with
+/// its eighth.
 TEST(VirtualToolTumbling, TakesNoMoreQueriesThanItsBound) {
   const std::uint64_t seed = testing::seed(53);
   SCOPED_TRACE(testing::seed_trace(seed));
@@ -189,14 +216,19 @@ TEST(VirtualToolTumbling, TakesNoMoreQueriesThanItsBound) {
   Vec3 target = Vec3::Zero();
   int most = 0, in_contact = 0, at_seven = 0, at_eight = 0;
   for (int n = 0; n < 4000; ++n) {
-    if (n % 30 == 0) target = Vec3(uniform(random, -0.06, 0.06), uniform(random, -0.06, 0.06), uniform(random, -0.02, 0.12));
+    if (n % 30 == 0)
+      target = Vec3(uniform(random, -0.06, 0.06), uniform(random, -0.06, 0.06),
+                    uniform(random, -0.02, 0.12));
     hand.position += 0.08 * (target - hand.position);
-    hand.orientation = (Quat(Eigen::AngleAxisd(0.09, random_direction(random))) * hand.orientation).normalized();
+    hand.orientation =
+        (Quat(Eigen::AngleAxisd(0.09, random_direction(random))) * hand.orientation).normalized();
     const contact::VirtualToolFrame& frame = rig.frame(hand);
     most = std::max(most, static_cast<int>(frame.queries));
-    if (frame.rows > 0) ++in_contact, at_seven += frame.queries == 7, at_eight += frame.queries == 8;
+    if (frame.rows > 0)
+      ++in_contact, at_seven += frame.queries == 7, at_eight += frame.queries == 8;
   }
-  std::printf("%d frames in contact, %d took seven queries, %d eight\n", in_contact, at_seven, at_eight);
+  std::printf("%d frames in contact, %d took seven queries, %d eight\n", in_contact, at_seven,
+              at_eight);
   EXPECT_EQ(most, 8);
   EXPECT_GT(at_seven, 50);
   EXPECT_LT(at_eight, at_seven / 10);
@@ -207,9 +239,11 @@ TEST(VirtualToolTumbling, NeverHasItsMiddleInsideAndIsFreeToTheBit) {
   SCOPED_TRACE(testing::seed_trace(seed));
   for (const bool box : {false, true})
     for (const double speed : {1.0, 3.0}) {
-      const TumbleFigures f = tumble({.box = box, .speed = speed, .spin = 30 * speed, .frames = 2000, .seed = seed});
-      std::printf("%s at %g m/s: contact %.2f, lag %.3f, deepest row %.3f e, queries %.1f\n", box ? "box" : "ball", speed, f.contact_share,
-                  f.lag_share, f.depth_worst, f.queries_mean);
+      const TumbleFigures f =
+          tumble({.box = box, .speed = speed, .spin = 30 * speed, .frames = 2000, .seed = seed});
+      std::printf("%s at %g m/s: contact %.2f, lag %.3f, deepest row %.3f e, queries %.1f\n",
+                  box ? "box" : "ball", speed, f.contact_share, f.lag_share, f.depth_worst,
+                  f.queries_mean);
       EXPECT_EQ(f.inside, 0);
       EXPECT_EQ(f.not_exact, 0);
       EXPECT_LT(f.depth_worst, 1.0);
@@ -219,9 +253,11 @@ TEST(VirtualToolTumbling, NeverHasItsMiddleInsideAndIsFreeToTheBit) {
 class BrokenMesh : public ::testing::TestWithParam<int> {};
 TEST_P(BrokenMesh, GivesSoundFrames) {
   mesh::TriangleMesh mesh = test::box_mesh(Vec3(0.04, 0.04, 0.02));
-  if (GetParam() == 0) mesh.triangles.resize(9);             // open
-  if (GetParam() == 1) mesh = test::inside_out(mesh);
-  if (GetParam() == 2) {                                     // a Moebius strip
+  if (GetParam() == 0)
+    mesh.triangles.resize(9);  // open
+  if (GetParam() == 1)
+    mesh = test::inside_out(mesh);
+  if (GetParam() == 2) {  // a Moebius strip
     mesh = {};
     for (std::uint32_t n = 0; n < 60; ++n) {
       const double angle = 2 * std::numbers::pi * n / 60;
@@ -234,30 +270,40 @@ TEST_P(BrokenMesh, GivesSoundFrames) {
       mesh.triangles.push_back({2 * n + 1, other, next});
     }
   }
-  if (GetParam() == 3) mesh = test::joined(mesh, test::box_mesh(Vec3(0.02, 0.02, 0.04)));  // overlapping
+  if (GetParam() == 3)
+    mesh = test::joined(mesh, test::box_mesh(Vec3(0.02, 0.02, 0.04)));  // overlapping
   Rig rig(mesh, 0.001, ball_mesh());
   std::mt19937_64 random(testing::seed(31));
   Vec3 hand(0, 0, 0.06), target = Vec3::Zero();
   ASSERT_TRUE(rig.place({hand, Quat::Identity()}));
   for (int n = 0; n < 2000; ++n) {
-    if (n % 100 == 0) target = 0.04 * random_direction(random);
+    if (n % 100 == 0)
+      target = 0.04 * random_direction(random);
     hand += 0.02 * (target - hand);
     const contact::VirtualToolFrame f = rig.frame(hand);
     expect_sound(f);
     if (GetParam() == 1 || GetParam() == 3) {
-      ASSERT_GE(rig.ground.field.at((f.tool.position - rig.ground.field.grid().origin) / 0.001).distance_m, 0.0) << n;
+      ASSERT_GE(rig.ground.field.at((f.tool.position - rig.ground.field.grid().origin) / 0.001)
+                    .distance_m,
+                0.0)
+          << n;
     }
   }
 }
 INSTANTIATE_TEST_SUITE_P(OpenInvertedMoebiusOverlapping, BrokenMesh, ::testing::Range(0, 4));
 
-/// Driven at from either side, rubbed, left, at 0.1 to 4 e a frame: no face of what encloses nothing comes into a ball, at rest nothing changes.
-/// Rims may come in between a ball's points, a few in a hundred: virtual_tool_trials open counts them.
+/// Driven at from either side, rubbed, left, at 0.1 to 4 e a frame: no face of what encloses
+/// nothing comes into a ball, at rest nothing changes. Rims may come in between a ball's points, a
+/// few in a hundred: virtual_tool_trials open counts them.
 TEST(VirtualToolOpenMeshes, HoldABallFromEitherSide) {
   int runs = 0, rims = 0;
   for (const char* const shape : open_shapes())
     for (const bool askew : {false, true}) {
-      const DriveFigures f = drive({.shape = shape, .askew = askew, .tries = 2, .edges_per_frame = {0.1, 1.0, 4.0}, .seed = testing::seed(5)});
+      const DriveFigures f = drive({.shape = shape,
+                                    .askew = askew,
+                                    .tries = 2,
+                                    .edges_per_frame = {0.1, 1.0, 4.0},
+                                    .seed = testing::seed(5)});
       EXPECT_EQ(f.passed, 0) << shape << (askew ? " askew" : "");
       EXPECT_LT(f.rest_95, 0.03) << shape;
       EXPECT_EQ(f.runs, 6) << shape;
@@ -274,7 +320,8 @@ TEST(VirtualToolOpenMeshes, PushFromHalfAWallBeforeThemOn) {
     Rig rig(scene_mesh("plate:0"), kEdge, ball_mesh());
     ASSERT_TRUE(rig.place({Vec3(1e-3, 2e-3, side * (kBall + 0.002)), Quat::Identity()}));
     contact::VirtualToolFrame f;
-    for (int n = 1; n <= 240; ++n) f = rig.frame(Vec3(1e-3, 2e-3, side * (kBall + 0.002 - 5e-5 * n)));
+    for (int n = 1; n <= 240; ++n)
+      f = rig.frame(Vec3(1e-3, 2e-3, side * (kBall + 0.002 - 5e-5 * n)));
     EXPECT_NEAR(f.wrench(kStiffness).force.z(), side * kStiffness * (0.01 + 0.0625 * kEdge), 1e-2);
     EXPECT_NEAR(side * f.tool.position.z(), kBall + 0.0625 * kEdge, 2e-5);
   }
@@ -288,18 +335,23 @@ TEST(VirtualToolNoise, OfTheEncoderIsNotMadeLarger) {
     const Place place = random_place(scene, rig.mesh, random);
     ASSERT_TRUE(rig.place({place.point + (kBall + 0.001) * place.normal, Quat::Identity()}));
     Vec3 hand;
-    for (int n = 0; n <= 120; ++n) rig.frame(hand = place.point + (kBall + 0.001 - 5e-5 * n) * place.normal);
+    for (int n = 0; n <= 120; ++n)
+      rig.frame(hand = place.point + (kBall + 0.001 - 5e-5 * n) * place.normal);
     const double q = 3e-5;
     double most = 0.0;
     Vec3 last = rig.frame(hand).wrench(kStiffness).force;
     for (int n = 0; n < 2000; ++n) {
-      const Vec3 shaken = hand + q * Vec3(std::round(uniform(random, -0.6, 0.6)), std::round(uniform(random, -0.6, 0.6)), std::round(uniform(random, -0.6, 0.6)));
+      const Vec3 shaken = hand + q * Vec3(std::round(uniform(random, -0.6, 0.6)),
+                                          std::round(uniform(random, -0.6, 0.6)),
+                                          std::round(uniform(random, -0.6, 0.6)));
       const Vec3 force = rig.frame(shaken).wrench(kStiffness).force;
-      if (n > 100) most = std::max(most, (force - last).norm());
+      if (n > 100)
+        most = std::max(most, (force - last).norm());
       last = force;
     }
     std::printf("%s: %.4f N, a step of the encoder is %.4f N\n", scene, most, kStiffness * q);
-    EXPECT_LT(most, (std::string(scene) == "cylinder" ? 5.0 : 4.0) * kStiffness * q);  // from corner to corner of a cube: sqrt(3) 2 q
+    EXPECT_LT(most, (std::string(scene) == "cylinder" ? 5.0 : 4.0) * kStiffness *
+                        q);  // from corner to corner of a cube: sqrt(3) 2 q
   }
 }
 
@@ -308,8 +360,10 @@ TEST(VirtualToolBits, AreTheSameWhereTheSceneIsMovedByVoxels) {
   const double e = 0x1p-9;
   const Vec3 shift = e * Vec3(512, -1024, 256);
   const auto moved = [&](const Vec3& by) {
-    mesh::TriangleMesh mesh = test::box_mesh(e * Vec3(32, 32, 16), {Vec3::Zero(), Quat::Identity()});
-    for (Vec3& v : mesh.vertices) v += by;
+    mesh::TriangleMesh mesh =
+        test::box_mesh(e * Vec3(32, 32, 16), {Vec3::Zero(), Quat::Identity()});
+    for (Vec3& v : mesh.vertices)
+      v += by;
     return mesh;
   };
   Rig here(moved(Vec3::Zero()), e, ball_mesh()), there(moved(shift), e, ball_mesh());
@@ -327,7 +381,8 @@ TEST(VirtualToolBits, AreTheSameWhereTheSceneIsMovedByVoxels) {
 TEST(VirtualToolBits, AreTheSameWhereAllIsScaledByAPowerOfTwo) {
   const double e = 0x1p-9;
   const auto scaled = [&](double by) {
-    mesh::TriangleMesh mesh = test::box_mesh(by * e * Vec3(32, 32, 16), {Vec3::Zero(), Quat::Identity()});
+    mesh::TriangleMesh mesh =
+        test::box_mesh(by * e * Vec3(32, 32, 16), {Vec3::Zero(), Quat::Identity()});
     return mesh;
   };
   for (const double by : {0.25, 8.0}) {
@@ -337,7 +392,8 @@ TEST(VirtualToolBits, AreTheSameWhereAllIsScaledByAPowerOfTwo) {
     ASSERT_TRUE(other.place({by * start, Quat::Identity()}));
     for (int n = 0; n < 1600; ++n) {  // over the edge
       const Vec3 hand = start + 0x1p-16 * Vec3(2 * n, n, -2 * n);
-      const Vec3 a = one.frame(hand).wrench(1.0).force, b = other.frame(Vec3(by * hand)).wrench(1.0).force;
+      const Vec3 a = one.frame(hand).wrench(1.0).force,
+                 b = other.frame(Vec3(by * hand)).wrench(1.0).force;
       ASSERT_EQ(Vec3(by * a), b) << "by " << by << ", frame " << n;
     }
   }

@@ -1,4 +1,5 @@
-// Where a virtual tool may start: not where a wall stands in it, however thin; but wherever it touches from outside.
+// Where a virtual tool may start: not where a wall stands in it, however thin; but wherever it
+// touches from outside.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -18,24 +19,31 @@ struct Plate {
   Rig rig;
   Plate(double thick_edges, bool askew)
       : lie(askew ? tilt() : Quat::Identity()),
-        rig(test::box_mesh(Vec3(0.08, 0.08, thick_edges * kEdge), {Vec3(0.3e-3, 0.1e-3, 0), lie}), kEdge, ball_mesh()) {}
+        rig(test::box_mesh(Vec3(0.08, 0.08, thick_edges * kEdge), {Vec3(0.3e-3, 0.1e-3, 0), lie}),
+            kEdge, ball_mesh()) {}
 };
 
-/// The hand starts in a wall's middle, or half in, rests there and leaves: no force, and no tool, until it is out. Then it touches, from its own side.
+/// The hand starts in a wall's middle, or half in, rests there and leaves: no force, and no tool,
+/// until it is out. Then it touches, from its own side.
 TEST(VirtualToolStartInAThinWall, GivesNoForceUntilTheHandIsFree) {
   for (const double thick : kThick)
     for (const bool askew : {false, true})
       for (const double from : {0.0, 0.5 * kBall, -0.7 * kBall}) {
-        SCOPED_TRACE(::testing::Message() << thick << " e" << (askew ? " askew" : "") << ", from " << from);
+        SCOPED_TRACE(::testing::Message()
+                     << thick << " e" << (askew ? " askew" : "") << ", from " << from);
         Plate plate(thick, askew);
         const double side = from < 0.0 ? -1.0 : 1.0, touch = kBall + 0.5 * thick * kEdge;
-        const auto at = [&](double z) { return plate.rig.frame(plate.lie * Vec3(0.003, 0.002, side * z)); };
-        for (int n = 0; n < 100; ++n) ASSERT_TRUE(at(std::abs(from)).unplaced);
+        const auto at = [&](double z) {
+          return plate.rig.frame(plate.lie * Vec3(0.003, 0.002, side * z));
+        };
+        for (int n = 0; n < 100; ++n)
+          ASSERT_TRUE(at(std::abs(from)).unplaced);
         bool placed = false;
         for (double z = std::abs(from); z < touch + kEdge; z += 5e-5) {
           const contact::VirtualToolFrame f = at(z);
           expect_sound(f);
-          ASSERT_LT(f.wrench(kStiffness).force.norm(), 0.05);  // it may be placed half a voxel deep, and is faded in
+          ASSERT_LT(f.wrench(kStiffness).force.norm(),
+                    0.05);  // it may be placed half a voxel deep, and is faded in
           if (z < touch - kEdge) {
             ASSERT_TRUE(f.unplaced) << z;
             ASSERT_TRUE(f.wrench(kStiffness).zero());
@@ -43,10 +51,13 @@ TEST(VirtualToolStartInAThinWall, GivesNoForceUntilTheHandIsFree) {
           placed = placed || !f.unplaced;
         }
         ASSERT_TRUE(placed);
-        for (int n = 0; n < 200; ++n) at(touch + kEdge);
-        for (double z = touch + kEdge; z > 0.0; z -= 5e-5) at(z);
+        for (int n = 0; n < 200; ++n)
+          at(touch + kEdge);
+        for (double z = touch + kEdge; z > 0.0; z -= 5e-5)
+          at(z);
         const Vec3 force = at(0.0).wrench(kStiffness).force;
-        EXPECT_NEAR(force.dot(side * (plate.lie * Vec3::UnitZ())), kStiffness * touch, 0.05 * kStiffness * touch);
+        EXPECT_NEAR(force.dot(side * (plate.lie * Vec3::UnitZ())), kStiffness * touch,
+                    0.05 * kStiffness * touch);
       }
 }
 
@@ -57,17 +68,21 @@ TEST(VirtualToolStartInAThinWall, IsNoPlaceForAToolOfASceneBefore) {
       Plate plate(thick, askew);
       const double touch = kBall + 0.5 * thick * kEdge;
       for (double z = -touch + kEdge; z <= touch - kEdge; z += 2.5e-4)
-        EXPECT_FALSE(plate.rig.place({plate.lie * Vec3(0.003, 0.002, z), Quat::Identity()})) << thick << " e" << (askew ? " askew" : "") << ", " << z;
+        EXPECT_FALSE(plate.rig.place({plate.lie * Vec3(0.003, 0.002, z), Quat::Identity()}))
+            << thick << " e" << (askew ? " askew" : "") << ", " << z;
       for (const double side : {-1.0, 1.0})
-        EXPECT_TRUE(plate.rig.place({plate.lie * Vec3(0.003, 0.002, side * (touch - 0.1 * kEdge)), Quat::Identity()})) << thick << ", " << side;
+        EXPECT_TRUE(plate.rig.place(
+            {plate.lie * Vec3(0.003, 0.002, side * (touch - 0.1 * kEdge)), Quat::Identity()}))
+            << thick << ", " << side;
     }
 }
 
 struct StartTool {
   const char* name;
-  Vec3 box;             ///< [e]
-  double touching;      ///< least share of light touches that are placed; a box has rows at its edges that are too deep
-  double rim_across;    ///< greatest share of those with a plate's rim inside them
+  Vec3 box;           ///< [e]
+  double touching;    ///< least share of light touches that are placed; a box has rows at its edges
+                      ///< that are too deep
+  double rim_across;  ///< greatest share of those with a plate's rim inside them
 };
 void PrintTo(const StartTool& tool, std::ostream* out) { *out << tool.name; }
 class VirtualToolStarts : public ::testing::TestWithParam<StartTool> {};
@@ -77,13 +92,17 @@ TEST_P(VirtualToolStarts, AreThoseThatNoWallStandsIn) {
   const std::uint64_t seed = testing::seed(71);
   SCOPED_TRACE(testing::seed_trace(seed));
   StartFigures touching, free, rims_touching, rims_across;
-  const auto add = [](StartFigures& sum, const StartFigures& f) { sum.runs += f.runs, sum.placed += f.placed; };
+  const auto add = [](StartFigures& sum, const StartFigures& f) {
+    sum.runs += f.runs, sum.placed += f.placed;
+  };
   for (const double thick : kThick)
     for (const bool askew : {false, true}) {
-      StartOptions o{.box = GetParam().box, .thick_edges = thick, .askew = askew, .tries = 5, .seed = seed};
+      StartOptions o{
+          .box = GetParam().box, .thick_edges = thick, .askew = askew, .tries = 5, .seed = seed};
       for (const bool turned : {false, true}) {
         o.turned = turned, o.rim = false, o.from_edges = 0.9, o.to_edges = 9.0;
-        EXPECT_EQ(starts(o).placed, 0) << thick << " e" << (askew ? " askew" : "") << (turned ? " turned" : "");
+        EXPECT_EQ(starts(o).placed, 0)
+            << thick << " e" << (askew ? " askew" : "") << (turned ? " turned" : "");
         o.from_edges = 0.0, o.to_edges = 0.25;
         add(touching, starts(o));
       }
@@ -94,8 +113,10 @@ TEST_P(VirtualToolStarts, AreThoseThatNoWallStandsIn) {
       o.rim = false, o.from_edges = -1.0, o.to_edges = -0.02;
       add(free, starts(o));
     }
-  std::printf("%s: free %d of %d, touching %d of %d, rims touching %d of %d, rims across %d of %d\n", GetParam().name, free.placed, free.runs, touching.placed, touching.runs,
-              rims_touching.placed, rims_touching.runs, rims_across.placed, rims_across.runs);
+  std::printf(
+      "%s: free %d of %d, touching %d of %d, rims touching %d of %d, rims across %d of %d\n",
+      GetParam().name, free.placed, free.runs, touching.placed, touching.runs, rims_touching.placed,
+      rims_touching.runs, rims_across.placed, rims_across.runs);
   ASSERT_GT(std::min({touching.runs, rims_touching.runs, rims_across.runs}), 150);
   EXPECT_GE(touching.placed, GetParam().touching * touching.runs);
   EXPECT_GE(free.placed, 0.97 * free.runs);
@@ -103,7 +124,8 @@ TEST_P(VirtualToolStarts, AreThoseThatNoWallStandsIn) {
   EXPECT_LE(rims_across.placed, GetParam().rim_across * rims_across.runs);
 }
 INSTANTIATE_TEST_SUITE_P(Tools, VirtualToolStarts,
-                         ::testing::Values(StartTool{"ball", Vec3::Zero(), 0.98, 0.02}, StartTool{"box", Vec3(4, 6, 15), 0.85, 0.01},
+                         ::testing::Values(StartTool{"ball", Vec3::Zero(), 0.98, 0.02},
+                                           StartTool{"box", Vec3(4, 6, 15), 0.85, 0.01},
                                            StartTool{"bar", Vec3(2, 2, 15), 0.75, 0.03}),
                          [](const auto& one) { return std::string(one.param.name); });
 
@@ -112,10 +134,14 @@ TEST(VirtualToolStartBesideThinWalls, IsAStart) {
   for (const double thick : kThick)
     for (const bool askew : {false, true})
       for (const double gap : {0.0, 0.1, 0.5, 1.0}) {
-        SCOPED_TRACE(::testing::Message() << thick << " e" << (askew ? " askew" : "") << ", gap " << gap << " e");
+        SCOPED_TRACE(::testing::Message()
+                     << thick << " e" << (askew ? " askew" : "") << ", gap " << gap << " e");
         const Quat lie = askew ? tilt() : Quat::Identity();
         const double far = kBall + (gap + 0.5 * thick) * kEdge;
-        const auto plate = [&](double side) { return test::box_mesh(Vec3(0.08, 0.08, thick * kEdge), {lie * Vec3(0, 0, side * far), lie}); };
+        const auto plate = [&](double side) {
+          return test::box_mesh(Vec3(0.08, 0.08, thick * kEdge),
+                                {lie * Vec3(0, 0, side * far), lie});
+        };
         const Pose middle{lie * Vec3(0.3e-3, 0.2e-3, 0), lie};
         EXPECT_TRUE(Rig(test::joined(plate(1), plate(-1)), kEdge, ball_mesh()).place(middle));
         EXPECT_TRUE(Rig(plate(1), kEdge, ball_mesh()).place(middle));

@@ -22,7 +22,8 @@ TEST(VirtualToolWalls, FromAQuarterToFiveVoxelsAreNeverPassedAndLetTheToolRest) 
   for (const double thick : {0.25, 0.5, 1.0, 2.0, 5.0})
     for (const bool askew : {false, true})
       for (const double phase : {0.0, 0.5}) {
-        const WallFigures f = walls({.thick_edges = thick, .askew = askew, .phase_edges = phase, .tries = 2, .seed = seed});
+        const WallFigures f = walls(
+            {.thick_edges = thick, .askew = askew, .phase_edges = phase, .tries = 2, .seed = seed});
         EXPECT_EQ(f.passed, 0) << thick << " e" << (askew ? ", askew" : "") << ", phase " << phase;
         EXPECT_LT(f.depth_worst, 0.3) << thick;
         EXPECT_LT(f.rest_worst, thick < 2.0 ? 0.03 : 1e-3) << thick;
@@ -37,12 +38,15 @@ TEST(VirtualToolWalls, HoldAgainstAHandFarBehind) {
   std::mt19937_64 random(testing::seed(22));
   for (const bool askew : {false, true}) {
     const Quat turn = askew ? tilt() : Quat::Identity();
-    Rig rig(test::box_mesh(Vec3(0.08, 0.08, 0.5 * kEdge), {Vec3(0.3e-3, 0.1e-3, 0), turn}), kEdge, ball_mesh());
+    Rig rig(test::box_mesh(Vec3(0.08, 0.08, 0.5 * kEdge), {Vec3(0.3e-3, 0.1e-3, 0), turn}), kEdge,
+            ball_mesh());
     const Vec3 n = turn * Vec3::UnitZ();
     ASSERT_TRUE(rig.place({0.015 * n, Quat::Identity()}));
-    for (int k = 0; k < 400; ++k) rig.frame((0.015 - 5e-4 * k) * n);
+    for (int k = 0; k < 400; ++k)
+      rig.frame((0.015 - 5e-4 * k) * n);
     for (int k = 0; k < 20000; ++k) {
-      const contact::VirtualToolFrame f = rig.frame(-100 * kEdge * n + 1e-4 * random_direction(random));
+      const contact::VirtualToolFrame f =
+          rig.frame(-100 * kEdge * n + 1e-4 * random_direction(random));
       ASSERT_GT(n.dot(f.tool.position), 0.009) << k;
       ASSERT_TRUE(f.saturated);
     }
@@ -51,15 +55,18 @@ TEST(VirtualToolWalls, HoldAgainstAHandFarBehind) {
 
 /// Round the rim of a plate and back on the other side.
 TEST(VirtualToolWalls, LetTheHandGoRoundARim) {
-  Rig rig(test::box_mesh(Vec3(0.05, 0.05, 0.001), {Vec3(0.3e-3, 0.1e-3, 0.2e-3), tilt()}), kEdge, ball_mesh());
+  Rig rig(test::box_mesh(Vec3(0.05, 0.05, 0.001), {Vec3(0.3e-3, 0.1e-3, 0.2e-3), tilt()}), kEdge,
+          ball_mesh());
   ASSERT_TRUE(rig.place({tilt() * Vec3(0, 0, 0.03), Quat::Identity()}));
   for (int n = 0; n <= 2000; ++n) {
     const double angle = 2 * std::numbers::pi * n / 2000;
-    const contact::VirtualToolFrame f = rig.frame(Vec3(tilt() * Vec3(0.05 * std::sin(angle), 0, 0.03 * std::cos(angle))));
+    const contact::VirtualToolFrame f =
+        rig.frame(Vec3(tilt() * Vec3(0.05 * std::sin(angle), 0, 0.03 * std::cos(angle))));
     expect_sound(f);
   }
   const Vec3 home = tilt() * Vec3(0, 0, 0.03);
-  for (int n = 0; n < 50; ++n) rig.frame(home);
+  for (int n = 0; n < 50; ++n)
+    rig.frame(home);
   EXPECT_EQ(rig.frame(home).tool.position, home);
 }
 
@@ -71,7 +78,8 @@ TEST(VirtualToolSlots, NarrowerThanTheToolKeepItOut) {
     f = rig.frame(Vec3(1e-3, 0, 0.02 - 5e-5 * n));
     expect_sound(f);
   }
-  EXPECT_NEAR(f.tool.position.z(), std::sqrt(kBall * kBall - 0.008 * 0.008), 1.5e-3);  // on the two edges
+  EXPECT_NEAR(f.tool.position.z(), std::sqrt(kBall * kBall - 0.008 * 0.008),
+              1.5e-3);  // on the two edges
   EXPECT_NEAR(f.tool.position.x(), 0.0, 1.5e-3);
 }
 
@@ -100,18 +108,25 @@ TEST(VirtualToolSlots, InAWedgeTheToolRestsOnBothFaces) {
   }
   EXPECT_NEAR(f.tool.position.z(), kBall / std::sin(half), 1e-3);
   const Vec3 steady = f.wrench(kStiffness).force;
-  for (int n = 0; n < 100; ++n) EXPECT_LT((rig.frame(Vec3(2e-4, 0, 0.005)).wrench(kStiffness).force - steady).norm(), 0.05);
+  for (int n = 0; n < 100; ++n)
+    EXPECT_LT((rig.frame(Vec3(2e-4, 0, 0.005)).wrench(kStiffness).force - steady).norm(), 0.05);
 }
 
-/// A pin of 10 mm with a radial clearance of a twentieth to the whole of e. Its bottom passes the mouth's edge nearer than a voxel: no row may take
-/// the face round the mouth for one that reaches over the hole. At e = 2 mm the interpolated distance is flat in the floor's corner for a voxel.
+/// A pin of 10 mm with a radial clearance of a twentieth to the whole of e. Its bottom passes the
+/// mouth's edge nearer than a voxel: no row may take the face round the mouth for one that reaches
+/// over the hole. At e = 2 mm the interpolated distance is flat in the floor's corner for a voxel.
 TEST(VirtualToolSlots, APinGoesIntoItsHoleWhereTheGridIsFineEnough) {
-  for (const auto& [edge, clearance, drag] :
-       {std::tuple{0.0005, 2e-4, 0.2}, {0.001, 2e-4, 0.2}, {0.002, 2e-4, 0.2}, {0.0005, 1e-4, 0.2}, {0.001, 1e-4, 0.2}, {0.002, 1e-4, 1.5},
-        {0.001, 1e-3, 0.2}})
+  for (const auto& [edge, clearance, drag] : {std::tuple{0.0005, 2e-4, 0.2},
+                                              {0.001, 2e-4, 0.2},
+                                              {0.002, 2e-4, 0.2},
+                                              {0.0005, 1e-4, 0.2},
+                                              {0.001, 1e-4, 0.2},
+                                              {0.002, 1e-4, 1.5},
+                                              {0.001, 1e-3, 0.2}})
     for (const bool turned : {false, true}) {
       const PegFigures f = peg(edge, clearance, turned);
-      std::printf("e %g, clearance %g: %.3f mm short, drag %.3f N\n", edge, clearance, 1e3 * f.short_m, f.drag_n);
+      std::printf("e %g, clearance %g: %.3f mm short, drag %.3f N\n", edge, clearance,
+                  1e3 * f.short_m, f.drag_n);
       EXPECT_TRUE(f.entered);
       EXPECT_LT(f.short_m, edge > 0.001 ? 1.1 * edge : 0.5e-3);
       EXPECT_GT(f.short_m, -0.05e-3);
@@ -123,19 +138,24 @@ TEST(VirtualToolSlots, APinGoesIntoItsHoleWhereTheGridIsFineEnough) {
 TEST(VirtualToolTorque, OfABarOverAnEdgeIsTheExactOnes) {
   const std::uint64_t seed = testing::seed(61);
   SCOPED_TRACE(testing::seed_trace(seed));
-  for (const double edge : {0.002, 0.001}) EXPECT_LT(lever(edge, seed).torque_error, 0.005);
+  for (const double edge : {0.002, 0.001})
+    EXPECT_LT(lever(edge, seed).torque_error, 0.005);
 }
 
-/// A pin in its hole, 15 mm deep, the hand turned slowly: the torque is that of the exact pin, with its play, at every turn. The mouth's
-/// edge has points of its own at every height.
+/// A pin in its hole, 15 mm deep, the hand turned slowly: the torque is that of the exact pin, with
+/// its play, at every turn. The mouth's edge has points of its own at every height.
 TEST(VirtualToolTorque, OfAPinTurnedInItsHoleIsTheExactOnes) {
   const std::uint64_t seed = testing::seed(62);
   SCOPED_TRACE(testing::seed_trace(seed));
-  for (const auto& [edge, clearance, degrees] :
-       {std::tuple{0.001, 2e-4, 12.0}, {0.001, 1e-4, 12.0}, {0.0005, 1e-4, 12.0}, {0.001, 2e-4, 6.0}, {0.0005, 2e-4, 3.0}, {0.0005, 1e-4, 3.0}}) {
+  for (const auto& [edge, clearance, degrees] : {std::tuple{0.001, 2e-4, 12.0},
+                                                 {0.001, 1e-4, 12.0},
+                                                 {0.0005, 1e-4, 12.0},
+                                                 {0.001, 2e-4, 6.0},
+                                                 {0.0005, 2e-4, 3.0},
+                                                 {0.0005, 1e-4, 3.0}}) {
     const PinFigures f = pin(edge, clearance, degrees * std::numbers::pi / 180, seed);
-    std::printf("e %g, clearance %g, %g degrees: %.4f N m, off by %.3f, step %.4f of it\n", edge, clearance, degrees, f.torque_nm, f.torque_error,
-                f.step_over_torque);
+    std::printf("e %g, clearance %g, %g degrees: %.4f N m, off by %.3f, step %.4f of it\n", edge,
+                clearance, degrees, f.torque_nm, f.torque_error, f.step_over_torque);
     EXPECT_GT(f.torque_nm, 0.001);
     EXPECT_LT(f.torque_error, 0.05);
     EXPECT_LT(f.step_over_torque, 0.01);
@@ -159,9 +179,11 @@ TEST(VirtualToolSlots, PinchedBetweenTwoObjectsTheToolStaysHalfway) {
   const mesh::TriangleMesh block = test::box_mesh(Vec3(0.04, 0.04, 0.02));
   test::Ground ground(block, 0.001);
   contact::ContactQuery query(ground.voxmap, shell);
-  contact::VirtualTool tool({.points = shell.size(), .objects = 2, .reach_m = query.reach_m(), .edge_m = 0.001});
-  std::array<contact::ToolGround, 2> grounds{contact::ToolGround{&query, &ground.field, Vec3(0, 0, -0.022)},
-                                             contact::ToolGround{&query, &ground.field, Vec3(0, 0, 0.022)}};
+  contact::VirtualTool tool(
+      {.points = shell.size(), .objects = 2, .reach_m = query.reach_m(), .edge_m = 0.001});
+  std::array<contact::ToolGround, 2> grounds{
+      contact::ToolGround{&query, &ground.field, Vec3(0, 0, -0.022)},
+      contact::ToolGround{&query, &ground.field, Vec3(0, 0, 0.022)}};
   ASSERT_TRUE(tool.place({Vec3::Zero(), Quat::Identity()}, grounds));
   contact::VirtualToolFrame f;
   for (int n = 0; n < 60; ++n) {  // closes to 18 mm for a ball of 20 mm
@@ -185,12 +207,14 @@ TEST(VirtualToolObjects, ThatMoveCarryATool) {
     ASSERT_TRUE(tool.place({Vec3(0, 0, kBall + 2e-4), Quat::Identity()}, {&moving, 1}));
     for (int n = 0; n < 100; ++n) {
       moving.displacement = Vec3(0, 0, speed * kPeriod * n);
-      const contact::VirtualToolFrame f = tool.frame({{Vec3(0, 0, kBall + 2e-4), Quat::Identity()}, kPeriod, 0.0}, {&moving, 1});
+      const contact::VirtualToolFrame f =
+          tool.frame({{Vec3(0, 0, kBall + 2e-4), Quat::Identity()}, kPeriod, 0.0}, {&moving, 1});
       expect_sound(f);
       ASSERT_FALSE(f.moved_too_far);
       if (moving.displacement.z() > 1e-3) {
         // The spring, up to 45 mm long, over rho.
-        ASSERT_NEAR(f.tool.position.z() - moving.displacement.z(), kBall, 2e-4) << speed << " m/s, frame " << n;
+        ASSERT_NEAR(f.tool.position.z() - moving.displacement.z(), kBall, 2e-4)
+            << speed << " m/s, frame " << n;
         ASSERT_LE(f.queries, 8);
       }
     }
@@ -207,7 +231,8 @@ TEST(VirtualToolObjects, FasterThanHalfAVoxelAFrameAreToldOf) {
   bool told = false;
   for (int n = 0; n < 20; ++n) {
     moving.displacement.z() += 0.6 * kEdge;
-    const contact::VirtualToolFrame f = tool.frame({{Vec3::Zero(), Quat::Identity()}, kPeriod, 0.0}, {&moving, 1});
+    const contact::VirtualToolFrame f =
+        tool.frame({{Vec3::Zero(), Quat::Identity()}, kPeriod, 0.0}, {&moving, 1});
     expect_sound(f);
     told = told || f.moved_too_far;
   }

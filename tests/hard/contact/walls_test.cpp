@@ -13,7 +13,9 @@ namespace voxtouch::test {
 namespace {
 
 constexpr double kEdge = 1e-3, kPeriod = 1e-3;
-constexpr std::array kModels = {contact::ContactModelKind::kOriginal, contact::ContactModelKind::kAdapted, contact::ContactModelKind::kField};
+constexpr std::array kModels = {contact::ContactModelKind::kOriginal,
+                                contact::ContactModelKind::kAdapted,
+                                contact::ContactModelKind::kField};
 /// [e]; the wall's middle lies askew in its voxel.
 constexpr std::array kWalls = {0.1, 0.3, 0.5, 1.0, 2.0, 3.0, 5.0};
 
@@ -29,33 +31,41 @@ struct Wall {
   pointshell::Pointshell shell = exact_shell(ball.mesh, kEdge);
   Ground ground;
   Wall(double thick_edges, const Quat& turned)
-      : thick(thick_edges), turn(turned),
-        ground(box_mesh(Vec3(30 * kEdge, 30 * kEdge, thick * kEdge), {kEdge * Vec3(0.13, 0.41, 0.37), turned}), kEdge) {
-  }
+      : thick(thick_edges),
+        turn(turned),
+        ground(box_mesh(Vec3(30 * kEdge, 30 * kEdge, thick * kEdge),
+                        {kEdge * Vec3(0.13, 0.41, 0.37), turned}),
+               kEdge) {}
 
   Vec3 across() const { return turn * Vec3::UnitZ(); }
   /// The ball's middle `z` [m] from the wall's, along its normal.
-  Pose at(double z, const Vec3& aside = Vec3::Zero(), const Quat& orientation = Quat::Identity()) const {
+  Pose at(double z, const Vec3& aside = Vec3::Zero(),
+          const Quat& orientation = Quat::Identity()) const {
     return ball.posed(kEdge * Vec3(0.13, 0.41, 0.37) + turn * (aside + Vec3(0, 0, z)), orientation);
   }
   double touch_m() const { return 2.5 * kEdge + 0.5 * thick * kEdge; }
 };
 
-/// Whether a model feels a wall at all: `original` and `adapted` whatever has a surface layer, `field` where
-/// a voxel's corner lies inside.
+/// Whether a model feels a wall at all: `original` and `adapted` whatever has a surface layer,
+/// `field` where a voxel's corner lies inside.
 bool felt(const Wall& wall, contact::ContactModelKind kind) {
-  return kind != contact::ContactModelKind::kField || (wall.thick >= 1.0 && wall.ground.field.has_inside());
+  return kind != contact::ContactModelKind::kField ||
+         (wall.thick >= 1.0 && wall.ground.field.has_inside());
 }
 
-const std::array kTurns = {Quat::Identity(), Quat(Eigen::AngleAxisd(0.5, Vec3(2, 1, -1).normalized()))};
+const std::array kTurns = {Quat::Identity(),
+                           Quat(Eigen::AngleAxisd(0.5, Vec3(2, 1, -1).normalized()))};
 
 struct Passage {
-  double pushed_on = 0.0, most = 0.0;  ///< [N]: largest push along the motion before the middles meet; any push
-  int fast = 0, missed = 0, near = 0;  ///< frames; near: that moved while some point was beside the wall
+  double pushed_on = 0.0,
+         most = 0.0;  ///< [N]: largest push along the motion before the middles meet; any push
+  int fast = 0, missed = 0,
+      near = 0;  ///< frames; near: that moved while some point was beside the wall
 };
 
 /// Straight through the wall, `step` [e] a frame, from `side` (+1, -1) of it.
-Passage drive_through(const Wall& wall, contact::ContactModelKind kind, double step, double side, double phase) {
+Passage drive_through(const Wall& wall, contact::ContactModelKind kind, double step, double side,
+                      double phase) {
   contact::ContactRenderer renderer = wall.ground.renderer(wall.shell, kind);
   Passage seen;
   const double begin = wall.touch_m() + (40.0 + phase * step) * kEdge;
@@ -63,7 +73,8 @@ Passage drive_through(const Wall& wall, contact::ContactModelKind kind, double s
     const contact::StageResult r = renderer.render(wall.at(side * z));
     EXPECT_TRUE(r.contact.wrench.finite());
     const double on = -side * r.contact.wrench.force.dot(wall.across());
-    if (z > 0.5 * (wall.thick + 1.0) * kEdge) seen.pushed_on = std::max(seen.pushed_on, on);
+    if (z > 0.5 * (wall.thick + 1.0) * kEdge)
+      seen.pushed_on = std::max(seen.pushed_on, on);
     seen.most = std::max(seen.most, std::abs(on));
     seen.fast += r.fast, seen.missed += r.missed;
     const bool near = z < begin && z - wall.touch_m() < kEdge && z + step * kEdge > -wall.touch_m();
@@ -86,8 +97,8 @@ TEST(V7WallThinnerThanAVoxel, IsNotPassedUntoldAtAnySpeed) {
         for (const double step : {0.3, 0.49, 0.51, 1.0, 2.5, 3.99, 8.0, 40.0})
           for (const double side : {1.0, -1.0}) {
             const Passage one = drive_through(wall, kind, step, side, uniform(random, 0.0, 1.0));
-            SCOPED_TRACE(::testing::Message()
-                         << contact::name_of(kind) << ", wall " << thick << " e, " << step << " e a frame, side " << side);
+            SCOPED_TRACE(::testing::Message() << contact::name_of(kind) << ", wall " << thick
+                                              << " e, " << step << " e a frame, side " << side);
             if (step < 0.5) {
               EXPECT_EQ(one.fast + one.missed, 0);
               EXPECT_LE(one.pushed_on, 0.02 * one.most + 1e-12);
@@ -98,7 +109,8 @@ TEST(V7WallThinnerThanAVoxel, IsNotPassedUntoldAtAnySpeed) {
               EXPECT_GE(one.missed, 1);
               EXPECT_GE(one.missed, one.near);
               if (step < 8.0) {
-                EXPECT_LT(one.missed, one.fast) << "far from all that is there nothing can be missed";
+                EXPECT_LT(one.missed, one.fast)
+                    << "far from all that is there nothing can be missed";
               }
             }
           }
@@ -114,13 +126,15 @@ TEST(V7WallThinnerThanAVoxel, PushesBackFromBothSidesWhileTheToolIsPressedSlowly
         for (const double side : {1.0, -1.0}) {
           contact::ContactRenderer renderer = wall.ground.renderer(wall.shell, kind);
           double back = 0.0, on = 0.0;
-          for (double z = wall.touch_m() + kEdge; z > 0.5 * (thick + 1.0) * kEdge; z -= 0.05 * kEdge) {
+          for (double z = wall.touch_m() + kEdge; z > 0.5 * (thick + 1.0) * kEdge;
+               z -= 0.05 * kEdge) {
             const contact::StageResult r = renderer.render(wall.at(side * z));
             EXPECT_FALSE(r.fast || r.missed);
             const double push = side * r.contact.wrench.force.dot(wall.across());
             back = std::max(back, push), on = std::max(on, -push);
           }
-          SCOPED_TRACE(::testing::Message() << contact::name_of(kind) << ", wall " << thick << " e, side " << side);
+          SCOPED_TRACE(::testing::Message()
+                       << contact::name_of(kind) << ", wall " << thick << " e, side " << side);
           EXPECT_LE(on, 0.02 * back + 1e-12);
           if (felt(wall, kind)) {
             EXPECT_GT(back, 0.0);
@@ -131,15 +145,21 @@ TEST(V7WallThinnerThanAVoxel, PushesBackFromBothSidesWhileTheToolIsPressedSlowly
 
 TEST(FastMotion, ATurnIsToldOfToo) {
   // A stick of 20 e swings about its end through a thin wall.
-  const mesh::TriangleMesh stick = box_mesh(Vec3(20, 1.2, 1.2) * kEdge, {Vec3(10, 0, 0) * kEdge, Quat::Identity()});
+  const mesh::TriangleMesh stick =
+      box_mesh(Vec3(20, 1.2, 1.2) * kEdge, {Vec3(10, 0, 0) * kEdge, Quat::Identity()});
   const pointshell::Pointshell shell = exact_shell(stick, kEdge);
-  const Ground ground(box_mesh(Vec3(10, 20, 0.4) * kEdge, {Vec3(15.1, 0.2, 0.35) * kEdge, Quat::Identity()}), kEdge);
-  for (const contact::ContactModelKind kind : {contact::ContactModelKind::kOriginal, contact::ContactModelKind::kAdapted})
+  const Ground ground(
+      box_mesh(Vec3(10, 20, 0.4) * kEdge, {Vec3(15.1, 0.2, 0.35) * kEdge, Quat::Identity()}),
+      kEdge);
+  for (const contact::ContactModelKind kind :
+       {contact::ContactModelKind::kOriginal, contact::ContactModelKind::kAdapted})
     for (const double step : {0.01, 0.05, 0.19}) {
       contact::ContactRenderer renderer = ground.renderer(shell, kind);
       bool missed = false;
       for (double angle = 0.5; angle > -0.35; angle -= step)
-        missed = missed || renderer.render({Vec3::Zero(), Quat(Eigen::AngleAxisd(-angle, Vec3::UnitY()))}).missed;
+        missed =
+            missed ||
+            renderer.render({Vec3::Zero(), Quat(Eigen::AngleAxisd(-angle, Vec3::UnitY()))}).missed;
       EXPECT_EQ(missed, step > 0.02) << contact::name_of(kind) << " at " << step;
     }
 }
@@ -166,10 +186,12 @@ struct Drop {
   bool missed = false, fast = false;
 };
 
-Drop drop(const Wall& wall, contact::ContactModelKind kind, double speed, double side, double phase) {
+Drop drop(const Wall& wall, contact::ContactModelKind kind, double speed, double side,
+          double phase) {
   contact::ContactRenderer renderer = wall.ground.renderer(wall.shell, kind);
   // A stiffness at which 1 kHz is stable: m/T^2 of what the whole ball can show.
-  const double area = 4.0 * 3.14159 * std::pow(2.5 * kEdge, 2), mass = kPressure * area * kPeriod * kPeriod * 0.5;
+  const double area = 4.0 * 3.14159 * std::pow(2.5 * kEdge, 2),
+               mass = kPressure * area * kPeriod * kPeriod * 0.5;
   Drop out;
   double z = wall.touch_m() + (0.5 + phase) * kEdge, v = -speed;
   const double far = -wall.touch_m() - 2.0 * renderer.query().reach_m();
@@ -179,7 +201,8 @@ Drop drop(const Wall& wall, contact::ContactModelKind kind, double speed, double
     out.missed = out.missed || r.missed, out.fast = out.fast || r.fast;
     v += kPeriod * side * r.contact.wrench.force.dot(wall.across()) / mass;
     z += kPeriod * v;
-    if (z > wall.touch_m() + 3.0 * kEdge && v > 0.0) break;
+    if (z > wall.touch_m() + 3.0 * kEdge && v > 0.0)
+      break;
     if (z < far - 4.0 * kEdge) {
       out.exit_speed = -v;
       break;
@@ -195,20 +218,27 @@ TEST(F4Tunnelling, ADroppedMassThatPassesAWallIsToldOfUnlessItIsSlowAndGainsLitt
   for (const double thick : {0.1, 0.5, 1.0, 2.0, 5.0}) {
     const Wall wall(thick, kTurns[1]);
     for (const contact::ContactModelKind kind : kModels) {
-      if (!felt(wall, kind)) continue;
+      if (!felt(wall, kind))
+        continue;
       double stopped_up_to = 1e9, faster = 0.0;
       for (const double speed : {0.001, 0.01, 0.05, 0.1, 0.3, 0.6, 1.0, 2.0, 3.0, 3.9, 5.0, 10.0})
         for (const double side : {1.0, -1.0}) {
           const Drop d = drop(wall, kind, speed, side, uniform(random, 0.0, 1.0));
-          SCOPED_TRACE(::testing::Message()
-                       << contact::name_of(kind) << ", wall " << thick << " e, " << speed << " m/s, side " << side);
-          if (!(d.exit_speed > 0.0)) continue;
-          // A mass with more energy than the wall takes loses what it had to climb and gets it back.
-          EXPECT_TRUE(d.fast ? d.missed : d.exit_speed < 1.1 * speed) << "exit at " << d.exit_speed << " m/s";
-          stopped_up_to = std::min(stopped_up_to, speed), faster = std::max(faster, d.exit_speed / speed);
+          SCOPED_TRACE(::testing::Message() << contact::name_of(kind) << ", wall " << thick
+                                            << " e, " << speed << " m/s, side " << side);
+          if (!(d.exit_speed > 0.0))
+            continue;
+          // A mass with more energy than the wall takes loses what it had to climb and gets it
+          // back.
+          EXPECT_TRUE(d.fast ? d.missed : d.exit_speed < 1.1 * speed)
+              << "exit at " << d.exit_speed << " m/s";
+          stopped_up_to = std::min(stopped_up_to, speed),
+          faster = std::max(faster, d.exit_speed / speed);
         }
-      std::printf("%s wall %.1f e: slowest drop that came through %.3g m/s; out at most %.2f times as fast\n", std::string(contact::name_of(kind)).c_str(), thick,
-                  stopped_up_to, faster);
+      std::printf(
+          "%s wall %.1f e: slowest drop that came through %.3g m/s; out at most %.2f times as "
+          "fast\n",
+          std::string(contact::name_of(kind)).c_str(), thick, stopped_up_to, faster);
     }
   }
 }

@@ -1,5 +1,6 @@
 #pragma once
-/// A ground and a tool in general position, touched with every contact model; coordinates short enough to be moved exactly.
+/// A ground and a tool in general position, touched with every contact model; coordinates short
+/// enough to be moved exactly.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -15,8 +16,9 @@
 
 namespace voxtouch::hard {
 
-inline constexpr double kEdge = 0x1p-9;       ///< voxel edge of these scenes, about 2 mm
-inline constexpr double kStep = 0x1p-18;      ///< vertices are whole multiples of it, so that midpoints are exact
+inline constexpr double kEdge = 0x1p-9;  ///< voxel edge of these scenes, about 2 mm
+inline constexpr double kStep =
+    0x1p-18;  ///< vertices are whole multiples of it, so that midpoints are exact
 inline constexpr double kPerPoint = 128.0;    ///< [N/m]
 inline constexpr double kPerVolume = 0x1p29;  ///< [N/m^3]
 inline constexpr double kBallRadius = 0.0085;
@@ -33,10 +35,13 @@ mesh::TriangleMesh ground_mesh();
 mesh::TriangleMesh tool_mesh();
 
 /// The voxels that are not free, sorted, with their kind.
-std::vector<std::pair<voxmap::VoxelIndex, voxmap::VoxelKind>> voxels_of(const voxmap::Voxmap& voxmap);
+std::vector<std::pair<voxmap::VoxelIndex, voxmap::VoxelKind>> voxels_of(
+    const voxmap::Voxmap& voxmap);
 
 /// What one pose gives, model by model (index 0 is `original`).
-inline constexpr std::array kModels = {contact::ContactModelKind::kOriginal, contact::ContactModelKind::kAdapted, contact::ContactModelKind::kField};
+inline constexpr std::array kModels = {contact::ContactModelKind::kOriginal,
+                                       contact::ContactModelKind::kAdapted,
+                                       contact::ContactModelKind::kField};
 inline constexpr std::size_t kField = 2;  ///< its index
 using Answers = std::array<contact::ContactResult, kModels.size()>;
 
@@ -45,10 +50,12 @@ struct Rig {
   voxmap::Voxmap voxmap;
   voxmap::DistanceField field;
   pointshell::Pointshell shell;
-  std::array<std::unique_ptr<contact::ContactRenderer>, kModels.size()> models;  ///< null: the ground allows no field
+  std::array<std::unique_ptr<contact::ContactRenderer>, kModels.size()>
+      models;    ///< null: the ground allows no field
   double scale;  ///< of all lengths; stiffnesses stay, voxels and steps grow with it
 
-  Rig(const mesh::TriangleMesh& ground, const voxmap::Grid& grid, pointshell::Pointshell tool, const ParallelFor& loop = serial_for());
+  Rig(const mesh::TriangleMesh& ground, const voxmap::Grid& grid, pointshell::Pointshell tool,
+      const ParallelFor& loop = serial_for());
   Rig(const mesh::TriangleMesh& ground, const mesh::TriangleMesh& tool, double edge = kEdge,
       const ParallelFor& loop = serial_for());
 
@@ -59,18 +66,21 @@ struct Rig {
   void make_models();
 };
 
-/// Poses at which the ball stands in light contact with the ground: from half a voxel above to one and a half deep. Positions
-/// are whole multiples of 2^-26 m, so that they too can be moved exactly.
-std::vector<Pose> touching_poses(const mesh::TriangleMesh& ground, std::size_t count, Random& random);
+/// Poses at which the ball stands in light contact with the ground: from half a voxel above to one
+/// and a half deep. Positions are whole multiples of 2^-26 m, so that they too can be moved
+/// exactly.
+std::vector<Pose> touching_poses(const mesh::TriangleMesh& ground, std::size_t count,
+                                 Random& random);
 
-/// K times the weights of all hits, summed: by how much a force changes if each depth changes by a metre.
+/// K times the weights of all hits, summed: by how much a force changes if each depth changes by a
+/// metre.
 double pull(const Rig& rig, const Pose& pose, std::size_t model);
 
 bool same_bits(const contact::ContactResult& a, const contact::ContactResult& b);
 std::string_view model_name(std::size_t model);
 
-/// Largest difference of wrenches (torque over 10 mm of lever), in units of `pull` times a length: how far a depth would have to
-/// be off, per model.
+/// Largest difference of wrenches (torque over 10 mm of lever), in units of `pull` times a length:
+/// how far a depth would have to be off, per model.
 struct Off {
   std::array<double, kModels.size()> metres{};
   std::size_t touching = 0;  ///< poses with a force

@@ -22,11 +22,12 @@ Point operator+(const Point& a, const Point& b) { return {a.x + b.x, a.y + b.y, 
 Point operator*(Real s, const Point& a) { return {s * a.x, s * a.y, s * a.z}; }
 Real dot(const Point& a, const Point& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
-/// The quadratic programme min |a + s f + t g|^2 under the triangle's and the cube's nine bounds, by trying every set of up to two
-/// that may be active, in extended precision: nothing is clipped.
+/// The quadratic programme min |a + s f + t g|^2 under the triangle's and the cube's nine bounds,
+/// by trying every set of up to two that may be active, in extended precision: nothing is clipped.
 Real least_distance(const std::array<Vec3, 3>& corner) {
   const auto wide = [](const Vec3& v) { return Point{v.x(), v.y(), v.z()}; };
-  const Point a = wide(corner[0]), f = wide(corner[1]) + Real{-1} * a, g = wide(corner[2]) + Real{-1} * a;
+  const Point a = wide(corner[0]), f = wide(corner[1]) + Real{-1} * a,
+              g = wide(corner[2]) + Real{-1} * a;
   struct Bound {
     Real s, t, limit;  // s * x + t * y <= limit
   };
@@ -42,16 +43,19 @@ Real least_distance(const std::array<Vec3, 3>& corner) {
   Real best = INFINITY;
   const auto consider = [&](Real s, Real t) {
     for (const Bound& b : bounds)
-      if (!(b.s * s + b.t * t <= b.limit + 1e-15L * (1 + std::abs(b.s) + std::abs(b.t)))) return;
+      if (!(b.s * s + b.t * t <= b.limit + 1e-15L * (1 + std::abs(b.s) + std::abs(b.t))))
+        return;
     const Point x = a + s * f + t * g;
     best = std::min(best, dot(x, x));
   };
-  const Real ff = dot(f, f), fg = dot(f, g), gg = dot(g, g), af = dot(a, f), ag = dot(a, g), det = ff * gg - fg * fg;
+  const Real ff = dot(f, f), fg = dot(f, g), gg = dot(g, g), af = dot(a, f), ag = dot(a, g),
+             det = ff * gg - fg * fg;
   consider((fg * ag - gg * af) / det, (fg * af - ff * ag) / det);
   for (std::size_t m = 0; m < bounds.size(); ++m) {
     const Bound& one = bounds[m];
     const Real length = one.s * one.s + one.t * one.t;
-    if (length == 0) continue;
+    if (length == 0)
+      continue;
     const Real s0 = one.limit * one.s / length, t0 = one.limit * one.t / length;
     const Point along = Real{-1} * one.t * f + one.s * g, x0 = a + s0 * f + t0 * g;
     const Real r = -dot(x0, along) / dot(along, along);
@@ -77,37 +81,48 @@ TEST(P1PointOfAVoxel, LiesInItAndIsTheNearestInAMillionRandomTriangles) {
   for (int n = 0; met < 1'000'000; ++n) {
     ASSERT_LT(n, 8'000'000);
     const double size = n % 3 == 0 ? 0.4 : n % 3 == 1 ? 1.5 : 6.0;
-    const Vec3 centre(uniform(random, -0.6, 0.6), uniform(random, -0.6, 0.6), uniform(random, -0.6, 0.6));
+    const Vec3 centre(uniform(random, -0.6, 0.6), uniform(random, -0.6, 0.6),
+                      uniform(random, -0.6, 0.6));
     std::array<Vec3, 3> x;
     for (Vec3& v : x)
-      v = centre + Vec3(uniform(random, -size, size), uniform(random, -size, size), uniform(random, -size, size));
+      v = centre + Vec3(uniform(random, -size, size), uniform(random, -size, size),
+                        uniform(random, -size, size));
     if (n % 5 == 0)
-      for (Vec3& v : x) v = (v * 4.0).array().round() / 4.0;  // on borders, centres, faces
+      for (Vec3& v : x)
+        v = (v * 4.0).array().round() / 4.0;  // on borders, centres, faces
     if (n % 7 == 0)
-      x[2] = x[0] + 0.3 * (x[1] - x[0]) + std::ldexp(1.0, -static_cast<int>(random() % 8)) * (x[2] - x[0]);
+      x[2] = x[0] + 0.3 * (x[1] - x[0]) +
+             std::ldexp(1.0, -static_cast<int>(random() % 8)) * (x[2] - x[0]);
     const Vec3 shift = Vec3::Constant(0.5);
-    if (voxmap::TriangleVoxels(x[0] + shift, x[1] + shift, x[2] + shift).meeting({0, 0, 0}) == voxmap::Meeting::kNone) continue;
+    if (voxmap::TriangleVoxels(x[0] + shift, x[1] + shift, x[2] + shift).meeting({0, 0, 0}) ==
+        voxmap::Meeting::kNone)
+      continue;
     const Vec3 normal = voxmap::area_vector(x[0], x[1], x[2]);
-    const double longest = std::max({(x[1] - x[0]).norm(), (x[2] - x[0]).norm(), (x[2] - x[1]).norm()});
+    const double longest =
+        std::max({(x[1] - x[0]).norm(), (x[2] - x[0]).norm(), (x[2] - x[1]).norm()});
     if (normal.norm() < 1e-3 * longest * longest)
       continue;  // the oracle's conditioning; slivers have tests of their own
     ++met;
-    const Vec3 p = pointshell::nearest_to_centre(x, normal.normalized(), pointshell::clip_to_voxel(x[0], x[1], x[2]));
+    const Vec3 p = pointshell::nearest_to_centre(x, normal.normalized(),
+                                                 pointshell::clip_to_voxel(x[0], x[1], x[2]));
     beyond = std::max(beyond, p.cwiseAbs().maxCoeff());
     const Real off = std::abs(static_cast<Real>(p.norm()) - least_distance(x));
     worst = std::max(worst, off);
-    ASSERT_LE(off, 1e-12L) << x[0].transpose() << " | " << x[1].transpose() << " | " << x[2].transpose();
+    ASSERT_LE(off, 1e-12L) << x[0].transpose() << " | " << x[1].transpose() << " | "
+                           << x[2].transpose();
   }
   std::printf("largest |p - c| %.17g e, largest difference of distance %.2Lg e\n", beyond, worst);
   EXPECT_LE(beyond, 0.5);  // e/2 to the bit: 4 eps are not needed
 }
 
 TEST(P1PointOfAVoxel, KeepsItsVoxelWhereTheWorldsNumbersRoundItOut) {
-  // Far from the grid's origin a point on its voxel's border may round into the next voxel: the voxel is kept, not asked again.
+  // Far from the grid's origin a point on its voxel's border may round into the next voxel: the
+  // voxel is kept, not asked again.
   const mesh::TriangleMesh mesh = ground_mesh();
   for (const double far : {0.0, 1.0, 1e6}) {
     mesh::TriangleMesh moved = mesh;
-    for (Vec3& v : moved.vertices) v += Vec3(far, -far, far);
+    for (Vec3& v : moved.vertices)
+      v += Vec3(far, -far, far);
     const voxmap::Grid grid = voxmap::default_grid(moved, 0.0021);
     for (const pointshell::ShellPoint& p : pointshell::shell_points(moved, grid, serial_for())) {
       const Vec3 centre(p.voxel.i + 0.5, p.voxel.j + 0.5, p.voxel.k + 0.5);
@@ -126,7 +141,8 @@ void expect_unit(const std::vector<pointshell::ShellPoint>& points) {
 
 TEST(P2NormalsThatCancel, GiveTheNearestFacesUnitNormalAndAFlag) {
   const voxmap::Grid grid{Vec3::Constant(-2.01), 1.0};
-  // A sheet whose two sides are one plane, cut into triangles differently, so that none repeats another.
+  // A sheet whose two sides are one plane, cut into triangles differently, so that none repeats
+  // another.
   mesh::TriangleMesh sheet;
   sheet.vertices = {{0, 0, 0.4}, {6, 0, 0.4}, {6, 6, 0.4}, {0, 6, 0.4}};
   sheet.triangles = {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2}};
@@ -145,24 +161,30 @@ TEST(P2NormalsThatCancel, GiveTheNearestFacesUnitNormalAndAFlag) {
     const double turn = 2 * std::numbers::pi * n / 16;
     cone.vertices.push_back(Vec3(0.5 + std::cos(turn), 0.5 + std::sin(turn), 0));
   }
-  for (std::uint32_t n = 0; n < 16; ++n) cone.triangles.push_back({0, 1 + n, 1 + (n + 1) % 16});
-  for (std::uint32_t n = 1; n < 15; ++n) cone.triangles.push_back({1, n + 2, n + 1});
+  for (std::uint32_t n = 0; n < 16; ++n)
+    cone.triangles.push_back({0, 1 + n, 1 + (n + 1) % 16});
+  for (std::uint32_t n = 1; n < 15; ++n)
+    cone.triangles.push_back({1, n + 2, n + 1});
   const auto tip = pointshell::shell_points(cone, grid, serial_for());
   expect_unit(tip);
   flagged = 0;
   for (const pointshell::ShellPoint& p : tip) {
     flagged += p.rule != pointshell::NormalRule::kMean;
-    ASSERT_EQ(p.rule == pointshell::NormalRule::kFaceForCancelling, p.coherence <= pointshell::kNormalsCancel);
+    ASSERT_EQ(p.rule == pointshell::NormalRule::kFaceForCancelling,
+              p.coherence <= pointshell::kNormalsCancel);
   }
   EXPECT_GT(flagged, 0U);
 
-  // A cube's corner: three normals at right angles, whose mean is long enough and points into the cube.
+  // A cube's corner: three normals at right angles, whose mean is long enough and points into the
+  // cube.
   for (const double shift : {0.0, 0.3, 0.5}) {
     Pose at;
     at.position = Vec3::Constant(shift);
-    const auto cube = pointshell::shell_points(test::box_mesh(Vec3::Constant(4.0), at), grid, serial_for());
+    const auto cube =
+        pointshell::shell_points(test::box_mesh(Vec3::Constant(4.0), at), grid, serial_for());
     expect_unit(cube);
-    for (const pointshell::ShellPoint& p : cube) ASSERT_LE(p.normal.dot(p.point - at.position), 1e-12) << shift;
+    for (const pointshell::ShellPoint& p : cube)
+      ASSERT_LE(p.normal.dot(p.point - at.position), 1e-12) << shift;
   }
 }
 

@@ -1,5 +1,6 @@
-/// What may not change what is felt: where the scene stands, how it is turned or mirrored, in which units of a power of two it is
-/// given, in which order triangles and points come, how many threads build it, how finely a flat face is cut.
+/// What may not change what is felt: where the scene stands, how it is turned or mirrored, in which
+/// units of a power of two it is given, in which order triangles and points come, how many threads
+/// build it, how finely a flat face is cut.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -15,25 +16,29 @@
 namespace voxtouch::hard {
 namespace {
 
-/// By how much depths may differ: two ulps of a coordinate of 0.05 m. The field's nodes are single precision, where a rounding
-/// that falls the other way is 2^-24 * 4 voxels * e = 4.7e-10 m, of one point among many.
+/// By how much depths may differ: two ulps of a coordinate of 0.05 m. The field's nodes are single
+/// precision, where a rounding that falls the other way is 2^-24 * 4 voxels * e = 4.7e-10 m, of one
+/// point among many.
 constexpr double kRounding = 0x1p-56, kFieldRounding = 1e-10;
 
 void expect_rounding(const Off& off, std::size_t poses) {
   std::printf("%s\n", off.text().c_str());
   EXPECT_GE(off.touching, poses / 2);
-  for (std::size_t m = 0; m < kField; ++m) EXPECT_LE(off.metres[m], kRounding) << model_name(m);
+  for (std::size_t m = 0; m < kField; ++m)
+    EXPECT_LE(off.metres[m], kRounding) << model_name(m);
   EXPECT_LE(off.metres[kField], kFieldRounding);
 }
 
 mesh::TriangleMesh moved(mesh::TriangleMesh mesh, const Vec3& by, double scale = 1.0) {
-  for (Vec3& v : mesh.vertices) v = scale * v + by;
+  for (Vec3& v : mesh.vertices)
+    v = scale * v + by;
   return mesh;
 }
 
 Vec3 whole_voxels(Random& random, double most_m) {
   const double most = most_m / kEdge;
-  return kEdge * Vec3(std::round(uniform(random, -most, most)), std::round(uniform(random, -most, most)),
+  return kEdge * Vec3(std::round(uniform(random, -most, most)),
+                      std::round(uniform(random, -most, most)),
                       std::round(uniform(random, -most, most)));
 }
 
@@ -89,7 +94,8 @@ std::vector<Mat3> cube_symmetries() {
   do
     for (int signs = 0; signs < 8; ++signs) {
       Mat3 s = Mat3::Zero();
-      for (int row = 0; row < 3; ++row) s(row, order[static_cast<std::size_t>(row)]) = signs >> row & 1 ? -1.0 : 1.0;
+      for (int row = 0; row < 3; ++row)
+        s(row, order[static_cast<std::size_t>(row)]) = signs >> row & 1 ? -1.0 : 1.0;
       all.push_back(s);
     }
   while (std::next_permutation(order.begin(), order.end()));
@@ -102,7 +108,8 @@ struct Symmetry {
   explicit Symmetry(const Mat3& s) : matrix(s), sign(std::round(s.determinant())) {}
   Vec3 axis(const Vec3& x) const { return sign * (matrix * x); }  ///< of torques and turns
   mesh::TriangleMesh mesh(mesh::TriangleMesh m) const {
-    for (Vec3& v : m.vertices) v = matrix * v;
+    for (Vec3& v : m.vertices)
+      v = matrix * v;
     return sign < 0.0 ? test::inside_out(std::move(m)) : m;
   }
   Pose pose(const Pose& p) const {
@@ -114,7 +121,8 @@ struct Symmetry {
     r.wrench = {matrix * r.wrench.force, axis(r.wrench.torque)};
     return r;
   }
-  voxmap::VoxelIndex voxel(const voxmap::VoxelIndex& v) const {  // of the cube [v, v + 1], mirrored in the origin
+  voxmap::VoxelIndex voxel(
+      const voxmap::VoxelIndex& v) const {  // of the cube [v, v + 1], mirrored in the origin
     const Vec3 u = matrix * Vec3(v.i + 0.5, v.j + 0.5, v.k + 0.5);
     return voxmap::Grid::voxel_of(u);
   }
@@ -134,13 +142,15 @@ TEST(CubeSymmetry, TurnsAndMirrorsVoxelsShellAndForceAlike) {
     const Symmetry s(matrix);
     const Rig there(s.mesh(ground), grid, test::exact_shell(s.mesh(tool), grid));
     auto expected = voxels_of(here.voxmap);
-    for (auto& [v, kind] : expected) v = s.voxel(v);
+    for (auto& [v, kind] : expected)
+      v = s.voxel(v);
     std::sort(expected.begin(), expected.end());
     ASSERT_EQ(expected, voxels_of(there.voxmap)) << matrix;
     ASSERT_EQ(here.shell.size(), there.shell.size());
     for (const Pose& pose : poses) {
       Answers a = here.probe(pose);
-      for (contact::ContactResult& r : a) r = s.result(r);
+      for (contact::ContactResult& r : a)
+        r = s.result(r);
       const Answers b = there.probe(s.pose(pose));
       off.note(here, pose, a, b);
     }
@@ -159,17 +169,23 @@ TEST(V5ScaleByPowersOfTwo, KeepsEveryVoxelAndScalesEveryForceExactly) {
     const double s = std::ldexp(1.0, power);
     const Rig other(moved(ground, Vec3::Zero(), s), moved(tool, Vec3::Zero(), s), s * kEdge);
     ASSERT_EQ(voxels_of(one.voxmap), voxels_of(other.voxmap)) << power;
-    for (const auto& model : one.models) model->reset();
+    for (const auto& model : one.models)
+      model->reset();
     for (const Pose& pose : poses) {
       const Pose large{s * pose.position, pose.orientation};
       for (std::size_t m = 0; m < kModels.size(); ++m) {
-        // Depth times s; weights of one stay, areas grow with s^2; the lever again with s. Held depths of the stage likewise.
+        // Depth times s; weights of one stay, areas grow with s^2; the lever again with s. Held
+        // depths of the stage likewise.
         const double f = m >= 2 ? s * s * s : s;
         for (const bool in_the_ring : {false, true}) {
-          const contact::ContactResult a = in_the_ring ? one.models[m]->render(pose).contact : one.models[m]->probe(pose);
-          const contact::ContactResult b = in_the_ring ? other.models[m]->render(large).contact : other.models[m]->probe(large);
-          ASSERT_EQ(Vec3(f * a.wrench.force), b.wrench.force) << model_name(m) << " 2^" << power << ' ' << in_the_ring;
-          ASSERT_EQ(Vec3(f * s * a.wrench.torque), b.wrench.torque) << model_name(m) << " 2^" << power;
+          const contact::ContactResult a =
+              in_the_ring ? one.models[m]->render(pose).contact : one.models[m]->probe(pose);
+          const contact::ContactResult b =
+              in_the_ring ? other.models[m]->render(large).contact : other.models[m]->probe(large);
+          ASSERT_EQ(Vec3(f * a.wrench.force), b.wrench.force)
+              << model_name(m) << " 2^" << power << ' ' << in_the_ring;
+          ASSERT_EQ(Vec3(f * s * a.wrench.torque), b.wrench.torque)
+              << model_name(m) << " 2^" << power;
           ASSERT_EQ(s * a.deepest_depth_m, b.deepest_depth_m) << model_name(m) << " 2^" << power;
         }
       }
@@ -190,12 +206,14 @@ TEST(PermutationOfTriangles, LeavesVoxelsPointsAndForce) {
     for (mesh::TriangleMesh* mesh : {&other_ground, &other_tool}) {
       for (std::size_t k = mesh->triangles.size(); k > 1; --k)
         std::swap(mesh->triangles[k - 1], mesh->triangles[random() % k]);
-      for (auto& t : mesh->triangles) std::rotate(t.begin(), t.begin() + static_cast<int>(random() % 3), t.end());
+      for (auto& t : mesh->triangles)
+        std::rotate(t.begin(), t.begin() + static_cast<int>(random() % 3), t.end());
     }
     const Rig there(other_ground, other_tool);
     ASSERT_EQ(voxels_of(here.voxmap), voxels_of(there.voxmap));
     ASSERT_EQ(here.shell.id, there.shell.id);
-    for (const Pose& pose : poses) off.note(here, pose, here.probe(pose), there.probe(pose));
+    for (const Pose& pose : poses)
+      off.note(here, pose, here.probe(pose), there.probe(pose));
   }
   expect_rounding(off, 3 * poses.size());
 }
@@ -213,18 +231,22 @@ TEST(PermutationOfPoints, LeavesTheForce) {
   for (int n = 0; n < 3; ++n) {
     std::vector<std::size_t> order(shell.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
-    for (std::size_t k = order.size(); k > 1; --k) std::swap(order[k - 1], order[random() % k]);
+    for (std::size_t k = order.size(); k > 1; --k)
+      std::swap(order[k - 1], order[random() % k]);
     pointshell::Pointshell other = shell;
     const auto permute = [&](auto pointshell::Pointshell::*column) {
-      for (std::size_t k = 0; k < order.size(); ++k) (other.*column)[k] = (shell.*column)[order[k]];
+      for (std::size_t k = 0; k < order.size(); ++k)
+        (other.*column)[k] = (shell.*column)[order[k]];
     };
     for (const auto column :
-         {&pointshell::Pointshell::x, &pointshell::Pointshell::y, &pointshell::Pointshell::z, &pointshell::Pointshell::nx,
-          &pointshell::Pointshell::ny, &pointshell::Pointshell::nz, &pointshell::Pointshell::area_m2, &pointshell::Pointshell::coherence})
+         {&pointshell::Pointshell::x, &pointshell::Pointshell::y, &pointshell::Pointshell::z,
+          &pointshell::Pointshell::nx, &pointshell::Pointshell::ny, &pointshell::Pointshell::nz,
+          &pointshell::Pointshell::area_m2, &pointshell::Pointshell::coherence})
       permute(column);
     permute(&pointshell::Pointshell::id);
     const Rig there(ground, grid, other);
-    for (const Pose& pose : poses) off.note(here, pose, here.probe(pose), there.probe(pose));
+    for (const Pose& pose : poses)
+      off.note(here, pose, here.probe(pose), there.probe(pose));
   }
   expect_rounding(off, 3 * poses.size());
 }
@@ -235,28 +257,34 @@ void add(Fnv1a& hash, const T& value) {
 }
 std::uint64_t hash_of(const voxmap::Voxmap& voxmap) {
   Fnv1a hash;
-  for (const auto& [voxel, kind] : voxels_of(voxmap)) add(hash, voxel), add(hash, kind);
+  for (const auto& [voxel, kind] : voxels_of(voxmap))
+    add(hash, voxel), add(hash, kind);
   return hash.value();
 }
 /// Nodes in and about the ground's voxels, and what was found over all of them.
 std::uint64_t hash_of(const voxmap::DistanceField& field, const voxmap::Voxmap& voxmap) {
   Fnv1a hash;
   for (const auto& [voxel, kind] : voxels_of(voxmap))
-    for (const int off : {-2, 0, 2}) add(hash, field.node({voxel.i + off, voxel.j, voxel.k - off}));
+    for (const int off : {-2, 0, 2})
+      add(hash, field.node({voxel.i + off, voxel.j, voxel.k - off}));
   add(hash, field.steepest_gradient()), add(hash, field.stored_nodes());
   return hash.value();
 }
 std::uint64_t hash_of(const pointshell::Pointshell& shell) {
   Fnv1a hash;
   for (const auto column :
-       {&pointshell::Pointshell::x, &pointshell::Pointshell::y, &pointshell::Pointshell::z, &pointshell::Pointshell::nx,
-        &pointshell::Pointshell::ny, &pointshell::Pointshell::nz, &pointshell::Pointshell::area_m2, &pointshell::Pointshell::coherence})
-    for (const auto& value : shell.*column) add(hash, value);
-  for (const auto& id : shell.id) add(hash, id);
+       {&pointshell::Pointshell::x, &pointshell::Pointshell::y, &pointshell::Pointshell::z,
+        &pointshell::Pointshell::nx, &pointshell::Pointshell::ny, &pointshell::Pointshell::nz,
+        &pointshell::Pointshell::area_m2, &pointshell::Pointshell::coherence})
+    for (const auto& value : shell.*column)
+      add(hash, value);
+  for (const auto& id : shell.id)
+    add(hash, id);
   return hash.value();
 }
 
-/// The contact itself runs on one thread: `core` has none. What threads build is what one would have built.
+/// The contact itself runs on one thread: `core` has none. What threads build is what one would
+/// have built.
 TEST(NumberOfThreads, IsInNoBitOfVoxelsFieldShellOrForce) {
   const std::uint64_t seed = testing::seed(77);
   SCOPED_TRACE(testing::seed_trace(seed));
@@ -271,12 +299,14 @@ TEST(NumberOfThreads, IsInNoBitOfVoxelsFieldShellOrForce) {
     ASSERT_EQ(hash_of(one.shell), hash_of(many.shell)) << threads;
     for (const Pose& pose : poses) {
       const Answers a = one.probe(pose), b = many.probe(pose);
-      for (std::size_t m = 0; m < kModels.size(); ++m) ASSERT_TRUE(same_bits(a[m], b[m])) << model_name(m) << ' ' << threads;
+      for (std::size_t m = 0; m < kModels.size(); ++m)
+        ASSERT_TRUE(same_bits(a[m], b[m])) << model_name(m) << ' ' << threads;
     }
   }
 }
 
-/// Every triangle in four by the middles of its sides, then some of them in three by a point within; all exact.
+/// Every triangle in four by the middles of its sides, then some of them in three by a point
+/// within; all exact.
 mesh::TriangleMesh split(const mesh::TriangleMesh& mesh, Random& random) {
   mesh::TriangleMesh fine;
   const auto vertex = [&](const Vec3& x) {
@@ -286,14 +316,16 @@ mesh::TriangleMesh split(const mesh::TriangleMesh& mesh, Random& random) {
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const Vec3 &a = mesh.corner(t, 0), &b = mesh.corner(t, 1), &c = mesh.corner(t, 2);
     const Vec3 ab = 0.5 * (a + b), bc = 0.5 * (b + c), ca = 0.5 * (c + a);
-    for (const std::array<Vec3, 3>& part : {std::array<Vec3, 3>{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}}) {
+    for (const std::array<Vec3, 3>& part :
+         {std::array<Vec3, 3>{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}}) {
       const std::array<std::uint32_t, 3> n{vertex(part[0]), vertex(part[1]), vertex(part[2])};
       if (random() % 3 != 0) {
         fine.triangles.push_back(n);
         continue;
       }
       const std::uint32_t within = vertex(0.5 * part[0] + 0.25 * part[1] + 0.25 * part[2]);
-      for (std::size_t k = 0; k < 3; ++k) fine.triangles.push_back({n[k], n[(k + 1) % 3], within});
+      for (std::size_t k = 0; k < 3; ++k)
+        fine.triangles.push_back({n[k], n[(k + 1) % 3], within});
     }
   }
   return fine;

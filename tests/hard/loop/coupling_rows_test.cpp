@@ -19,7 +19,8 @@ constexpr double kT = 1e-3;
 #if defined(__SSE2__)
 constexpr unsigned kDenormalOperand = 0x2, kUnderflow = 0x10;
 
-/// Which of the two the processor met while `work` ran: a step that does costs up to a hundred times one that does not.
+/// Which of the two the processor met while `work` ran: a step that does costs up to a hundred
+/// times one that does not.
 template <class Work>
 unsigned denormals_met(const Work& work) {
   _mm_setcsr(_mm_getcsr() & ~(kDenormalOperand | kUnderflow));
@@ -36,12 +37,15 @@ TEST(H3Denormals, FromAMinuteAfterTheReleaseOnNoStepMeetsOneAndTheForceIsZero) {
       spec.injected_damping_ns_per_m = 5, spec.passivity_damping_limit_ns_per_m = 5;
       coupling::RunningCoupling coupling(spec, {3.3, 0.1}, kT);
       Vec3 at(0.001, 2e-4, 0);
-      for (int n = 0; n < 1000; ++n) at.x() -= 4e-6, coupling.step(coupling::wall(at, 1000), kT);
+      for (int n = 0; n < 1000; ++n)
+        at.x() -= 4e-6, coupling.step(coupling::wall(at, 1000), kT);
       coupling::CouplingInput away;
-      for (int n = 0; n < 60'000; ++n) away.tool.position = Vec3(0.01 + 1e-7 * (n % 7), 0, 0), coupling.step(away, kT);
+      for (int n = 0; n < 60'000; ++n)
+        away.tool.position = Vec3(0.01 + 1e-7 * (n % 7), 0, 0), coupling.step(away, kT);
       bool zero = true;
       const unsigned met = denormals_met([&] {
-        for (int n = 0; n < 100'000; ++n) zero &= coupling.step(away, kT).wrench.zero();
+        for (int n = 0; n < 100'000; ++n)
+          zero &= coupling.step(away, kT).wrench.zero();
       });
       EXPECT_EQ(met, 0U) << kind << " " << cutoff_hz << " Hz";
       EXPECT_TRUE(zero) << kind << " " << cutoff_hz << " Hz";

@@ -12,14 +12,16 @@ namespace design_rows_test {
 
 constexpr double kPi = 3.14159265358979323846;
 
-coupling::design::LoopController filter(double cutoff_hz, double damping_ratio, double injected = 0.0) {
+coupling::design::LoopController filter(double cutoff_hz, double damping_ratio,
+                                        double injected = 0.0) {
   coupling::design::LoopController out;
   out.w0_rad_per_s = 2.0 * kPi * cutoff_hz, out.damping_ratio = damping_ratio;
   out.injected_damping = injected, out.velocity_filter_rad_per_s = 628.0;
   return out;
 }
 
-/// A stylus with 5 Ns/m injected and a 50 Hz filter: unstable from 819 N/m on, shown at half of that.
+/// A stylus with 5 Ns/m injected and a 50 Hz filter: unstable from 819 N/m on, shown at half of
+/// that.
 coupling_models::NonlinearLoop damped_phantom() {
   coupling_models::NonlinearLoop loop;
   loop.plant = {0.075, 0.005, 0.0, 0.0, 0.0, 1e-3, 1e-3, 0.0};
@@ -44,14 +46,16 @@ coupling_models::NonlinearLoop robot() {
   return loop;
 }
 
-/// Doubling k under a constant push P lets the device out from P/k to P/(2k) and gives it P^2/(2k), just what the spring had
-/// stored. What it gives beyond that is what the device's damping takes on the way: nothing if it is slow.
+/// Doubling k under a constant push P lets the device out from P/k to P/(2k) and gives it P^2/(2k),
+/// just what the spring had stored. What it gives beyond that is what the device's damping takes on
+/// the way: nothing if it is slow.
 TEST(HardCaseL1, StiffnessDoubledWhilePressedCreatesLittleEnergyWhereItIsRamped) {
   for (coupling_models::NonlinearLoop loop : {robot(), damped_phantom()}) {
     loop.contact_stiffness *= 0.5;
     loop.resolution = 0.0;
     loop.longest_s = loop.duration_s;
-    const double stored = 0.5 * loop.push * loop.push / loop.contact_stiffness, before = coupling_models::simulate(loop).work_j;
+    const double stored = 0.5 * loop.push * loop.push / loop.contact_stiffness,
+                 before = coupling_models::simulate(loop).work_j;
     const auto created = [&](double ramp_s) {
       loop.disturbance = {.at_s = 5.0, .stiffness_factor = 2.0, .stiffness_ramp_s = ramp_s};
       const coupling_models::NonlinearVerdict v = coupling_models::simulate(loop);
@@ -71,9 +75,11 @@ TEST(HardCaseL2, AQuantiserLeavesNoMoreThanItsBound) {
   for (coupling_models::NonlinearLoop loop : {robot(), damped_phantom()}) {
     loop.start_speed = 0.01;
     loop.damping_only_in_contact = false;
-    for (const coupling_models::WallLaw wall : {coupling_models::WallLaw::kBilateral, coupling_models::WallLaw::kUnilateral}) {
+    for (const coupling_models::WallLaw wall :
+         {coupling_models::WallLaw::kBilateral, coupling_models::WallLaw::kUnilateral}) {
       loop.wall = wall;
-      const double bound = loop.resolution * coupling_models::quantiser_gain(loop, loop.contact_stiffness);
+      const double bound =
+          loop.resolution * coupling_models::quantiser_gain(loop, loop.contact_stiffness);
       EXPECT_LT(bound, 40.0 * loop.resolution);
       for (int i = 0; i < 40; ++i) {
         loop.push = 1.0 + 0.013 * i;  // rests at all places between two steps
@@ -86,7 +92,8 @@ TEST(HardCaseL2, AQuantiserLeavesNoMoreThanItsBound) {
 }
 
 TEST(HardCaseL2, TheBoundOfAnOverdampedLoopIsItsGainAtRest) {
-  coupling_models::NonlinearLoop loop;  // its response has one sign, so the sum of amounts is the amount of the sum
+  coupling_models::NonlinearLoop
+      loop;  // its response has one sign, so the sum of amounts is the amount of the sum
   loop.plant = {0.1, 60.0, 0.0, 0.0, 200.0, 1e-3, 0.0, 0.0};
   loop.controller.law = coupling::design::LoopController::Law::kDirect;
   EXPECT_NEAR(coupling_models::quantiser_gain(loop, 300.0), 300.0 / 500.0, 0.01);
@@ -94,7 +101,8 @@ TEST(HardCaseL2, TheBoundOfAnOverdampedLoopIsItsGainAtRest) {
 }
 
 TEST(HardCaseL2, FrictionOfHalfAStepLeavesNoLimitCycle) {
-  coupling_models::NonlinearLoop stylus = damped_phantom();  // with damping of its own: that which is injected has steps as well
+  coupling_models::NonlinearLoop stylus =
+      damped_phantom();  // with damping of its own: that which is injected has steps as well
   stylus.plant.mass = 0.05, stylus.plant.damping = 0.5;
   stylus.controller = filter(50.0, 0.707);
   stylus.contact_stiffness = 42.0;
@@ -128,7 +136,8 @@ TEST(HardCaseL3, RestingAtTheThresholdChattersByNoMoreThanAStepOfForce) {
     loop.duration_s = loop.longest_s = 1000.0;  // 1e6 samples
     const coupling_models::NonlinearVerdict v = coupling_models::simulate(loop);
     EXPECT_GT(v.late_effort, 0.0);
-    // One step of force, and what the filter overshoots it by at most (the norm of its impulse response).
+    // One step of force, and what the filter overshoots it by at most (the norm of its impulse
+    // response).
     const double overshoot = coupling::design::overshoot_shape(loop.controller.damping_ratio);
     EXPECT_LE(v.late_effort, overshoot * loop.contact_stiffness * loop.resolution);
   }
@@ -141,7 +150,8 @@ TEST(HardCaseL4, AStiffnessThatIsStableHeldIsNotSoReleasedOrInALightHand) {
   loop.push = 0.3, loop.start_speed = 0.02;
   loop.duration_s = 30.0;
   const coupling::design::LoopPlant normal{0.075, 0.005, 0.1, 3.0, 200.0, 1e-3, 1e-3, 0.0},
-      light{0.075, 0.005, 0.02, 0.5, 20.0, 1e-3, 1e-3, 0.0}, released{0.075, 0.005, 0.0, 0.0, 0.0, 1e-3, 1e-3, 0.0},
+      light{0.075, 0.005, 0.02, 0.5, 20.0, 1e-3, 1e-3, 0.0},
+      released{0.075, 0.005, 0.0, 0.0, 0.0, 1e-3, 1e-3, 0.0},
       hand_mass_only{0.075, 0.005, 0.1, 0.0, 0.0, 1e-3, 1e-3, 0.0};
   loop.contact_stiffness = 190.0;
   loop.plant = normal;
@@ -188,7 +198,8 @@ TEST(HardCaseL5, AHundredMillisecondsOfSilenceFadeTheEffortAndItComesBack) {
     EXPECT_EQ(v.outcome, coupling_models::LoopOutcome::kRest);
     EXPECT_NEAR(v.end_position, loop.push / loop.contact_stiffness, 2.0 * loop.resolution);
     const double fall_s = 0.1 + coupling_models::kFadeInS;
-    EXPECT_LE(v.deepest, loop.push / loop.contact_stiffness + 0.5 * loop.push / loop.plant.mass * fall_s * fall_s);
+    EXPECT_LE(v.deepest, loop.push / loop.contact_stiffness +
+                             0.5 * loop.push / loop.plant.mass * fall_s * fall_s);
   }
 }
 
@@ -196,7 +207,8 @@ TEST(HardCaseL5, ASilenceThatDoesNotEndLeavesNoForce) {
   coupling_models::NonlinearLoop loop = damped_phantom();
   loop.disturbance = {.at_s = 2.0, .silence_s = 1e9};
   loop.duration_s = 3.5, loop.longest_s = 3.5;
-  const coupling_models::NonlinearVerdict held = coupling_models::simulate(loop);  // the last force, which nearly balances the push
+  const coupling_models::NonlinearVerdict held =
+      coupling_models::simulate(loop);  // the last force, which nearly balances the push
   loop.fade_after_lost = 3;
   const coupling_models::NonlinearVerdict faded = coupling_models::simulate(loop);
   EXPECT_EQ(faded.late_effort, 0.0);
@@ -229,7 +241,8 @@ TEST(HardCaseL8, WithinARangeOfMassesTheWorstIsAtAnEnd) {
     return coupling_models::simulated_limit(loop, 20.0, 5e3, 0.02);
   };
   const double worst = std::min(limit(2.0), limit(10.0));
-  for (const double mass : {2.5, 3.5, 5.0, 7.0, 8.5}) EXPECT_GE(limit(mass), 0.98 * worst) << mass;
+  for (const double mass : {2.5, 3.5, 5.0, 7.0, 8.5})
+    EXPECT_GE(limit(mass), 0.98 * worst) << mass;
 }
 
 }  // namespace design_rows_test

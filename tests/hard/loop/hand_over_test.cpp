@@ -16,7 +16,8 @@ namespace {
 using Sample = std::array<std::uint64_t, 13>;
 
 TEST(HardCaseL6, APoseIsNeverReadHalfOldAndHalfNewAndTimeNeverRunsBack) {
-  // The writer goes on until the reader has seen enough: on a busy machine it may be gone before a read starts.
+  // The writer goes on until the reader has seen enough: on a busy machine it may be gone before a
+  // read starts.
   constexpr std::uint64_t kSamples = 2'000'000;
   constexpr std::uint64_t kReads = 100;
   LatestValue<Sample> latest;
@@ -31,9 +32,11 @@ TEST(HardCaseL6, APoseIsNeverReadHalfOldAndHalfNewAndTimeNeverRunsBack) {
   std::uint64_t torn = 0, backwards = 0, read = 0, last = 0;
   while (last < kSamples || read < kReads) {
     Sample sample;
-    if (!latest.take(sample)) continue;
+    if (!latest.take(sample))
+      continue;
     ++read;
-    for (const std::uint64_t value : sample) torn += value != sample[0];
+    for (const std::uint64_t value : sample)
+      torn += value != sample[0];
     backwards += sample[0] <= last;
     last = sample[0];
   }
@@ -49,9 +52,11 @@ TEST(HardCaseL6, AnOverrunIsCountedAndTheLoopGoesOnInItsOwnGrid) {
   std::uint64_t skipped = 0;
   // Turns that take 0.2, 0.9, 3.4, 0.1, 1.05 periods after their deadline.
   for (const double elapsed : {0.2, 0.9, 3.4, 0.1, 1.05}) {
-    const Deadline next = next_deadline(deadline, deadline + static_cast<std::int64_t>(elapsed * kPeriod), kPeriod);
+    const Deadline next =
+        next_deadline(deadline, deadline + static_cast<std::int64_t>(elapsed * kPeriod), kPeriod);
     EXPECT_EQ(next.at_ns % kPeriod, 0) << "no drift";
-    EXPECT_GT(next.at_ns, deadline + static_cast<std::int64_t>(elapsed * kPeriod) - kPeriod) << "no burst to catch up";
+    EXPECT_GT(next.at_ns, deadline + static_cast<std::int64_t>(elapsed * kPeriod) - kPeriod)
+        << "no burst to catch up";
     skipped += next.skipped;
     deadline = next.at_ns;
   }

@@ -18,10 +18,15 @@ constexpr std::uint64_t kShorter = 1;
 #endif
 
 void expect_well(const Findings& f) {
-  for (const std::string& line : f.lines) std::printf("%s\n", line.c_str());
-  std::printf("last tenth over first tenth: %.2f of CPU time; memory grew by %lld bytes, the heap by %lld\n",
-              f.slow_down, static_cast<long long>(f.resident_growth), static_cast<long long>(f.heap_growth));
-  for (const std::string& fault : f.faults) ADD_FAILURE() << fault;
+  for (const std::string& line : f.lines)
+    std::printf("%s\n", line.c_str());
+  std::printf(
+      "last tenth over first tenth: %.2f of CPU time; memory grew by %lld bytes, the heap by "
+      "%lld\n",
+      f.slow_down, static_cast<long long>(f.resident_growth),
+      static_cast<long long>(f.heap_growth));
+  for (const std::string& fault : f.faults)
+    ADD_FAILURE() << fault;
 }
 
 TEST(H2BillionSteps, AHeldContactNeitherDriftsNorJumpsWhateverCutoffPeriodsAndClockDo) {
@@ -58,7 +63,8 @@ TEST(HostileCommands, NothingNotFiniteOrOverALimitReachesADriver) {
 TEST(FloatingPointTraps, NoFrameOfRandomContactIsInvalidOverflowsOrDividesByZero) {
   TrapRunOptions ask;
   const char* frames = std::getenv("VOXTOUCH_TRAP_FRAMES");
-  ask.frames = frames ? std::strtoull(frames, nullptr, 10) : 78'000 / std::min<std::uint64_t>(kShorter, 3);
+  ask.frames =
+      frames ? std::strtoull(frames, nullptr, 10) : 78'000 / std::min<std::uint64_t>(kShorter, 3);
   ask.scenes = VOXTOUCH_DEPLOY "/scenes", ask.seed = testing::seed(4);
   SCOPED_TRACE(testing::seed_trace(ask.seed));
   expect_well(run_traps(ask));

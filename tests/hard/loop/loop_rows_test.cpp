@@ -1,4 +1,5 @@
-// Row L5 and rest and sliding at encoder resolution, in the whole loop: device, scene, coupling, gate, guard.
+// Row L5 and rest and sliding at encoder resolution, in the whole loop: device, scene, coupling,
+// gate, guard.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -19,7 +20,8 @@ RigOptions asked(const char* scene, const char* motion) {
   return ask;
 }
 
-/// Where the tool was, seen by the encoder, and the energy bound that the passivity observer states (core/coupling/passivity.hpp).
+/// Where the tool was, seen by the encoder, and the energy bound that the passivity observer states
+/// (core/coupling/passivity.hpp).
 class Watch {
  public:
   void see(const Vec3& position, const Wrench& given, double energy_j) {
@@ -27,7 +29,8 @@ class Watch {
       most_n_ = std::max(most_n_, force_.norm());
       longest_m_ = std::max(longest_m_, (position - position_).norm());
     }
-    if (given_) steepest_n_ = std::max(steepest_n_, (given.force - force_).norm());
+    if (given_)
+      steepest_n_ = std::max(steepest_n_, (given.force - force_).norm());
     given_ = true, position_ = position, force_ = given.force;
     lowest_j_ = std::min(lowest_j_, energy_j);
     low_ = low_.cwiseMin(position), high_ = high_.cwiseMax(position);
@@ -40,7 +43,8 @@ class Watch {
 
  private:
   bool given_ = false;
-  Vec3 position_ = Vec3::Zero(), force_ = Vec3::Zero(), low_ = Vec3::Constant(1e9), high_ = Vec3::Constant(-1e9);
+  Vec3 position_ = Vec3::Zero(), force_ = Vec3::Zero(), low_ = Vec3::Constant(1e9),
+       high_ = Vec3::Constant(-1e9);
   double most_n_ = 0.0, longest_m_ = 0.0, lowest_j_ = 0.0, steepest_n_ = 0.0;
 };
 
@@ -50,12 +54,15 @@ struct Touch {
   contact::ContactModelKind model;
   bool arm;
 };
-void PrintTo(const Touch& t, std::ostream* out) { *out << contact::name_of(t.model) << (t.arm ? " arm" : " stylus"); }
+void PrintTo(const Touch& t, std::ostream* out) {
+  *out << contact::name_of(t.model) << (t.arm ? " arm" : " stylus");
+}
 
 class EncoderResolution : public ::testing::TestWithParam<Touch> {};
 
-/// Sinks into the cup's wall by a tenth, a quarter and half a voxel, where the contact is at its stiffest, and rests at each depth.
-/// (Deeper than the voxel layer the force of three of the models does not change with the depth: nothing there could swing.)
+/// Sinks into the cup's wall by a tenth, a quarter and half a voxel, where the contact is at its
+/// stiffest, and rests at each depth. (Deeper than the voxel layer the force of three of the models
+/// does not change with the depth: nothing there could swing.)
 Motion gentle_rests() {
   const Vec3 out = Vec3(-0.04417, -0.01607, 0.0).normalized();
   Motion motion;
@@ -70,8 +77,10 @@ TEST_P(EncoderResolution, LeavesNoLimitCycleBeyondItsOwnStepWhereTheToolRestsLig
   for (const bool friction : {true, false}) {
     RigOptions ask = asked("cup_field.yaml", "");
     ask.path = gentle_rests(), ask.model = model;
-    if (arm) ask.device = sim::sim_lwr();
-    if (!friction) ask.device.description.coulomb_friction_n = ask.device.coulomb_friction_nm = 0.0;
+    if (arm)
+      ask.device = sim::sim_lwr();
+    if (!friction)
+      ask.device.description.coulomb_friction_n = ask.device.coulomb_friction_nm = 0.0;
     LoopRig rig(ask);
     Watch whole;
     const double step_m = ask.device.description.position_resolution_m;
@@ -85,15 +94,18 @@ TEST_P(EncoderResolution, LeavesNoLimitCycleBeyondItsOwnStepWhereTheToolRestsLig
         const Wrench& given = rig.step();
         const Vec3& position = rig.front().frame().object.position;
         whole.see(position, given, rig.front().out().energy_j);
-        if (static_cast<double>(rig.device().time_ns()) * 1e-9 > at_s - 0.5) rest.see(position, given, 0.0);
+        if (static_cast<double>(rig.device().time_ns()) * 1e-9 > at_s - 0.5)
+          rest.see(position, given, 0.0);
         force_n = given.force.norm();
       }
-      EXPECT_LE(rest.peak_to_peak_m(), 1.001 * step_m) << i << (friction ? "" : " without friction");
+      EXPECT_LE(rest.peak_to_peak_m(), 1.001 * step_m)
+          << i << (friction ? "" : " without friction");
       if (i > 1 && !(arm && friction)) {  // an arm's friction keeps the tool from going all the way
         EXPECT_GT(force_n, 0.0) << i;
       }
-      std::printf("%s rest %d: %.3f N, %.2f encoder steps peak to peak\n", friction ? "friction," : "no friction,",
-                  static_cast<int>(i), force_n, rest.peak_to_peak_m() / step_m);
+      std::printf("%s rest %d: %.3f N, %.2f encoder steps peak to peak\n",
+                  friction ? "friction," : "no friction,", static_cast<int>(i), force_n,
+                  rest.peak_to_peak_m() / step_m);
     }
     EXPECT_GE(whole.lowest_j(), whole.bound_j());
   }
@@ -103,7 +115,8 @@ TEST_P(EncoderResolution, KeepsTheEnergyAboveItsBoundWhileTheToolSlidesOverVoxel
   const auto& [model, arm] = GetParam();
   RigOptions ask = asked("cup_field.yaml", "slide");
   ask.model = model;
-  if (arm) ask.device = sim::sim_lwr();
+  if (arm)
+    ask.device = sim::sim_lwr();
   LoopRig rig(ask);
   Watch watch;
   int touching = 0;
@@ -117,27 +130,32 @@ TEST_P(EncoderResolution, KeepsTheEnergyAboveItsBoundWhileTheToolSlidesOverVoxel
   std::printf("lowest energy %.3g J, bound %.3g J\n", watch.lowest_j(), watch.bound_j());
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Cup, EncoderResolution,
-    ::testing::Values(Touch{contact::ContactModelKind::kOriginal, false}, Touch{contact::ContactModelKind::kAdapted, false},
-                      Touch{contact::ContactModelKind::kField, false},
-                      Touch{contact::ContactModelKind::kOriginal, true}, Touch{contact::ContactModelKind::kAdapted, true},
-                      Touch{contact::ContactModelKind::kField, true}));
+INSTANTIATE_TEST_SUITE_P(Cup, EncoderResolution,
+                         ::testing::Values(Touch{contact::ContactModelKind::kOriginal, false},
+                                           Touch{contact::ContactModelKind::kAdapted, false},
+                                           Touch{contact::ContactModelKind::kField, false},
+                                           Touch{contact::ContactModelKind::kOriginal, true},
+                                           Touch{contact::ContactModelKind::kAdapted, true},
+                                           Touch{contact::ContactModelKind::kField, true}));
 
 // --- L1
 
-/// What the encoder does to the force through the injected damping, from the one extreme to the other: 2 B q/T (1 - e^(-w T)), or the share of a window.
+/// What the encoder does to the force through the injected damping, from the one extreme to the
+/// other: 2 B q/T (1 - e^(-w T)), or the share of a window.
 double encoder_step_n(const RigOptions& ask, const coupling::CouplingSpec& spec) {
   const coupling::design::VelocityEstimate velocity = coupling::design::velocity_of(spec);
   const double period_s = 1.0 / ask.device.description.rate_hz;
-  return 2.0 * spec.injected_damping_ns_per_m * ask.device.description.position_resolution_m / period_s *
+  return 2.0 * spec.injected_damping_ns_per_m * ask.device.description.position_resolution_m /
+         period_s *
          coupling::design::step_share(velocity.filter_rad_per_s(), velocity.window, period_s);
 }
 
-/// The scene is built anew, twice as stiff, and taken in while the tool is pressed into it. Quasi-statically the contact does the
-/// mean of both forces times the way on the hand; a step would do half as much again.
+/// The scene is built anew, twice as stiff, and taken in while the tool is pressed into it.
+/// Quasi-statically the contact does the mean of both forces times the way on the hand; a step
+/// would do half as much again.
 TEST(L1StiffnessStep, OfASceneThatIsTakenInUnderPressureGivesTheHandWhatTheRampMustAndNoStep) {
-  for (const double stiffness_times : {0.03, 0.06}) {  // below the cap, so that the hand meets what the scene shows
+  for (const double stiffness_times :
+       {0.03, 0.06}) {  // below the cap, so that the hand meets what the scene shows
     RigOptions ask = asked("cup_field.yaml", "hit");
     ask.device.description.coulomb_friction_n = 0.0;  // it would hold the tool where it is
     ask.stiffness_times = stiffness_times;
@@ -151,42 +169,53 @@ TEST(L1StiffnessStep, OfASceneThatIsTakenInUnderPressureGivesTheHandWhatTheRampM
         rig.front().swap_to(rig.build_again(2 * ask.stiffness_times));
       }
       const Wrench& given = rig.step();
-      if (n < 3800) before_n = given.force.norm();
-      if (n == 3799) watch = {};
-      if (n >= 3799) watch.see(rig.front().frame().object.position, given, rig.front().energy().normal_j - credit_j);
+      if (n < 3800)
+        before_n = given.force.norm();
+      if (n == 3799)
+        watch = {};
+      if (n >= 3799)
+        watch.see(rig.front().frame().object.position, given,
+                  rig.front().energy().normal_j - credit_j);
     }
     const double after_n = rig.front().out().wrench.force.norm(),
                  way_m = (rig.device().plant().pose().position - before).norm();
     const double must_j = 0.5 * (before_n + after_n) * way_m;
     ASSERT_GT(after_n, 1.3 * before_n);
     ASSERT_EQ(rig.front().counters().capped, 0U);
-    EXPECT_NEAR(-watch.lowest_j(), must_j, 0.2 * must_j + after_n * ask.device.description.position_resolution_m);
-    EXPECT_LE(watch.steepest_n(),
-              1.5 * (after_n - before_n) * 1e-3 / rendering::LiveScene::kFadeS + encoder_step_n(ask, rig.spec()));
+    EXPECT_NEAR(-watch.lowest_j(), must_j,
+                0.2 * must_j + after_n * ask.device.description.position_resolution_m);
+    EXPECT_LE(watch.steepest_n(), 1.5 * (after_n - before_n) * 1e-3 / rendering::LiveScene::kFadeS +
+                                      encoder_step_n(ask, rig.spec()));
     std::printf(
-        "from %.3g N to %.3g N over %.2g m, largest step %.2g N (an encoder step %.2g N), given %.3g J, must %.3g J\n",
-        before_n, after_n, way_m, watch.steepest_n(), encoder_step_n(ask, rig.spec()), -watch.lowest_j(), must_j);
+        "from %.3g N to %.3g N over %.2g m, largest step %.2g N (an encoder step %.2g N), given "
+        "%.3g J, must %.3g J\n",
+        before_n, after_n, way_m, watch.steepest_n(), encoder_step_n(ask, rig.spec()),
+        -watch.lowest_j(), must_j);
   }
 }
 
 // --- L5
 
-/// What lies between coupling and device: commands are lost, come twice, come late and overtake each other.
+/// What lies between coupling and device: commands are lost, come twice, come late and overtake
+/// each other.
 class Wire {
  public:
   Wire(double loss, std::uint64_t seed) : loss_(loss), random_(seed) {}
   bool loses() { return uniform() < loss_; }
   /// `command` sets out at `now`; it may arrive then, up to two periods later, or twice.
   void send(const LoopRig::Command& command, std::uint64_t now) {
-    if (loses()) return;
+    if (loses())
+      return;
     under_way_.push_back({now + late(), command});
-    if (uniform() < 0.1) under_way_.push_back({now + 1 + late(), command});
+    if (uniform() < 0.1)
+      under_way_.push_back({now + 1 + late(), command});
   }
   /// What arrives at `now`, the last that was sent first.
   std::vector<LoopRig::Command> arriving(std::uint64_t now) {
     std::vector<LoopRig::Command> out;
     for (std::size_t i = under_way_.size(); i-- > 0;) {
-      if (under_way_[i].at > now) continue;
+      if (under_way_[i].at > now)
+        continue;
       out.push_back(under_way_[i].command);
       under_way_.erase(under_way_.begin() + static_cast<std::ptrdiff_t>(i));
     }
@@ -212,21 +241,26 @@ TEST(L5Wire, LossDuplicatesAndOvertakingLeaveTheToolAtRestAndTheNewestCommandCou
   for (const double loss : {0.0, 0.01, 0.03, 0.05})
     for (const bool arm : {false, true}) {
       RigOptions ask = asked("cup.yaml", "hit");
-      if (arm) ask.device = sim::sim_lwr();
+      if (arm)
+        ask.device = sim::sim_lwr();
       LoopRig rig(ask);
       Wire wire(loss, standard + (arm ? 100 : 0) + static_cast<std::uint64_t>(1000 * loss));
       Watch watch;
       std::uint64_t newest = 0, lost = 0, refused = 0;
       for (std::uint64_t n = 0; n < 5300; ++n) {
-        if (n == 4300) watch.forget_places();
+        if (n == 4300)
+          watch.forget_places();
         const devices::DeviceSample sample = rig.read();
         if (wire.loses())
           ++lost;
         else
           wire.send(rig.answer(sample, rig.sequence()), n);
         for (const LoopRig::Command& command : wire.arriving(n)) {
-          const bool newer = command.sequence > newest || (newest == 0 && command.sequence == 0 && n == 0);
-          ASSERT_EQ(rig.arrive(command), newer ? devices::GateVerdict::kAccepted : devices::GateVerdict::kOldSequence) << n;
+          const bool newer =
+              command.sequence > newest || (newest == 0 && command.sequence == 0 && n == 0);
+          ASSERT_EQ(rig.arrive(command),
+                    newer ? devices::GateVerdict::kAccepted : devices::GateVerdict::kOldSequence)
+              << n;
           if (newer)
             newest = command.sequence;
           else
@@ -243,9 +277,11 @@ TEST(L5Wire, LossDuplicatesAndOvertakingLeaveTheToolAtRestAndTheNewestCommandCou
       EXPECT_EQ(rig.refused_writes(), 0U);
       const double step_m = ask.device.description.position_resolution_m;
       EXPECT_LE(watch.peak_to_peak_m(), 1.001 * step_m) << loss << (arm ? " arm" : " stylus");
-      std::printf("loss %.0f %%: %.2f encoder steps peak to peak, %d samples lost, %d commands too old, %d fades\n",
-                  100 * loss, watch.peak_to_peak_m() / step_m, static_cast<int>(lost), static_cast<int>(refused),
-                  static_cast<int>(rig.guard().counts().faded));
+      std::printf(
+          "loss %.0f %%: %.2f encoder steps peak to peak, %d samples lost, %d commands too old, %d "
+          "fades\n",
+          100 * loss, watch.peak_to_peak_m() / step_m, static_cast<int>(lost),
+          static_cast<int>(refused), static_cast<int>(rig.guard().counts().faded));
     }
 }
 
@@ -256,7 +292,8 @@ TEST(L5Wire, AHundredMillisecondsOfSilenceFadeTheForceWithinTwentyAndItComesBack
   for (const Silent what : {Silent::kCommands, Silent::kSamples})
     for (const bool arm : {false, true}) {
       RigOptions ask = asked("cup.yaml", "hit");
-      if (arm) ask.device = sim::sim_lwr();
+      if (arm)
+        ask.device = sim::sim_lwr();
       LoopRig rig(ask);
       Watch watch;
       constexpr int kCut = 3800, kBack = kCut + 100;
@@ -265,28 +302,37 @@ TEST(L5Wire, AHundredMillisecondsOfSilenceFadeTheForceWithinTwentyAndItComesBack
       for (int n = 0; n < 5300; ++n) {
         const devices::DeviceSample sample = rig.read();
         const bool cut = n >= kCut && n < kBack;
-        if (n == kCut) rest = sample.pose.position;
-        if (n == 4800) watch.forget_places();
+        if (n == kCut)
+          rest = sample.pose.position;
+        if (n == 4800)
+          watch.forget_places();
         if (!cut || what == Silent::kCommands) {
           const LoopRig::Command command = rig.answer(sample, rig.sequence());
-          if (!cut) rig.arrive(command);
+          if (!cut)
+            rig.arrive(command);
         }
         const Wrench& given = rig.finish();
-        if (n < kCut) before_n = given.force.norm();
-        if (n == kCut - 1) watch = {};
-        if (n >= kCut - 1) watch.see(sample.pose.position, given, 0.0);
+        if (n < kCut)
+          before_n = given.force.norm();
+        if (n == kCut - 1)
+          watch = {};
+        if (n >= kCut - 1)
+          watch.see(sample.pose.position, given, 0.0);
         if (n >= kCut - 1 + 3 + 20 && n < kBack) {
           ASSERT_TRUE(given.zero()) << n - kCut;
         }
       }
       ASSERT_GT(before_n, 0.1);
-      // 20 ms from all to nothing, by the guard; back over its 0.1 s, and the push of a tool that has sunk in.
+      // 20 ms from all to nothing, by the guard; back over its 0.1 s, and the push of a tool that
+      // has sunk in.
       EXPECT_LE(watch.steepest_n(), 1.2 * before_n / 20.0 + encoder_step_n(ask, rig.spec()));
       const double step_m = ask.device.description.position_resolution_m;
       EXPECT_LE(watch.peak_to_peak_m(), 1.001 * step_m);
-      std::printf("%s, %s: %.3g N before, largest change in a period %.3g N, back to %.2f steps from where it was\n",
-                  what == Silent::kCommands ? "commands" : "samples", arm ? "arm" : "stylus", before_n,
-                  watch.steepest_n(), (rig.front().frame().object.position - rest).norm() / step_m);
+      std::printf(
+          "%s, %s: %.3g N before, largest change in a period %.3g N, back to %.2f steps from where "
+          "it was\n",
+          what == Silent::kCommands ? "commands" : "samples", arm ? "arm" : "stylus", before_n,
+          watch.steepest_n(), (rig.front().frame().object.position - rest).norm() / step_m);
     }
 }
 

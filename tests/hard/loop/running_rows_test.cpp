@@ -14,7 +14,8 @@ namespace voxtouch::test {
 namespace {
 
 constexpr double kT = 1e-3;
-const double kNan = std::numeric_limits<double>::quiet_NaN(), kInf = std::numeric_limits<double>::infinity();
+const double kNan = std::numeric_limits<double>::quiet_NaN(),
+             kInf = std::numeric_limits<double>::infinity();
 
 coupling::CouplingSpec filter(double hz, double d, double gain = 1.0) {
   coupling::CouplingSpec spec;
@@ -41,7 +42,8 @@ TEST(HardCases, AnyCutoffAndDampingRatioStaysBoundedOrIsRefused) {
         }
         coupling::RunningCoupling coupling(spec, {}, kT, 0.0);
         double peak = 0;
-        for (int n = 0; n < 2000; ++n) peak = std::max(peak, coupling.step(push(1), kT).wrench.force.norm());
+        for (int n = 0; n < 2000; ++n)
+          peak = std::max(peak, coupling.step(push(1), kT).wrench.force.norm());
         ASSERT_TRUE(std::isfinite(peak));
         EXPECT_LE(peak, 2 * gain * (1 + 1e-9)) << angle << " " << d;
       }
@@ -59,13 +61,16 @@ double steady_error(std::int64_t steps) {
   double worst = 0;
   for (std::int64_t n = 0; n < steps; ++n) {
     const double error = std::abs(law.step({push(1).contact}).force.x() - 0.75);
-    if (n > 3000) worst = std::max(worst, error);
+    if (n > 3000)
+      worst = std::max(worst, error);
   }
   return worst;
 }
 
 // H2
-TEST(HardCases, SteadyErrorDoesNotGrowOverTenMillionSteps) { EXPECT_LT(steady_error(10'000'000), 1e-14 * 0.75); }
+TEST(HardCases, SteadyErrorDoesNotGrowOverTenMillionSteps) {
+  EXPECT_LT(steady_error(10'000'000), 1e-14 * 0.75);
+}
 
 // H3
 TEST(HardCases, AMinuteAfterReleaseTheForceIsZeroAndAStepCostsWhatItAlwaysCosts) {
@@ -87,7 +92,8 @@ TEST(HardCases, AMinuteAfterReleaseTheForceIsZeroAndAStepCostsWhatItAlwaysCosts)
   };
   const double busy = time_of(true);
   coupling::CouplingOutput out;
-  for (int n = 0; n < 60'000; ++n) out = coupling.step({}, kT);
+  for (int n = 0; n < 60'000; ++n)
+    out = coupling.step({}, kT);
   EXPECT_TRUE(out.wrench.zero());
   EXPECT_LT(time_of(false), 2 * busy);
 }
@@ -104,8 +110,8 @@ TEST(HardCases, NoSequenceOfPeriodsMakesTheForceLargerThanTwiceTheContact) {
       coupling::RunningCoupling coupling(spec, {}, kT);
       double peak = 0;
       for (int n = 0; n < 20'000; ++n) {
-        const double dt =
-            u(random) < 0.2 ? bad[static_cast<std::size_t>(10 * u(random))] : kT * (0.2 + 4.8 * u(random));
+        const double dt = u(random) < 0.2 ? bad[static_cast<std::size_t>(10 * u(random))]
+                                          : kT * (0.2 + 4.8 * u(random));
         const coupling::CouplingOutput out = coupling.step(push(2 * u(random) - 1, 500), dt);
         ASSERT_TRUE(out.wrench.finite());
         peak = std::max(peak, out.wrench.force.norm());
@@ -122,9 +128,11 @@ TEST(HardCases, APeakOfAHundredTimesTheLimitIsForgottenWithinSixFilterTimes) {
     spec.kind = kind, spec.injected_damping_ns_per_m = 5, spec.passivity_damping_limit_ns_per_m = 5;
     coupling::RunningCoupling coupling(spec, {3.3, 0.1}, kT);
     coupling.step({}, kT);
-    for (int n = 0; n < 300; ++n) ASSERT_LE(coupling.step(push(330), kT).wrench.force.norm(), 3.3);
+    for (int n = 0; n < 300; ++n)
+      ASSERT_LE(coupling.step(push(330), kT).wrench.force.norm(), 3.3);
     coupling::CouplingOutput out;
-    for (int n = 0; n * kT < 6 / coupling::cutoff_rad_per_s(spec); ++n) out = coupling.step({}, kT);
+    for (int n = 0; n * kT < 6 / coupling::cutoff_rad_per_s(spec); ++n)
+      out = coupling.step({}, kT);
     EXPECT_LT(out.wrench.force.norm(), 0.05 * 3.3) << kind;
     EXPECT_EQ(coupling.counters().clamped, 300U) << kind;
   }
@@ -162,9 +170,11 @@ TEST(HardCases, AStiffnessThatDoublesUnderPressureGivesNoEnergyBeyondItsRamp) {
   coupling::LoopDevice device;
   device.mass_kg = 0.15, device.damping_ns_per_m = 0.05, device.push = Vec3(-2, 0, 0),
   device.hand_damping_ns_per_m = 12;
-  coupling::HapticLoop loop(device, coupling, [](const Vec3& at) { return coupling::wall(at, 2000); });
+  coupling::HapticLoop loop(device, coupling,
+                            [](const Vec3& at) { return coupling::wall(at, 2000); });
   loop.position = Vec3(0.001, 0, 0);
-  for (int n = 0; n < 2000; ++n) loop.step();
+  for (int n = 0; n < 2000; ++n)
+    loop.step();
   EXPECT_NEAR(loop.position.x(), -2.0 / 400, 1e-5);
   double before = loop.step().wrench.force.x(), steepest = 0;
   spec.stiffness_cap_n_per_m = 800;
@@ -179,8 +189,8 @@ TEST(HardCases, AStiffnessThatDoublesUnderPressureGivesNoEnergyBeyondItsRamp) {
   }
   EXPECT_NEAR(loop.position.x(), -2.0 / 800, 1e-5);
   EXPECT_LE(steepest, 0.08) << "2 N more over 200 ms, and what the tool swings";
-  // A hand that pushes with 2 N is pushed back by 2.5 mm whatever the ramp, which is 5 mJ. A step would give dk p^2/2, another
-  // 5 mJ, on top.
+  // A hand that pushes with 2 N is pushed back by 2.5 mm whatever the ramp, which is 5 mJ. A step
+  // would give dk p^2/2, another 5 mJ, on top.
   EXPECT_NEAR(credit - lowest, 0.005, 0.2 * 0.005);
 }
 
@@ -193,12 +203,14 @@ TEST(HardCases, AnEncoderLeavesNoMoreThanAStepWhereDryFrictionTakesTheRest) {
     device.mass_kg = 0.15, device.damping_ns_per_m = 0.05, device.push = Vec3(-1, 0, 0),
     device.hand_damping_ns_per_m = 3;
     device.friction_n = friction, device.resolution_m = q;
-    coupling::HapticLoop loop(device, coupling, [k](const Vec3& at) { return coupling::wall(at, k); });
+    coupling::HapticLoop loop(device, coupling,
+                              [k](const Vec3& at) { return coupling::wall(at, k); });
     loop.position = Vec3(0.001, 0, 0);
     double low = 1, high = -1;
     for (int n = 0; n < 8000; ++n) {
       loop.step();
-      if (n > 6000) low = std::min(low, loop.position.x()), high = std::max(high, loop.position.x());
+      if (n > 6000)
+        low = std::min(low, loop.position.x()), high = std::max(high, loop.position.x());
     }
     EXPECT_LE(high - low, 0.02 * q) << friction;
   }
@@ -215,7 +227,8 @@ TEST(HardCases, SaturationAfterAnImpactDecaysAndKeepsTheForcesDirection) {
   const Vec3 normal(0.8, -0.6, 0);
   coupling::HapticLoop loop(device, coupling, [&](const Vec3& at) {
     const double depth = -at.dot(normal);
-    if (depth < 0) return coupling::CouplingInput{};
+    if (depth < 0)
+      return coupling::CouplingInput{};
     coupling::CouplingInput in;
     in.contact.force = 400 * depth * normal;
     in.contact_stiffness_n_per_m = 400;

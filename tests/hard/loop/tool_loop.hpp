@@ -1,6 +1,6 @@
 #pragma once
-/// A ball of 10 mm on a virtual tool, e = 2 mm, in a hand on a simulated device: the whole loop as function calls (LoopRig), beside what the device
-/// does not tell, its pose before the encoder.
+/// A ball of 10 mm on a virtual tool, e = 2 mm, in a hand on a simulated device: the whole loop as
+/// function calls (LoopRig), beside what the device does not tell, its pose before the encoder.
 #include <fstream>
 
 #include "core/scene/scene_file.hpp"
@@ -12,12 +12,16 @@ namespace voxtouch::test {
 inline constexpr double kToolRadius = 0.01, kToolVoxel = 0.002;
 
 /// A scene over `mesh`; the hand's motion as text.
-inline std::string tool_scene(const TemporaryFolder& folder, const std::string& mesh, const std::string& motion, const std::string& kind = "shaping_filter",
+inline std::string tool_scene(const TemporaryFolder& folder, const std::string& mesh,
+                              const std::string& motion, const std::string& kind = "shaping_filter",
                               double voxel_m = kToolVoxel) {
   const std::string file = (folder / "tool.yaml").string();
-  std::ofstream(file) << "scene: tool\nvoxel_size: " << voxel_m << "\nstatic: [{mesh: " << mesh << "}]\ndynamic: {mesh: " << VOXTOUCH_DEPLOY
-                      << "/meshes/sphere.obj, scale: " << kToolRadius << "}\ncontact: {model: field, rendering: virtual_tool}\n"
-                      << "coupling: {design: auto, kind: " << kind << "}\nmotions: {it: {" << motion << "}}\n";
+  std::ofstream(file) << "scene: tool\nvoxel_size: " << voxel_m << "\nstatic: [{mesh: " << mesh
+                      << "}]\ndynamic: {mesh: " << VOXTOUCH_DEPLOY
+                      << "/meshes/sphere.obj, scale: " << kToolRadius
+                      << "}\ncontact: {model: field, rendering: virtual_tool}\n"
+                      << "coupling: {design: auto, kind: " << kind << "}\nmotions: {it: {" << motion
+                      << "}}\n";
   return file;
 }
 
@@ -27,24 +31,29 @@ struct LeftOut {
 };
 
 struct ToolSample {
-  Vec3 true_hand, hand;                  ///< before and behind the encoder [m]
-  Vec3 true_force, contact, commanded;   ///< rendered at the first, at the second; what the device is given [N]
+  Vec3 true_hand, hand;  ///< before and behind the encoder [m]
+  Vec3 true_force, contact,
+      commanded;  ///< rendered at the first, at the second; what the device is given [N]
 };
 struct ToolRun {
   double spring_n_per_m = 0.0, encoder_m = 0.0;
   std::vector<ToolSample> samples;
 };
 
-inline ToolRun run_tool(const std::string& scene, sim::SimParameters device, const LeftOut& left_out, double duration_s) {
+inline ToolRun run_tool(const std::string& scene, sim::SimParameters device,
+                        const LeftOut& left_out, double duration_s) {
   long_runs::RigOptions ask;
   ask.scene = scene, ask.motion = "it", ask.designed_for = device.description;
-  if (left_out.encoder) device.description.position_resolution_m = device.description.orientation_resolution_rad = 0.0;
-  if (left_out.friction) device.description.coulomb_friction_n = device.coulomb_friction_nm = 0.0;
+  if (left_out.encoder)
+    device.description.position_resolution_m = device.description.orientation_resolution_rad = 0.0;
+  if (left_out.friction)
+    device.description.coulomb_friction_n = device.coulomb_friction_nm = 0.0;
   ask.device = device;
   long_runs::LoopRig rig(ask);
   const std::unique_ptr<long_runs::RigFront> exact = rig.fresh_front();
   ToolRun run{rig.spring_n_per_m(), device.description.position_resolution_m, {}};
-  for (const auto n = static_cast<std::size_t>(duration_s * device.description.rate_hz); run.samples.size() < n;) {
+  for (const auto n = static_cast<std::size_t>(duration_s * device.description.rate_hz);
+       run.samples.size() < n;) {
     devices::DeviceSample sample = rig.read();
     ToolSample at;
     at.true_hand = rig.device().plant().pose().position, at.hand = sample.pose.position;

@@ -1,5 +1,6 @@
-// Where the noise of a force comes from that slides: the device's own movement, its encoder's steps, or what the system makes of both. By function
-// calls, which give the ring's figures: a ring in lockstep had the same noise to all four digits that it printed.
+// Where the noise of a force comes from that slides: the device's own movement, its encoder's
+// steps, or what the system makes of both. By function calls, which give the ring's figures: a ring
+// in lockstep had the same noise to all four digits that it printed.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -20,8 +21,10 @@ constexpr std::size_t kHalf = 50;  ///< of the 100 samples, 100 ms, that a mean 
 /// Over `kHalf` samples to either side it pushes, and slides at half of the hand's speed at least.
 bool slides(const ToolRun& run, std::size_t i) {
   for (std::size_t k = i - kHalf; k < i + kHalf; ++k)
-    if (run.samples[k].true_force.isZero(0.0)) return false;
-  return (run.samples[i + kHalf].true_hand - run.samples[i - kHalf].true_hand).norm() > 0.5 * kSpeed * 2e-3 * static_cast<double>(kHalf);
+    if (run.samples[k].true_force.isZero(0.0))
+      return false;
+  return (run.samples[i + kHalf].true_hand - run.samples[i - kHalf].true_hand).norm() >
+         0.5 * kSpeed * 2e-3 * static_cast<double>(kHalf);
 }
 
 /// What is left of `of` beside its mean over 100 ms where it slides, as a root of mean squares.
@@ -29,9 +32,11 @@ double noise(const ToolRun& run, const std::function<double(const ToolSample&)>&
   double squares = 0.0;
   int count = 0;
   for (std::size_t i = kHalf; i + kHalf < run.samples.size(); ++i) {
-    if (!slides(run, i)) continue;
+    if (!slides(run, i))
+      continue;
     double sum = 0.0;
-    for (std::size_t k = i - kHalf; k < i + kHalf; ++k) sum += of(run.samples[k]);
+    for (std::size_t k = i - kHalf; k < i + kHalf; ++k)
+      sum += of(run.samples[k]);
     squares += std::pow(of(run.samples[i]) - sum / (2.0 * kHalf), 2), ++count;
   }
   return std::sqrt(squares / std::max(count, 1));
@@ -40,16 +45,24 @@ double noise(const ToolRun& run, const std::function<double(const ToolSample&)>&
 struct Ground {
   const char *mesh, *motion;
   double duration_s;
-  std::function<double(const Vec3&)> depth;  ///< of the ball's middle [m]; none: what is rendered at the true pose stands for it
+  std::function<double(const Vec3&)>
+      depth;  ///< of the ball's middle [m]; none: what is rendered at the true pose stands for it
 };
 
 const std::vector<Ground>& grounds() {
   static const std::vector<Ground> all = {
-      {"plane.obj", "path: [[-0.05, -0.01, 0.02], [-0.05, -0.01, 0], [0.05, 0.012, 0]], speed_m_per_s: 0.05, hold_s: 0.3", 4.0,
-       [](const Vec3& x) { return kToolRadius - x.z(); }},
-      {"cylinder.obj", "path: [[0, -0.06, 0.06], [0, -0.06, 0.04], [0.012, 0.06, 0.0387]], speed_m_per_s: 0.05, hold_s: 0.3", 4.4,
-       [](const Vec3& x) { return 0.04 + kToolRadius - std::hypot(x.x(), x.z()); }},
-      {"cup.obj", "path: [[-0.07518, -0.02736, 0.025], [-0.03935, -0.0143, 0.025]], circle: {centre: [0, 0, 0.025], axis: [0, 0, -1]}, speed_m_per_s: 0.05, hold_s: 0.3", 4.5,
+      {"plane.obj",
+       "path: [[-0.05, -0.01, 0.02], [-0.05, -0.01, 0], [0.05, 0.012, 0]], speed_m_per_s: 0.05, "
+       "hold_s: 0.3",
+       4.0, [](const Vec3& x) { return kToolRadius - x.z(); }},
+      {"cylinder.obj",
+       "path: [[0, -0.06, 0.06], [0, -0.06, 0.04], [0.012, 0.06, 0.0387]], speed_m_per_s: 0.05, "
+       "hold_s: 0.3",
+       4.4, [](const Vec3& x) { return 0.04 + kToolRadius - std::hypot(x.x(), x.z()); }},
+      {"cup.obj",
+       "path: [[-0.07518, -0.02736, 0.025], [-0.03935, -0.0143, 0.025]], circle: {centre: [0, 0, "
+       "0.025], axis: [0, 0, -1]}, speed_m_per_s: 0.05, hold_s: 0.3",
+       4.5,
        {}}};
   return all;
 }
@@ -57,21 +70,27 @@ const std::vector<Ground>& grounds() {
 /// Shares of the mean force where it slides.
 struct Shares {
   double force_n = 0.0, slid_s = 0.0;
-  double total = 0.0;     ///< of what the device is given
-  double moved = 0.0;     ///< of the spring times the true depth
-  double encoder = 0.0;   ///< of what the contact gives more at the pose that the device tells
-  double rendered = 0.0;  ///< of what the rendering gives more than the spring times the depth, at the true pose
-  double coupled = 0.0;   ///< of what the coupling gives more than the contact: filter and damper
+  double total = 0.0;    ///< of what the device is given
+  double moved = 0.0;    ///< of the spring times the true depth
+  double encoder = 0.0;  ///< of what the contact gives more at the pose that the device tells
+  double rendered =
+      0.0;  ///< of what the rendering gives more than the spring times the depth, at the true pose
+  double coupled = 0.0;  ///< of what the coupling gives more than the contact: filter and damper
 };
 
 Shares shares(const ToolRun& run, const Ground& ground) {
-  const auto moved = [&](const ToolSample& s) { return ground.depth ? run.spring_n_per_m * ground.depth(s.true_hand) : s.true_force.norm(); };
+  const auto moved = [&](const ToolSample& s) {
+    return ground.depth ? run.spring_n_per_m * ground.depth(s.true_hand) : s.true_force.norm();
+  };
   Shares out;
   int count = 0;
   for (std::size_t i = kHalf; i + kHalf < run.samples.size(); ++i)
-    if (slides(run, i)) out.force_n += run.samples[i].commanded.norm(), ++count;
+    if (slides(run, i))
+      out.force_n += run.samples[i].commanded.norm(), ++count;
   out.force_n /= std::max(count, 1), out.slid_s = 1e-3 * count;
-  const auto share = [&](const std::function<double(const ToolSample&)>& of) { return noise(run, of) / out.force_n; };
+  const auto share = [&](const std::function<double(const ToolSample&)>& of) {
+    return noise(run, of) / out.force_n;
+  };
   out.total = share([](const ToolSample& s) { return s.commanded.norm(); });
   out.moved = share(moved);
   out.encoder = share([](const ToolSample& s) { return s.contact.norm() - s.true_force.norm(); });
@@ -80,20 +99,27 @@ Shares shares(const ToolRun& run, const Ground& ground) {
   return out;
 }
 
-Shares slide(const char* name, const sim::SimParameters& device, const Ground& ground, const std::string& mesh, const char* kind, const LeftOut& left_out,
+Shares slide(const char* name, const sim::SimParameters& device, const Ground& ground,
+             const std::string& mesh, const char* kind, const LeftOut& left_out,
              double voxel_m = kToolVoxel) {
   const TemporaryFolder folder;
-  const ToolRun run = run_tool(tool_scene(folder, mesh, ground.motion, kind, voxel_m), device, left_out, ground.duration_s);
+  const ToolRun run = run_tool(tool_scene(folder, mesh, ground.motion, kind, voxel_m), device,
+                               left_out, ground.duration_s);
   const Shares s = shares(run, ground);
-  std::printf("%-11s %-12s %-14s%s%s: %.0f N/m, %.2f N for %.2f s, noise %.2f %%: true depth %.2f, encoder %.2f, rendering %.2f, coupling %.2f\n", name, ground.mesh, kind,
-              left_out.encoder ? ", no steps" : "", left_out.friction ? ", no dry friction" : "", run.spring_n_per_m, s.force_n, s.slid_s, 100 * s.total, 100 * s.moved,
-              100 * s.encoder, 100 * s.rendered, 100 * s.coupled);
+  std::printf(
+      "%-11s %-12s %-14s%s%s: %.0f N/m, %.2f N for %.2f s, noise %.2f %%: true depth %.2f, encoder "
+      "%.2f, rendering %.2f, coupling %.2f\n",
+      name, ground.mesh, kind, left_out.encoder ? ", no steps" : "",
+      left_out.friction ? ", no dry friction" : "", run.spring_n_per_m, s.force_n, s.slid_s,
+      100 * s.total, 100 * s.moved, 100 * s.encoder, 100 * s.rendered, 100 * s.coupled);
   EXPECT_GT(s.slid_s, 0.7);
   EXPECT_GT(s.force_n, 0.5);
   return s;
 }
-Shares slide(const char* name, const sim::SimParameters& device, const Ground& ground, const char* kind, const LeftOut& left_out) {
-  return slide(name, device, ground, std::string(VOXTOUCH_DEPLOY) + "/meshes/" + ground.mesh, kind, left_out);
+Shares slide(const char* name, const sim::SimParameters& device, const Ground& ground,
+             const char* kind, const LeftOut& left_out) {
+  return slide(name, device, ground, std::string(VOXTOUCH_DEPLOY) + "/meshes/" + ground.mesh, kind,
+               left_out);
 }
 
 /// A closed tube as high and as wide as the cup's wall, about z.
@@ -109,30 +135,39 @@ std::string tube(const TemporaryFolder& folder, int sides) {
   out << "v 0 0 0\nv 0 0 0.05\n";
   for (int i = 0; i < sides; ++i) {
     const int a = i + 1, b = (i + 1) % sides + 1, bottom = 2 * sides + 1, top = bottom + 1;
-    out << "f " << a << ' ' << b << ' ' << b + sides << "\nf " << a << ' ' << b + sides << ' ' << a + sides << '\n';
-    out << "f " << b << ' ' << a << ' ' << bottom << "\nf " << a + sides << ' ' << b + sides << ' ' << top << '\n';
+    out << "f " << a << ' ' << b << ' ' << b + sides << "\nf " << a << ' ' << b + sides << ' '
+        << a + sides << '\n';
+    out << "f " << b << ' ' << a << ' ' << bottom << "\nf " << a + sides << ' ' << b + sides << ' '
+        << top << '\n';
   }
   return file;
 }
 
 /// What the encoder's steps add to the noise without them.
-double of_steps(const Shares& with, const Shares& without) { return std::sqrt(std::max(0.0, with.total * with.total - without.total * without.total)); }
+double of_steps(const Shares& with, const Shares& without) {
+  return std::sqrt(std::max(0.0, with.total * with.total - without.total * without.total));
+}
 
 TEST(ToolSlides, QuietlyOnAStylusWithAndWithoutTheEncodersSteps) {
   for (const Ground& ground : grounds()) {
     EXPECT_LE(slide("sim-phantom", sim::sim_phantom(), ground, "shaping_filter", {}).total, 0.02);
-    EXPECT_LE(slide("sim-phantom", sim::sim_phantom(), ground, "shaping_filter", {.encoder = true, .friction = false}).total, 0.01);
+    EXPECT_LE(slide("sim-phantom", sim::sim_phantom(), ground, "shaping_filter",
+                    {.encoder = true, .friction = false})
+                  .total,
+              0.01);
   }
 }
 
-/// Of a damper of 125 Ns/m on steps of 0.02 mm. On a velocity of 50 Hz alone it would be 7.6, 7.7 and 17.6 %: a slower one takes its place within the
-/// speed that a step makes.
+/// Of a damper of 125 Ns/m on steps of 0.02 mm. On a velocity of 50 Hz alone it would be 7.6, 7.7
+/// and 17.6 %: a slower one takes its place within the speed that a step makes.
 TEST(ToolSlides, QuietlyOnAnArmWithAndWithoutTheEncodersSteps) {
   for (const Ground& ground : grounds()) {
     const bool cup = !ground.depth;
     const Shares as_it_is = slide("sim-lwr", sim::sim_lwr(), ground, "shaping_filter", {}),
-                 no_steps = slide("sim-lwr", sim::sim_lwr(), ground, "shaping_filter", {.encoder = true, .friction = false}),
-                 no_friction = slide("sim-lwr", sim::sim_lwr(), ground, "shaping_filter", {.encoder = false, .friction = true});
+                 no_steps = slide("sim-lwr", sim::sim_lwr(), ground, "shaping_filter",
+                                  {.encoder = true, .friction = false}),
+                 no_friction = slide("sim-lwr", sim::sim_lwr(), ground, "shaping_filter",
+                                     {.encoder = false, .friction = true});
     EXPECT_LE(as_it_is.total, cup ? 0.11 : 0.04);
     EXPECT_LE(no_friction.total, cup ? 0.11 : 0.04) << "nor does dry friction hide it";
     EXPECT_LE(no_steps.total, cup ? 0.09 : 0.003);
@@ -143,17 +178,21 @@ TEST(ToolSlides, QuietlyOnAnArmWithAndWithoutTheEncodersSteps) {
   }
 }
 
-/// What is left on the cup is what the arm feels of its 64 sides and of the points of its own ball, 2 mm apart: on a tube of 512 sides it is less, and with
-/// a ball of finer points less again; with these the 64 sides alone are felt most.
+/// What is left on the cup is what the arm feels of its 64 sides and of the points of its own ball,
+/// 2 mm apart: on a tube of 512 sides it is less, and with a ball of finer points less again; with
+/// these the 64 sides alone are felt most.
 TEST(ToolSlides, OnAnArmAMeshsSidesAndTheToolsPointsAreWhatIsFeltOfACup) {
   const auto noise_of = [](int sides, double voxel_m, const LeftOut& left_out) {
     const TemporaryFolder folder;
     const Ground round{"tube.obj", grounds().back().motion, 4.5, {}};
     std::printf("%d sides, %g mm ", sides, 1e3 * voxel_m);
-    return slide("sim-lwr", sim::sim_lwr(), round, tube(folder, sides), "shaping_filter", left_out, voxel_m).total;
+    return slide("sim-lwr", sim::sim_lwr(), round, tube(folder, sides), "shaping_filter", left_out,
+                 voxel_m)
+        .total;
   };
   const LeftOut no_steps{.encoder = true, .friction = false};
-  const double cup = noise_of(64, 2e-3, no_steps), round = noise_of(512, 2e-3, no_steps), fine = noise_of(512, 5e-4, no_steps), sides = noise_of(64, 5e-4, no_steps);
+  const double cup = noise_of(64, 2e-3, no_steps), round = noise_of(512, 2e-3, no_steps),
+               fine = noise_of(512, 5e-4, no_steps), sides = noise_of(64, 5e-4, no_steps);
   EXPECT_LE(fine, 0.025);
   EXPECT_GE(round, 2.0 * fine);
   EXPECT_GE(cup, round);
@@ -161,11 +200,13 @@ TEST(ToolSlides, OnAnArmAMeshsSidesAndTheToolsPointsAreWhatIsFeltOfACup) {
   EXPECT_LE(noise_of(512, 5e-4, {}), 0.065);
 }
 
-/// Its law damps a motion between hand and object, not the encoder's steps. Its swings along last longer, and these are what is left.
+/// Its law damps a motion between hand and object, not the encoder's steps. Its swings along last
+/// longer, and these are what is left.
 TEST(ToolSlides, WithASpringDamperAnArmsEncoderIsFeltByLessThanFourPercent) {
   for (const Ground& ground : grounds()) {
     const Shares as_it_is = slide("sim-lwr", sim::sim_lwr(), ground, "spring_damper", {}),
-                 no_steps = slide("sim-lwr", sim::sim_lwr(), ground, "spring_damper", {.encoder = true, .friction = false});
+                 no_steps = slide("sim-lwr", sim::sim_lwr(), ground, "spring_damper",
+                                  {.encoder = true, .friction = false});
     EXPECT_LE(of_steps(as_it_is, no_steps), 0.03);
     EXPECT_LE(as_it_is.total, 0.045);
     EXPECT_LE(no_steps.total, 0.045);

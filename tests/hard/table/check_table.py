@@ -35,10 +35,17 @@ def main(readme_file, build, *others):
     wrong = [f"'{case}' names no test." for case, names in table if not names]
     for case, names in table + [(other, re.findall(NAME, text_of(other))) for other in others]:
         for name in names:
-            forms = (name, "*/" + name, name + "/*", "*/" + name + "/*")  # the latter: of a test with parameters
+            forms = (
+                name,
+                "*/" + name,
+                name + "/*",
+                "*/" + name + "/*",
+            )  # the latter: of a test with parameters
             if not any(fnmatch.fnmatchcase(test, form) for test in known for form in forms):
                 wrong.append(f"'{case}' names '{name}', which no test program has.")
-    print(f"{len(table)} rows, {sum(len(names) for _, names in table)} names, {len(known)} tests known")
+    print(
+        f"{len(table)} rows, {sum(len(names) for _, names in table)} names, {len(known)} tests known"
+    )
     print("\n".join(wrong))
     return 1 if wrong or len(table) < 38 else 0
 

@@ -28,7 +28,11 @@ def rosbags_types(storage):
     """Of our messages: those of an MCAP stand in it, those of sqlite3 a user gives from idl."""
     store = get_typestore(Stores.ROS2_HUMBLE)
     if storage == "sqlite3":
-        store.register(get_types_from_msg((IDL / "msg/DeviceState.msg").read_text(), "voxtouch_msgs/msg/DeviceState"))
+        store.register(
+            get_types_from_msg(
+                (IDL / "msg/DeviceState.msg").read_text(), "voxtouch_msgs/msg/DeviceState"
+            )
+        )
     return store
 
 
@@ -39,13 +43,34 @@ def by_rosbags(folder, storage):
             if storage == "mcap":
                 equal("format of the definition", connection.msgdef.format.name, "MSG")
                 if connection.msgtype.startswith("voxtouch_msgs"):
-                    store.register({k: v for k, v in get_types_from_msg(connection.msgdef.data, connection.msgtype).items() if k not in store.fielddefs})
-        equal("topics", sorted((c.topic, c.msgtype) for c in reader.connections),
-              [(STATE, "voxtouch_msgs/msg/DeviceState"), (NOTE, "std_msgs/msg/String")])
+                    store.register(
+                        {
+                            k: v
+                            for k, v in get_types_from_msg(
+                                connection.msgdef.data, connection.msgtype
+                            ).items()
+                            if k not in store.fielddefs
+                        }
+                    )
+        equal(
+            "topics",
+            sorted((c.topic, c.msgtype) for c in reader.connections),
+            [(STATE, "voxtouch_msgs/msg/DeviceState"), (NOTE, "std_msgs/msg/String")],
+        )
         equal("count", reader.message_count, 501)
-        equal("start and end", (reader.start_time, reader.end_time), (START, START + 499_000_000 + 1))
-        states = [(time, store.deserialize_cdr(data, c.msgtype)) for c, time, data in reader.messages() if c.topic == STATE]
-        notes = [store.deserialize_cdr(data, c.msgtype).data for c, _, data in reader.messages() if c.topic == NOTE]
+        equal(
+            "start and end", (reader.start_time, reader.end_time), (START, START + 499_000_000 + 1)
+        )
+        states = [
+            (time, store.deserialize_cdr(data, c.msgtype))
+            for c, time, data in reader.messages()
+            if c.topic == STATE
+        ]
+        notes = [
+            store.deserialize_cdr(data, c.msgtype).data
+            for c, _, data in reader.messages()
+            if c.topic == NOTE
+        ]
         part = list(reader.messages(start=START + 100_000_000, stop=START + 300_000_000))
     equal("notes", notes, ["hello"])
     equal("a part", len(part), 200)
@@ -60,18 +85,28 @@ def by_mcap(folder):
             equal("profile", reader.get_header().profile, "ros2")
             summary = reader.get_summary()
             if summary is not None:
-                equal("counted in the summary", summary.statistics.message_count, sum(1 for _ in reader.iter_messages()))
+                equal(
+                    "counted in the summary",
+                    summary.statistics.message_count,
+                    sum(1 for _ in reader.iter_messages()),
+                )
                 equal("chunks", len(summary.chunk_indexes), summary.statistics.chunk_count)
                 equal("metadata", [m.name for m in reader.iter_metadata()], ["rosbag2"])
                 for channel in summary.channels.values():
-                    equal("encoding", (channel.message_encoding, summary.schemas[channel.schema_id].encoding), ("cdr", "ros2msg"))
+                    equal(
+                        "encoding",
+                        (channel.message_encoding, summary.schemas[channel.schema_id].encoding),
+                        ("cdr", "ros2msg"),
+                    )
                     assert "history" in channel.metadata["offered_qos_profiles"], channel.metadata
             opened.seek(0)
             for _, channel, message, decoded in reader.iter_decoded_messages():
                 if channel.topic == NOTE:
                     notes.append(decoded.data)
                 else:
-                    states.append((message.log_time, decoded.sequence_number, decoded.pose.position.z))
+                    states.append(
+                        (message.log_time, decoded.sequence_number, decoded.pose.position.z)
+                    )
     equal("notes", notes, ["hello"])
     return states
 
@@ -84,7 +119,11 @@ def main(make_bag):
                 with tempfile.TemporaryDirectory() as parent:
                     folder = pathlib.Path(parent) / "run"
                     made = subprocess.run([make_bag, folder, way, storage, *split], check=False)
-                    equal("exit of make_bag", made.returncode, 0 if way == "closed" else -signal.SIGKILL)
+                    equal(
+                        "exit of make_bag",
+                        made.returncode,
+                        0 if way == "closed" else -signal.SIGKILL,
+                    )
                     endings = {"sqlite3": "*.db3", "mcap": "*.mcap"}[storage]
                     equal("files", len(list(folder.glob(endings))), 3 if split else 1)
                     equal("rosbags", by_rosbags(folder, storage), wanted)

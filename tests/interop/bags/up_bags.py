@@ -21,8 +21,19 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 DOMAIN = 84
 STATE = "/haptic/device/state"
-SCENES = (("cup", "slide"), ("cup_friction", "slide"), ("objects", "slide"), ("block", "fall"), ("cup_viscosity", "slide"))
-FORMATS = (("--record-format", "mcap"), (), ("--record-format", "mcap", "--record-split-s", "0.7"), ("--record-split-s", "0.7"))
+SCENES = (
+    ("cup", "slide"),
+    ("cup_friction", "slide"),
+    ("objects", "slide"),
+    ("block", "fall"),
+    ("cup_viscosity", "slide"),
+)
+FORMATS = (
+    ("--record-format", "mcap"),
+    (),
+    ("--record-format", "mcap", "--record-split-s", "0.7"),
+    ("--record-split-s", "0.7"),
+)
 IDL = pathlib.Path(__file__).resolve().parents[3] / "idl"
 
 
@@ -44,7 +55,13 @@ def by_rosbags(bag, is_mcap):
         for connection in reader.connections:
             if is_mcap:
                 types |= get_types_from_msg(connection.msgdef.data, connection.msgtype)
-        store.register({name: fields for name, fields in (types if is_mcap else types_of_idl()).items() if name not in store.fielddefs})
+        store.register(
+            {
+                name: fields
+                for name, fields in (types if is_mcap else types_of_idl()).items()
+                if name not in store.fielddefs
+            }
+        )
         counts = collections.Counter()
         for connection, _, data in reader.messages():
             store.deserialize_cdr(data, connection.msgtype)
@@ -56,7 +73,9 @@ def by_mcap(bag):
     counts = collections.Counter()
     for file in sorted(bag.glob("*.mcap")):
         with open(file, "rb") as opened:
-            for _, channel, _, _ in mcap.reader.make_reader(opened, validate_crcs=True, decoder_factories=[DecoderFactory()]).iter_decoded_messages():
+            for _, channel, _, _ in mcap.reader.make_reader(
+                opened, validate_crcs=True, decoder_factories=[DecoderFactory()]
+            ).iter_decoded_messages():
                 counts[channel.topic] += 1
     return counts
 
@@ -65,8 +84,24 @@ def play(bin_folder, deploy, bag, turn, seconds):
     """Records a ring; whether it ran in lockstep, and whether its logger was killed."""
     (scene, motion), more = SCENES[turn % len(SCENES)], FORMATS[turn % len(FORMATS)]
     lockstep, killed = turn % 6 == 5, turn % 5 == 4
-    words = [bin_folder / "voxtouch", "up", deploy / f"scenes/{scene}.yaml", "--device", "sim-phantom", "--motion", motion, "--record", bag, "--no-report", "--json",
-             "--domain", str(DOMAIN), *more, *(["--lockstep"] if lockstep else []), *([] if killed else ["--duration", str(seconds)])]
+    words = [
+        bin_folder / "voxtouch",
+        "up",
+        deploy / f"scenes/{scene}.yaml",
+        "--device",
+        "sim-phantom",
+        "--motion",
+        motion,
+        "--record",
+        bag,
+        "--no-report",
+        "--json",
+        "--domain",
+        str(DOMAIN),
+        *more,
+        *(["--lockstep"] if lockstep else []),
+        *([] if killed else ["--duration", str(seconds)]),
+    ]
     with tempfile.TemporaryFile() as said:
         up = subprocess.Popen([str(word) for word in words], stdout=said, stderr=subprocess.STDOUT)
         try:
@@ -78,8 +113,14 @@ def play(bin_folder, deploy, bag, turn, seconds):
             up.wait()
         said.seek(0)
         if not (bag / "metadata.yaml").exists():
-            raise SystemExit(f"{' '.join(map(str, words))} left no bag:\n{said.read().decode(errors='replace')}")
-    return lockstep, killed, f"{scene}, {' '.join(more) or 'sqlite3'}{', lockstep' if lockstep else ''}{', logger killed' if killed else ''}"
+            raise SystemExit(
+                f"{' '.join(map(str, words))} left no bag:\n{said.read().decode(errors='replace')}"
+            )
+    return (
+        lockstep,
+        killed,
+        f"{scene}, {' '.join(more) or 'sqlite3'}{', lockstep' if lockstep else ''}{', logger killed' if killed else ''}",
+    )
 
 
 def kill_logger(up, seconds):
@@ -88,7 +129,10 @@ def kill_logger(up, seconds):
     while time.monotonic() < until and up.poll() is None:
         children = pathlib.Path(f"/proc/{up.pid}/task/{up.pid}/children").read_text().split()
         for child in children:
-            if b"voxtouch_logger" in pathlib.Path(f"/proc/{child}/cmdline").read_bytes().split(b"\0")[0]:
+            if (
+                b"voxtouch_logger"
+                in pathlib.Path(f"/proc/{child}/cmdline").read_bytes().split(b"\0")[0]
+            ):
                 time.sleep(seconds)
                 subprocess.run(["kill", "-9", child], check=False)
                 return
@@ -96,7 +140,13 @@ def kill_logger(up, seconds):
 
 
 def replayed(bin_folder, bag):
-    ran = subprocess.run([str(bin_folder / "voxtouch"), "replay", str(bag), "--json"], capture_output=True, text=True, timeout=300, check=False)
+    ran = subprocess.run(
+        [str(bin_folder / "voxtouch"), "replay", str(bag), "--json"],
+        capture_output=True,
+        text=True,
+        timeout=300,
+        check=False,
+    )
     try:
         return ran.returncode, json.loads(ran.stdout)
     except json.JSONDecodeError:
@@ -121,7 +171,9 @@ def judge(bin_folder, bag, is_mcap, lockstep, killed):
     if told["samples"] != counts[STATE] and not doubled and not without_log:
         faults.append(f"our reader reads {told['samples']} device samples, rosbags {counts[STATE]}")
     if without_log:
-        print(f"    rosbags reads {counts[STATE]} of {told['samples']} device samples: the rest is in the write-ahead log")
+        print(
+            f"    rosbags reads {counts[STATE]} of {told['samples']} device samples: the rest is in the write-ahead log"
+        )
     if status == 0 and told["ok"] and not told["missing"]:
         return "equal", faults
     if told["missing"] and not (lockstep and not killed):
@@ -140,7 +192,10 @@ def main(bin_folder, deploy, rings, seconds):
         verdicts[kind, verdict] += 1
         opened += not any("reader" in fault or "reads" in fault for fault in faults)
         bad += bool(faults)
-        print(f"{turn + 1}: {what}: {verdict}" + "".join(f"\n    {fault}" for fault in faults), flush=True)
+        print(
+            f"{turn + 1}: {what}: {verdict}" + "".join(f"\n    {fault}" for fault in faults),
+            flush=True,
+        )
     print(f"{opened} of {rings} bags are read alike by all readers")
     for (kind, verdict), count in sorted(verdicts.items()):
         print(f"{kind}: {count} {'lost samples, as replay says' if verdict == 'lost' else verdict}")
@@ -150,4 +205,9 @@ def main(bin_folder, deploy, rings, seconds):
 if __name__ == "__main__":
     if len(sys.argv) not in (3, 4, 5):
         raise SystemExit(__doc__)
-    raise SystemExit(main(*(pathlib.Path(argument).resolve() for argument in sys.argv[1:3]), *(int(argument) for argument in (sys.argv[3:] + ["6", "2"][len(sys.argv) - 3:]))))
+    raise SystemExit(
+        main(
+            *(pathlib.Path(argument).resolve() for argument in sys.argv[1:3]),
+            *(int(argument) for argument in (sys.argv[3:] + ["6", "2"][len(sys.argv) - 3 :])),
+        )
+    )

@@ -13,23 +13,61 @@ import sys
 
 # name, offset, struct code, count
 MSR = [
-    ("sendSeqCount", 0, "H", 1), ("reflSeqCount", 2, "H", 1), ("packetSize", 4, "H", 1), ("datagramId", 6, "H", 1),
-    ("krlReal", 8, "f", 16), ("krlInt", 72, "i", 16), ("krlBool", 136, "H", 1), ("fill", 138, "H", 1),
-    ("timestamp", 140, "f", 1), ("state", 144, "H", 1), ("quality", 146, "H", 1),
-    ("desiredMsrSampleTime", 148, "f", 1), ("desiredCmdSampleTime", 152, "f", 1), ("safetyLimits", 156, "f", 1),
-    ("answerRate", 160, "f", 1), ("latency", 164, "f", 1), ("jitter", 168, "f", 1), ("missRate", 172, "f", 1),
-    ("missCounter", 176, "I", 1), ("power", 180, "H", 1), ("control", 182, "H", 1), ("error", 184, "H", 1),
-    ("warning", 186, "H", 1), ("temperature", 188, "f", 7), ("msrJntPos", 216, "f", 7), ("msrCartPos", 244, "f", 12),
-    ("cmdJntPos", 292, "f", 7), ("cmdJntPosFriOffset", 320, "f", 7), ("cmdCartPos", 348, "f", 12),
-    ("cmdCartPosFriOffset", 396, "f", 12), ("msrJntTrq", 444, "f", 7), ("estExtJntTrq", 472, "f", 7),
-    ("estExtTcpFT", 500, "f", 6), ("jacobian", 524, "f", 42), ("massMatrix", 692, "f", 49), ("gravity", 888, "f", 7),
+    ("sendSeqCount", 0, "H", 1),
+    ("reflSeqCount", 2, "H", 1),
+    ("packetSize", 4, "H", 1),
+    ("datagramId", 6, "H", 1),
+    ("krlReal", 8, "f", 16),
+    ("krlInt", 72, "i", 16),
+    ("krlBool", 136, "H", 1),
+    ("fill", 138, "H", 1),
+    ("timestamp", 140, "f", 1),
+    ("state", 144, "H", 1),
+    ("quality", 146, "H", 1),
+    ("desiredMsrSampleTime", 148, "f", 1),
+    ("desiredCmdSampleTime", 152, "f", 1),
+    ("safetyLimits", 156, "f", 1),
+    ("answerRate", 160, "f", 1),
+    ("latency", 164, "f", 1),
+    ("jitter", 168, "f", 1),
+    ("missRate", 172, "f", 1),
+    ("missCounter", 176, "I", 1),
+    ("power", 180, "H", 1),
+    ("control", 182, "H", 1),
+    ("error", 184, "H", 1),
+    ("warning", 186, "H", 1),
+    ("temperature", 188, "f", 7),
+    ("msrJntPos", 216, "f", 7),
+    ("msrCartPos", 244, "f", 12),
+    ("cmdJntPos", 292, "f", 7),
+    ("cmdJntPosFriOffset", 320, "f", 7),
+    ("cmdCartPos", 348, "f", 12),
+    ("cmdCartPosFriOffset", 396, "f", 12),
+    ("msrJntTrq", 444, "f", 7),
+    ("estExtJntTrq", 472, "f", 7),
+    ("estExtTcpFT", 500, "f", 6),
+    ("jacobian", 524, "f", 42),
+    ("massMatrix", 692, "f", 49),
+    ("gravity", 888, "f", 7),
 ]
 CMD = [
-    ("sendSeqCount", 0, "H", 1), ("reflSeqCount", 2, "H", 1), ("packetSize", 4, "H", 1), ("datagramId", 6, "H", 1),
-    ("krlReal", 8, "f", 16), ("krlInt", 72, "i", 16), ("krlBool", 136, "H", 1), ("fill", 138, "H", 1),
-    ("cmdFlags", 140, "I", 1), ("jntPos", 144, "f", 7), ("cartPos", 172, "f", 12), ("addJntTrq", 220, "f", 7),
-    ("addTcpFT", 248, "f", 6), ("jntStiffness", 272, "f", 7), ("jntDamping", 300, "f", 7),
-    ("cartStiffness", 328, "f", 6), ("cartDamping", 352, "f", 6),
+    ("sendSeqCount", 0, "H", 1),
+    ("reflSeqCount", 2, "H", 1),
+    ("packetSize", 4, "H", 1),
+    ("datagramId", 6, "H", 1),
+    ("krlReal", 8, "f", 16),
+    ("krlInt", 72, "i", 16),
+    ("krlBool", 136, "H", 1),
+    ("fill", 138, "H", 1),
+    ("cmdFlags", 140, "I", 1),
+    ("jntPos", 144, "f", 7),
+    ("cartPos", 172, "f", 12),
+    ("addJntTrq", 220, "f", 7),
+    ("addTcpFT", 248, "f", 6),
+    ("jntStiffness", 272, "f", 7),
+    ("jntDamping", 300, "f", 7),
+    ("cartStiffness", 328, "f", 6),
+    ("cartDamping", 352, "f", 6),
 ]
 KINDS = {0x2006: ("MSR", 916, MSR), 0x1005: ("CMD", 376, CMD)}
 STATES = {0: "OFF", 1: "MON", 2: "CMD"}
@@ -76,15 +114,18 @@ def datagrams(data):
         at = 24
         while at < len(data):
             seconds, micros, kept, original = struct.unpack_from("<IIII", data, at)
-            record = data[at + 16:at + 16 + kept]
+            record = data[at + 16 : at + 16 + kept]
             at += 16 + kept
             words = (record[0] & 15) * 4
             if sum(struct.unpack(f">{words // 2}H", record[:words])) % 0xFFFF != 0:
                 raise Unreadable("an IPv4 header has a wrong checksum")
-            ip_length, udp_length = struct.unpack_from(">H", record, 2)[0], struct.unpack_from(">H", record, words + 4)[0]
+            ip_length, udp_length = (
+                struct.unpack_from(">H", record, 2)[0],
+                struct.unpack_from(">H", record, words + 4)[0],
+            )
             if record[9] != 17 or ip_length != original or udp_length != original - words:
                 raise Unreadable("a record is no UDP datagram of its length")
-            yield seconds + 1e-6 * micros, record[words + 8:]
+            yield seconds + 1e-6 * micros, record[words + 8 :]
         return
     at = 0
     while at < len(data):
@@ -93,14 +134,19 @@ def datagrams(data):
         size = struct.unpack_from("<H", data, at + 4)[0]
         if size < 8:
             raise Unreadable(f"the packet at byte {at} says it has {size} bytes")
-        yield None, data[at:at + size]
+        yield None, data[at : at + size]
         at += size
 
 
 def field_values(kind, name, code, count):
     """Values that tell every field from every other: a number from its name, plus an eighth an element."""
-    fixed = {"packetSize": {"MSR": 916, "CMD": 376}, "datagramId": {"MSR": 0x2006, "CMD": 0x1005},
-             "state": {"MSR": 2}, "quality": {"MSR": 3}, "control": {"MSR": 2}}
+    fixed = {
+        "packetSize": {"MSR": 916, "CMD": 376},
+        "datagramId": {"MSR": 0x2006, "CMD": 0x1005},
+        "state": {"MSR": 2},
+        "quality": {"MSR": 3},
+        "control": {"MSR": 2},
+    }
     if name in fixed:
         return [fixed[name][kind]]
     base = sum((i + 1) * ord(letter) for i, letter in enumerate(name)) % 4001
@@ -113,7 +159,9 @@ def make_golden(folder):
     for ident, (kind, size, table) in KINDS.items():
         data = bytearray(size)
         for name, offset, code, count in table:
-            struct.pack_into(f"<{count}{code}", data, offset, *field_values(kind, name, code, count))
+            struct.pack_into(
+                f"<{count}{code}", data, offset, *field_values(kind, name, code, count)
+            )
         with open(f"{folder}/{'measurement' if kind == 'MSR' else 'command'}.bin", "wb") as file:
             file.write(data)
 
@@ -124,17 +172,23 @@ def check_fields(packet):
     for name, _, code, count in table:
         got = packet[name] if count > 1 else [packet[name]]
         if got != field_values(kind, name, code, count):
-            raise Unreadable(f"{kind}.{name} is {got}, expected {field_values(kind, name, code, count)}")
+            raise Unreadable(
+                f"{kind}.{name} is {got}, expected {field_values(kind, name, code, count)}"
+            )
 
 
 def brief(packet):
     numbers = lambda values: " ".join(f"{value:8.4f}" for value in values)
     head = f"{packet['kind']} seq {packet['sendSeqCount']:5} refl {packet['reflSeqCount']:5}"
     if packet["kind"] == "MSR":
-        return (f"{head} t {packet['timestamp']:9.4f} {STATES.get(packet['state'], '?')} {QUALITIES.get(packet['quality'], '?'):12}"
-                f" power {packet['power']:02x} error {packet['error']:02x} echo {packet['krlInt'][1]:2} q {numbers(packet['msrJntPos'])}")
-    return (f"{head} strategy {packet['krlInt'][0]} run {packet['krlInt'][1]} flags {packet['cmdFlags']:04x}"
-            f" q {numbers(packet['jntPos'])} tau {numbers(packet['addJntTrq'])}")
+        return (
+            f"{head} t {packet['timestamp']:9.4f} {STATES.get(packet['state'], '?')} {QUALITIES.get(packet['quality'], '?'):12}"
+            f" power {packet['power']:02x} error {packet['error']:02x} echo {packet['krlInt'][1]:2} q {numbers(packet['msrJntPos'])}"
+        )
+    return (
+        f"{head} strategy {packet['krlInt'][0]} run {packet['krlInt'][1]} flags {packet['cmdFlags']:04x}"
+        f" q {numbers(packet['jntPos'])} tau {numbers(packet['addJntTrq'])}"
+    )
 
 
 def main(arguments):

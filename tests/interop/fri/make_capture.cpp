@@ -1,4 +1,5 @@
-// Writes a capture of named packets: more than the ring holds, so that its turn-over is in the file too.
+// Writes a capture of named packets: more than the ring holds, so that its turn-over is in the file
+// too.
 #include <cstdio>
 #include <exception>
 
@@ -6,15 +7,18 @@
 #include "tests/interop/fri/named_packets.hpp"
 
 int main(int count, char** arguments) try {
-  if (count != 2) return 2;
+  if (count != 2)
+    return 2;
   using namespace voxtouch;
   lwr::fri::FriCapture capture(7);
   const lwr::fri::MsrPacket msr = lwr::fri::test::named_msr();
   const lwr::fri::CmdPacket cmd = lwr::fri::test::named_cmd();
   const arm::UdpEndpoint controller{0xC0A80014, 49938}, here{0xC0A8000A, 49938};
   for (int i = 0; i < 5; ++i) {
-    capture.note(std::as_bytes(std::span(&msr, 1)), controller, here, 1'700'000'000'000'000'000 + 1'000'000 * i);
-    capture.note(std::as_bytes(std::span(&cmd, 1)), here, controller, 1'700'000'000'000'300'000 + 1'000'000 * i);
+    capture.note(std::as_bytes(std::span(&msr, 1)), controller, here,
+                 1'700'000'000'000'000'000 + 1'000'000 * i);
+    capture.note(std::as_bytes(std::span(&cmd, 1)), here, controller,
+                 1'700'000'000'000'300'000 + 1'000'000 * i);
   }
   capture.write(arguments[1]);
   return 0;

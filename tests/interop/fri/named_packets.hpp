@@ -1,5 +1,6 @@
 #pragma once
-/// Packets whose every field holds numbers that follow from the field's published name; decode_fri.py knows the same rule.
+/// Packets whose every field holds numbers that follow from the field's published name;
+/// decode_fri.py knows the same rule.
 #include <string_view>
 
 #include "devices/lwr/fri_codec.hpp"
@@ -8,24 +9,30 @@ namespace voxtouch::lwr::fri::test {
 
 inline unsigned base_of(std::string_view name) {
   unsigned sum = 0;
-  for (unsigned i = 0; i < name.size(); ++i) sum += (i + 1) * static_cast<unsigned char>(name[i]);
+  for (unsigned i = 0; i < name.size(); ++i)
+    sum += (i + 1) * static_cast<unsigned char>(name[i]);
   return sum % 4001;
 }
 template <std::size_t N>
 void name(std::array<float, N>& field, std::string_view as) {
-  for (std::size_t i = 0; i < N; ++i) field[i] = static_cast<float>(base_of(as)) + static_cast<float>(i) / 8.0F;
+  for (std::size_t i = 0; i < N; ++i)
+    field[i] = static_cast<float>(base_of(as)) + static_cast<float>(i) / 8.0F;
 }
 template <std::size_t N>
 void name(std::array<std::int32_t, N>& field, std::string_view as) {
-  for (std::size_t i = 0; i < N; ++i) field[i] = -static_cast<std::int32_t>(base_of(as)) - static_cast<std::int32_t>(i);
+  for (std::size_t i = 0; i < N; ++i)
+    field[i] = -static_cast<std::int32_t>(base_of(as)) - static_cast<std::int32_t>(i);
 }
 inline void name(float& field, std::string_view as) { field = static_cast<float>(base_of(as)); }
-inline void name(std::uint16_t& field, std::string_view as) { field = static_cast<std::uint16_t>(base_of(as)); }
+inline void name(std::uint16_t& field, std::string_view as) {
+  field = static_cast<std::uint16_t>(base_of(as));
+}
 inline void name(std::uint32_t& field, std::string_view as) { field = base_of(as); }
 
 inline void name_common(Header& header, Krl& krl) {
   name(header.send_seq, "sendSeqCount"), name(header.refl_seq, "reflSeqCount");
-  name(krl.real, "krlReal"), name(krl.integer, "krlInt"), name(krl.boolean, "krlBool"), name(krl.fill, "fill");
+  name(krl.real, "krlReal"), name(krl.integer, "krlInt"), name(krl.boolean, "krlBool"),
+      name(krl.fill, "fill");
 }
 
 inline MsrPacket named_msr() {
@@ -45,7 +52,8 @@ inline MsrPacket named_msr() {
   name(d.jnt_pos, "msrJntPos"), name(d.cart_pos, "msrCartPos"), name(d.cmd_jnt_pos, "cmdJntPos");
   name(d.cmd_jnt_pos_fri_offset, "cmdJntPosFriOffset"), name(d.cmd_cart_pos, "cmdCartPos");
   name(d.cmd_cart_pos_fri_offset, "cmdCartPosFriOffset"), name(d.jnt_trq, "msrJntTrq");
-  name(d.est_ext_jnt_trq, "estExtJntTrq"), name(d.est_ext_tcp_ft, "estExtTcpFT"), name(d.jacobian, "jacobian");
+  name(d.est_ext_jnt_trq, "estExtJntTrq"), name(d.est_ext_tcp_ft, "estExtTcpFT"),
+      name(d.jacobian, "jacobian");
   name(d.mass_matrix, "massMatrix"), name(d.gravity, "gravity");
   return p;
 }
@@ -56,7 +64,8 @@ inline CmdPacket named_cmd() {
   Command& c = p.command;
   name(c.cmd_flags, "cmdFlags"), name(c.jnt_pos, "jntPos"), name(c.cart_pos, "cartPos"),
       name(c.add_jnt_trq, "addJntTrq");
-  name(c.add_tcp_ft, "addTcpFT"), name(c.jnt_stiffness, "jntStiffness"), name(c.jnt_damping, "jntDamping");
+  name(c.add_tcp_ft, "addTcpFT"), name(c.jnt_stiffness, "jntStiffness"),
+      name(c.jnt_damping, "jntDamping");
   name(c.cart_stiffness, "cartStiffness"), name(c.cart_damping, "cartDamping");
   return p;
 }

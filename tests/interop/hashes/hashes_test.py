@@ -32,16 +32,26 @@ def renamed(tree, names):
 def service_types(package, name, text):
     """What ROS describes a service by: its request, its response, the event of both, and all three together."""
     request, response = re.split(r"^---$", text, flags=re.MULTILINE)
-    parts = {f"{name}_Request": request, f"{name}_Response": response,
-             f"{name}_Event": f"service_msgs/ServiceEventInfo info\n{package}/{name}_Request[<=1] request\n{package}/{name}_Response[<=1] response\n",
-             name: f"{package}/{name}_Request request_message\n{package}/{name}_Response response_message\n{package}/{name}_Event event_message\n"}
+    parts = {
+        f"{name}_Request": request,
+        f"{name}_Response": response,
+        f"{name}_Event": f"service_msgs/ServiceEventInfo info\n{package}/{name}_Request[<=1] request\n{package}/{name}_Response[<=1] response\n",
+        name: f"{package}/{name}_Request request_message\n{package}/{name}_Response response_message\n{package}/{name}_Event event_message\n",
+    }
     names = {f"{package}/msg/{part}": f"{package}/srv/{part}" for part in parts}
-    return {names[key]: renamed(tree, names) for part, words in parts.items() for key, tree in get_types_from_msg(words, f"{package}/msg/{part}").items()}
+    return {
+        names[key]: renamed(tree, names)
+        for part, words in parts.items()
+        for key, tree in get_types_from_msg(words, f"{package}/msg/{part}").items()
+    }
 
 
 def main():
     store, types, names = get_typestore(Stores.EMPTY), {}, []
-    for folder, package in [(IDL, "voxtouch_msgs"), *((one, one.name) for one in (IDL / "ros").iterdir())]:
+    for folder, package in [
+        (IDL, "voxtouch_msgs"),
+        *((one, one.name) for one in (IDL / "ros").iterdir()),
+    ]:
         for file in sorted(folder.glob("msg/*.msg")):
             types |= get_types_from_msg(words_of(file), f"{package}/msg/{file.stem}")
             names.append(f"{package}/msg/{file.stem}")
@@ -50,10 +60,18 @@ def main():
             names.append(f"{package}/srv/{file.stem}")
     store.register(types)
     ours = announced()
-    wrong = [f"{name}: {ours.get(name)} is announced, {store.hash_rihs01(name)} it should be" for name in names if store.hash_rihs01(name) != ours.get(name)]
+    wrong = [
+        f"{name}: {ours.get(name)} is announced, {store.hash_rihs01(name)} it should be"
+        for name in names
+        if store.hash_rihs01(name) != ours.get(name)
+    ]
     if wrong or set(ours) != set(names):
-        sys.exit("\n".join([*wrong, f"only announced or only a file: {sorted(set(ours) ^ set(names))}"]))
-    print(f"{len(names)} types have the hashes that rosbags computes, {sum('/srv/' in name for name in names)} of them services")
+        sys.exit(
+            "\n".join([*wrong, f"only announced or only a file: {sorted(set(ours) ^ set(names))}"])
+        )
+    print(
+        f"{len(names)} types have the hashes that rosbags computes, {sum('/srv/' in name for name in names)} of them services"
+    )
 
 
 if __name__ == "__main__":

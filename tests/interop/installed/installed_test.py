@@ -18,9 +18,13 @@ BUILD, CMAKE = pathlib.Path(sys.argv.pop(1)).resolve(), sys.argv.pop(1)
 
 
 def run(*command, **options):
-    done = subprocess.run([str(word) for word in command], capture_output=True, text=True, timeout=300, **options)
+    done = subprocess.run(
+        [str(word) for word in command], capture_output=True, text=True, timeout=300, **options
+    )
     if done.returncode:
-        raise AssertionError(f"{command} ended with {done.returncode}:\n{done.stdout}\n{done.stderr}")
+        raise AssertionError(
+            f"{command} ended with {done.returncode}:\n{done.stdout}\n{done.stderr}"
+        )
     return done.stdout
 
 
@@ -37,12 +41,20 @@ class Installed(unittest.TestCase):
         cls.elsewhere.mkdir()
 
     def environment(self, **more):
-        return {**{k: v for k, v in os.environ.items() if k != "XDG_DATA_HOME"}, "HOME": str(self.at / "home"), **more}
+        return {
+            **{k: v for k, v in os.environ.items() if k != "XDG_DATA_HOME"},
+            "HOME": str(self.at / "home"),
+            **more,
+        }
 
     def test_names_no_folder_that_it_was_built_in(self):
         source = HERE.parents[2]
         for file in self.prefix.rglob("*"):
-            if file.is_file() and not file.is_symlink() and file.suffix in (".cmake", ".py", ".yaml", ".hpp", ".xml", ".md", ""):
+            if (
+                file.is_file()
+                and not file.is_symlink()
+                and file.suffix in (".cmake", ".py", ".yaml", ".hpp", ".xml", ".md", "")
+            ):
                 if file.parent.name == "bin" and not file.read_bytes().startswith(b"#!"):
                     continue
                 self.assertNotIn(str(source).encode() + b"/", file.read_bytes(), file)
@@ -50,8 +62,21 @@ class Installed(unittest.TestCase):
     def test_runs_a_scene_by_its_name_from_any_folder(self):
         for program in ("device", "rendering", "coupling", "logger", "validator"):
             self.assertTrue((self.prefix / "bin" / f"voxtouch_{program}").exists(), program)
-        told = run(self.prefix / "bin/voxtouch", "up", "cup", "--motion", "slide", "--lockstep", "--duration", "2", "--domain", "54", "--json",
-                   cwd=self.elsewhere, env=self.environment())
+        told = run(
+            self.prefix / "bin/voxtouch",
+            "up",
+            "cup",
+            "--motion",
+            "slide",
+            "--lockstep",
+            "--duration",
+            "2",
+            "--domain",
+            "54",
+            "--json",
+            cwd=self.elsewhere,
+            env=self.environment(),
+        )
         summary = json.loads(told)
         self.assertTrue(summary["ok"])
         self.assertEqual(list(self.elsewhere.iterdir()), [])
@@ -63,13 +88,36 @@ class Installed(unittest.TestCase):
             home = "/proc"  # nobody may write there, root neither
         else:
             home = "/"
-        done = subprocess.run([self.prefix / "bin/voxtouch", "up", "cup", "--lockstep", "--duration", "1", "--domain", "54"], capture_output=True, text=True,
-                              timeout=60, cwd=self.elsewhere, env=self.environment(HOME=home))
+        done = subprocess.run(
+            [
+                self.prefix / "bin/voxtouch",
+                "up",
+                "cup",
+                "--lockstep",
+                "--duration",
+                "1",
+                "--domain",
+                "54",
+            ],
+            capture_output=True,
+            text=True,
+            timeout=60,
+            cwd=self.elsewhere,
+            env=self.environment(HOME=home),
+        )
         self.assertEqual(done.returncode, 1)
         self.assertRegex(done.stderr, r"can(not)? be made.* another (folder|with --record)")
 
     def test_a_program_of_somebody_else_is_built_against_it(self):
-        run(CMAKE, "-S", HERE / "consumer", "-B", self.at / "consumer", f"-DCMAKE_PREFIX_PATH={self.prefix}", "-DCMAKE_BUILD_TYPE=Debug")
+        run(
+            CMAKE,
+            "-S",
+            HERE / "consumer",
+            "-B",
+            self.at / "consumer",
+            f"-DCMAKE_PREFIX_PATH={self.prefix}",
+            "-DCMAKE_BUILD_TYPE=Debug",
+        )
         run(CMAKE, "--build", self.at / "consumer")
         told = run(self.at / "consumer/consumer", self.prefix / "share/voxtouch/scenes/cup.yaml")
         force = float(re.fullmatch(r"([\d.]+) N at most\n", told).group(1))

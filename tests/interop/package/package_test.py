@@ -27,8 +27,25 @@ DOMAIN = 87
 
 def setUpModule():
     environment = {**os.environ, "VOXTOUCH_BUILD": str(BUILD), "MATPLOTLIBRC": os.devnull}
-    installed = subprocess.run([sys.executable, "-m", "pip", "install", "--quiet", "--no-build-isolation", "--no-deps", "--no-index", "--target",
-                                FOLDER / "site", ROOT / "deploy/python"], capture_output=True, text=True, env=environment, check=False)
+    installed = subprocess.run(
+        [
+            sys.executable,
+            "-m",
+            "pip",
+            "install",
+            "--quiet",
+            "--no-build-isolation",
+            "--no-deps",
+            "--no-index",
+            "--target",
+            FOLDER / "site",
+            ROOT / "deploy/python",
+        ],
+        capture_output=True,
+        text=True,
+        env=environment,
+        check=False,
+    )
     assert installed.returncode == 0, installed.stdout + installed.stderr
     sys.path.insert(0, str(FOLDER / "site"))
     global voxtouch
@@ -36,12 +53,32 @@ def setUpModule():
 
 
 def run(*words, **more):
-    return subprocess.run([str(word) for word in words], capture_output=True, text=True, timeout=120, check=False, **more)
+    return subprocess.run(
+        [str(word) for word in words],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+        **more,
+    )
 
 
 def record(name, *words, domain=DOMAIN):
     bag = FOLDER / name
-    ran = run(VOXTOUCH, "up", "cup", "--motion", "slide", "--no-report", "--one-process", "--record", bag, "--domain", domain, *words)
+    ran = run(
+        VOXTOUCH,
+        "up",
+        "cup",
+        "--motion",
+        "slide",
+        "--no-report",
+        "--one-process",
+        "--record",
+        bag,
+        "--domain",
+        domain,
+        *words,
+    )
     assert (bag / "metadata.yaml").exists(), ran.stderr
     return bag
 
@@ -53,22 +90,48 @@ def table_of(text):
 class Computes(unittest.TestCase):
     def poses(self):
         random = numpy.random.default_rng(5)
-        return numpy.concatenate([random.normal(size=(300, 4)), random.uniform([-0.05, -0.05, -0.02], [0.05, 0.05, 0.08], (300, 3))], axis=1)
+        return numpy.concatenate(
+            [
+                random.normal(size=(300, 4)),
+                random.uniform([-0.05, -0.05, -0.02], [0.05, 0.05, 0.08], (300, 3)),
+            ],
+            axis=1,
+        )
 
     def test_the_wrenches_of_probe_bit_by_bit(self):
         poses = self.poses()
         file = FOLDER / "poses.csv"
-        file.write_text("qw,qx,qy,qz,tx,ty,tz\n" + "\n".join(",".join(map(repr, map(float, row))) for row in poses) + "\n")
+        file.write_text(
+            "qw,qx,qy,qz,tx,ty,tz\n"
+            + "\n".join(",".join(map(repr, map(float, row))) for row in poses)
+            + "\n"
+        )
         touched = 0
         for model in ("original", "adapted", "field", None):
-            ran = run(VOXTOUCH, "probe", "cup", "--poses", file, "--points", *(["--model", model] if model else []))
+            ran = run(
+                VOXTOUCH,
+                "probe",
+                "cup",
+                "--poses",
+                file,
+                "--points",
+                *(["--model", model] if model else []),
+            )
             self.assertEqual(ran.returncode, 0, ran.stderr)
             wanted = table_of(ran.stdout)
             got = voxtouch.probe("cup", poses, model=model, points=True)
             for n, row in enumerate(wanted):
-                self.assertEqual((got["surface_hits"][n], got["interior_hits"][n]), (int(row["nS"]), int(row["nI"])), (model, n))
+                self.assertEqual(
+                    (got["surface_hits"][n], got["interior_hits"][n]),
+                    (int(row["nS"]), int(row["nI"])),
+                    (model, n),
+                )
                 ours = (got["coherence"][n], *got["force_n"][n], *got["torque_nm"][n])
-                self.assertEqual(ours, tuple(float(row[key]) for key in ("coh", "fx", "fy", "fz", "tx", "ty", "tz")), (model, n))
+                self.assertEqual(
+                    ours,
+                    tuple(float(row[key]) for key in ("coh", "fx", "fy", "fz", "tx", "ty", "tz")),
+                    (model, n),
+                )
                 self.assertEqual(len(got["points"][n]), got["surface_hits"][n])
             touched += int((got["surface_hits"] > 0).sum())
         self.assertGreater(touched, 50)
@@ -82,31 +145,65 @@ class Computes(unittest.TestCase):
         self.assertEqual(len(rows), len(got["surface"]))
         points = {(int(r["i"]), int(r["j"]), int(r["k"])): r for r in rows}
         self.assertEqual({tuple(map(int, v)) for v in got["surface"]}, set(points))
-        ours = sorted((tuple(p), tuple(n)) for p, n in zip(got["points_m"].tolist(), got["normals"].tolist()))
-        theirs = sorted((tuple(float(r[k]) for k in ("px", "py", "pz")), tuple(float(r[k]) for k in ("nx", "ny", "nz"))) for r in rows)
+        ours = sorted(
+            (tuple(p), tuple(n)) for p, n in zip(got["points_m"].tolist(), got["normals"].tolist())
+        )
+        theirs = sorted(
+            (
+                tuple(float(r[k]) for k in ("px", "py", "pz")),
+                tuple(float(r[k]) for k in ("nx", "ny", "nz")),
+            )
+            for r in rows
+        )
         self.assertEqual(ours, theirs)
         runs = table_of((FOLDER / "built/cup_interior.csv").read_text())
-        self.assertEqual(len(got["interior"]), sum(int(r["k_last"]) - int(r["k_first"]) + 1 for r in runs))
+        self.assertEqual(
+            len(got["interior"]), sum(int(r["k_last"]) - int(r["k_first"]) + 1 for r in runs)
+        )
         self.assertTrue(got["closed"])
 
     def test_the_coupling_of_design(self):
         ran = run(VOXTOUCH, "design", "--device", "sim-phantom", "--scene", "cup", "--json")
         wanted, got = json.loads(ran.stdout), voxtouch.design("sim-phantom", "cup")
         self.assertEqual(got, wanted)
-        self.assertEqual(voxtouch.design("sim:touch")["device"], json.loads(run(VOXTOUCH, "design", "--device", "sim:touch", "--json").stdout)["device"])
+        self.assertEqual(
+            voxtouch.design("sim:touch")["device"],
+            json.loads(run(VOXTOUCH, "design", "--device", "sim:touch", "--json").stdout)["device"],
+        )
 
     def test_what_is_wrong_is_an_exception_with_a_sentence(self):
         for error, words, call in (
-                (ValueError, "no scene of this name comes with voxtouch. These do: block, cup", lambda: voxtouch.probe("nothing", [[1, 0, 0, 0, 0, 0, 0]])),
-                (ValueError, "n rows of 7", lambda: voxtouch.probe("cup", [1, 2, 3])),
-                (ValueError, "not a finite number", lambda: voxtouch.probe("cup", [[1, 0, 0, 0, 0, 0, float("nan")]])),
-                (ValueError, "quaternion's norm", lambda: voxtouch.probe("cup", [[0, 0, 0, 0, 0, 0, 0]])),
-                (ValueError, "no contact model", lambda: voxtouch.probe("cup", [[1, 0, 0, 0, 0, 0, 0]], model="soft")),
-                (RuntimeError, "nothing.obj", lambda: voxtouch.build("nothing.obj", 0.002)),
-                (ValueError, "voxel is", lambda: voxtouch.build(ROOT / "deploy/meshes/cup.obj", -1)),
-                (Exception, "mouse", lambda: voxtouch.design("mouse")),
-                (ValueError, "hand: 'foot' is none of", lambda: voxtouch.design("sim-phantom", hand="foot")),
-                (voxtouch.BagError, "there is no bag here", lambda: voxtouch.open_bag(EXAMPLES))):
+            (
+                ValueError,
+                "no scene of this name comes with voxtouch. These do: block, cup",
+                lambda: voxtouch.probe("nothing", [[1, 0, 0, 0, 0, 0, 0]]),
+            ),
+            (ValueError, "n rows of 7", lambda: voxtouch.probe("cup", [1, 2, 3])),
+            (
+                ValueError,
+                "not a finite number",
+                lambda: voxtouch.probe("cup", [[1, 0, 0, 0, 0, 0, float("nan")]]),
+            ),
+            (
+                ValueError,
+                "quaternion's norm",
+                lambda: voxtouch.probe("cup", [[0, 0, 0, 0, 0, 0, 0]]),
+            ),
+            (
+                ValueError,
+                "no contact model",
+                lambda: voxtouch.probe("cup", [[1, 0, 0, 0, 0, 0, 0]], model="soft"),
+            ),
+            (RuntimeError, "nothing.obj", lambda: voxtouch.build("nothing.obj", 0.002)),
+            (ValueError, "voxel is", lambda: voxtouch.build(ROOT / "deploy/meshes/cup.obj", -1)),
+            (Exception, "mouse", lambda: voxtouch.design("mouse")),
+            (
+                ValueError,
+                "hand: 'foot' is none of",
+                lambda: voxtouch.design("sim-phantom", hand="foot"),
+            ),
+            (voxtouch.BagError, "there is no bag here", lambda: voxtouch.open_bag(EXAMPLES)),
+        ):
             with self.assertRaises(error) as caught:
                 call()
             self.assertIn(words, str(caught.exception))
@@ -120,7 +217,18 @@ class Computes(unittest.TestCase):
 class Bags(unittest.TestCase):
     def test_both_storages_give_the_same_arrays(self):
         first = voxtouch.open_bag(record("sqlite", "--lockstep", "--duration", "2"))
-        second = voxtouch.open_bag(record("mcap", "--lockstep", "--duration", "2", "--record-format", "mcap", "--record-split-s", "0.8"))
+        second = voxtouch.open_bag(
+            record(
+                "mcap",
+                "--lockstep",
+                "--duration",
+                "2",
+                "--record-format",
+                "mcap",
+                "--record-split-s",
+                "0.8",
+            )
+        )
         self.assertEqual(sorted(first), sorted(second))
         self.assertEqual(first.types, second.types)
         self.assertEqual(len(list((FOLDER / "mcap").glob("*.mcap"))), 3)
@@ -129,7 +237,9 @@ class Bags(unittest.TestCase):
             self.assertEqual({topic: len(bag[topic]) for topic in bag}, told)
             self.assertEqual(bag.notes, [])
         for topic in STREAMS:
-            one, other = (numpy.sort(bag[topic], order="sequence_number") for bag in (first, second))
+            one, other = (
+                numpy.sort(bag[topic], order="sequence_number") for bag in (first, second)
+            )
             self.assertEqual(len(one), 2000)
             for name in one.dtype.names:
                 if name != "session_id":
@@ -143,11 +253,15 @@ class Bags(unittest.TestCase):
 
     def test_frames_have_a_column_for_each_number(self):
         import pandas
+
         bag = voxtouch.open_bag(record("frames", "--lockstep", "--duration", "0.3"))
         frame = bag.frame("/haptic/device/state")
         self.assertIsInstance(frame, pandas.DataFrame)
         self.assertEqual(len(frame), 300)
-        self.assertTrue({"bag_time_ns", "sequence_number", "pose.position.x", "twist.linear.z", "flags"} <= set(frame.columns))
+        self.assertTrue(
+            {"bag_time_ns", "sequence_number", "pose.position.x", "twist.linear.z", "flags"}
+            <= set(frame.columns)
+        )
         self.assertTrue((frame["pose.orientation.w"] <= 1).all())
         self.assertEqual(set(bag.frames()), set(bag))
 
@@ -155,21 +269,48 @@ class Bags(unittest.TestCase):
         for storage in ("sqlite3", "mcap"):
             for more in ((), ("split",)):
                 folder = FOLDER / f"killed_{storage}_{len(more)}"
-                self.assertEqual(run(MAKE_BAG, folder, "killed", storage, *more).returncode, -signal.SIGKILL)
+                self.assertEqual(
+                    run(MAKE_BAG, folder, "killed", storage, *more).returncode, -signal.SIGKILL
+                )
                 bag = voxtouch.open_bag(folder)
                 states = bag["/haptic/device/state"]
                 self.assertEqual(list(states["sequence_number"]), list(range(500)))
-                self.assertEqual(list(states["pose"]["position"]["z"]), [0.002 * i for i in range(500)])
+                self.assertEqual(
+                    list(states["pose"]["position"]["z"]), [0.002 * i for i in range(500)]
+                )
                 if storage == "mcap":  # a type that no version of voxtouch has
                     self.assertEqual(bag["/haptic/note"]["data"][0], "hello")
 
 
 def start_ring(bag, domain, log, scene="cup_friction", motion="slide"):
     """A ring in real time that has begun to answer samples."""
-    ring = subprocess.Popen([VOXTOUCH, "up", scene, "--motion", motion, "--duration", "0", "--no-report", "--record", bag, "--record-format", "mcap",
-                             "--domain", str(domain)], stdout=subprocess.DEVNULL, stderr=log, text=True)
+    ring = subprocess.Popen(
+        [
+            VOXTOUCH,
+            "up",
+            scene,
+            "--motion",
+            motion,
+            "--duration",
+            "0",
+            "--no-report",
+            "--record",
+            bag,
+            "--record-format",
+            "mcap",
+            "--domain",
+            str(domain),
+        ],
+        stdout=subprocess.DEVNULL,
+        stderr=log,
+        text=True,
+    )
     until = time.monotonic() + 40
-    while " samples  force" not in pathlib.Path(log.name).read_text(encoding="utf-8") and time.monotonic() < until and ring.poll() is None:
+    while (
+        " samples  force" not in pathlib.Path(log.name).read_text(encoding="utf-8")
+        and time.monotonic() < until
+        and ring.poll() is None
+    ):
         time.sleep(0.05)
     return ring
 
@@ -180,21 +321,39 @@ def stop_ring(ring):
 
 
 def example(name, *words):
-    return run(sys.executable, "-B", EXAMPLES / name, *words, env={**os.environ, "PYTHONPATH": str(FOLDER / "site"), "MPLBACKEND": "Agg"})
+    return run(
+        sys.executable,
+        "-B",
+        EXAMPLES / name,
+        *words,
+        env={**os.environ, "PYTHONPATH": str(FOLDER / "site"), "MPLBACKEND": "Agg"},
+    )
 
 
 class OwnEffect(unittest.TestCase):
     def test_of_the_example_is_felt_in_a_live_ring_bounded_and_fades_with_its_program(self):
         with open(FOLDER / "own.log", "w", encoding="utf-8") as log:
             ring = start_ring(FOLDER / "own", DOMAIN, log, scene="cup_external", motion="rest")
-            ran = example("own_effect.py", "--topic", "/sim/wrench", "--stiffness", 30, "--most", 1, "--domain", DOMAIN, "--seconds", 3)
+            ran = example(
+                "own_effect.py",
+                "--topic",
+                "/sim/wrench",
+                "--stiffness",
+                30,
+                "--most",
+                1,
+                "--domain",
+                DOMAIN,
+                "--seconds",
+                3,
+            )
             time.sleep(1.0)  # longer than the effect's timeout and fade
             stop_ring(ring)
         self.assertEqual(ran.returncode, 0, ran.stderr + ran.stdout)
         bag = voxtouch.open_bag(FOLDER / "own")
 
         def sizes(wrenches):
-            return numpy.sqrt(sum(wrenches["force"][axis]**2 for axis in "xyz"))
+            return numpy.sqrt(sum(wrenches["force"][axis] ** 2 for axis in "xyz"))
 
         written = sizes(bag["/haptic/rendering/external"]["wrench"])
         self.assertGreater(len(written), 300, ran.stdout)
@@ -204,7 +363,11 @@ class OwnEffect(unittest.TestCase):
         self.assertGreater(felt.max(), 0.5)
         self.assertLess(felt.max(), 1.5, "the scene's bound")
         self.assertEqual(felt[-100:].max(), 0.0, "nothing is felt of a program that has ended")
-        self.assertGreater(sizes(bag["/haptic/coupling/command"]["wrench"]).max(), 0.1, "the device is asked for it")
+        self.assertGreater(
+            sizes(bag["/haptic/coupling/command"]["wrench"]).max(),
+            0.1,
+            "the device is asked for it",
+        )
 
 
 class Ring(unittest.TestCase):
@@ -232,8 +395,22 @@ class Ring(unittest.TestCase):
         dds.mkdir()
         for part in pathlib.Path(cyclonedds.__file__).parents[1].glob("cyclonedds*"):
             (dds / part.name).symlink_to(part)
-        ran = run("/usr/bin/python3", "-B", EXAMPLES / "live_plot.py", "--domain", DOMAIN, "--seconds", "1", "--save", FOLDER / "live.svg",
-                  env={**os.environ, "PYTHONPATH": f"{FOLDER / 'site'}:{dds}", "MPLCONFIGDIR": str(FOLDER)})
+        ran = run(
+            "/usr/bin/python3",
+            "-B",
+            EXAMPLES / "live_plot.py",
+            "--domain",
+            DOMAIN,
+            "--seconds",
+            "1",
+            "--save",
+            FOLDER / "live.svg",
+            env={
+                **os.environ,
+                "PYTHONPATH": f"{FOLDER / 'site'}:{dds}",
+                "MPLCONFIGDIR": str(FOLDER),
+            },
+        )
         self.assertEqual(ran.returncode, 0, ran.stderr + ran.stdout)
         self.assertIn("commands", ran.stdout)
         self.assertGreater((FOLDER / "live.svg").stat().st_size, 5000)
@@ -242,24 +419,38 @@ class Ring(unittest.TestCase):
         """Every topic of a bag of another session, a change of an effect among them, each message in its order, for two seconds."""
         from voxtouch.types import TOPICS, join
         from voxtouch.types.voxtouch_msgs import EffectChanged
+
         with open(FOLDER / "to_play.log", "w", encoding="utf-8") as log:
             other = start_ring(FOLDER / "to_play", DOMAIN + 1, log)
             changed = run(VOXTOUCH, "change", "friction", "coulomb=0.1", "--domain", DOMAIN + 1)
             stop_ring(other)
         self.assertEqual(changed.returncode, 0, changed.stderr)
         bag = voxtouch.open_bag(FOLDER / "to_play")
-        self.assertEqual(list(bag["/haptic/rendering/changed"]["result"]), [EffectChanged.RESULT_DONE])
+        self.assertEqual(
+            list(bag["/haptic/rendering/changed"]["result"]), [EffectChanged.RESULT_DONE]
+        )
         participant = join(DOMAIN)
         by_name = {row.dds_name().removeprefix("rt"): row for row in TOPICS.values()}
-        played = {topic: (by_name[topic].writer(participant), [by_name[topic].type.deserialize(data) for _, data in bag.raw(topic)])
-                  for topic in bag if topic in by_name}
+        played = {
+            topic: (
+                by_name[topic].writer(participant),
+                [by_name[topic].type.deserialize(data) for _, data in bag.raw(topic)],
+            )
+            for topic in bag
+            if topic in by_name
+        }
         self.assertTrue(set(STREAMS) <= set(played))
         # The recorder may have known `voxtouch change` too late to hear it ask; the rendering's record of the change says the same.
-        played["/haptic/rendering/change"] = played["/haptic/rendering/change"][0], played["/haptic/rendering/made"][1]
+        played["/haptic/rendering/change"] = (
+            played["/haptic/rendering/change"][0],
+            played["/haptic/rendering/made"][1],
+        )
         self.assertEqual(len(played["/haptic/rendering/change"][1]), 1)
         # What is written before the rendering knows the writer is answered by nobody, and on a busy machine that may take longer than it is played.
         until = time.monotonic() + 20
-        while len(played["/haptic/rendering/change"][0].get_matched_subscriptions()) < 2:  # the rendering and the logger
+        while (
+            len(played["/haptic/rendering/change"][0].get_matched_subscriptions()) < 2
+        ):  # the rendering and the logger
             self.assertLess(time.monotonic(), until, "rendering and logger read changes")
             time.sleep(0.05)
         end, written, n = time.monotonic() + 2, 0, 0
@@ -277,32 +468,62 @@ class Ring(unittest.TestCase):
         states = ours["/haptic/device/state"]
         own = numpy.unique(states["session_id"], return_counts=True)
         session = own[0][own[1].argmax()]  # the ring's: the bag holds all that was on the wire
-        figures = [one for one in ours["/haptic/node_status"] if one["node"] == "device"][-1]["figures"]
+        figures = [one for one in ours["/haptic/node_status"] if one["node"] == "device"][-1][
+            "figures"
+        ]
         most = {one["name"]: one["value"] for one in figures}
         self.assertLess(most["max_force_n"], 1.0)
         commands = ours["/haptic/coupling/command"]
         commands = commands[commands["session_id"] == session]
         self.assertGreater(len(commands), 1500)
-        self.assertLess(max(numpy.abs(commands["wrench"]["force"][axis]).max() for axis in "xyz"), 1.0)
+        self.assertLess(
+            max(numpy.abs(commands["wrench"]["force"][axis]).max() for axis in "xyz"), 1.0
+        )
         own_answers = ours["/haptic/rendering/changed"]
         own_answers = own_answers[own_answers["session_id"] == session]
-        self.assertEqual(set(own_answers["result"]), {EffectChanged.RESULT_REFUSED}, "events of a bag are not applied")
+        self.assertEqual(
+            set(own_answers["result"]),
+            {EffectChanged.RESULT_REFUSED},
+            "events of a bag are not applied",
+        )
         self.assertIn("session", own_answers["sentence"][0])
-        self.assertIn("is refused", " ".join(ours["/haptic/node_status"]["message"]), "who plays the bag is named")
+        self.assertIn(
+            "is refused",
+            " ".join(ours["/haptic/node_status"]["message"]),
+            "who plays the bag is named",
+        )
 
 
 class Examples(unittest.TestCase):
     def test_each_says_what_it_is(self):
         for file in sorted(EXAMPLES.glob("*.py")):
-            ran = run(sys.executable, "-B", file, "--help", env={**os.environ, "PYTHONPATH": str(FOLDER / "site")})
+            ran = run(
+                sys.executable,
+                "-B",
+                file,
+                "--help",
+                env={**os.environ, "PYTHONPATH": str(FOLDER / "site")},
+            )
             if file.name == "live_plot.py" and "No module named 'matplotlib'" in ran.stderr:
                 continue  # Ring runs it where matplotlib is
             self.assertEqual(ran.returncode, 0, ran.stderr)
             self.assertIn("--", ran.stdout)
 
     def test_accuracy_of_a_part_names_a_setting(self):
-        ran = run(sys.executable, "-B", EXAMPLES / "accuracy_of_a_part.py", ROOT / "deploy/scenes/cup.yaml", "--models", "adapted", "--contacts", "20", "--voxel-sizes", "0.004",
-                  "--voxtouch", VOXTOUCH)
+        ran = run(
+            sys.executable,
+            "-B",
+            EXAMPLES / "accuracy_of_a_part.py",
+            ROOT / "deploy/scenes/cup.yaml",
+            "--models",
+            "adapted",
+            "--contacts",
+            "20",
+            "--voxel-sizes",
+            "0.004",
+            "--voxtouch",
+            VOXTOUCH,
+        )
         self.assertEqual(ran.returncode, 0, ran.stderr + ran.stdout)
         self.assertIn("adapted", ran.stdout)
 

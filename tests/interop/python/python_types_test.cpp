@@ -1,5 +1,6 @@
-// Processes of PyPI's cyclonedds 11 on every topic of a ring: with the types that `voxtouch types` writes, and with types of the same
-// names that hold arrays. Such a type, looked up, ends every process of Cyclone DDS 0.10.
+// Processes of PyPI's cyclonedds 11 on every topic of a ring: with the types that `voxtouch types`
+// writes, and with types of the same names that hold arrays. Such a type, looked up, ends every
+// process of Cyclone DDS 0.10.
 #include <gtest/gtest.h>
 
 #include <signal.h>
@@ -21,7 +22,8 @@ using std::chrono::seconds;
 bool wait_until(const std::function<bool()>& holds, seconds patience) {
   const auto until = std::chrono::steady_clock::now() + patience;
   while (!holds()) {
-    if (std::chrono::steady_clock::now() > until) return false;
+    if (std::chrono::steady_clock::now() > until)
+      return false;
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
   return true;
@@ -31,14 +33,18 @@ bool wait_until(const std::function<bool()>& holds, seconds patience) {
 std::ptrdiff_t lines_of(const Process& up) {
   const std::string text = up.err();
   std::ptrdiff_t count = 0;
-  for (std::size_t at = 0; (at = text.find(" samples  force", at)) != std::string::npos; ++at) ++count;
+  for (std::size_t at = 0; (at = text.find(" samples  force", at)) != std::string::npos; ++at)
+    ++count;
   return count;
 }
 
-/// What a Python process saw of every topic, until a thousand samples of the device had come, and then wrote; null, with a failure, where it did not come to its end.
+/// What a Python process saw of every topic, until a thousand samples of the device had come, and
+/// then wrote; null, with a failure, where it did not come to its end.
 json stranger(const std::filesystem::path& types, const std::string& how) {
   if (!std::filesystem::exists(VOXTOUCH_PYTHON)) {
-    ADD_FAILURE() << VOXTOUCH_PYTHON " is missing: deploy/setup installs it from PyPI, where deploy/packages.txt names what it holds.";
+    ADD_FAILURE() << VOXTOUCH_PYTHON
+        " is missing: deploy/setup installs it from PyPI, where deploy/packages.txt names what it "
+        "holds.";
     return {};
   }
   Process python({VOXTOUCH_PYTHON, "-B", VOXTOUCH_STRANGER, types.string(), fresh_domain(), how});
@@ -57,15 +63,20 @@ void expect_our_types_read_right(const json& topics, bool touching) {
   EXPECT_NE(state["sessions"][0], 0);
   const auto numbers = state["numbers"].get<std::vector<std::uint64_t>>();
   EXPECT_TRUE(std::is_sorted(numbers.begin(), numbers.end(), std::less_equal<>()));
-  for (const double norm : state["norms"]) ASSERT_NEAR(norm, 1.0, 1e-9);
-  EXPECT_EQ(topics["rendering/contact"]["models"], json::array({msg::contact_state::kModelAdapted}));
+  for (const double norm : state["norms"])
+    ASSERT_NEAR(norm, 1.0, 1e-9);
+  EXPECT_EQ(topics["rendering/contact"]["models"],
+            json::array({msg::contact_state::kModelAdapted}));
   EXPECT_EQ(topics["rendering/contact"]["touching"] > 0, touching);
   EXPECT_EQ(topics["coupling/command"]["forces"] > 0.01, touching);
   EXPECT_LE(topics["coupling/command"]["forces"], 8.5);
-  EXPECT_EQ(topics["node_status"]["nodes"], json::array({"coupling", "device", "rendering", "up", "validator"}));
+  EXPECT_EQ(topics["node_status"]["nodes"],
+            json::array({"coupling", "device", "rendering", "up", "validator"}));
   EXPECT_EQ(topics["node_status"]["participants"].size(), 5U);
-  for (const char* once : {"device/description", "rendering/plan", "coupling/design"}) EXPECT_EQ(topics[once]["count"], 1) << once;
-  for (const char* on_demand : {"tf", "tf_static", "pose", "wrench", "markers", "diagnostics", "validation"})
+  for (const char* once : {"device/description", "rendering/plan", "coupling/design"})
+    EXPECT_EQ(topics[once]["count"], 1) << once;
+  for (const char* on_demand :
+       {"tf", "tf_static", "pose", "wrench", "markers", "diagnostics", "validation"})
     EXPECT_GT(topics[on_demand]["count"], 0) << on_demand;
 }
 
@@ -73,8 +84,11 @@ class StrangersFromPyPI : public testing::TestWithParam<const char*> {};
 
 TEST_P(StrangersFromPyPI, ReadAndWriteEveryTopicAndNoProcessOfTheRingEnds) {
   const TemporaryFolder types;
-  ASSERT_EQ(Process({VOXTOUCH_BIN "/voxtouch", "types", "--python", types.path().string()}).wait().status, 0);
-  Process up(up_arguments(shipped_scene("cup"), {"--device", "sim-phantom", "--motion", GetParam(), "--no-record"}));
+  ASSERT_EQ(
+      Process({VOXTOUCH_BIN "/voxtouch", "types", "--python", types.path().string()}).wait().status,
+      0);
+  Process up(up_arguments(shipped_scene("cup"),
+                          {"--device", "sim-phantom", "--motion", GetParam(), "--no-record"}));
   ASSERT_TRUE(wait_until([&] { return lines_of(up) > 0; }, seconds(30))) << up.err();
   const std::vector<pid_t> nodes = children_of(up.pid());
 
@@ -93,17 +107,21 @@ TEST_P(StrangersFromPyPI, ReadAndWriteEveryTopicAndNoProcessOfTheRingEnds) {
     }
     EXPECT_GT(ours["matched"][name], 0) << name;  // its own reader, and the ring's
   }
-  for (const char* heard : {"rt/haptic/device/state", "rt/haptic/rendering/contact", "rt/haptic/coupling/command",
-                            "rt/haptic/device/description", "rt/haptic/rendering/change", "rt/haptic/node_status"})
+  for (const char* heard :
+       {"rt/haptic/device/state", "rt/haptic/rendering/contact", "rt/haptic/coupling/command",
+        "rt/haptic/device/description", "rt/haptic/rendering/change", "rt/haptic/node_status"})
     EXPECT_GT(ours["matched"][heard], 1) << heard;
 
   const json foreign = stranger(types.path(), "foreign");
   ASSERT_TRUE(foreign.is_object());
   EXPECT_EQ(foreign["matched"], ours["matched"]);
-  for (const json& stranger : {ours, foreign}) EXPECT_GT(stranger["written"], 10 * std::size(qos::kTopics));
+  for (const json& stranger : {ours, foreign})
+    EXPECT_GT(stranger["written"], 10 * std::size(qos::kTopics));
 
   const auto before = lines_of(up);
-  EXPECT_TRUE(wait_until([&] { return lines_of(up) > before + 1; }, seconds(10))) << "the ring stands still\n" << up.err();
+  EXPECT_TRUE(wait_until([&] { return lines_of(up) > before + 1; }, seconds(10)))
+      << "the ring stands still\n"
+      << up.err();
   EXPECT_EQ(children_of(up.pid()), nodes) << up.err();
   up.signal(SIGINT);
   const Finished end = up.wait();

@@ -9,7 +9,11 @@ import math
 import sys
 import time
 
-from cyclonedds.builtin import BuiltinDataReader, BuiltinTopicDcpsPublication, BuiltinTopicDcpsSubscription
+from cyclonedds.builtin import (
+    BuiltinDataReader,
+    BuiltinTopicDcpsPublication,
+    BuiltinTopicDcpsSubscription,
+)
 from cyclonedds.idl import make_idl_struct, types
 
 sys.path.insert(0, sys.argv[1])
@@ -18,16 +22,30 @@ from voxtouch_types import TOPICS, join  # noqa: E402
 
 def with_arrays(row):
     name = row.type.__idl_typename__
-    inner = make_idl_struct("Inner", name + "Inner", {"numbers": types.array[types.float64, 3], "text": str})
-    return make_idl_struct("Foreign", name, {"octets": types.array[types.uint8, 16], "inners": types.array[inner, 2],
-                                             "more": types.sequence[types.array[types.int32, 4]]}), inner
+    inner = make_idl_struct(
+        "Inner", name + "Inner", {"numbers": types.array[types.float64, 3], "text": str}
+    )
+    return (
+        make_idl_struct(
+            "Foreign",
+            name,
+            {
+                "octets": types.array[types.uint8, 16],
+                "inners": types.array[inner, 2],
+                "more": types.sequence[types.array[types.int32, 4]],
+            },
+        ),
+        inner,
+    )
 
 
 def foreign(row):
     """The same topic with a type of arrays under the same name, and a sample of it."""
     kind, inner = with_arrays(row)
     part = inner(numbers=[1.0, 2.0, 3.0], text="of nobody")
-    return dataclasses.replace(row, type=kind), kind(octets=bytes(range(16)), inners=[part, part], more=[[1, 2, 3, 4]])
+    return dataclasses.replace(row, type=kind), kind(
+        octets=bytes(range(16)), inners=[part, part], more=[[1, 2, 3, 4]]
+    )
 
 
 def ours(row):
@@ -40,14 +58,18 @@ def facts(path, samples):
     if path == "device/state":
         found["sessions"] = sorted({s.session_id for s in samples})
         found["numbers"] = [s.sequence_number for s in samples]
-        found["norms"] = [math.hypot(q.w, q.x, q.y, q.z) for q in (s.pose.orientation for s in samples)]
+        found["norms"] = [
+            math.hypot(q.w, q.x, q.y, q.z) for q in (s.pose.orientation for s in samples)
+        ]
     elif path == "rendering/contact":
         found["sessions"] = sorted({s.session_id for s in samples})
         found["touching"] = sum(s.surface_hits > 0 for s in samples)
         found["models"] = sorted({s.model for s in samples})
     elif path == "coupling/command":
         found["sessions"] = sorted({s.session_id for s in samples})
-        found["forces"] = max((math.hypot(*(getattr(s.wrench.force, a) for a in "xyz")) for s in samples), default=0.0)
+        found["forces"] = max(
+            (math.hypot(*(getattr(s.wrench.force, a) for a in "xyz")) for s in samples), default=0.0
+        )
     elif path == "node_status":
         found["nodes"] = sorted({s.node for s in samples if s.node})
         found["participants"] = sorted({bytes(s.participant).hex() for s in samples if s.node})
@@ -80,17 +102,34 @@ def main():
             time.sleep(0.01)
 
     listen(1.5, lambda: how is foreign or len(seen["device/state"]) > 1000)
-    found = {path: facts(path, samples) if how is ours else {"count": len(samples)} for path, samples in seen.items()}
+    found = {
+        path: facts(path, samples) if how is ours else {"count": len(samples)}
+        for path, samples in seen.items()
+    }
     endpoints = typed_endpoints(participant, participant.guid)
-    writers = [(row.writer(participant), seen[path][-1] if how is ours and seen[path] else sample) for path, (row, sample) in rows.items()]
+    writers = [
+        (row.writer(participant), seen[path][-1] if how is ours and seen[path] else sample)
+        for path, (row, sample) in rows.items()
+    ]
     written = 0
     for _ in range(50):
         for writer, sample in writers:
             writer.write(sample)
             written += 1
         listen(0.02)
-    print(json.dumps({"topics": found, "endpoints": endpoints, "written": written,
-                      "matched": {row.dds_name(): len(w.get_matched_subscriptions()) for (row, _), (w, _) in zip(rows.values(), writers)}}))
+    print(
+        json.dumps(
+            {
+                "topics": found,
+                "endpoints": endpoints,
+                "written": written,
+                "matched": {
+                    row.dds_name(): len(w.get_matched_subscriptions())
+                    for (row, _), (w, _) in zip(rows.values(), writers)
+                },
+            }
+        )
+    )
 
 
 if __name__ == "__main__":

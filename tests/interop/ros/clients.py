@@ -14,13 +14,41 @@ import sys
 sys.path[:0] = [str(pathlib.Path(__file__).resolve().parents[2] / "support")]
 
 from processors import QUIET, Processors  # noqa: E402
-from ros_tools import DOMAIN, Clients, OtherHost, Ring, ask, enter_own_network, expect, failures  # noqa: E402
+from ros_tools import (
+    DOMAIN,
+    Clients,
+    OtherHost,
+    Ring,
+    ask,
+    enter_own_network,
+    expect,
+    failures,
+)  # noqa: E402
 
 SECONDS, CHANGES = "5", "50"
-STANDARD = {"rt/tf", "rt/tf_static", "rt/haptic/pose", "rt/haptic/wrench", "rt/haptic/markers", "rt/diagnostics", "rt/parameter_events", "rt/rosout"}
-HEAD = ["client", "standard topics read", "DeviceState, ContactState, ForceCommand lost", "a change answered, median", "longest of 50", "asked by",
-        "processors taken by others"]
-MOST_LOST, ANSWERED_MS = 0.01, 20.0  # of a client on a quiet machine: a share of each topic, and 19 of 20 changes
+STANDARD = {
+    "rt/tf",
+    "rt/tf_static",
+    "rt/haptic/pose",
+    "rt/haptic/wrench",
+    "rt/haptic/markers",
+    "rt/diagnostics",
+    "rt/parameter_events",
+    "rt/rosout",
+}
+HEAD = [
+    "client",
+    "standard topics read",
+    "DeviceState, ContactState, ForceCommand lost",
+    "a change answered, median",
+    "longest of 50",
+    "asked by",
+    "processors taken by others",
+]
+MOST_LOST, ANSWERED_MS = (
+    0.01,
+    20.0,
+)  # of a client on a quiet machine: a share of each topic, and 19 of 20 changes
 
 
 def commands(clients, rust):
@@ -40,41 +68,73 @@ def row_of(name, answer, way, others):
     streams = answer["streams"].values()
     for topic, (received, lost) in answer["streams"].items():
         most = MOST_LOST * (received + lost) if others < QUIET else received
-        expect(received > 1000 and lost <= most, f"{name} gets {received} of {topic} and misses {lost}; others took {100 * others:.0f} % of the processors")
+        expect(
+            received > 1000 and lost <= most,
+            f"{name} gets {received} of {topic} and misses {lost}; others took {100 * others:.0f} % of the processors",
+        )
     answers = answer["answers_ms"]
-    expect(len(answers) == int(CHANGES), f"{name}: {len(answers)} of {CHANGES} changes are answered")
+    expect(
+        len(answers) == int(CHANGES), f"{name}: {len(answers)} of {CHANGES} changes are answered"
+    )
     median = statistics.median(answers or [float("inf")])
-    expect(median < ANSWERED_MS, f"{name}: a change is answered after {median:.1f} ms in the middle")
+    expect(
+        median < ANSWERED_MS, f"{name}: a change is answered after {median:.1f} ms in the middle"
+    )
     late = sum(ms > ANSWERED_MS for ms in answers)
-    expect(others >= QUIET or late <= len(answers) / 20, f"{name}: {late} of {len(answers)} changes are answered after more than {ANSWERED_MS:.0f} ms")
+    expect(
+        others >= QUIET or late <= len(answers) / 20,
+        f"{name}: {late} of {len(answers)} changes are answered after more than {ANSWERED_MS:.0f} ms",
+    )
     losses = ", ".join(f"{lost} of {received + lost}" for received, lost in streams)
-    return [name, f"{len(read)} of {len(STANDARD)}", losses, f"{median:.1f} ms", f"{max(answers or [float('inf')]):.1f} ms", way, f"{100 * others:.0f} %"]
+    return [
+        name,
+        f"{len(read)} of {len(STANDARD)}",
+        losses,
+        f"{median:.1f} ms",
+        f"{max(answers or [float('inf')]):.1f} ms",
+        way,
+        f"{100 * others:.0f} %",
+    ]
 
 
 def table(rows):
-    return "\n".join("| " + " | ".join(cells) + " |" for cells in [HEAD, ["---"] * len(HEAD), *rows]) + "\n"
+    return (
+        "\n".join("| " + " | ".join(cells) + " |" for cells in [HEAD, ["---"] * len(HEAD), *rows])
+        + "\n"
+    )
 
 
 def own_gaps(summary):
     """A sample that the ring itself has not answered has no ContactState and no ForceCommand that a client could lose."""
     share = 1.0 - summary["limits"]["answered_share"]["value"]
-    return (f"From its first answer on the ring itself left {100 * share:.2f} % of its samples without one: their ContactState and ForceCommand were never written, and "
-            "count as lost above.\n")
+    return (
+        f"From its first answer on the ring itself left {100 * share:.2f} % of its samples without one: their ContactState and ForceCommand were never written, and "
+        "count as lost above.\n"
+    )
 
 
 def main():
     voxtouch, cyclone, fast, python, rust = sys.argv[1:6]
     enter_own_network()
     if not pathlib.Path(rust).exists():
-        print("ros2-client is not built, and left out: deploy/interop builds it where cargo and crates can be had")
+        print(
+            "ros2-client is not built, and left out: deploy/interop builds it where cargo and crates can be had"
+        )
         rust = None
     if rust:  # it has no list of peers and hears multicast alone
         ring = Ring(voxtouch)
         samples = ask([rust, DOMAIN, "3"])["samples"]
         print(f"ros2-client on loopback alone: {samples} samples in 3 s")
-        expect(samples > 1000, f"ros2-client finds a ring on loopback alone: {samples} samples in 3 s")
+        expect(
+            samples > 1000, f"ros2-client finds a ring on loopback alone: {samples} samples in 3 s"
+        )
         ring.close()
-    clients, other, ring, rows = Clients(voxtouch, cyclone, fast, python), OtherHost(), Ring(voxtouch, "--json", scene="cup_friction"), []
+    clients, other, ring, rows = (
+        Clients(voxtouch, cyclone, fast, python),
+        OtherHost(),
+        Ring(voxtouch, "--json", scene="cup_friction"),
+        [],
+    )
     for name, command, way in commands(clients, rust):
         processors = Processors()
         answer = ask([*command, CHANGES])

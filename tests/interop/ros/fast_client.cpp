@@ -1,6 +1,8 @@
-// A process of Fast DDS, set up as rmw_fastrtps does it: which topics of ROS it finds, with their user data, what it gets of the ring, the ROS graph
-// as bytes, and how soon a change of an effect is answered. Changes go by topic, since the two RMWs differ in the wire form of services.
-// usage: fast_client DOMAIN default|humble_localhost|jazzy_localhost SECONDS [CHANGES]. Prints one JSON object.
+// A process of Fast DDS, set up as rmw_fastrtps does it: which topics of ROS it finds, with their
+// user data, what it gets of the ring, the ROS graph as bytes, and how soon a change of an effect
+// is answered. Changes go by topic, since the two RMWs differ in the wire form of services. usage:
+// fast_client DOMAIN default|humble_localhost|jazzy_localhost SECONDS [CHANGES]. Prints one JSON
+// object.
 #include <unistd.h>
 
 #include <array>
@@ -14,6 +16,9 @@
 #include <thread>
 #include <vector>
 
+#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
+#include <fastdds/rtps/transport/shared_mem/SharedMemTransportDescriptor.h>
+#include <fastrtps/utils/IPLocator.h>
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 #include <fastdds/dds/domain/DomainParticipantListener.hpp>
@@ -24,9 +29,6 @@
 #include <fastdds/dds/subscriber/Subscriber.hpp>
 #include <fastdds/dds/topic/TopicDataType.hpp>
 #include <fastdds/dds/topic/TypeSupport.hpp>
-#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
-#include <fastdds/rtps/transport/shared_mem/SharedMemTransportDescriptor.h>
-#include <fastrtps/utils/IPLocator.h>
 
 namespace {
 
@@ -48,7 +50,8 @@ class AnyBytes : public TopicDataType {
   }
   bool serialize(void* data, SerializedPayload_t* payload) override {
     const Bytes& bytes = *static_cast<Bytes*>(data);
-    if (bytes.size() > payload->max_size) return false;
+    if (bytes.size() > payload->max_size)
+      return false;
     std::memcpy(payload->data, bytes.data(), bytes.size());
     payload->length = static_cast<uint32_t>(bytes.size());
     payload->encapsulation = CDR_LE;
@@ -76,7 +79,9 @@ std::string hex(const unsigned char* bytes, std::size_t size) {
   return text;
 }
 
-std::string hex(const GUID_t& guid) { return hex(guid.guidPrefix.value, 12) + hex(guid.entityId.value, 4); }
+std::string hex(const GUID_t& guid) {
+  return hex(guid.guidPrefix.value, 12) + hex(guid.entityId.value, 4);
+}
 
 struct Found {
   std::string name, guid, user_data;
@@ -86,10 +91,12 @@ struct Found {
 class Announcements : public DomainParticipantListener {
  public:
   void on_publisher_discovery(DomainParticipant*, WriterDiscoveryInfo&& info) override {
-    add(info.info.topicName().to_string(), info.info.guid(), info.info.m_qos.m_userData.data_vec(), true);
+    add(info.info.topicName().to_string(), info.info.guid(), info.info.m_qos.m_userData.data_vec(),
+        true);
   }
   void on_subscriber_discovery(DomainParticipant*, ReaderDiscoveryInfo&& info) override {
-    add(info.info.topicName().to_string(), info.info.guid(), info.info.m_qos.m_userData.data_vec(), false);
+    add(info.info.topicName().to_string(), info.info.guid(), info.info.m_qos.m_userData.data_vec(),
+        false);
   }
   void on_participant_discovery(DomainParticipant*, ParticipantDiscoveryInfo&& info) override {
     const std::lock_guard lock(mutex);
@@ -101,13 +108,15 @@ class Announcements : public DomainParticipantListener {
   std::map<std::string, std::string> participants;
 
  private:
-  void add(const std::string& name, const GUID_t& guid, const std::vector<octet>& data, bool writes) {
+  void add(const std::string& name, const GUID_t& guid, const std::vector<octet>& data,
+           bool writes) {
     const std::lock_guard lock(mutex);
     endpoints.push_back({name, hex(guid), std::string(data.begin(), data.end()), writes});
   }
 };
 
-/// What rmw_fastrtps sets for ROS_LOCALHOST_ONLY=1 in Humble, and for the range LOCALHOST from Iron on.
+/// What rmw_fastrtps sets for ROS_LOCALHOST_ONLY=1 in Humble, and for the range LOCALHOST from Iron
+/// on.
 DomainParticipantQos set_up(const std::string& how) {
   DomainParticipantQos qos = PARTICIPANT_QOS_DEFAULT;
   auto udp = std::make_shared<UDPv4TransportDescriptor>();
@@ -135,9 +144,12 @@ enum class Kind { kBestEffort, kReliable, kLatched };
 /// A DataReaderQos or a DataWriterQos.
 template <class Qos>
 Qos qos_of(Qos qos, Kind kind) {
-  qos.reliability().kind = kind == Kind::kBestEffort ? BEST_EFFORT_RELIABILITY_QOS : RELIABLE_RELIABILITY_QOS;
-  qos.durability().kind = kind == Kind::kLatched ? TRANSIENT_LOCAL_DURABILITY_QOS : VOLATILE_DURABILITY_QOS;
-  qos.history().depth = qos.resource_limits().max_samples_per_instance = 1000;  // a second of the loop
+  qos.reliability().kind =
+      kind == Kind::kBestEffort ? BEST_EFFORT_RELIABILITY_QOS : RELIABLE_RELIABILITY_QOS;
+  qos.durability().kind =
+      kind == Kind::kLatched ? TRANSIENT_LOCAL_DURABILITY_QOS : VOLATILE_DURABILITY_QOS;
+  qos.history().depth = qos.resource_limits().max_samples_per_instance =
+      1000;  // a second of the loop
   qos.endpoint().history_memory_policy = PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
   return qos;
 }
@@ -150,16 +162,22 @@ Topic* topic_of(DomainParticipant* participant, const char* name, const char* ty
 
 class Read {
  public:
-  Read(DomainParticipant* participant, Subscriber* subscriber, const char* topic, const char* type, Kind kind)
-      : name(topic), reader_(subscriber->create_datareader(topic_of(participant, topic, type), qos_of(DATAREADER_QOS_DEFAULT, kind))) {}
+  Read(DomainParticipant* participant, Subscriber* subscriber, const char* topic, const char* type,
+       Kind kind)
+      : name(topic),
+        reader_(subscriber->create_datareader(topic_of(participant, topic, type),
+                                              qos_of(DATAREADER_QOS_DEFAULT, kind))) {}
   /// Calls f(const Bytes&) for each sample that waits.
   template <class F>
   void take(F&& f) {
     SampleInfo info;
     while (reader_->take_next_sample(&bytes_, &info) == ReturnCode_t::RETCODE_OK)
-      if (info.valid_data) ++received, f(static_cast<const Bytes&>(bytes_));
+      if (info.valid_data)
+        ++received, f(static_cast<const Bytes&>(bytes_));
   }
-  bool is_matched() const { return reader_->get_subscription_matched_status(matched_), matched_.current_count > 0; }
+  bool is_matched() const {
+    return reader_->get_subscription_matched_status(matched_), matched_.current_count > 0;
+  }
 
   const char* name;
   std::size_t received = 0;
@@ -173,17 +191,20 @@ class Read {
 template <class T>
 T number_at(const Bytes& bytes, std::size_t place) {
   T value{};
-  if (bytes.size() >= place + sizeof value) std::memcpy(&value, bytes.data() + place, sizeof value);
+  if (bytes.size() >= place + sizeof value)
+    std::memcpy(&value, bytes.data() + place, sizeof value);
   return value;
 }
 
-/// One of the loop's topics: what came of the samples, which the device has numbered, behind the session's number.
+/// One of the loop's topics: what came of the samples, which the device has numbered, behind the
+/// session's number.
 struct Stream : Read {
   using Read::Read;
   void look(double now_s) {
     take([&](const Bytes& bytes) {
       last = number_at<std::uint64_t>(bytes, 4 + 8);
-      if (received == 1) first = last, first_s = now_s;
+      if (received == 1)
+        first = last, first_s = now_s;
     });
   }
   std::uint64_t first = 0, last = 0;
@@ -194,7 +215,8 @@ struct Stream : Read {
 Bytes change(std::uint64_t request, double gain) {
   Bytes bytes = {0, 1, 0, 0};
   const auto add = [&](const auto& value) {
-    while ((bytes.size() - 4) % sizeof value) bytes.push_back(0);
+    while ((bytes.size() - 4) % sizeof value)
+      bytes.push_back(0);
     const auto* first = reinterpret_cast<const unsigned char*>(&value);
     bytes.insert(bytes.end(), first, first + sizeof value);
   };
@@ -204,22 +226,33 @@ Bytes change(std::uint64_t request, double gain) {
   };
   add(request), add(std::uint64_t{0}), add(std::uint64_t{0}), add(std::uint32_t{2});
   add_text("friction"), add_text("");
-  for (const double value : {gain, 0.0, 0.0, 0.0}) add(value);  // the last one: a voxel's size
+  for (const double value : {gain, 0.0, 0.0, 0.0})
+    add(value);  // the last one: a voxel's size
   add_text("");
   return bytes;
 }
 
-/// Milliseconds until each of so many changes was answered as made. A shorter list: somebody did not answer.
-std::vector<double> ask_for_changes(DomainParticipant* participant, Subscriber* subscriber, int count) {
+/// Milliseconds until each of so many changes was answered as made. A shorter list: somebody did
+/// not answer.
+std::vector<double> ask_for_changes(DomainParticipant* participant, Subscriber* subscriber,
+                                    int count) {
   using Clock = std::chrono::steady_clock;
-  const auto since = [](Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); };
-  Read answers(participant, subscriber, "rt/haptic/rendering/changed", "voxtouch_msgs::msg::dds_::EffectChanged_", Kind::kLatched);
+  const auto since = [](Clock::time_point begin) {
+    return std::chrono::duration<double>(Clock::now() - begin).count();
+  };
+  Read answers(participant, subscriber, "rt/haptic/rendering/changed",
+               "voxtouch_msgs::msg::dds_::EffectChanged_", Kind::kLatched);
   DataWriter* writer = participant->create_publisher(PUBLISHER_QOS_DEFAULT)
-                           ->create_datawriter(topic_of(participant, "rt/haptic/rendering/change", "voxtouch_msgs::msg::dds_::EffectChange_"),
+                           ->create_datawriter(topic_of(participant, "rt/haptic/rendering/change",
+                                                        "voxtouch_msgs::msg::dds_::EffectChange_"),
                                                qos_of(DATAWRITER_QOS_DEFAULT, Kind::kReliable));
   PublicationMatchedStatus matched;
-  const auto is_matched = [&] { return writer->get_publication_matched_status(matched), matched.current_count > 0 && answers.is_matched(); };
-  for (const auto begin = Clock::now(); !is_matched() && since(begin) < 10.0;) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  const auto is_matched = [&] {
+    return writer->get_publication_matched_status(matched),
+           matched.current_count > 0 && answers.is_matched();
+  };
+  for (const auto begin = Clock::now(); !is_matched() && since(begin) < 10.0;)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
   std::this_thread::sleep_for(std::chrono::milliseconds(500));  // the rendering has to know it too
   std::vector<double> took_ms;
   constexpr std::uint32_t kDone = 2;
@@ -230,10 +263,15 @@ std::vector<double> ask_for_changes(DomainParticipant* participant, Subscriber* 
     writer->write(&bytes);
     bool is_done = false;
     while (!is_done && since(begin) < 5.0) {
-      answers.take([&](const Bytes& answer) { is_done = is_done || (number_at<std::uint64_t>(answer, 4) == request && number_at<std::uint32_t>(answer, 4 + 24) == kDone); });
-      if (!is_done) std::this_thread::sleep_for(std::chrono::microseconds(200));
+      answers.take([&](const Bytes& answer) {
+        is_done = is_done || (number_at<std::uint64_t>(answer, 4) == request &&
+                              number_at<std::uint32_t>(answer, 4 + 24) == kDone);
+      });
+      if (!is_done)
+        std::this_thread::sleep_for(std::chrono::microseconds(200));
     }
-    if (is_done) took_ms.push_back(1e3 * since(begin));
+    if (is_done)
+      took_ms.push_back(1e3 * since(begin));
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
   return took_ms;
@@ -242,63 +280,86 @@ std::vector<double> ask_for_changes(DomainParticipant* participant, Subscriber* 
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 4 && argc != 5) return 2;
+  if (argc != 4 && argc != 5)
+    return 2;
   Announcements announcements;
   DomainParticipant* participant = DomainParticipantFactory::get_instance()->create_participant(
-      static_cast<DomainId_t>(std::stoul(argv[1])), set_up(argv[2]), &announcements, StatusMask::none());
-  if (!participant) return 1;
+      static_cast<DomainId_t>(std::stoul(argv[1])), set_up(argv[2]), &announcements,
+      StatusMask::none());
+  if (!participant)
+    return 1;
   Subscriber* subscriber = participant->create_subscriber(SUBSCRIBER_QOS_DEFAULT);
-  const auto read = [&](const char* name, const char* type, Kind kind) { return Read(participant, subscriber, name, type, kind); };
-  const auto stream = [&](const char* name, const char* type) { return Stream(participant, subscriber, name, type, Kind::kBestEffort); };
-  std::array streams = {stream("rt/haptic/device/state", "voxtouch_msgs::msg::dds_::DeviceState_"),
-                        stream("rt/haptic/rendering/contact", "voxtouch_msgs::msg::dds_::ContactState_"),
-                        stream("rt/haptic/coupling/command", "voxtouch_msgs::msg::dds_::ForceCommand_")};
-  std::array standard = {read("rt/tf", "tf2_msgs::msg::dds_::TFMessage_", Kind::kReliable),
-                         read("rt/tf_static", "tf2_msgs::msg::dds_::TFMessage_", Kind::kLatched),
-                         read("rt/haptic/pose", "geometry_msgs::msg::dds_::PoseStamped_", Kind::kReliable),
-                         read("rt/haptic/wrench", "geometry_msgs::msg::dds_::WrenchStamped_", Kind::kReliable),
-                         read("rt/haptic/markers", "visualization_msgs::msg::dds_::MarkerArray_", Kind::kReliable),
-                         read("rt/diagnostics", "diagnostic_msgs::msg::dds_::DiagnosticArray_", Kind::kReliable),
-                         read("rt/parameter_events", "rcl_interfaces::msg::dds_::ParameterEvent_", Kind::kReliable),
-                         read("rt/rosout", "rcl_interfaces::msg::dds_::Log_", Kind::kLatched)};
-  Read graph = read("ros_discovery_info", "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_", Kind::kLatched);
+  const auto read = [&](const char* name, const char* type, Kind kind) {
+    return Read(participant, subscriber, name, type, kind);
+  };
+  const auto stream = [&](const char* name, const char* type) {
+    return Stream(participant, subscriber, name, type, Kind::kBestEffort);
+  };
+  std::array streams = {
+      stream("rt/haptic/device/state", "voxtouch_msgs::msg::dds_::DeviceState_"),
+      stream("rt/haptic/rendering/contact", "voxtouch_msgs::msg::dds_::ContactState_"),
+      stream("rt/haptic/coupling/command", "voxtouch_msgs::msg::dds_::ForceCommand_")};
+  std::array standard = {
+      read("rt/tf", "tf2_msgs::msg::dds_::TFMessage_", Kind::kReliable),
+      read("rt/tf_static", "tf2_msgs::msg::dds_::TFMessage_", Kind::kLatched),
+      read("rt/haptic/pose", "geometry_msgs::msg::dds_::PoseStamped_", Kind::kReliable),
+      read("rt/haptic/wrench", "geometry_msgs::msg::dds_::WrenchStamped_", Kind::kReliable),
+      read("rt/haptic/markers", "visualization_msgs::msg::dds_::MarkerArray_", Kind::kReliable),
+      read("rt/diagnostics", "diagnostic_msgs::msg::dds_::DiagnosticArray_", Kind::kReliable),
+      read("rt/parameter_events", "rcl_interfaces::msg::dds_::ParameterEvent_", Kind::kReliable),
+      read("rt/rosout", "rcl_interfaces::msg::dds_::Log_", Kind::kLatched)};
+  Read graph = read("ros_discovery_info", "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_",
+                    Kind::kLatched);
   const auto begin = std::chrono::steady_clock::now();
-  const auto now_s = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(); };
+  const auto now_s = [&] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  };
   std::set<std::string> graphs;
   const auto look = [&] {
-    for (Read& one : standard) one.take([](const Bytes&) {});
+    for (Read& one : standard)
+      one.take([](const Bytes&) {});
     graph.take([&](const Bytes& bytes) { graphs.insert(hex(bytes.data(), bytes.size())); });
   };
   for (; now_s() < std::stod(argv[3]); std::this_thread::sleep_for(std::chrono::milliseconds(5))) {
-    for (Stream& one : streams) one.look(now_s());
+    for (Stream& one : streams)
+      one.look(now_s());
     look();
   }
   std::vector<double> answers_ms;
-  if (argc == 5) answers_ms = ask_for_changes(participant, subscriber, std::stoi(argv[4]));
+  if (argc == 5)
+    answers_ms = ask_for_changes(participant, subscriber, std::stoi(argv[4]));
   look();
   const std::lock_guard lock(announcements.mutex);
-  std::printf("{\"samples\": %zu, \"first_s\": %f, \"endpoints\": [", streams[0].received, streams[0].first_s);
+  std::printf("{\"samples\": %zu, \"first_s\": %f, \"endpoints\": [", streams[0].received,
+              streams[0].first_s);
   const char* comma = "";
   for (const Found& e : announcements.endpoints) {
-    std::printf("%s[\"%s\", \"%s\", \"%s\", %s]", comma, e.name.c_str(), e.guid.c_str(), e.user_data.c_str(), e.writes ? "true" : "false");
+    std::printf("%s[\"%s\", \"%s\", \"%s\", %s]", comma, e.name.c_str(), e.guid.c_str(),
+                e.user_data.c_str(), e.writes ? "true" : "false");
     comma = ", ";
   }
   std::printf("], \"participants\": {");
   comma = "";
-  for (const auto& [guid, data] : announcements.participants) std::printf("%s\"%s\": \"%s\"", comma, guid.c_str(), data.c_str()), comma = ", ";
+  for (const auto& [guid, data] : announcements.participants)
+    std::printf("%s\"%s\": \"%s\"", comma, guid.c_str(), data.c_str()), comma = ", ";
   std::printf("}, \"graph\": [");
   comma = "";
-  for (const std::string& one : graphs) std::printf("%s\"%s\"", comma, one.c_str()), comma = ", ";
+  for (const std::string& one : graphs)
+    std::printf("%s\"%s\"", comma, one.c_str()), comma = ", ";
   std::printf("], \"streams\": {");
   comma = "";
   for (const Stream& one : streams)
-    std::printf("%s\"%s\": [%zu, %zu]", comma, one.name, one.received, one.received ? one.last - one.first + 1 - one.received : 0), comma = ", ";
+    std::printf("%s\"%s\": [%zu, %zu]", comma, one.name, one.received,
+                one.received ? one.last - one.first + 1 - one.received : 0),
+        comma = ", ";
   std::printf("}, \"standard\": {");
   comma = "";
-  for (const Read& one : standard) std::printf("%s\"%s\": %zu", comma, one.name, one.received), comma = ", ";
+  for (const Read& one : standard)
+    std::printf("%s\"%s\": %zu", comma, one.name, one.received), comma = ", ";
   std::printf("}, \"answers_ms\": [");
   comma = "";
-  for (const double one : answers_ms) std::printf("%s%.3f", comma, one), comma = ", ";
+  for (const double one : answers_ms)
+    std::printf("%s%.3f", comma, one), comma = ", ";
   std::printf("]}\n");
   std::fflush(stdout);
   _exit(0);  // what Fast DDS takes down is no part of this

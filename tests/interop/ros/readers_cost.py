@@ -21,7 +21,13 @@ from turns import in_turns, ring_latency  # noqa: E402
 @contextlib.contextmanager
 def readers(ask, count):
     """They find the ring by themselves when it comes, and are ended with it."""
-    running = [subprocess.Popen([ask.build / "bin/voxtouch_cyclone_client", str(ask.domain), "", "3600"], stdout=subprocess.DEVNULL) for _ in range(count)]
+    running = [
+        subprocess.Popen(
+            [ask.build / "bin/voxtouch_cyclone_client", str(ask.domain), "", "3600"],
+            stdout=subprocess.DEVNULL,
+        )
+        for _ in range(count)
+    ]
     try:
         yield
     finally:
@@ -32,7 +38,9 @@ def readers(ask, count):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--build", type=pathlib.Path, default=HERE / "build", help="build folder")
     parser.add_argument("--domain", type=int, default=68)
     parser.add_argument("--readers", type=int, default=6)
@@ -46,10 +54,14 @@ def main():
 
     rounds = in_turns(ask.turns, ["alone", "with readers"], measure)
     for n, name in ((0, "p50"), (1, "p99")):
-        alone, beside = (statistics.median(f[n] for f in rounds[kind]) for kind in ("alone", "with readers"))
+        alone, beside = (
+            statistics.median(f[n] for f in rounds[kind]) for kind in ("alone", "with readers")
+        )
         ratios = sorted(w[n] / a[n] for a, w in zip(rounds["alone"], rounds["with readers"]))
-        print(f"figure: {name}: {alone:.0f} us alone, {beside:.0f} us with {ask.readers} readers: {beside / alone:.2f} times; "
-              f"by turns {ratios[0]:.2f} to {ratios[-1]:.2f}, median {statistics.median(ratios):.2f}")
+        print(
+            f"figure: {name}: {alone:.0f} us alone, {beside:.0f} us with {ask.readers} readers: {beside / alone:.2f} times; "
+            f"by turns {ratios[0]:.2f} to {ratios[-1]:.2f}, median {statistics.median(ratios):.2f}"
+        )
 
 
 if __name__ == "__main__":

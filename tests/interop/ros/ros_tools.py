@@ -18,16 +18,21 @@ import tempfile
 import time
 
 NODES = ["coupling", "device", "rendering", "up", "validator"]
-AUTO = "<ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>32</MaxAutoParticipantIndex>"
+AUTO = (
+    "<ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>32</MaxAutoParticipantIndex>"
+)
 CYCLONE = {  # what rmw_cyclonedds hands to Cyclone DDS
     "Humble": "",
-    "Humble, ROS_LOCALHOST_ONLY=1":
-        '<CycloneDDS><Domain><General><Interfaces><NetworkInterface address="127.0.0.1"/></Interfaces></General></Domain></CycloneDDS>',
+    "Humble, ROS_LOCALHOST_ONLY=1": '<CycloneDDS><Domain><General><Interfaces><NetworkInterface address="127.0.0.1"/></Interfaces></General></Domain></CycloneDDS>',
     "Jazzy (SUBNET)": f"<CycloneDDS><Domain><Discovery>{AUTO}</Discovery></Domain></CycloneDDS>",
     "Jazzy, LOCALHOST": "<CycloneDDS><Domain><General><AllowMulticast>false</AllowMulticast></General>"
-                        f'<Discovery>{AUTO}<Peers><Peer address="localhost"/></Peers></Discovery></Domain></CycloneDDS>',
+    f'<Discovery>{AUTO}<Peers><Peer address="localhost"/></Peers></Discovery></Domain></CycloneDDS>',
 }
-FAST = {"Humble and Jazzy (SUBNET)": "default", "Humble, ROS_LOCALHOST_ONLY=1": "humble_localhost", "Jazzy, LOCALHOST": "jazzy_localhost"}
+FAST = {
+    "Humble and Jazzy (SUBNET)": "default",
+    "Humble, ROS_LOCALHOST_ONLY=1": "humble_localhost",
+    "Jazzy, LOCALHOST": "jazzy_localhost",
+}
 DOMAIN = "0"
 REPOSITORY = pathlib.Path(__file__).resolve().parents[3]
 failures = []
@@ -52,7 +57,9 @@ class OtherHost:
     """A second network namespace behind a switch."""
 
     def __init__(self):
-        self.holder = subprocess.Popen(["unshare", "-n", "cat"], stdin=subprocess.PIPE, stdout=subprocess.DEVNULL)  # until this process ends
+        self.holder = subprocess.Popen(
+            ["unshare", "-n", "cat"], stdin=subprocess.PIPE, stdout=subprocess.DEVNULL
+        )  # until this process ends
         own = os.readlink("/proc/self/ns/net")
         while os.readlink(f"/proc/{self.holder.pid}/ns/net") == own:
             time.sleep(0.01)
@@ -76,9 +83,26 @@ class OtherHost:
 
 class Ring:
     def __init__(self, voxtouch, *more, record=("--no-record",), scene="plane"):
-        self.up = subprocess.Popen([voxtouch, "up", REPOSITORY / f"deploy/scenes/{scene}.yaml", "--device", "sim-phantom", "--motion", "slide",
-                                    "--domain", DOMAIN, "--duration", "600", *record, *more],
-                                   stdout=subprocess.PIPE if "--json" in more else subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        self.up = subprocess.Popen(
+            [
+                voxtouch,
+                "up",
+                REPOSITORY / f"deploy/scenes/{scene}.yaml",
+                "--device",
+                "sim-phantom",
+                "--motion",
+                "slide",
+                "--domain",
+                DOMAIN,
+                "--duration",
+                "600",
+                *record,
+                *more,
+            ],
+            stdout=subprocess.PIPE if "--json" in more else subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
         for line in self.up.stderr:
             if "samples  force" in line:
                 return
@@ -94,11 +118,26 @@ class Ring:
 def ask(command):
     """What a client of this folder has found; nothing where it failed."""
     end = subprocess.run(command, stdout=subprocess.PIPE, text=True, timeout=60, check=False)
-    return json.loads(end.stdout) if end.returncode == 0 else {"topics": {}, "samples": 0, "first_s": -1.0, "standard": {}, "streams": {}, "answers_ms": []}
+    return (
+        json.loads(end.stdout)
+        if end.returncode == 0
+        else {
+            "topics": {},
+            "samples": 0,
+            "first_s": -1.0,
+            "standard": {},
+            "streams": {},
+            "answers_ms": [],
+        }
+    )
 
 
 def topics_of(answer):
-    return {e[0] for e in answer["endpoints"] if e[3] and e[0].startswith("rt/")} if "endpoints" in answer else set(answer["topics"])
+    return (
+        {e[0] for e in answer["endpoints"] if e[3] and e[0].startswith("rt/")}
+        if "endpoints" in answer
+        else set(answer["topics"])
+    )
 
 
 class Clients:
@@ -113,29 +152,73 @@ class Clients:
         script = str(pathlib.Path(__file__).with_name("pypi_client.py"))
         for how, settings in CYCLONE.items():
             yield f"Cyclone DDS 0.10, {how}", [self.cyclone, DOMAIN, settings, seconds]
-            yield f"Cyclone DDS 11, {how}", [self.python, "-B", script, self.types.name, DOMAIN, settings, seconds]
+            yield f"Cyclone DDS 11, {how}", [
+                self.python,
+                "-B",
+                script,
+                self.types.name,
+                DOMAIN,
+                settings,
+                seconds,
+            ]
         for how, mode in FAST.items() if self.fast != "none" else ():
             yield f"Fast DDS 2.9, {how}", [self.fast, DOMAIN, mode, seconds]
 
 
 def found(voxtouch, cyclone, fast, python):
     clients, other, ring = Clients(voxtouch, cyclone, fast, python), OtherHost(), Ring(voxtouch)
-    own = set(json.loads(subprocess.run([python, "-B", "-c", "import json, sys; sys.path.insert(0, sys.argv[1]); from voxtouch_types import TOPICS;"
-                                         "print(json.dumps([row.dds_name() for row in TOPICS.values()]))", clients.types.name],
-                                        stdout=subprocess.PIPE, check=True).stdout))
-    expected = own - {"rt/haptic/recover", "rt/clock", "rt/joint_states", "rt/robot_description"}  # of a person; in simulated time; of arms
-    expected -= {"rt/haptic/external", "rt/haptic/rendering/external"}  # of a scene that follows somebody outside
+    own = set(
+        json.loads(
+            subprocess.run(
+                [
+                    python,
+                    "-B",
+                    "-c",
+                    "import json, sys; sys.path.insert(0, sys.argv[1]); from voxtouch_types import TOPICS;"
+                    "print(json.dumps([row.dds_name() for row in TOPICS.values()]))",
+                    clients.types.name,
+                ],
+                stdout=subprocess.PIPE,
+                check=True,
+            ).stdout
+        )
+    )
+    expected = own - {
+        "rt/haptic/recover",
+        "rt/clock",
+        "rt/joint_states",
+        "rt/robot_description",
+    }  # of a person; in simulated time; of arms
+    expected -= {
+        "rt/haptic/external",
+        "rt/haptic/rendering/external",
+    }  # of a scene that follows somebody outside
     seconds = 3.0
     for name, command in clients.commands(str(seconds)):
         answer = ask(command)
         rate = answer["samples"] / (seconds - answer["first_s"]) if answer["samples"] else 0.0
-        print(f"{name:48} {len(topics_of(answer) & expected)} of {len(expected)} topics, {rate:.0f} Hz after {answer['first_s']:.2f} s", flush=True)
-        expect(topics_of(answer) >= expected, f"{name} does not find {sorted(expected - topics_of(answer))}")
-        expect(rate > 500, f"{name} gets {rate:.0f} samples a second")  # of 1000; the machine may be busy
+        print(
+            f"{name:48} {len(topics_of(answer) & expected)} of {len(expected)} topics, {rate:.0f} Hz after {answer['first_s']:.2f} s",
+            flush=True,
+        )
+        expect(
+            topics_of(answer) >= expected,
+            f"{name} does not find {sorted(expected - topics_of(answer))}",
+        )
+        expect(
+            rate > 500, f"{name} gets {rate:.0f} samples a second"
+        )  # of 1000; the machine may be busy
     for name, command in clients.commands("1.5"):
         answer = ask(other.inside(*command))
-        expect(not topics_of(answer) and not answer["samples"], f"another host, {name}, finds {sorted(topics_of(answer))}")
-    datagrams = json.loads(subprocess.run(other.inside(sys.executable, "-c", LISTENER), stdout=subprocess.PIPE, check=True).stdout)
+        expect(
+            not topics_of(answer) and not answer["samples"],
+            f"another host, {name}, finds {sorted(topics_of(answer))}",
+        )
+    datagrams = json.loads(
+        subprocess.run(
+            other.inside(sys.executable, "-c", LISTENER), stdout=subprocess.PIPE, check=True
+        ).stdout
+    )
     expect(datagrams == 0, f"{datagrams} datagrams of the ring reach another host")
     ring.close()
 
@@ -171,13 +254,13 @@ class Cdr:
     def text(self):
         size = self.number()
         self.at += size
-        raw = self.data[self.at - size:self.at]
+        raw = self.data[self.at - size : self.at]
         assert raw.endswith(b"\0")
         return raw[:-1].decode()
 
     def gid(self, size):
         self.at += size
-        gid = self.data[self.at - size:self.at]
+        gid = self.data[self.at - size : self.at]
         assert not any(gid[16:]), "a GID of Humble is a GUID and zeros"
         return gid[:16].hex()
 
@@ -188,7 +271,9 @@ class Cdr:
 def participant_info(data, size):
     """rmw_dds_common/msg/ParticipantEntitiesInfo: (participant, [(namespace, name, readers, writers)])."""
     cdr = Cdr(data)
-    info = cdr.gid(size), [(cdr.text(), cdr.text(), cdr.gids(size), cdr.gids(size)) for _ in range(cdr.number())]
+    info = cdr.gid(size), [
+        (cdr.text(), cdr.text(), cdr.gids(size), cdr.gids(size)) for _ in range(cdr.number())
+    ]
     assert len(cdr.data) - cdr.at < 4, "bytes are left over"
     return info
 
@@ -212,75 +297,152 @@ def expect_array_hash():
     """Of a type with a fixed array, which none of the standard types that a ring speaks has."""
     sys.path.insert(0, str(REPOSITORY / "idl"))
     from type_hash import type_hash
+
     geometry = "geometry_msgs"
-    messages = {(geometry, "Point"): ([("float64", None, None, 0, axis) for axis in "xyz"], []),
-                (geometry, "Quaternion"): ([("float64", None, None, 0, axis) for axis in "xyzw"], []),
-                (geometry, "Pose"): ([("Point", geometry, None, 0, "position"), ("Quaternion", geometry, None, 0, "orientation")], []),
-                (geometry, "PoseWithCovariance"): ([("Pose", geometry, None, 0, "pose"), ("float64", None, "fixed", 36, "covariance")], [])}
-    expect(type_hash(messages, geometry, "PoseWithCovariance") ==
-           "RIHS01_9a7c0fd234b7f45c6098745ecccd773ca1085670e64107135397aee31c02e1bb", "type hash of geometry_msgs/msg/PoseWithCovariance")
+    messages = {
+        (geometry, "Point"): ([("float64", None, None, 0, axis) for axis in "xyz"], []),
+        (geometry, "Quaternion"): ([("float64", None, None, 0, axis) for axis in "xyzw"], []),
+        (geometry, "Pose"): (
+            [
+                ("Point", geometry, None, 0, "position"),
+                ("Quaternion", geometry, None, 0, "orientation"),
+            ],
+            [],
+        ),
+        (geometry, "PoseWithCovariance"): (
+            [("Pose", geometry, None, 0, "pose"), ("float64", None, "fixed", 36, "covariance")],
+            [],
+        ),
+    }
+    expect(
+        type_hash(messages, geometry, "PoseWithCovariance")
+        == "RIHS01_9a7c0fd234b7f45c6098745ecccd773ca1085670e64107135397aee31c02e1bb",
+        "type hash of geometry_msgs/msg/PoseWithCovariance",
+    )
 
 
 def graph(voxtouch, fast, distribution, gid_size):
     if fast == "none":
         raise SystemExit(77)
     bags = tempfile.TemporaryDirectory()
-    other, ring = OtherHost(), Ring(voxtouch, "--ros", distribution, record=("--record", bags.name + "/bag"))
+    other, ring = OtherHost(), Ring(
+        voxtouch, "--ros", distribution, record=("--record", bags.name + "/bag")
+    )
     answer = ask([fast, DOMAIN, "default", "4"])
     ring.close()
     del other
     expect_array_hash()
     newest = {}
-    for text in answer["graph"]:  # of each participant the one with the most endpoints: they come and stay
+    for text in answer[
+        "graph"
+    ]:  # of each participant the one with the most endpoints: they come and stay
         participant, nodes = participant_info(bytes.fromhex(text), gid_size)
         expect(len(nodes) == 1, "one node a participant")
-        if participant not in newest or len(nodes[0][2] + nodes[0][3]) > len(newest[participant][2] + newest[participant][3]):
+        if participant not in newest or len(nodes[0][2] + nodes[0][3]) > len(
+            newest[participant][2] + newest[participant][3]
+        ):
             newest[participant] = nodes[0]
     names = sorted(node[1] for node in newest.values())
     expect(names == sorted([*NODES, "logger"]), f"nodes {names}")
-    expect({node[0] for node in newest.values()} == {"/haptic"}, "nodes stand in the rig's namespace")
+    expect(
+        {node[0] for node in newest.values()} == {"/haptic"}, "nodes stand in the rig's namespace"
+    )
     for participant in newest:
-        expect(key_value(answer["participants"].get(participant, ""), "enclave") == "/", f"enclave of {participant}")
-    owner = {gid: (node[1], writes) for node in newest.values() for writes in (False, True) for gid in node[2 + writes]}
-    ours = {participant[:24] for participant in newest}  # of a GUID; the client sees its own reader too
-    announced = [e for e in answer["endpoints"] if e[0].startswith(("rt/", "rq/", "rr/")) and e[1][:24] in ours]
-    expect(len(announced) == len(owner) > 30, f"{len(announced)} endpoints are announced, and {len(owner)} are nodes'")
+        expect(
+            key_value(answer["participants"].get(participant, ""), "enclave") == "/",
+            f"enclave of {participant}",
+        )
+    owner = {
+        gid: (node[1], writes)
+        for node in newest.values()
+        for writes in (False, True)
+        for gid in node[2 + writes]
+    }
+    ours = {
+        participant[:24] for participant in newest
+    }  # of a GUID; the client sees its own reader too
+    announced = [
+        e
+        for e in answer["endpoints"]
+        if e[0].startswith(("rt/", "rq/", "rr/")) and e[1][:24] in ours
+    ]
+    expect(
+        len(announced) == len(owner) > 30,
+        f"{len(announced)} endpoints are announced, and {len(owner)} are nodes'",
+    )
     for name, guid, user_data, writes in announced:
-        expect(owner.get(guid, (None, None))[1] == writes, f"an endpoint on {name} belongs to no node")
+        expect(
+            owner.get(guid, (None, None))[1] == writes, f"an endpoint on {name} belongs to no node"
+        )
         type_hash = key_value(user_data, "typehash") or ""
-        expect(type_hash.startswith("RIHS01_") and len(type_hash) == 71, f"type hash of {name}: '{type_hash}'")
+        expect(
+            type_hash.startswith("RIHS01_") and len(type_hash) == 71,
+            f"type hash of {name}: '{type_hash}'",
+        )
         expect(type_hash == HASHES.get(name, type_hash), f"type hash of {name}: '{type_hash}'")
-    for topic, writer in {"rt/haptic/device/state": "device", "rt/haptic/coupling/command": "coupling", "rt/tf": "rendering"}.items():
-        expect([owner.get(g, (None,))[0] for n, g, _, w in announced if n == topic and w] == [writer], f"{topic} is {writer}'s")
+    for topic, writer in {
+        "rt/haptic/device/state": "device",
+        "rt/haptic/coupling/command": "coupling",
+        "rt/tf": "rendering",
+    }.items():
+        expect(
+            [owner.get(g, (None,))[0] for n, g, _, w in announced if n == topic and w] == [writer],
+            f"{topic} is {writer}'s",
+        )
     print(f"{len(newest)} nodes, {len(owner)} endpoints of theirs, GIDs of {gid_size} bytes")
 
 
 def examine(voxtouch, *arguments):
-    end = subprocess.run([voxtouch, "doctor", "--domain", DOMAIN, *arguments], stdout=subprocess.PIPE, text=True, check=False)
+    end = subprocess.run(
+        [voxtouch, "doctor", "--domain", DOMAIN, *arguments],
+        stdout=subprocess.PIPE,
+        text=True,
+        check=False,
+    )
     return end.returncode, end.stdout
 
 
 def doctor(voxtouch, cyclone, fast):
     other, ring = OtherHost(), Ring(voxtouch)
-    tool = subprocess.Popen([fast, DOMAIN, "default", "6"], stdout=subprocess.DEVNULL) if fast != "none" else None
+    tool = (
+        subprocess.Popen([fast, DOMAIN, "default", "6"], stdout=subprocess.DEVNULL)
+        if fast != "none"
+        else None
+    )
     status, text = examine(voxtouch)
-    expect(status == 0 and text.count("is up, and multicast works") == 2, f"two cards are well: {text}")
+    expect(
+        status == 0 and text.count("is up, and multicast works") == 2, f"two cards are well: {text}"
+    )
     expect(f"{len(NODES)} participants of ROS 2 or voxtouch" in text, f"the nodes are seen: {text}")
     if tool:  # it reads the graph without a type's hash, as Humble does
         expect("--ros humble" in text, f"a Humble is seen: {text}")
         tool.wait()
         expect("--ros humble" not in examine(voxtouch)[1], "nobody is taken for a Humble")
-    settings = dict(line.removeprefix("export ").split("=", 1) for line in text.splitlines() if line.startswith("export "))
+    settings = dict(
+        line.removeprefix("export ").split("=", 1)
+        for line in text.splitlines()
+        if line.startswith("export ")
+    )
     expect(settings["ROS_DOMAIN_ID"] == DOMAIN, "the domain is printed")
-    run("ip", "link", "set", "eth0", "multicast", "off")  # from now on the ring would not use it, and a tool would
-    expect("eth0 (10.77.0.1) is not used" in examine(voxtouch)[1], "a card without multicast is named")
+    run(
+        "ip", "link", "set", "eth0", "multicast", "off"
+    )  # from now on the ring would not use it, and a tool would
+    expect(
+        "eth0 (10.77.0.1) is not used" in examine(voxtouch)[1], "a card without multicast is named"
+    )
     ring.close()
     ring = Ring(voxtouch)
     answer = ask([cyclone, DOMAIN, settings["CYCLONEDDS_URI"].strip("'"), "2"])
-    expect(len(topics_of(answer)) >= 10 and answer["samples"] > 500, f"the printed environment finds the ring: {answer}")
+    expect(
+        len(topics_of(answer)) >= 10 and answer["samples"] > 500,
+        f"the printed environment finds the ring: {answer}",
+    )
     ring.close()
     status, text = examine(voxtouch, "--interface", "eth9")
-    expect(status == 1 and "BAD" in text and "eth9" in text, f"a card that is not there is named: {text}")
+    expect(
+        status == 1 and "BAD" in text and "eth9" in text,
+        f"a card that is not there is named: {text}",
+    )
     del other
 
 
@@ -296,12 +458,24 @@ def heard_from(other, voxtouch, *arguments):
 def expect_settings_under_those_of_the_environment(voxtouch):
     """What DDS says of its configuration: where it stands and what its value is."""
     with tempfile.NamedTemporaryFile() as trace:
-        added = ("<CycloneDDS><Domain><Discovery><SPDPInterval>700 ms</SPDPInterval></Discovery>"
-                 f"<Tracing><Verbosity>config</Verbosity><OutputFile>{trace.name}</OutputFile></Tracing></Domain></CycloneDDS>")
-        subprocess.run([voxtouch, "status", "--domain", DOMAIN], env={**os.environ, "CYCLONEDDS_URI": added}, stdout=subprocess.DEVNULL, check=False)
+        added = (
+            "<CycloneDDS><Domain><Discovery><SPDPInterval>700 ms</SPDPInterval></Discovery>"
+            f"<Tracing><Verbosity>config</Verbosity><OutputFile>{trace.name}</OutputFile></Tracing></Domain></CycloneDDS>"
+        )
+        subprocess.run(
+            [voxtouch, "status", "--domain", DOMAIN],
+            env={**os.environ, "CYCLONEDDS_URI": added},
+            stdout=subprocess.DEVNULL,
+            check=False,
+        )
         text = pathlib.Path(trace.name).read_text()
-    for value in ("LeaseDuration/#text: 2 s", "ParticipantIndex/#text: auto", "SPDPInterval/#text: 700 ms", "MulticastTimeToLive/#text: 0",
-                  "NetworkInterface[@address]: 10.77.0.1"):
+    for value in (
+        "LeaseDuration/#text: 2 s",
+        "ParticipantIndex/#text: auto",
+        "SPDPInterval/#text: 700 ms",
+        "MulticastTimeToLive/#text: 0",
+        "NetworkInterface[@address]: 10.77.0.1",
+    ):
         expect(value in text, f"DDS runs with {value}")
 
 
@@ -314,12 +488,17 @@ def peers(voxtouch):
     for port in ("port0", "port1"):  # from now on no multicast passes the switch
         run("bridge", "link", "set", "dev", port, "mcast_flood", "off")
     ring = Ring(voxtouch, "--interface", "eth0", "--discovery-peer", "10.77.0.2")
-    expect(heard_from(other, voxtouch, "--discovery-peer", "10.77.0.1"), "without multicast all nodes are heard by peers on both sides")
+    expect(
+        heard_from(other, voxtouch, "--discovery-peer", "10.77.0.1"),
+        "without multicast all nodes are heard by peers on both sides",
+    )
     expect(heard_from(other, voxtouch), "the ring's side asks by itself")
     ring.close()
     ring = Ring(voxtouch, "--interface", "eth0")
     expect(heard_from(other, voxtouch) is None, "without multicast and peers nobody is heard")
-    expect(heard_from(other, voxtouch, "--discovery-peer", "10.77.0.1"), "one side that asks is enough")
+    expect(
+        heard_from(other, voxtouch, "--discovery-peer", "10.77.0.1"), "one side that asks is enough"
+    )
     ring.close()
 
 
@@ -330,7 +509,11 @@ def enter_own_network():
         if subprocess.run([*unshare, "ip", "link", "set", "lo", "up"], check=False).returncode != 0:
             print("This machine allows no network namespaces.")
             raise SystemExit(77)
-        os.execvpe("unshare", [*unshare, sys.executable, "-B", *sys.argv], {**os.environ, "VOXTOUCH_OWN_NETWORK": "1", "CYCLONEDDS_URI": ""})
+        os.execvpe(
+            "unshare",
+            [*unshare, sys.executable, "-B", *sys.argv],
+            {**os.environ, "VOXTOUCH_OWN_NETWORK": "1", "CYCLONEDDS_URI": ""},
+        )
     run("ip", "link", "set", "lo", "up")
 
 

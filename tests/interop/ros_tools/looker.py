@@ -30,8 +30,11 @@ def join(domain):
 
 def subscription(participant, topic, depth=10, latched=False):
     """As rclpy makes one by default; `latched`: as tf2 makes one of what is said once."""
-    qos = Qos(Policy.Reliability.Reliable(duration(milliseconds=100)), Policy.History.KeepLast(depth),
-              Policy.Durability.TransientLocal if latched else Policy.Durability.Volatile)
+    qos = Qos(
+        Policy.Reliability.Reliable(duration(milliseconds=100)),
+        Policy.History.KeepLast(depth),
+        Policy.Durability.TransientLocal if latched else Policy.Durability.Volatile,
+    )
     return DataReader(participant, topic, qos=qos)
 
 
@@ -46,11 +49,15 @@ class Looker:
 
         def reader(path):
             fixed = path == "tf_static"
-            return subscription(participant, TOPICS[path].topic(participant, rig), 100 if fixed else depth, fixed)
+            return subscription(
+                participant, TOPICS[path].topic(participant, rig), 100 if fixed else depth, fixed
+            )
 
         self.readers = {path: reader(path) for path in paths}
         self.frames, self.markers = Frames(), Markers()
-        self.seen = {path: [] for path in paths}  # (seconds of this process's clock, seconds of the writer's wall clock, message)
+        self.seen = {
+            path: [] for path in paths
+        }  # (seconds of this process's clock, seconds of the writer's wall clock, message)
 
     def look(self, seconds, keeps_on=lambda: True):
         end = time.monotonic() + seconds
@@ -69,8 +76,11 @@ class Looker:
 
     def errors(self):
         """All that RViz would complain of, frames of what is shown now included."""
-        lost = [f"marker {key}: tf has no way from {m.header.frame_id} to world" for key, (m, _) in self.markers.shown.items()
-                if not self.frames.reach(m.header.frame_id, "world")]
+        lost = [
+            f"marker {key}: tf has no way from {m.header.frame_id} to world"
+            for key, (m, _) in self.markers.shown.items()
+            if not self.frames.reach(m.header.frame_id, "world")
+        ]
         return self.markers.errors + self.frames.errors + lost
 
 

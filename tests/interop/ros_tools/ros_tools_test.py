@@ -13,9 +13,15 @@ import tempfile
 import time
 import unittest
 
-BIN, DEPLOY, DOMAIN = pathlib.Path(os.environ["VOXTOUCH_BIN"]), pathlib.Path(os.environ["VOXTOUCH_DEPLOY"]), 94
+BIN, DEPLOY, DOMAIN = (
+    pathlib.Path(os.environ["VOXTOUCH_BIN"]),
+    pathlib.Path(os.environ["VOXTOUCH_DEPLOY"]),
+    94,
+)
 TYPES = tempfile.TemporaryDirectory()
-subprocess.run([BIN / "voxtouch", "types", "--python", TYPES.name], check=True, stdout=subprocess.DEVNULL)
+subprocess.run(
+    [BIN / "voxtouch", "types", "--python", TYPES.name], check=True, stdout=subprocess.DEVNULL
+)
 sys.path[:0] = [TYPES.name, str(DEPLOY.parent / "tests" / "view")]
 
 from cyclonedds.qos import Policy, Qos  # noqa: E402
@@ -34,7 +40,11 @@ def vector(p):
 
 def deep_tap(participant, path):
     """Loses nothing while this process makes objects of a mesh."""
-    return DataReader(participant, TOPICS[path].topic(participant), qos=Qos(Policy.Reliability.BestEffort, Policy.History.KeepLast(5000)))
+    return DataReader(
+        participant,
+        TOPICS[path].topic(participant),
+        qos=Qos(Policy.Reliability.BestEffort, Policy.History.KeepLast(5000)),
+    )
 
 
 def ring(scene, *more):
@@ -47,50 +57,81 @@ class Pictures(unittest.TestCase):
 
     def test_rviz_draws_tool_objects_forces_and_points(self):
         looker = Looker(self.participant)
-        commands, contacts = (deep_tap(self.participant, path) for path in ("coupling/command", "rendering/contact"))
+        commands, contacts = (
+            deep_tap(self.participant, path) for path in ("coupling/command", "rendering/contact")
+        )
         forces = {"force_returned": set(), "force_of_contact": set()}
 
         def listen():
-            forces["force_returned"].update(vector(c.wrench.force) for c in commands.take(N=5000) if c.sample_info.valid_data)
-            forces["force_of_contact"].update(vector(c.contact_wrench.force) for c in contacts.take(N=5000) if c.sample_info.valid_data)
+            forces["force_returned"].update(
+                vector(c.wrench.force) for c in commands.take(N=5000) if c.sample_info.valid_data
+            )
+            forces["force_of_contact"].update(
+                vector(c.contact_wrench.force)
+                for c in contacts.take(N=5000)
+                if c.sample_info.valid_data
+            )
             return True
 
         with ring(DEPLOY / "scenes" / "objects.yaml", "--motion", "under") as up:
             until_it_runs(up)
             looker.look(14.0, listen)
         self.assertEqual(looker.errors(), [])
-        self.assertEqual(set(looker.frames.of), {"haptic/device", "haptic/tool", "haptic/object/roller"})
+        self.assertEqual(
+            set(looker.frames.of), {"haptic/device", "haptic/tool", "haptic/object/roller"}
+        )
         self.assertTrue(looker.frames.of["haptic/device"]["fixed"])
         heights = [place[2] for _, place in looker.frames.of["haptic/object/roller"]["way"]]
-        self.assertGreater(max(heights) - min(heights), 0.02, "the roller moves, and its mesh with its frame")
+        self.assertGreater(
+            max(heights) - min(heights), 0.02, "the roller moves, and its mesh with its frame"
+        )
 
-        meshes = {ns: looker.markers.of(ns) for ns in ("scene", "object/cup", "object/roller", "tool")}
-        self.assertEqual({ns: {m.header.frame_id for m in ms} for ns, ms in meshes.items()},
-                         {"scene": {"world"}, "object/cup": {"world"}, "object/roller": {"haptic/object/roller"}, "tool": {"haptic/tool"}})
+        meshes = {
+            ns: looker.markers.of(ns) for ns in ("scene", "object/cup", "object/roller", "tool")
+        }
+        self.assertEqual(
+            {ns: {m.header.frame_id for m in ms} for ns, ms in meshes.items()},
+            {
+                "scene": {"world"},
+                "object/cup": {"world"},
+                "object/roller": {"haptic/object/roller"},
+                "tool": {"haptic/tool"},
+            },
+        )
         for name_space, shown in meshes.items():
             self.assertTrue(all(m.type == TRIANGLES and m.frame_locked for m in shown), name_space)
         reach = [math.hypot(*vector(p)) for m in meshes["tool"] for p in m.points]
-        self.assertAlmostEqual(max(reach), 0.01, 6, "the sphere's file has radius 1, its scale is 0.01")
+        self.assertAlmostEqual(
+            max(reach), 0.01, 6, "the sphere's file has radius 1, its scale is 0.01"
+        )
         highest = max(p.z for m in meshes["scene"] for p in m.points)
         self.assertAlmostEqual(highest, 0.0, 6, "the table's top")
 
         arrays = [m for _, _, m in looker.seen["markers"]]
         for name_space, known in forces.items():
-            arrows = [m for a in arrays for m in a.markers if m.ns == name_space and m.action == ADD]
+            arrows = [
+                m for a in arrays for m in a.markers if m.ns == name_space and m.action == ADD
+            ]
             self.assertGreater(len(arrows), 5, name_space)
             for arrow in arrows:
                 self.assertEqual(arrow.type, ARROW)
                 force = [(b - a) / 0.02 for a, b in zip(*map(vector, arrow.points))]
                 nearest = min(math.dist(force, f) for f in known)
                 self.assertLess(nearest, 1e-6, f"{name_space} {force} is none that the ring had")
-        points = [m for a in arrays for m in a.markers if m.ns == "contact_points" and m.action == ADD]
+        points = [
+            m for a in arrays for m in a.markers if m.ns == "contact_points" and m.action == ADD
+        ]
         self.assertGreater(len(points), 5)
         tool = dict(looker.frames.of["haptic/tool"]["way"])
         for m in points:
             self.assertEqual(m.type, SPHERE_LIST)
             at = tool.get(seconds(m.header.stamp))
             for p in m.points if at else []:
-                self.assertLess(abs(math.dist(vector(p), at) - 0.01), 0.004, "points of a sphere of 10 mm, and of this moment")
+                self.assertLess(
+                    abs(math.dist(vector(p), at) - 0.01),
+                    0.004,
+                    "points of a sphere of 10 mm, and of this moment",
+                )
 
         # Meshes were sent twice at first; from then on a round in ten seconds at most.
         begin = looker.markers.corners_sent[0][0]
@@ -101,13 +142,23 @@ class Pictures(unittest.TestCase):
     def test_who_comes_late_gets_the_meshes_and_a_reload_takes_them_away(self):
         with tempfile.TemporaryDirectory() as folder:
             scene = pathlib.Path(folder) / "two.yaml"
-            text = (DEPLOY / "scenes" / "objects.yaml").read_text().replace("../meshes", str(DEPLOY / "meshes"))
+            text = (
+                (DEPLOY / "scenes" / "objects.yaml")
+                .read_text()
+                .replace("../meshes", str(DEPLOY / "meshes"))
+            )
             scene.write_text(text)
             first = Looker(self.participant, paths=("tf", "tf_static", "markers"))
             with ring(scene, "--motion", "free") as up:
                 until_it_runs(up)
-                shown = lambda looker: {key for key, (m, _) in looker.markers.shown.items() if m.type == TRIANGLES}
-                first.look(20.0, lambda: {ns for ns, _ in shown(first)} < {"scene", "object/cup", "object/roller", "tool"})
+                shown = lambda looker: {
+                    key for key, (m, _) in looker.markers.shown.items() if m.type == TRIANGLES
+                }
+                first.look(
+                    20.0,
+                    lambda: {ns for ns, _ in shown(first)}
+                    < {"scene", "object/cup", "object/roller", "tool"},
+                )
                 first.look(4.0)
                 late = Looker(join(DOMAIN), paths=("tf", "tf_static", "markers"))
                 begin = time.monotonic()
@@ -118,11 +169,17 @@ class Pictures(unittest.TestCase):
 
                 lines = text.splitlines(keepends=True)
                 gone = [n for n, line in enumerate(lines) if "cylinder.obj" in line]
-                scene.write_text("".join(lines[:gone[0]] + lines[gone[0] + 3:]))
-                answer = subprocess.run([BIN / "voxtouch", "change", "--reload", "--domain", str(DOMAIN)], capture_output=True, text=True)
+                scene.write_text("".join(lines[: gone[0]] + lines[gone[0] + 3 :]))
+                answer = subprocess.run(
+                    [BIN / "voxtouch", "change", "--reload", "--domain", str(DOMAIN)],
+                    capture_output=True,
+                    text=True,
+                )
                 self.assertEqual(answer.returncode, 0, answer.stdout + answer.stderr)
                 end = time.monotonic() + 10.0
-                while time.monotonic() < end and any(ns == "object/roller" for looker in (first, late) for ns, _ in shown(looker)):
+                while time.monotonic() < end and any(
+                    ns == "object/roller" for looker in (first, late) for ns, _ in shown(looker)
+                ):
                     first.look(0.03), late.look(0.03)
         for looker in (first, late):
             self.assertEqual({ns for ns, _ in shown(looker)}, {"scene", "object/cup", "tool"})
@@ -148,7 +205,9 @@ class Pictures(unittest.TestCase):
 
     def test_lockstep_has_simulated_time_and_a_clock(self):
         looker = Looker(self.participant)
-        with ring(DEPLOY / "scenes" / "plane.yaml", "--motion", "slide", "--lockstep", "--duration", "6") as up:
+        with ring(
+            DEPLOY / "scenes" / "plane.yaml", "--motion", "slide", "--lockstep", "--duration", "6"
+        ) as up:
             looker.look(60.0, lambda: up.process.poll() is None)
             self.assertEqual(up.process.returncode, 0, up.told())
         clock = [seconds(m.clock) for _, _, m in looker.seen["clock"]]
@@ -157,9 +216,16 @@ class Pictures(unittest.TestCase):
         self.assertLess(clock[-1] - clock[0], 6.1)
         for _, _, m in looker.seen["pose"]:
             self.assertTrue(clock[0] - 1.0 <= seconds(m.header.stamp) <= clock[-1] + 1.0)
-        arrows = [a.markers[0].action for _, _, a in looker.seen["markers"] if a.markers and a.markers[0].ns == "force_returned"]
+        arrows = [
+            a.markers[0].action
+            for _, _, a in looker.seen["markers"]
+            if a.markers and a.markers[0].ns == "force_returned"
+        ]
         self.assertIn(ADD, arrows)
-        self.assertTrue(any(action != ADD for action in arrows[arrows.index(ADD):]), "gone where the slide lifts off and no force is")
+        self.assertTrue(
+            any(action != ADD for action in arrows[arrows.index(ADD) :]),
+            "gone where the slide lifts off and no force is",
+        )
         self.assertEqual(looker.errors(), [])
 
 
@@ -170,7 +236,11 @@ class Stopped(unittest.TestCase):
         looker = Looker(join(DOMAIN), paths=("pose", "markers"), depth=1000)
         with ring(DEPLOY / "scenes" / "cup.yaml", "--motion", "slide") as up:
             until_it_runs(up)
-            other = subprocess.Popen([sys.executable, "-B", HERE / "looker.py", TYPES.name, str(DOMAIN), "haptic"], stdout=subprocess.PIPE, text=True)
+            other = subprocess.Popen(
+                [sys.executable, "-B", HERE / "looker.py", TYPES.name, str(DOMAIN), "haptic"],
+                stdout=subprocess.PIPE,
+                text=True,
+            )
             self.addCleanup(other.stdout.close)
             self.addCleanup(other.wait)
             self.addCleanup(other.kill)
@@ -186,16 +256,26 @@ class Stopped(unittest.TestCase):
                     more = Looker(join(DOMAIN), paths=("markers",))
                     looker.look(2.0)
                     more.look(0.01)
-                latencies[how] += [int(x) for x in re.findall(r"latency p50 +(\d+)", up.told()[told:])]
+                latencies[how] += [
+                    int(x) for x in re.findall(r"latency p50 +(\d+)", up.told()[told:])
+                ]
             answered = [float(x) for x in re.findall(r"answered +([\d.]+) %", up.told())]
         print(json.dumps(latencies))
         written = [at for _, at, _ in looker.seen["pose"]]
         gaps = sorted(b - a for a, b in zip(written, written[1:]))
         self.assertLess(gaps[len(gaps) * 999 // 1000], 0.05, f"poses came with gaps: {gaps[-10:]}")
-        moments = [at for at, _, m in looker.seen["markers"] if any(k.ns == "force_returned" for k in m.markers)]
-        self.assertGreater(len(moments), 0.8 * 10 * (moments[-1] - moments[0]), "forces stopped for who looks on")
+        moments = [
+            at
+            for at, _, m in looker.seen["markers"]
+            if any(k.ns == "force_returned" for k in m.markers)
+        ]
+        self.assertGreater(
+            len(moments), 0.8 * 10 * (moments[-1] - moments[0]), "forces stopped for who looks on"
+        )
         self.assertGreater(statistics.median(answered[1:]), 99.0)
-        self.assertLess(statistics.median(latencies["stands"]), 1.5 * statistics.median(latencies["runs"]))
+        self.assertLess(
+            statistics.median(latencies["stands"]), 1.5 * statistics.median(latencies["runs"])
+        )
 
 
 class Layouts(unittest.TestCase):
@@ -207,7 +287,11 @@ class Layouts(unittest.TestCase):
         topics = re.findall(r"Value: (/\S+)", rviz)
         self.assertEqual({"/haptic/markers", "/haptic/pose", "/haptic/wrench"}, set(topics))
         self.assertIn("Fixed Frame: world", rviz)
-        kinds = {"rviz_default_plugins/MarkerArray": "/haptic/markers", "rviz_default_plugins/Pose": "/haptic/pose", "rviz_default_plugins/Wrench": "/haptic/wrench"}
+        kinds = {
+            "rviz_default_plugins/MarkerArray": "/haptic/markers",
+            "rviz_default_plugins/Pose": "/haptic/pose",
+            "rviz_default_plugins/Wrench": "/haptic/wrench",
+        }
         for kind, topic in kinds.items():
             display = next(part for part in rviz.split("    - ") if f"Class: {kind}\n" in part)
             self.assertIn(f"Value: {topic}", display)

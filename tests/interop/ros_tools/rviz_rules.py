@@ -5,7 +5,20 @@ as we know them, not compared with a release; nothing of voxtouch is in them: it
 """
 import math
 
-ARROW, CUBE, SPHERE, CYLINDER, LINE_STRIP, LINE_LIST, CUBE_LIST, SPHERE_LIST, POINTS, TEXT, MESH, TRIANGLES = range(12)
+(
+    ARROW,
+    CUBE,
+    SPHERE,
+    CYLINDER,
+    LINE_STRIP,
+    LINE_LIST,
+    CUBE_LIST,
+    SPHERE_LIST,
+    POINTS,
+    TEXT,
+    MESH,
+    TRIANGLES,
+) = range(12)
 ADD, DELETE, DELETEALL = 0, 2, 3
 OF_POINTS = (LINE_STRIP, LINE_LIST, CUBE_LIST, SPHERE_LIST, POINTS, TRIANGLES)
 
@@ -19,7 +32,12 @@ def norm(q):
 
 
 def finite(*vectors):
-    return all(math.isfinite(getattr(v, name)) for v in vectors for name in ("x", "y", "z", "w", "r", "g", "b", "a") if hasattr(v, name))
+    return all(
+        math.isfinite(getattr(v, name))
+        for v in vectors
+        for name in ("x", "y", "z", "w", "r", "g", "b", "a")
+        if hasattr(v, name)
+    )
 
 
 class Frames:
@@ -34,14 +52,18 @@ class Frames:
             stamp = seconds(t.header.stamp)
             known = self.of.get(child)
             for wrong, sentence in (
-                    (not child or not parent, "a frame without a name"),
-                    (child == parent, "its own parent"),
-                    (child.startswith("/"), "a name with a slash before it"),
-                    (not finite(place.translation, place.rotation), "not a number"),
-                    (abs(norm(place.rotation) - 1.0) > 1e-6, "a quaternion that is not of norm 1"),
-                    (known and known["parent"] != parent, "two parents"),
-                    (known and known["fixed"] != fixed, "both on /tf and on /tf_static"),
-                    (known and not fixed and stamp <= known["stamp"], "a stamp again, or an older one (TF_REPEATED_DATA)")):
+                (not child or not parent, "a frame without a name"),
+                (child == parent, "its own parent"),
+                (child.startswith("/"), "a name with a slash before it"),
+                (not finite(place.translation, place.rotation), "not a number"),
+                (abs(norm(place.rotation) - 1.0) > 1e-6, "a quaternion that is not of norm 1"),
+                (known and known["parent"] != parent, "two parents"),
+                (known and known["fixed"] != fixed, "both on /tf and on /tf_static"),
+                (
+                    known and not fixed and stamp <= known["stamp"],
+                    "a stamp again, or an older one (TF_REPEATED_DATA)",
+                ),
+            ):
                 if wrong:
                     self.errors.append(f"frame {child}: {sentence}")
             way = known["way"] if known else []
@@ -66,7 +88,9 @@ class Markers:
         self.shown, self.errors, self.deleted, self.corners_sent = {}, [], [], []
 
     def take(self, message, now):
-        self.shown = {key: (m, end) for key, (m, end) in self.shown.items() if end is None or end > now}
+        self.shown = {
+            key: (m, end) for key, (m, end) in self.shown.items() if end is None or end > now
+        }
         keys = [(m.ns, m.id) for m in message.markers if m.action == ADD]
         if len(keys) != len(set(keys)):
             self.errors.append(f"one array adds a marker twice: {keys}")
@@ -93,24 +117,52 @@ class Markers:
 def wrong_of(m):
     """Sentences on a marker that is added."""
     lifetime, count = seconds(m.lifetime), len(m.points)
-    needs = {ARROW: "xy" if count else "xyz", LINE_STRIP: "x", LINE_LIST: "x", POINTS: "xy", TEXT: "z"}.get(m.type, "xyz")
+    needs = {
+        ARROW: "xy" if count else "xyz",
+        LINE_STRIP: "x",
+        LINE_LIST: "x",
+        POINTS: "xy",
+        TEXT: "z",
+    }.get(m.type, "xyz")
     rules = (
-        (not finite(m.pose.position, m.pose.orientation, m.scale, m.color, *m.points, *m.colors), "not a number"),
+        (
+            not finite(m.pose.position, m.pose.orientation, m.scale, m.color, *m.points, *m.colors),
+            "not a number",
+        ),
         (abs(norm(m.pose.orientation) - 1.0) > 1e-6, "a quaternion that is not of norm 1"),
-        (any(getattr(m.scale, axis) <= 0.0 for axis in needs), f"its scale is not above 0 in {needs}"),
+        (
+            any(getattr(m.scale, axis) <= 0.0 for axis in needs),
+            f"its scale is not above 0 in {needs}",
+        ),
         (m.color.a <= 0.0 and not m.colors, "it cannot be seen: alpha is 0"),
-        (not m.header.frame_id or m.header.frame_id.startswith("/"), "no frame, or one with a slash before it"),
+        (
+            not m.header.frame_id or m.header.frame_id.startswith("/"),
+            "no frame, or one with a slash before it",
+        ),
         (m.type not in range(12), f"type {m.type} does not exist"),
         (lifetime < 0.0, "a lifetime below 0"),
         (m.type in OF_POINTS and count == 0, "a list without points"),
         (m.type == TRIANGLES and count % 3 != 0, f"{count} corners are no triangles"),
         (m.type == LINE_LIST and count % 2 != 0, f"{count} ends are no lines"),
         (m.type == ARROW and count not in (0, 2), f"an arrow with {count} points"),
-        (m.type == ARROW and count == 2 and m.points[0] == m.points[1], "an arrow without a direction"),
-        (m.type not in OF_POINTS and m.type != ARROW and count > 0, "points that nothing is made of"),
-        (len(m.colors) not in (0, count) and not (m.type == TRIANGLES and 3 * len(m.colors) == count), "as many colours as points, or none"),
+        (
+            m.type == ARROW and count == 2 and m.points[0] == m.points[1],
+            "an arrow without a direction",
+        ),
+        (
+            m.type not in OF_POINTS and m.type != ARROW and count > 0,
+            "points that nothing is made of",
+        ),
+        (
+            len(m.colors) not in (0, count)
+            and not (m.type == TRIANGLES and 3 * len(m.colors) == count),
+            "as many colours as points, or none",
+        ),
         (m.type == TEXT and not m.text, "a text without words"),
-        (m.type == MESH and not m.mesh_resource.startswith(("package://", "http://")), f"'{m.mesh_resource}' is no file of another host"),
+        (
+            m.type == MESH and not m.mesh_resource.startswith(("package://", "http://")),
+            f"'{m.mesh_resource}' is no file of another host",
+        ),
         (m.type != MESH and bool(m.mesh_resource), "a mesh that is not drawn"),
     )
     return [sentence for broken, sentence in rules if broken]

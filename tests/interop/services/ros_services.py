@@ -156,7 +156,9 @@ class State(IdlStruct, typename="lifecycle_msgs::msg::dds_::State_"):
 @dataclass
 @annotate.final
 @annotate.cdrv0
-class ListParameters_Request(IdlStruct, typename="rcl_interfaces::srv::dds_::ListParameters_Request_"):
+class ListParameters_Request(
+    IdlStruct, typename="rcl_interfaces::srv::dds_::ListParameters_Request_"
+):
     client: types.uint64
     number: types.int64
     prefixes: types.sequence[str] = field(default_factory=list)
@@ -166,7 +168,9 @@ class ListParameters_Request(IdlStruct, typename="rcl_interfaces::srv::dds_::Lis
 @dataclass
 @annotate.final
 @annotate.cdrv0
-class ListParameters_Response(IdlStruct, typename="rcl_interfaces::srv::dds_::ListParameters_Response_"):
+class ListParameters_Response(
+    IdlStruct, typename="rcl_interfaces::srv::dds_::ListParameters_Response_"
+):
     client: types.uint64
     number: types.int64
     result: ListParametersResult
@@ -175,7 +179,9 @@ class ListParameters_Response(IdlStruct, typename="rcl_interfaces::srv::dds_::Li
 @dataclass
 @annotate.final
 @annotate.cdrv0
-class GetParameters_Request(IdlStruct, typename="rcl_interfaces::srv::dds_::GetParameters_Request_"):
+class GetParameters_Request(
+    IdlStruct, typename="rcl_interfaces::srv::dds_::GetParameters_Request_"
+):
     client: types.uint64
     number: types.int64
     names: types.sequence[str]
@@ -184,7 +190,9 @@ class GetParameters_Request(IdlStruct, typename="rcl_interfaces::srv::dds_::GetP
 @dataclass
 @annotate.final
 @annotate.cdrv0
-class GetParameters_Response(IdlStruct, typename="rcl_interfaces::srv::dds_::GetParameters_Response_"):
+class GetParameters_Response(
+    IdlStruct, typename="rcl_interfaces::srv::dds_::GetParameters_Response_"
+):
     client: types.uint64
     number: types.int64
     values: types.sequence[ParameterValue]
@@ -193,7 +201,9 @@ class GetParameters_Response(IdlStruct, typename="rcl_interfaces::srv::dds_::Get
 @dataclass
 @annotate.final
 @annotate.cdrv0
-class GetParameterTypes_Request(IdlStruct, typename="rcl_interfaces::srv::dds_::GetParameterTypes_Request_"):
+class GetParameterTypes_Request(
+    IdlStruct, typename="rcl_interfaces::srv::dds_::GetParameterTypes_Request_"
+):
     client: types.uint64
     number: types.int64
     names: types.sequence[str]
@@ -202,7 +212,9 @@ class GetParameterTypes_Request(IdlStruct, typename="rcl_interfaces::srv::dds_::
 @dataclass
 @annotate.final
 @annotate.cdrv0
-class GetParameterTypes_Response(IdlStruct, typename="rcl_interfaces::srv::dds_::GetParameterTypes_Response_"):
+class GetParameterTypes_Response(
+    IdlStruct, typename="rcl_interfaces::srv::dds_::GetParameterTypes_Response_"
+):
     client: types.uint64
     number: types.int64
     types: types.sequence[types.uint8]
@@ -211,7 +223,9 @@ class GetParameterTypes_Response(IdlStruct, typename="rcl_interfaces::srv::dds_:
 @dataclass
 @annotate.final
 @annotate.cdrv0
-class DescribeParameters_Request(IdlStruct, typename="rcl_interfaces::srv::dds_::DescribeParameters_Request_"):
+class DescribeParameters_Request(
+    IdlStruct, typename="rcl_interfaces::srv::dds_::DescribeParameters_Request_"
+):
     client: types.uint64
     number: types.int64
     names: types.sequence[str]
@@ -220,7 +234,9 @@ class DescribeParameters_Request(IdlStruct, typename="rcl_interfaces::srv::dds_:
 @dataclass
 @annotate.final
 @annotate.cdrv0
-class DescribeParameters_Response(IdlStruct, typename="rcl_interfaces::srv::dds_::DescribeParameters_Response_"):
+class DescribeParameters_Response(
+    IdlStruct, typename="rcl_interfaces::srv::dds_::DescribeParameters_Response_"
+):
     client: types.uint64
     number: types.int64
     descriptors: types.sequence[ParameterDescriptor]
@@ -229,7 +245,9 @@ class DescribeParameters_Response(IdlStruct, typename="rcl_interfaces::srv::dds_
 @dataclass
 @annotate.final
 @annotate.cdrv0
-class SetParameters_Request(IdlStruct, typename="rcl_interfaces::srv::dds_::SetParameters_Request_"):
+class SetParameters_Request(
+    IdlStruct, typename="rcl_interfaces::srv::dds_::SetParameters_Request_"
+):
     client: types.uint64
     number: types.int64
     parameters: types.sequence[Parameter]
@@ -238,7 +256,9 @@ class SetParameters_Request(IdlStruct, typename="rcl_interfaces::srv::dds_::SetP
 @dataclass
 @annotate.final
 @annotate.cdrv0
-class SetParameters_Response(IdlStruct, typename="rcl_interfaces::srv::dds_::SetParameters_Response_"):
+class SetParameters_Response(
+    IdlStruct, typename="rcl_interfaces::srv::dds_::SetParameters_Response_"
+):
     client: types.uint64
     number: types.int64
     results: types.sequence[SetParametersResult]
@@ -247,7 +267,9 @@ class SetParameters_Response(IdlStruct, typename="rcl_interfaces::srv::dds_::Set
 @dataclass
 @annotate.final
 @annotate.cdrv0
-class SetParametersAtomically_Request(IdlStruct, typename="rcl_interfaces::srv::dds_::SetParametersAtomically_Request_"):
+class SetParametersAtomically_Request(
+    IdlStruct, typename="rcl_interfaces::srv::dds_::SetParametersAtomically_Request_"
+):
     client: types.uint64
     number: types.int64
     parameters: types.sequence[Parameter]
@@ -256,7 +278,9 @@ class SetParametersAtomically_Request(IdlStruct, typename="rcl_interfaces::srv::
 @dataclass
 @annotate.final
 @annotate.cdrv0
-class SetParametersAtomically_Response(IdlStruct, typename="rcl_interfaces::srv::dds_::SetParametersAtomically_Response_"):
+class SetParametersAtomically_Response(
+    IdlStruct, typename="rcl_interfaces::srv::dds_::SetParametersAtomically_Response_"
+):
     client: types.uint64
     number: types.int64
     result: SetParametersResult
@@ -307,17 +331,29 @@ class ChangeEffect_Response(IdlStruct, typename="voxtouch_msgs::srv::dds_::Chang
     sentence: str
 
 
-SERVICES = {"list_parameters": (ListParameters_Request, ListParameters_Response), "get_parameters": (GetParameters_Request, GetParameters_Response),
-            "get_parameter_types": (GetParameterTypes_Request, GetParameterTypes_Response),
-            "describe_parameters": (DescribeParameters_Request, DescribeParameters_Response),
-            "set_parameters": (SetParameters_Request, SetParameters_Response),
-            "set_parameters_atomically": (SetParametersAtomically_Request, SetParametersAtomically_Response),
-            "get_state": (GetState_Request, GetState_Response), "change_effect": (ChangeEffect_Request, ChangeEffect_Response)}
-QOS = (Policy.Reliability.Reliable(duration(milliseconds=100)), Policy.Durability.Volatile, Policy.History.KeepLast(10))
+SERVICES = {
+    "list_parameters": (ListParameters_Request, ListParameters_Response),
+    "get_parameters": (GetParameters_Request, GetParameters_Response),
+    "get_parameter_types": (GetParameterTypes_Request, GetParameterTypes_Response),
+    "describe_parameters": (DescribeParameters_Request, DescribeParameters_Response),
+    "set_parameters": (SetParameters_Request, SetParameters_Response),
+    "set_parameters_atomically": (
+        SetParametersAtomically_Request,
+        SetParametersAtomically_Response,
+    ),
+    "get_state": (GetState_Request, GetState_Response),
+    "change_effect": (ChangeEffect_Request, ChangeEffect_Response),
+}
+QOS = (
+    Policy.Reliability.Reliable(duration(milliseconds=100)),
+    Policy.Durability.Volatile,
+    Policy.History.KeepLast(10),
+)
 
 
 class Client:
     """As rmw_cyclonedds makes one: its number is its writer's instance handle, and both endpoints tell the same client."""
+
     count = 0
 
     def __init__(self, participant, node, service, hears=True):
@@ -325,8 +361,16 @@ class Client:
         Client.count += 1
         qos = Qos(*QOS, Policy.Userdata(f"clientid={participant.guid}.{Client.count};".encode()))
         self.kind, self.name, self.number = request, f"{node}/{service}", 0
-        self.reader = DataReader(participant, Topic(participant, f"rr{node}/{service}Reply", response), qos=qos) if hears else None
-        self.writer = DataWriter(participant, Topic(participant, f"rq{node}/{service}Request", request), qos=qos)
+        self.reader = (
+            DataReader(
+                participant, Topic(participant, f"rr{node}/{service}Reply", response), qos=qos
+            )
+            if hears
+            else None
+        )
+        self.writer = DataWriter(
+            participant, Topic(participant, f"rq{node}/{service}Request", request), qos=qos
+        )
         self.guid = self.writer.get_instance_handle() & (1 << 64) - 1
 
     def ready(self):
@@ -343,7 +387,11 @@ class Client:
         first, asked = self.number, begin
         while time.monotonic() < begin + patience_s:
             for reply in self.reader.take(N=10):
-                if reply.sample_info.valid_data and reply.client == self.guid and first <= reply.number <= self.number:
+                if (
+                    reply.sample_info.valid_data
+                    and reply.client == self.guid
+                    and first <= reply.number <= self.number
+                ):
                     return reply
             if again_s and time.monotonic() > asked + again_s:
                 self.send(**fields)
@@ -353,8 +401,13 @@ class Client:
 
 
 def parameter(name, value):
-    kinds = {bool: ("bool_value", BOOL), int: ("integer_value", INTEGER), float: ("double_value", DOUBLE), str: ("string_value", STRING),
-             list: ("double_array_value", DOUBLE_ARRAY)}
+    kinds = {
+        bool: ("bool_value", BOOL),
+        int: ("integer_value", INTEGER),
+        float: ("double_value", DOUBLE),
+        str: ("string_value", STRING),
+        list: ("double_array_value", DOUBLE_ARRAY),
+    }
     if value is None:
         return Parameter(name=name)
     key, kind = kinds[type(value)]
@@ -363,5 +416,11 @@ def parameter(name, value):
 
 def plain(value):
     """A ParameterValue as a value of Python."""
-    return {NOT_SET: None, BOOL: value.bool_value, INTEGER: value.integer_value, DOUBLE: value.double_value, STRING: value.string_value,
-            DOUBLE_ARRAY: list(value.double_array_value)}[value.type]
+    return {
+        NOT_SET: None,
+        BOOL: value.bool_value,
+        INTEGER: value.integer_value,
+        DOUBLE: value.double_value,
+        STRING: value.string_value,
+        DOUBLE_ARRAY: list(value.double_array_value),
+    }[value.type]

@@ -24,7 +24,11 @@ class Package(unittest.TestCase):
 
     def test_needs_what_its_messages_use_and_says_so_in_both_files(self):
         fields = re.compile(r"^([a-z][a-z0-9_]*)/[A-Z]\w*", re.MULTILINE)
-        used = {package for file in [*IDL.glob("msg/*.msg"), *IDL.glob("srv/*.srv")] for package in fields.findall(file.read_text())} - {"voxtouch_msgs"}
+        used = {
+            package
+            for file in [*IDL.glob("msg/*.msg"), *IDL.glob("srv/*.srv")]
+            for package in fields.findall(file.read_text())
+        } - {"voxtouch_msgs"}
         self.assertIn("geometry_msgs", used)
         self.assertEqual({tag.text for tag in self.package.findall("depend")}, used)
         for package in used:
@@ -32,35 +36,55 @@ class Package(unittest.TestCase):
         self.assertEqual(set(re.search(r"DEPENDENCIES ([^)]*)\)", self.cmake)[1].split()), used)
 
     def test_is_one_that_rosidl_makes_messages_of(self):
-        self.assertEqual((self.package.get("format"), self.package.findtext("name")), ("3", "voxtouch_msgs"))
+        self.assertEqual(
+            (self.package.get("format"), self.package.findtext("name")), ("3", "voxtouch_msgs")
+        )
         self.assertEqual(self.package.findtext("member_of_group"), "rosidl_interface_packages")
-        self.assertEqual(self.package.findtext("export/build_type"), self.package.findtext("buildtool_depend"))
+        self.assertEqual(
+            self.package.findtext("export/build_type"), self.package.findtext("buildtool_depend")
+        )
         self.assertEqual(self.package.findtext("build_depend"), "rosidl_default_generators")
-        self.assertEqual([tag.text for tag in self.package.findall("exec_depend")], ["rosidl_default_runtime", "launch"])
+        self.assertEqual(
+            [tag.text for tag in self.package.findall("exec_depend")],
+            ["rosidl_default_runtime", "launch"],
+        )
         self.assertIn("install(DIRECTORY launch DESTINATION share/${PROJECT_NAME})", self.cmake)
 
 
 class Launch(unittest.TestCase):
     def described(self):
         """The launch file's description, made of stand-ins."""
+
         class Said:
             def __init__(self, *positional, **named):
                 self.positional, self.named = positional, named
 
         class ExecuteProcess(Said):
             def __init__(self, *, cmd, output, sigterm_timeout, on_exit):
-                super().__init__(cmd=cmd, output=output, sigterm_timeout=sigterm_timeout, on_exit=on_exit)
+                super().__init__(
+                    cmd=cmd, output=output, sigterm_timeout=sigterm_timeout, on_exit=on_exit
+                )
 
         class LaunchConfiguration(Said):
             def perform(self, context):
                 return context[self.positional[0]]
 
-        launch, actions, substitutions = (types.ModuleType(name) for name in ("launch", "launch.actions", "launch.substitutions"))
+        launch, actions, substitutions = (
+            types.ModuleType(name) for name in ("launch", "launch.actions", "launch.substitutions")
+        )
         launch.LaunchDescription = Said
-        actions.ExecuteProcess, substitutions.LaunchConfiguration = ExecuteProcess, LaunchConfiguration
-        actions.DeclareLaunchArgument, actions.OpaqueFunction, actions.Shutdown = (type(name, (Said,), {}) for name in ("DeclareLaunchArgument", "OpaqueFunction", "Shutdown"))
+        actions.ExecuteProcess, substitutions.LaunchConfiguration = (
+            ExecuteProcess,
+            LaunchConfiguration,
+        )
+        actions.DeclareLaunchArgument, actions.OpaqueFunction, actions.Shutdown = (
+            type(name, (Said,), {})
+            for name in ("DeclareLaunchArgument", "OpaqueFunction", "Shutdown")
+        )
         sys.modules.update({module.__name__: module for module in (launch, actions, substitutions)})
-        spec = importlib.util.spec_from_file_location("voxtouch_launch", IDL / "launch/voxtouch.launch.py")
+        spec = importlib.util.spec_from_file_location(
+            "voxtouch_launch", IDL / "launch/voxtouch.launch.py"
+        )
         file = importlib.util.module_from_spec(spec)
         spec.loader.exec_module(file)
         return file.generate_launch_description().positional[0]
@@ -82,9 +106,17 @@ class Launch(unittest.TestCase):
         self.assertEqual(self.command(scene="plane")[-2:], ["--ros", "iron"])
 
     def test_starts_a_ring_with_all_that_it_takes(self):
-        command = self.command(scene="cup", device="sim-phantom", motion="slide", rig="left", more=f"--domain {DOMAIN} --no-record --lockstep --duration 0.5")
+        command = self.command(
+            scene="cup",
+            device="sim-phantom",
+            motion="slide",
+            rig="left",
+            more=f"--domain {DOMAIN} --no-record --lockstep --duration 0.5",
+        )
         environment = {**os.environ, "PATH": f"{BIN}:{os.environ['PATH']}"}
-        ran = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False, env=environment)
+        ran = subprocess.run(
+            command, capture_output=True, text=True, timeout=120, check=False, env=environment
+        )
         self.assertEqual(ran.returncode, 0, ran.stdout + ran.stderr)
         self.assertIn("All is well.", ran.stdout + ran.stderr)
 

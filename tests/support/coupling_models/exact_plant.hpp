@@ -1,22 +1,26 @@
 #pragma once
-/// Device and hand in continuous time, solved in closed form between the instants at which the effort changes.
+/// Device and hand in continuous time, solved in closed form between the instants at which the
+/// effort changes.
 ///
-///   M x'' + B x' + k_h x = f + push - friction,     f' = (u - f) a     (a = 1 / effort lag; no lag: f = u)
+///   M x'' + B x' + k_h x = f + push - friction,     f' = (u - f) a     (a = 1 / effort lag; no
+///   lag: f = u)
 #include "core/coupling/design/sampled_loop.hpp"
 
 namespace voxtouch::coupling_models {
 
-/// One axis. Nothing is discretised: over an interval with constant u, position, speed and effort are the sums of
-/// exponentials that solve the equations, whatever the interval's length.
+/// One axis. Nothing is discretised: over an interval with constant u, position, speed and effort
+/// are the sums of exponentials that solve the equations, whatever the interval's length.
 ///
-/// Dry friction is exact as well: while the body slides one way it is a constant effort, so the closed form holds up to the
-/// instant at which the speed becomes zero; there the body rests until the net effort exceeds the friction (that instant is a
-/// logarithm). Friction therefore never drives, and a body at rest under less than the friction stays where it is, to the bit.
+/// Dry friction is exact as well: while the body slides one way it is a constant effort, so the
+/// closed form holds up to the instant at which the speed becomes zero; there the body rests until
+/// the net effort exceeds the friction (that instant is a logarithm). Friction therefore never
+/// drives, and a body at rest under less than the friction stays where it is, to the bit.
 class ExactPlant {
  public:
-  /// Mass of device and hand together > 0, damping, stiffness and lag >= 0. A lag within 0.1 % of a pole of the plant is moved
-  /// off it by as much, where the closed form would divide by zero.
-  ExactPlant(const coupling::design::LoopPlant& plant, double coulomb_friction, double push) noexcept;
+  /// Mass of device and hand together > 0, damping, stiffness and lag >= 0. A lag within 0.1 % of a
+  /// pole of the plant is moved off it by as much, where the closed form would divide by zero.
+  ExactPlant(const coupling::design::LoopPlant& plant, double coulomb_friction,
+             double push) noexcept;
 
   /// Moves on by `h` [s] >= 0 under the commanded effort `u`.
   void advance(double h, double u) noexcept;

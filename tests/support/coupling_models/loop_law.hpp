@@ -3,9 +3,9 @@
 #include <deque>
 #include <utility>
 
-#include "tests/support/coupling_models/pt2.hpp"
 #include "core/coupling/spring_damper.hpp"
 #include "tests/support/coupling_models/nonlinear_loop.hpp"
+#include "tests/support/coupling_models/pt2.hpp"
 
 namespace voxtouch::coupling_models {
 
@@ -16,7 +16,8 @@ double wall_effort(WallLaw law, double stiffness, double knee, double position) 
 class LoopLaw {
  public:
   explicit LoopLaw(const NonlinearLoop& loop);
-  /// The effort for the device, negative against a penetration. `position` as measured, or the last one where that was lost.
+  /// The effort for the device, negative against a penetration. `position` as measured, or the last
+  /// one where that was lost.
   double step(double position, double stiffness, double period_s);
   bool saturated() const noexcept { return saturated_; }  ///< in the last step
 
@@ -28,13 +29,15 @@ class LoopLaw {
 
   coupling::design::LoopController controller_;
   WallLaw wall_;
-  double knee_, damping_share_, damping_free_, max_effort_, input_limit_, nominal_s_, slow_rad_per_s_, velocity_band_;
+  double knee_, damping_share_, damping_free_, max_effort_, input_limit_, nominal_s_,
+      slow_rad_per_s_, velocity_band_;
   bool only_in_contact_, measured_period_, saturated_ = false, started_ = false;
   Pt2 filter_;
   coupling::UnilateralSpringDamper spring_damper_;
   double offset_ = 0.0;  ///< of the spring-damper's object, bilateral wall
   double last_position_ = 0.0, velocity_ = 0.0, slow_velocity_ = 0.0;
-  std::deque<std::pair<double, double>> past_;  ///< of a window: positions and the periods that led to them, the newest first
+  std::deque<std::pair<double, double>>
+      past_;  ///< of a window: positions and the periods that led to them, the newest first
 };
 
 }  // namespace voxtouch::coupling_models

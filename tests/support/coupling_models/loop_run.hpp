@@ -20,11 +20,14 @@ class EffortsUnderWay {
   };
   static constexpr std::size_t kMaxEfforts = 256;
 
-  /// The newest effort; those that would arrive after it have been overtaken and are dropped. Their number.
+  /// The newest effort; those that would arrive after it have been overtaken and are dropped. Their
+  /// number.
   std::uint64_t send(double in_s, double value) noexcept {
     std::uint64_t dropped = 0;
-    for (; size_ > 0 && at(size_ - 1).in_s >= in_s; --size_) ++dropped;
-    if (size_ < kMaxEfforts) at(size_++) = {in_s, value};
+    for (; size_ > 0 && at(size_ - 1).in_s >= in_s; --size_)
+      ++dropped;
+    if (size_ < kMaxEfforts)
+      at(size_++) = {in_s, value};
     return dropped;
   }
   bool any_within(double period_s) noexcept { return size_ > 0 && at(0).in_s < period_s; }
@@ -34,7 +37,8 @@ class EffortsUnderWay {
     return first;
   }
   void pass(double period_s) noexcept {
-    for (std::size_t i = 0; i < size_; ++i) at(i).in_s -= period_s;
+    for (std::size_t i = 0; i < size_; ++i)
+      at(i).in_s -= period_s;
   }
 
  private:
@@ -56,12 +60,16 @@ struct Stretch {
   void add(const Stretch& s) noexcept { position.add(s.position), effort.add(s.effort); }
 };
 
-/// The loop in motion: measures, steps the law, sends its effort, moves the plant from event to event.
+/// The loop in motion: measures, steps the law, sends its effort, moves the plant from event to
+/// event.
 class LoopRun {
  public:
   /// `loop` must outlive the run.
   explicit LoopRun(const NonlinearLoop& loop)
-      : loop_(loop), law_(loop), plant_(loop.plant, loop.coulomb_friction, loop.push), random_(loop.seed, 0) {
+      : loop_(loop),
+        law_(loop),
+        plant_(loop.plant, loop.coulomb_friction, loop.push),
+        random_(loop.seed, 0) {
     plant_.set(loop.start_position, loop.start_speed);
     statistics_.period_min = statistics_.delay_min = INFINITY;
     measured_ = quantised(loop.start_position);
@@ -70,7 +78,8 @@ class LoopRun {
   /// So many samples, fewer if it runs away.
   Stretch run(std::uint64_t samples) noexcept {
     Stretch out;
-    for (std::uint64_t i = 0; i < samples && !ran_away(); ++i) sample(out);
+    for (std::uint64_t i = 0; i < samples && !ran_away(); ++i)
+      sample(out);
     return out;
   }
   bool ran_away() const noexcept { return !(std::abs(plant_.position()) < kRunaway); }
@@ -93,53 +102,65 @@ class LoopRun {
   bool disturbed() const noexcept { return time_ >= loop_.disturbance.at_s; }
   double stiffness() const noexcept {
     const LoopDisturbance& d = loop_.disturbance;
-    if (d.stiffness_factor == 1.0 || !disturbed()) return loop_.contact_stiffness;
-    const double share = d.stiffness_ramp_s > 0.0 ? std::min(1.0, (time_ - d.at_s) / d.stiffness_ramp_s) : 1.0;
+    if (d.stiffness_factor == 1.0 || !disturbed())
+      return loop_.contact_stiffness;
+    const double share =
+        d.stiffness_ramp_s > 0.0 ? std::min(1.0, (time_ - d.at_s) / d.stiffness_ramp_s) : 1.0;
     return loop_.contact_stiffness * (1.0 + share * (d.stiffness_factor - 1.0));
   }
   bool loses() noexcept {
     const LoopDisturbance& d = loop_.disturbance;
-    if (d.silence_s > 0.0 && disturbed() && time_ < d.at_s + d.silence_s) return true;
-    return loop_.loss > 0.0 && random_.chance(loop_.loss) && lost_in_a_row_ < loop_.most_lost_in_a_row;
+    if (d.silence_s > 0.0 && disturbed() && time_ < d.at_s + d.silence_s)
+      return true;
+    return loop_.loss > 0.0 && random_.chance(loop_.loss) &&
+           lost_in_a_row_ < loop_.most_lost_in_a_row;
   }
   void measure() noexcept {
     ++statistics_.samples;
     if (loses()) {
       ++statistics_.lost, ++lost_in_a_row_;
-      statistics_.longest_loss = std::max(statistics_.longest_loss, static_cast<std::uint64_t>(lost_in_a_row_));
+      statistics_.longest_loss =
+          std::max(statistics_.longest_loss, static_cast<std::uint64_t>(lost_in_a_row_));
       return;
     }
     lost_in_a_row_ = 0;
-    const double noise =
-        loop_.measurement_noise > 0.0 ? random_.uniform(-loop_.measurement_noise, loop_.measurement_noise) : 0.0;
+    const double noise = loop_.measurement_noise > 0.0
+                             ? random_.uniform(-loop_.measurement_noise, loop_.measurement_noise)
+                             : 0.0;
     measured_ = quantised(plant_.position() + noise) + std::exchange(error_, 0.0);
   }
   double faded(double effort) noexcept {
-    if (loop_.fade_after_lost <= 0) return effort;
+    if (loop_.fade_after_lost <= 0)
+      return effort;
     const double step = lost_in_a_row_ > loop_.fade_after_lost ? -1.0 / kFadeOutS : 1.0 / kFadeInS;
     weight_ = std::clamp(weight_ + step * loop_.plant.period_s, 0.0, 1.0);
     return weight_ * effort;
   }
   double delay() noexcept {
     double out = loop_.plant.delay_s;
-    if (disturbed()) out = std::max(0.0, out + loop_.disturbance.more_delay_s);
-    if (loop_.delay_jitter_s > 0.0) out += random_.uniform(0.0, loop_.delay_jitter_s);
+    if (disturbed())
+      out = std::max(0.0, out + loop_.disturbance.more_delay_s);
+    if (loop_.delay_jitter_s > 0.0)
+      out += random_.uniform(0.0, loop_.delay_jitter_s);
     statistics_.delay_min = std::min(statistics_.delay_min, out);
     statistics_.delay_max = std::max(statistics_.delay_max, out);
     return out;
   }
   void move(double h, Stretch& out) noexcept {
-    if (h > 0.0) plant_.advance(h, applied_);
+    if (h > 0.0)
+      plant_.advance(h, applied_);
     out.position.add(plant_.position());
   }
   void sample(Stretch& out) noexcept {
     measure();
     const double nominal = loop_.plant.period_s;
-    const double effort = faded(law_.step(measured_, stiffness(), loop_.measured_period ? last_period_ : nominal));
+    const double effort =
+        faded(law_.step(measured_, stiffness(), loop_.measured_period ? last_period_ : nominal));
     out.effort.add(effort);
     statistics_.saturated += law_.saturated() ? 1 : 0;
     statistics_.overtaken += under_way_.send(delay(), effort);
-    const double period = loop_.jitter > 0.0 ? nominal * (1.0 + loop_.jitter * random_.uniform(-1.0, 1.0)) : nominal;
+    const double period =
+        loop_.jitter > 0.0 ? nominal * (1.0 + loop_.jitter * random_.uniform(-1.0, 1.0)) : nominal;
     double now = 0.0;
     while (under_way_.any_within(period)) {
       const EffortsUnderWay::Effort next = under_way_.take();
@@ -161,7 +182,8 @@ class LoopRun {
   Random random_;
   EffortsUnderWay under_way_;
   LoopStatistics statistics_;
-  double measured_ = 0.0, applied_ = 0.0, error_ = 0.0, weight_ = 1.0, most_work_ = 0.0, time_ = 0.0;
+  double measured_ = 0.0, applied_ = 0.0, error_ = 0.0, weight_ = 1.0, most_work_ = 0.0,
+         time_ = 0.0;
   double last_period_ = loop_.plant.period_s;
   int lost_in_a_row_ = 0;
 };

@@ -13,27 +13,35 @@ namespace {
 
 void refuse_nonsense(const NonlinearLoop& l) {
   const auto need = [](bool kept, const char* sentence) {
-    if (!kept) throw std::invalid_argument(std::string("Simulated loop: ") + sentence);
+    if (!kept)
+      throw std::invalid_argument(std::string("Simulated loop: ") + sentence);
   };
-  need(l.plant.mass + l.plant.hand_mass > 0.0, "the mass of device and hand together must be above 0.");
+  need(l.plant.mass + l.plant.hand_mass > 0.0,
+       "the mass of device and hand together must be above 0.");
   need(l.plant.damping + l.plant.hand_damping >= 0.0, "the damping must not be below 0.");
-  need(l.plant.hand_stiffness >= 0.0 && l.plant.effort_lag_s >= 0.0, "stiffness and lag must not be below 0.");
+  need(l.plant.hand_stiffness >= 0.0 && l.plant.effort_lag_s >= 0.0,
+       "stiffness and lag must not be below 0.");
   need(l.plant.period_s > 0.0 && l.duration_s > 0.0, "period and duration must be above 0.");
   need(l.jitter >= 0.0 && l.jitter < 1.0, "the jitter must be in [0, 1).");
-  need(l.plant.delay_s >= 0.0 && l.delay_jitter_s >= 0.0, "delay and its jitter must not be below 0.");
-  const double latest = l.plant.delay_s + l.delay_jitter_s + std::max(0.0, l.disturbance.more_delay_s);
+  need(l.plant.delay_s >= 0.0 && l.delay_jitter_s >= 0.0,
+       "delay and its jitter must not be below 0.");
+  const double latest =
+      l.plant.delay_s + l.delay_jitter_s + std::max(0.0, l.disturbance.more_delay_s);
   need(latest < 0.9 * EffortsUnderWay::kMaxEfforts * l.plant.period_s * (1.0 - l.jitter),
        "the delay is beyond some 200 of the shortest periods.");
 }
 
-/// The rest that the quantiser may leave; the loop's linear response is only found where it decides.
+/// The rest that the quantiser may leave; the loop's linear response is only found where it
+/// decides.
 class Rest {
  public:
   Rest(const NonlinearLoop& loop) : loop_(loop), amplitude_(loop.resolution) {}
   void seen(double amplitude) noexcept { largest_ = std::max(largest_, amplitude); }
   bool covers(double amplitude) {
-    if (amplitude <= quiet()) return true;
-    if (asked_ || loop_.resolution <= 0.0 || amplitude > kMaxSteps * loop_.resolution) return false;
+    if (amplitude <= quiet())
+      return true;
+    if (asked_ || loop_.resolution <= 0.0 || amplitude > kMaxSteps * loop_.resolution)
+      return false;
     asked_ = true;
     double gain = quantiser_gain(loop_, loop_.contact_stiffness);
     if (loop_.wall == WallLaw::kSoftening || loop_.wall == WallLaw::kHardening)
@@ -53,14 +61,18 @@ class Rest {
 /// Peak to peak of the quarters of a run.
 using Quarters = std::array<Stretch, 4>;
 
-constexpr double kFalls = 0.9;  ///< a quarter this much smaller than the one before it: the run decays
+constexpr double kFalls =
+    0.9;  ///< a quarter this much smaller than the one before it: the run decays
 
-double ratio(const Quarters& q, std::size_t i) { return q[i].position.width() / q[i - 1].position.width(); }
+double ratio(const Quarters& q, std::size_t i) {
+  return q[i].position.width() / q[i - 1].position.width();
+}
 
 LoopOutcome outcome_at_the_end(const Quarters& q) {
   const double last = ratio(q, 3), before = ratio(q, 2);
   const bool flattens = std::log(last) > 0.5 * std::log(before);  // both below zero while it falls
-  return last < kFalls && before < kFalls && !flattens ? LoopOutcome::kDecaying : LoopOutcome::kSustained;
+  return last < kFalls && before < kFalls && !flattens ? LoopOutcome::kDecaying
+                                                       : LoopOutcome::kSustained;
 }
 
 }  // namespace
@@ -73,7 +85,8 @@ NonlinearVerdict simulate(const NonlinearLoop& loop) {
   LoopRun run(loop);
   Rest rest(loop);
   Quarters q;
-  for (Stretch& s : q) s = run.run(quarter), rest.seen(s.position.width());
+  for (Stretch& s : q)
+    s = run.run(quarter), rest.seen(s.position.width());
   bool was_hopeless = false;
   NonlinearVerdict v;
   for (;;) {
@@ -105,7 +118,8 @@ NonlinearVerdict simulate(const NonlinearLoop& loop) {
   v.work_j = run.work();
   v.quiet = rest.quiet();
   v.end_position = run.position();
-  for (const Stretch& s : q) v.deepest = std::max(v.deepest, s.position.high);
+  for (const Stretch& s : q)
+    v.deepest = std::max(v.deepest, s.position.high);
   v.simulated_s = run.time();
   v.statistics = run.statistics();
   return v;
@@ -119,15 +133,20 @@ double quantiser_gain(const NonlinearLoop& loop, double contact_stiffness) {
   linear.contact_stiffness = contact_stiffness;
   linear.wall = WallLaw::kBilateral;
   refuse_nonsense(linear);
-  if (!(coupling::design::spectral_radius(linear.plant, linear.controller, contact_stiffness) < 1.0)) return 1.0;
+  if (!(coupling::design::spectral_radius(linear.plant, linear.controller, contact_stiffness) <
+        1.0))
+    return 1.0;
   LoopRun run(linear);
   run.misread_once(1.0);
   double sum = 0.0;
-  for (int length = 256; length < kMaxSamples; length *= 2) {  // the run's length doubles with each block
+  for (int length = 256; length < kMaxSamples;
+       length *= 2) {  // the run's length doubles with each block
     double part = 0.0;
-    for (int i = 0; i < length; ++i) run.run(1), part += std::abs(run.position());
+    for (int i = 0; i < length; ++i)
+      run.run(1), part += std::abs(run.position());
     sum += part;
-    if (part <= 1e-2 * sum) break;
+    if (part <= 1e-2 * sum)
+      break;
   }
   return sum;
 }
@@ -137,11 +156,14 @@ double simulated_limit(NonlinearLoop loop, double stable, double highest, double
     loop.contact_stiffness = stiffness;
     return simulate(loop).stable;
   };
-  if (!holds(stable)) return stable;
+  if (!holds(stable))
+    return stable;
   double low = stable, high = 2.0 * stable;
-  for (; high < highest && holds(high); high *= 2.0) low = high;
+  for (; high < highest && holds(high); high *= 2.0)
+    low = high;
   if (high >= highest) {
-    if (holds(highest)) return highest;
+    if (holds(highest))
+      return highest;
     high = highest;
   }
   while (high > low * (1.0 + accuracy)) {
@@ -157,12 +179,14 @@ double settling_time(const NonlinearLoop& loop) {
   double slowest = std::max(p.period_s, p.effort_lag_s);
   if (damping > 0.0) {
     const double rate = 0.5 * damping / mass, w2 = p.hand_stiffness / mass;
-    // Two real poles of a held device: the slower one is near B / k_h. A free one has none of its own: its energy fades by B.
+    // Two real poles of a held device: the slower one is near B / k_h. A free one has none of its
+    // own: its energy fades by B.
     const double slower = rate * rate > w2 && w2 > 0.0 ? rate + std::sqrt(rate * rate - w2) : 0.0;
     slowest = std::max({slowest, 1.0 / rate, slower > 0.0 ? slower / w2 : 0.0});
   }
   if (loop.controller.law == coupling::design::LoopController::Law::kShapingFilter)
-    slowest = std::max(slowest, (loop.controller.damping_ratio + 1.0) / loop.controller.w0_rad_per_s);
+    slowest =
+        std::max(slowest, (loop.controller.damping_ratio + 1.0) / loop.controller.w0_rad_per_s);
   if (loop.controller.velocity_filter_rad_per_s > 0.0)
     slowest = std::max(slowest, 1.0 / loop.controller.velocity_filter_rad_per_s);
   return slowest;

@@ -1,9 +1,11 @@
 #pragma once
-/// A time-domain simulation of the loop with what the linear model leaves out: a contact that only pushes, quantised position,
-/// jitter, lost samples, saturation, dry friction. One axis. It runs the very filter of the ring (core/coupling/pt2.hpp).
+/// A time-domain simulation of the loop with what the linear model leaves out: a contact that only
+/// pushes, quantised position, jitter, lost samples, saturation, dry friction. One axis. It runs
+/// the very filter of the ring (core/coupling/pt2.hpp).
 ///
-/// Positive is into the wall, whose surface is at 0, where the hand's spring rests as well. The plant is solved in closed
-/// form (exact_plant.hpp), so nothing of the result comes from a step length.
+/// Positive is into the wall, whose surface is at 0, where the hand's spring rests as well. The
+/// plant is solved in closed form (exact_plant.hpp), so nothing of the result comes from a step
+/// length.
 #include <cstdint>
 
 #include "core/coupling/design/sampled_loop.hpp"
@@ -24,7 +26,7 @@ struct LoopDisturbance {
   double stiffness_factor = 1.0;  ///< the contact's stiffness becomes this many times itself,
   double stiffness_ramp_s = 0.0;  ///< linearly within this time
   double more_delay_s = 0.0;      ///< added to the delay from then on; may be negative
-  double silence_s = 0.0;         ///< all samples of this time are lost, whatever `most_lost_in_a_row`
+  double silence_s = 0.0;  ///< all samples of this time are lost, whatever `most_lost_in_a_row`
 };
 
 /// Everything of one run. Zero is "none" for all that can be none.
@@ -35,35 +37,45 @@ struct NonlinearLoop {
   WallLaw wall = WallLaw::kUnilateral;
   double wall_knee = 1e-3;  ///< depth at which the softening and hardening walls change their slope
   double resolution = 0.0;
-  double measurement_noise = 0.0;  ///< added to the position before it is quantised, uniformly within +- this
+  double measurement_noise =
+      0.0;  ///< added to the position before it is quantised, uniformly within +- this
   double coulomb_friction = 0.0;
-  double max_effort = 0.0;       ///< 0: no saturation. Clamps the filter's input to it / gain and the sum to it
-  double jitter = 0.0;           ///< periods uniformly within (1 +- jitter) T
-  bool measured_period = false;  ///< the controller is stepped with the period as it was (the ring); false: with T
-  double delay_jitter_s = 0.0;   ///< added to the delay, uniformly; an effort that newer ones have overtaken is dropped
-  double loss = 0.0;             ///< chance that a sample is lost; its input is held and the filter goes on
+  double max_effort =
+      0.0;  ///< 0: no saturation. Clamps the filter's input to it / gain and the sum to it
+  double jitter = 0.0;  ///< periods uniformly within (1 +- jitter) T
+  bool measured_period =
+      false;  ///< the controller is stepped with the period as it was (the ring); false: with T
+  double delay_jitter_s =
+      0.0;  ///< added to the delay, uniformly; an effort that newer ones have overtaken is dropped
+  double loss = 0.0;  ///< chance that a sample is lost; its input is held and the filter goes on
   int most_lost_in_a_row = 3;
-  int fade_after_lost = 0;               ///< more lost in a row than this: effort fades out within kFadeOutS; 0: never
-  bool damping_only_in_contact = false;  ///< injected damping as the ring does it: in contact, never pulling,
-  double damping_share = 0.0;            ///< and adding at most this share of the law's effort, 0: without that bound,
+  int fade_after_lost =
+      0;  ///< more lost in a row than this: effort fades out within kFadeOutS; 0: never
+  bool damping_only_in_contact =
+      false;  ///< injected damping as the ring does it: in contact, never pulling,
+  double damping_share =
+      0.0;  ///< and adding at most this share of the law's effort, 0: without that bound,
   double damping_free = 0.0;             ///< and this
-  double slow_velocity_rad_per_s = 0.0;  ///< within `velocity_band` of the controller's velocity it acts on that of a filter with this cut-off
+  double slow_velocity_rad_per_s = 0.0;  ///< within `velocity_band` of the controller's velocity it
+                                         ///< acts on that of a filter with this cut-off
   double velocity_band = 0.0;
-  double push = 0.0;                     ///< constant effort of the hand into the wall
+  double push = 0.0;  ///< constant effort of the hand into the wall
   double start_position = 0.0;
   double start_speed = 0.0;  ///< into the wall
   LoopDisturbance disturbance;
   double duration_s = 10.0;  ///< at least
-  double longest_s =
-      0.0;  ///< at most, for runs that are not decided by then; 0: 16 x duration; = duration: exactly that
+  double longest_s = 0.0;  ///< at most, for runs that are not decided by then; 0: 16 x duration; =
+                           ///< duration: exactly that
   std::uint64_t seed = 0;
 };
 
-inline constexpr double kFadeOutS = 0.02, kFadeInS = 0.2;  ///< of `fade_after_lost`; in: when samples come again
+inline constexpr double kFadeOutS = 0.02,
+                        kFadeInS = 0.2;  ///< of `fade_after_lost`; in: when samples come again
 
 enum class LoopOutcome : std::uint8_t {
-  kRest,  ///< the last quarter's amplitude is at most `quiet`
-  kDecaying,  ///< not at rest at the end, but every quarter is at least 10 % smaller than the one before, without flattening
+  kRest,       ///< the last quarter's amplitude is at most `quiet`
+  kDecaying,   ///< not at rest at the end, but every quarter is at least 10 % smaller than the one
+               ///< before, without flattening
   kSustained,  ///< neither
   kRunaway,    ///< beyond kRunaway, or not finite
 };
@@ -79,11 +91,12 @@ struct LoopStatistics {
 struct NonlinearVerdict {
   bool stable = false;  ///< the oscillation decays or stays below `quiet`: kRest or kDecaying
   LoopOutcome outcome = LoopOutcome::kSustained;
-  double early_amplitude = 0.0, late_amplitude = 0.0;  ///< peak to peak, third and last quarter of the run
-  double late_effort = 0.0;                            ///< peak to peak of the commanded effort in the last quarter
-  double energy_extracted_j = 0.0;                     ///< largest energy that the coupling has given to the hand, net
-  double work_j = 0.0;                                 ///< what it has given to the hand by the end; negative: taken
-  double quiet = 0.0;                                  ///< amplitude that counts as rest
+  double early_amplitude = 0.0,
+         late_amplitude = 0.0;      ///< peak to peak, third and last quarter of the run
+  double late_effort = 0.0;         ///< peak to peak of the commanded effort in the last quarter
+  double energy_extracted_j = 0.0;  ///< largest energy that the coupling has given to the hand, net
+  double work_j = 0.0;              ///< what it has given to the hand by the end; negative: taken
+  double quiet = 0.0;               ///< amplitude that counts as rest
   double end_position = 0.0;
   double deepest = 0.0;  ///< largest position of the run
   double simulated_s = 0.0;
@@ -92,27 +105,30 @@ struct NonlinearVerdict {
 
 /// The same loop and seed give the same bits.
 ///
-/// The verdict compares the peak-to-peak positions of the run's quarters. A run that is not at rest but still falls is
-/// doubled, up to `longest_s`, and judged again: slow decays are told from oscillations by going on, not by hoping. Given up is
-/// a run that at its present rate would not fall by a tenth within a quarter of the longest run either, at two lengths in a
-/// row. So `duration_s` should be some times the slowest time constant; `settling_time` says which.
+/// The verdict compares the peak-to-peak positions of the run's quarters. A run that is not at rest
+/// but still falls is doubled, up to `longest_s`, and judged again: slow decays are told from
+/// oscillations by going on, not by hoping. Given up is a run that at its present rate would not
+/// fall by a tenth within a quarter of the longest run either, at two lengths in a row. So
+/// `duration_s` should be some times the slowest time constant; `settling_time` says which.
 ///
-/// Rest is what a quantiser may leave for ever: q ||T_c||_1 peak to peak (the step's response of the position to an error of
-/// the measurement, summed; found by running the loop linearly), but at most 30 q; at least q, and 1e-4 of the run's largest
-/// quarter.
+/// Rest is what a quantiser may leave for ever: q ||T_c||_1 peak to peak (the step's response of
+/// the position to an error of the measurement, summed; found by running the loop linearly), but at
+/// most 30 q; at least q, and 1e-4 of the run's largest quarter.
 NonlinearVerdict simulate(const NonlinearLoop& loop);
 
-/// Sum over the samples of |position| after one sample was measured 1 too large: ||T_c||_1 of the bilateral loop with stiffness
-/// `contact_stiffness`. To 1 %, or of the first half million samples where it decays more slowly. 1 where it does not decay.
+/// Sum over the samples of |position| after one sample was measured 1 too large: ||T_c||_1 of the
+/// bilateral loop with stiffness `contact_stiffness`. To 1 %, or of the first half million samples
+/// where it decays more slowly. 1 where it does not decay.
 double quantiser_gain(const NonlinearLoop& loop, double contact_stiffness);
 
-/// Contact stiffness from which on the loop is unstable, by doubling up from `stable` and halving the gap to `accuracy`
-/// (relative): what a promise can be compared with. Every other parameter is `loop`'s. `stable` itself if the loop is unstable
-/// there already, `highest` if it never becomes so.
+/// Contact stiffness from which on the loop is unstable, by doubling up from `stable` and halving
+/// the gap to `accuracy` (relative): what a promise can be compared with. Every other parameter is
+/// `loop`'s. `stable` itself if the loop is unstable there already, `highest` if it never becomes
+/// so.
 double simulated_limit(NonlinearLoop loop, double stable, double highest, double accuracy = 0.02);
 
-/// Slowest time constant that the loop's parts have on their own [s]: free flight 2 M / B, the held device's, filters. A margin
-/// close to 1 is slower still.
+/// Slowest time constant that the loop's parts have on their own [s]: free flight 2 M / B, the held
+/// device's, filters. A margin close to 1 is slower still.
 double settling_time(const NonlinearLoop& loop);
 
 }  // namespace voxtouch::coupling_models

@@ -42,7 +42,8 @@ Interval part_of(Random& random, const Interval& whole) {
 }
 
 double bandwidth_of(double lag_s) {
-  return lag_s > 0.0 ? 1.0 / (2.0 * std::numbers::pi * lag_s) : std::numeric_limits<double>::infinity();
+  return lag_s > 0.0 ? 1.0 / (2.0 * std::numbers::pi * lag_s)
+                     : std::numeric_limits<double>::infinity();
 }
 
 coupling::design::HandRange whole_hand(const FamilyRanges& r) {
@@ -70,7 +71,8 @@ coupling::design::HandRange draw_hand(const FamilyRanges& r, Random& random) {
   return hand;
 }
 
-/// A wild hand: anything that creates no energy. Half of them have no spring, half of those hold nothing but mass.
+/// A wild hand: anything that creates no energy. Half of them have no spring, half of those hold
+/// nothing but mass.
 void draw_wild_hand(coupling::design::LoopPlant& plant, double device_mass, Random& random) {
   plant.hand_mass = device_mass * random.log_uniform(1e-3, 1e1);
   plant.hand_stiffness = random.chance(0.5) ? random.log_uniform(1e-1, 1e4) : 0.0;
@@ -101,12 +103,14 @@ PopulationMember draw_member(std::uint64_t seed, std::uint64_t index) {
   PopulationMember out{.seed = seed, .index = index, .device = {}, .hand = {}, .contact = {}};
   out.family = index % 2 == 0 ? DeviceFamily::kPhantomLike : DeviceFamily::kLwrLike;
   const FamilyRanges& r = ranges_of(out.family);
-  out.device.name = fmt::format("{} {} of population {}",
-                                out.family == DeviceFamily::kPhantomLike ? "Phantom-like" : "LWR-like", index, seed);
+  out.device.name = fmt::format(
+      "{} {} of population {}",
+      out.family == DeviceFamily::kPhantomLike ? "Phantom-like" : "LWR-like", index, seed);
   coupling::design::AxisModel& axis = out.device.translation;
   axis.inertia_min = axis.inertia_max = log_in(random, r.mass);
   const double spread = random.uniform(1.0, 3.0);
-  if (random.chance(0.5)) axis.inertia_max = std::min(r.mass.high, spread * axis.inertia_min);
+  if (random.chance(0.5))
+    axis.inertia_max = std::min(r.mass.high, spread * axis.inertia_min);
   axis.damping = log_in(random, r.damping);
   const double friction = log_in(random, r.coulomb_friction);
   axis.coulomb_friction = random.chance(0.5) ? friction : 0.0;
@@ -128,10 +132,13 @@ std::vector<PopulationMember> corner_members(DeviceFamily family) {
   const FamilyRanges& r = ranges_of(family);
   std::vector<PopulationMember> out;
   for (unsigned corner = 0; corner < 128; ++corner) {
-    const auto pick = [&](unsigned bit, const Interval& i) { return (corner >> bit) & 1u ? i.high : i.low; };
-    PopulationMember m{.index = corner, .family = family, .device = {}, .hand = whole_hand(r), .contact = {}};
-    m.device.name =
-        fmt::format("{} corner {}", family == DeviceFamily::kPhantomLike ? "Phantom-like" : "LWR-like", corner);
+    const auto pick = [&](unsigned bit, const Interval& i) {
+      return (corner >> bit) & 1u ? i.high : i.low;
+    };
+    PopulationMember m{
+        .index = corner, .family = family, .device = {}, .hand = whole_hand(r), .contact = {}};
+    m.device.name = fmt::format(
+        "{} corner {}", family == DeviceFamily::kPhantomLike ? "Phantom-like" : "LWR-like", corner);
     coupling::design::AxisModel& axis = m.device.translation;
     axis.inertia_min = axis.inertia_max = pick(0, r.mass);
     axis.damping = pick(1, r.damping);
@@ -149,9 +156,11 @@ std::vector<PopulationMember> corner_members(DeviceFamily family) {
 
 coupling::design::LoopPlant draw_plant(const PopulationMember& member, Random& random) {
   const coupling::design::AxisModel& axis = member.device.translation;
-  coupling::design::LoopPlant plant = released(member, random.uniform(axis.inertia_min, axis.inertia_max));
+  coupling::design::LoopPlant plant =
+      released(member, random.uniform(axis.inertia_min, axis.inertia_max));
   const coupling::design::HandRange& hand = member.hand;
-  if (hand.may_release && random.chance(0.4)) return plant;
+  if (hand.may_release && random.chance(0.4))
+    return plant;
   if (hand.any_passive) {
     draw_wild_hand(plant, plant.mass, random);
     return plant;
@@ -165,19 +174,23 @@ coupling::design::LoopPlant draw_plant(const PopulationMember& member, Random& r
 std::vector<coupling::design::LoopPlant> vertex_plants(const PopulationMember& member) {
   const coupling::design::HandRange& h = member.hand;
   std::vector<coupling::design::LoopPlant> out;
-  for (const double mass : {member.device.translation.inertia_min, member.device.translation.inertia_max}) {
+  for (const double mass :
+       {member.device.translation.inertia_min, member.device.translation.inertia_max}) {
     coupling::design::LoopPlant plant = released(member, mass);
-    if (h.may_release || h.any_passive) out.push_back(plant);
+    if (h.may_release || h.any_passive)
+      out.push_back(plant);
     const auto held = [&](double m, double b, double k) {
       plant.hand_mass = m, plant.hand_damping = b, plant.hand_stiffness = k;
       out.push_back(plant);
     };
     for (const double m : {h.mass_min, h.mass_max})
       for (const double b : {h.damping_min, h.damping_max})
-        for (const double k : {h.stiffness_min, h.stiffness_max}) held(m, b, k);
+        for (const double k : {h.stiffness_min, h.stiffness_max})
+          held(m, b, k);
     held(0.5 * (h.mass_min + h.mass_max), 0.5 * (h.damping_min + h.damping_max),
          0.5 * (h.stiffness_min + h.stiffness_max));
-    if (member.device.translation.inertia_min == member.device.translation.inertia_max) break;
+    if (member.device.translation.inertia_min == member.device.translation.inertia_max)
+      break;
   }
   return out;
 }

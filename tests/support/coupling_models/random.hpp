@@ -1,16 +1,18 @@
 #pragma once
-/// Random numbers that are the same bits on every machine: the standard library's distributions are not.
+/// Random numbers that are the same bits on every machine: the standard library's distributions are
+/// not.
 #include <cmath>
 #include <cstdint>
 
 namespace voxtouch::coupling_models {
 
-/// SplitMix64 (Steele, Lea, Flood 2014) and the distributions that the experiments need. Only integer arithmetic, products
-/// and square roots, which IEEE 754 fixes to the bit; no exp or log.
+/// SplitMix64 (Steele, Lea, Flood 2014) and the distributions that the experiments need. Only
+/// integer arithmetic, products and square roots, which IEEE 754 fixes to the bit; no exp or log.
 class Random {
  public:
   explicit Random(std::uint64_t seed) noexcept : state_(seed) {}
-  /// A stream of its own for member `index` of an experiment: one member can be repeated without those before it.
+  /// A stream of its own for member `index` of an experiment: one member can be repeated without
+  /// those before it.
   Random(std::uint64_t seed, std::uint64_t index) noexcept : state_(seed) {
     state_ = next() ^ (index * 0xd1342543de82ef95u);
     state_ = next();
@@ -29,13 +31,15 @@ class Random {
   /// 0 .. count - 1; the bias for counts that are no power of two is below 2^-50 for small counts.
   unsigned below(unsigned count) noexcept { return static_cast<unsigned>(unit() * count); }
 
-  /// Every decade equally often; 0 < low <= high. low (high/low)^u with u a 32-bit fraction, by one square root a bit.
+  /// Every decade equally often; 0 < low <= high. low (high/low)^u with u a 32-bit fraction, by one
+  /// square root a bit.
   double log_uniform(double low, double high) noexcept {
     const std::uint64_t bits = next() >> 32;
     double value = low, root = high / low;
     for (int bit = 31; bit >= 0; --bit) {
       root = std::sqrt(root);
-      if ((bits >> bit) & 1u) value *= root;
+      if ((bits >> bit) & 1u)
+        value *= root;
     }
     return value;
   }

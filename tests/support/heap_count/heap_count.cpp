@@ -12,7 +12,8 @@ std::atomic<long> calls{0};
 std::atomic<std::size_t> bytes_asked{0};
 
 [[maybe_unused]] void note(std::size_t bytes) noexcept {
-  if (!this_thread && !all_threads.load(std::memory_order_relaxed)) return;
+  if (!this_thread && !all_threads.load(std::memory_order_relaxed))
+    return;
   calls.fetch_add(1, std::memory_order_relaxed);
   bytes_asked.fetch_add(bytes, std::memory_order_relaxed);
 }
@@ -30,7 +31,8 @@ void heap_count::begin(HeapOf whose) {
   all_threads = whose == HeapOf::kAllThreads;
   this_thread = whose == HeapOf::kThisThread;
   calls = 0, bytes_asked = 0;
-  if (!seen) throw std::logic_error("malloc is not counted");
+  if (!seen)
+    throw std::logic_error("malloc is not counted");
 }
 
 HeapUse heap_count::end() noexcept {
@@ -48,9 +50,13 @@ void* __libc_calloc(std::size_t count, std::size_t size);
 void* __libc_realloc(void* old, std::size_t size);
 void* __libc_memalign(std::size_t alignment, std::size_t size);
 void* malloc(std::size_t size) { return note(size), __libc_malloc(size); }
-void* calloc(std::size_t count, std::size_t size) { return note(count * size), __libc_calloc(count, size); }
+void* calloc(std::size_t count, std::size_t size) {
+  return note(count * size), __libc_calloc(count, size);
+}
 void* realloc(void* old, std::size_t size) { return note(size), __libc_realloc(old, size); }
-void* aligned_alloc(std::size_t alignment, std::size_t size) { return note(size), __libc_memalign(alignment, size); }
+void* aligned_alloc(std::size_t alignment, std::size_t size) {
+  return note(size), __libc_memalign(alignment, size);
+}
 }
 #else
 bool voxtouch::test::heap_is_counted() noexcept { return false; }

@@ -1,6 +1,6 @@
 #pragma once
-/// What is asked of the heap, beneath `operator new` too: Eigen calls malloc itself. Linking `voxtouch_heap_count` replaces malloc,
-/// calloc, realloc and aligned_alloc for the whole program.
+/// What is asked of the heap, beneath `operator new` too: Eigen calls malloc itself. Linking
+/// `voxtouch_heap_count` replaces malloc, calloc, realloc and aligned_alloc for the whole program.
 #include <cstddef>
 
 namespace voxtouch::test {

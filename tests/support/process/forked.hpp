@@ -16,16 +16,20 @@ struct ForkEnd {
   rusage used{};
 };
 
-/// Runs `body` in a copy of this process, which ends at once, by _exit, with what `body` returns. A test ends only what it
-/// started: the copy is ended by force where this is destroyed before `wait`.
+/// Runs `body` in a copy of this process, which ends at once, by _exit, with what `body` returns. A
+/// test ends only what it started: the copy is ended by force where this is destroyed before
+/// `wait`.
 class Forked {
  public:
   explicit Forked(const std::function<int()>& body) : pid_(fork()) {
-    if (pid_ < 0) throw std::runtime_error("no process could be made");
-    if (pid_ == 0) _exit(body());
+    if (pid_ < 0)
+      throw std::runtime_error("no process could be made");
+    if (pid_ == 0)
+      _exit(body());
   }
   ~Forked() {
-    if (pid_ == 0) return;
+    if (pid_ == 0)
+      return;
     signal(SIGKILL);
     wait();
   }
@@ -37,7 +41,8 @@ class Forked {
   ForkEnd wait() {
     ForkEnd end;
     int raw = 0;
-    while (wait4(pid_, &raw, 0, &end.used) < 0 && errno == EINTR) continue;
+    while (wait4(pid_, &raw, 0, &end.used) < 0 && errno == EINTR)
+      continue;
     end.status = WIFSIGNALED(raw) ? 128 + WTERMSIG(raw) : WEXITSTATUS(raw);
     pid_ = 0;
     return end;

@@ -39,7 +39,9 @@ class Process {
 };
 
 /// Whether `up` has shown a line of figures on standard error: all its nodes run.
-inline bool runs(const Process& up) { return up.err().find(" samples  force") != std::string::npos; }
+inline bool runs(const Process& up) {
+  return up.err().find(" samples  force") != std::string::npos;
+}
 
 /// A folder of its own, removed at the end.
 class TemporaryFolder {
@@ -53,9 +55,11 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
-/// Also where nobody has asked for its status yet: whoever inherits the children of a process that was killed may take seconds.
+/// Also where nobody has asked for its status yet: whoever inherits the children of a process that
+/// was killed may take seconds.
 bool has_ended(pid_t process);
-/// A DDS domain that no other test of this machine uses at the same time; the same for the whole process.
+/// A DDS domain that no other test of this machine uses at the same time; the same for the whole
+/// process.
 std::string fresh_domain();
 /// Pids of the living children of `parent`.
 std::vector<pid_t> children_of(pid_t parent);

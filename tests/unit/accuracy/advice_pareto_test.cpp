@@ -11,7 +11,8 @@ namespace voxtouch::accuracy {
 namespace {
 
 using Indices = std::vector<std::size_t>;
-const double kNan = std::numeric_limits<double>::quiet_NaN(), kInf = std::numeric_limits<double>::infinity();
+const double kNan = std::numeric_limits<double>::quiet_NaN(),
+             kInf = std::numeric_limits<double>::infinity();
 
 TEST(ParetoFront, HoldsWhatNothingBeatsByAscendingCost) {
   EXPECT_EQ(pareto_front({{4, 1}, {1, 4}, {3, 3}, {2, 3}, {5, 2}}), (Indices{1, 3, 0}));
@@ -29,7 +30,8 @@ TEST(ParetoFront, KeepsEqualsAndDropsWhatIsAsGoodInOneFigureOnly) {
 }
 
 TEST(ParetoFront, LeavesOutWhatIsNotFinite) {
-  EXPECT_EQ(pareto_front({{kNan, 0}, {0, kNan}, {-kInf, 0}, {0, -kInf}, {kInf, 1}, {2, 2}}), Indices{5});
+  EXPECT_EQ(pareto_front({{kNan, 0}, {0, kNan}, {-kInf, 0}, {0, -kInf}, {kInf, 1}, {2, 2}}),
+            Indices{5});
   EXPECT_EQ(pareto_front({{kNan, kNan}}), Indices{});
 }
 
@@ -37,14 +39,16 @@ TEST(ParetoFront, IsWhatComparingAllPairsGives) {
   for (unsigned seed = 1; seed <= 50; ++seed) {
     std::mt19937 random(seed);
     std::vector<CostError> points(1 + seed % 17);
-    for (CostError& p : points) p = {double(random() % 6), double(random() % 6)};  // coarse: many ties
+    for (CostError& p : points)
+      p = {double(random() % 6), double(random() % 6)};  // coarse: many ties
     const Indices front = pareto_front(points);
     for (std::size_t i = 0; i < points.size(); ++i) {
       bool beaten = false;
       for (const CostError& p : points)
         beaten |= p.cost <= points[i].cost && p.error <= points[i].error &&
                   (p.cost < points[i].cost || p.error < points[i].error);
-      EXPECT_EQ(std::count(front.begin(), front.end(), i), beaten ? 0 : 1) << "seed " << seed << ", point " << i;
+      EXPECT_EQ(std::count(front.begin(), front.end(), i), beaten ? 0 : 1)
+          << "seed " << seed << ", point " << i;
     }
   }
 }
@@ -55,7 +59,9 @@ TEST(Knee, IsWhereTheGainTurns) {
 }
 
 TEST(Knee, IsNoneOnAStraightOrBulgingFrontOrOneOfTwoPoints) {
-  const auto of = [](const std::vector<CostError>& points) { return knee(points, pareto_front(points), 1e-3); };
+  const auto of = [](const std::vector<CostError>& points) {
+    return knee(points, pareto_front(points), 1e-3);
+  };
   EXPECT_FALSE(of({}));
   EXPECT_FALSE(of({{1, 10}}));
   EXPECT_FALSE(of({{1, 10}, {10, 1}}));

@@ -1,4 +1,5 @@
-/// The advice: the row of each case, and that its sentence names the rows and figures that it speaks of, and no other row.
+/// The advice: the row of each case, and that its sentence names the rows and figures that it
+/// speaks of, and no other row.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,7 +11,8 @@
 namespace voxtouch::accuracy {
 namespace {
 
-AccuracyRow row(contact::ContactModelKind model, double voxel_m, double time_us, double direction_deg) {
+AccuracyRow row(contact::ContactModelKind model, double voxel_m, double time_us,
+                double direction_deg) {
   AccuracyRow r;
   r.setting = {model, contact::PointWeights::kArea, voxel_m, voxel_m};
   r.contacts = 100;
@@ -25,8 +27,10 @@ AccuracyRow row(contact::ContactModelKind model, double voxel_m, double time_us,
 
 /// Front 0, 2, 3; row 1 is beaten by row 2.
 std::vector<AccuracyRow> rows() {
-  return {row(contact::ContactModelKind::kOriginal, 0.004, 5, 8.0), row(contact::ContactModelKind::kAdapted, 0.002, 20, 2.3),
-          row(contact::ContactModelKind::kField, 0.004, 10, 0.5), row(contact::ContactModelKind::kField, 0.001, 90, 0.05)};
+  return {row(contact::ContactModelKind::kOriginal, 0.004, 5, 8.0),
+          row(contact::ContactModelKind::kAdapted, 0.002, 20, 2.3),
+          row(contact::ContactModelKind::kField, 0.004, 10, 0.5),
+          row(contact::ContactModelKind::kField, 0.001, 90, 0.05)};
 }
 
 AccuracyRow refused() {
@@ -36,12 +40,15 @@ AccuracyRow refused() {
   return r;
 }
 
-/// `all` are what was judged, `named` the places of those that the sentence is to name, `figures` what else has to stand there.
-void expect_tells(const AccuracyAdvice& advice, const std::vector<AccuracyRow>& all, const std::vector<std::size_t>& named,
-                  const std::vector<std::string>& figures) {
+/// `all` are what was judged, `named` the places of those that the sentence is to name, `figures`
+/// what else has to stand there.
+void expect_tells(const AccuracyAdvice& advice, const std::vector<AccuracyRow>& all,
+                  const std::vector<std::size_t>& named, const std::vector<std::string>& figures) {
   for (std::size_t n = 0; n < all.size(); ++n)
-    EXPECT_EQ(advice.sentence.contains(describe(all[n].setting)), std::ranges::count(named, n) == 1) << n << " in " << advice.sentence;
-  for (const std::string& figure : figures) EXPECT_TRUE(advice.sentence.contains(figure)) << figure << " in " << advice.sentence;
+    EXPECT_EQ(advice.sentence.contains(describe(all[n].setting)), std::ranges::count(named, n) == 1)
+        << n << " in " << advice.sentence;
+  for (const std::string& figure : figures)
+    EXPECT_TRUE(advice.sentence.contains(figure)) << figure << " in " << advice.sentence;
 }
 
 TEST(AccuracyAdvice, NamesTheCheapestSettingForAWantedDirectionError) {
@@ -56,7 +63,8 @@ TEST(AccuracyAdvice, RecommendsNothingAgainstAVirtualToolThatWasNotJudged) {
   std::vector<AccuracyRow> all = rows();
   all.push_back(refused());
   all.back().setting.virtual_tool = true;
-  for (const AccuracyGoal& goal : {AccuracyGoal{}, AccuracyGoal{.direction_deg = 2.5}, AccuracyGoal{.within_us = 15.0}}) {
+  for (const AccuracyGoal& goal :
+       {AccuracyGoal{}, AccuracyGoal{.direction_deg = 2.5}, AccuracyGoal{.within_us = 15.0}}) {
     const AccuracyAdvice advice = advise(all, goal, true);
     EXPECT_FALSE(advice.row);
     EXPECT_FALSE(advice.knee);
@@ -86,7 +94,8 @@ TEST(AccuracyAdvice, KeepsEveryErrorThatIsWanted) {
   EXPECT_EQ(both.row, 3u);
   expect_tells(both, rows(), {3}, {"2.5 deg", "1 %", "0.25 %"});
   EXPECT_EQ(advise(rows(), {.torque_m = 1e-4}).row, 2u);
-  EXPECT_EQ(advise(rows(), {.onset_m = 1e-5}).row, 3u) << "too late is an error as well as too early";
+  EXPECT_EQ(advise(rows(), {.onset_m = 1e-5}).row, 3u)
+      << "too late is an error as well as too early";
   const AccuracyAdvice missed = advise(rows(), {.direction_deg = 0.04, .noise = 0.0005});
   EXPECT_EQ(missed.met, false);
   expect_tells(missed, rows(), {3}, {"0.04 deg", "0.05 %", "5 times", "0.2 %"});
@@ -132,16 +141,19 @@ TEST(AccuracyAdvice, NamesBothEndsOfAFrontOfTwoAndTheOneOfAFrontOfOne) {
 TEST(AccuracyAdvice, NeverChoosesWhatWasRefusedOrNeverTouchedOrIsNotANumber) {
   AccuracyRow untouched = row(contact::ContactModelKind::kAdapted, 0.002, 1, 0.0);
   untouched.contacts = 0;
-  AccuracyRow odd = row(contact::ContactModelKind::kAdapted, 0.002, 1, std::numeric_limits<double>::quiet_NaN());
+  AccuracyRow odd =
+      row(contact::ContactModelKind::kAdapted, 0.002, 1, std::numeric_limits<double>::quiet_NaN());
   const std::vector<AccuracyRow> all{refused(), untouched, odd, rows()[1]};
-  for (const AccuracyGoal& goal : {AccuracyGoal{}, AccuracyGoal{.direction_deg = 1}, AccuracyGoal{.direction_deg = 90},
-                                   AccuracyGoal{.within_us = 1}, AccuracyGoal{.within_us = 1e6}})
+  for (const AccuracyGoal& goal :
+       {AccuracyGoal{}, AccuracyGoal{.direction_deg = 1}, AccuracyGoal{.direction_deg = 90},
+        AccuracyGoal{.within_us = 1}, AccuracyGoal{.within_us = 1e6}})
     EXPECT_EQ(advise(all, goal).row, 3u) << advise(all, goal).sentence;
 }
 
 TEST(AccuracyAdvice, ARowWithoutTheWantedFigureDoesNotKeepTheWish) {
   std::vector<AccuracyRow> all = rows();
-  for (AccuracyRow& r : all) r.magnitude_noise = std::numeric_limits<double>::quiet_NaN();
+  for (AccuracyRow& r : all)
+    r.magnitude_noise = std::numeric_limits<double>::quiet_NaN();
   all[3].magnitude_noise = 0.5;
   const AccuracyAdvice advice = advise(all, {.noise = 0.1});
   EXPECT_EQ(advice.row, 3u);
@@ -154,7 +166,8 @@ TEST(AccuracyAdvice, ARowWithoutTheWantedFigureDoesNotKeepTheWish) {
 }
 
 TEST(AccuracyAdvice, SaysSoWhereNothingCouldBeJudged) {
-  for (const AccuracyGoal& goal : {AccuracyGoal{}, AccuracyGoal{.direction_deg = 1}, AccuracyGoal{.within_us = 1}}) {
+  for (const AccuracyGoal& goal :
+       {AccuracyGoal{}, AccuracyGoal{.direction_deg = 1}, AccuracyGoal{.within_us = 1}}) {
     const AccuracyAdvice advice = advise({refused(), refused()}, goal);
     EXPECT_FALSE(advice.row);
     EXPECT_NE(advice.met, true);
@@ -185,7 +198,8 @@ TEST(AccuracyAdvice, TakesTheFasterThenTheSmallerThenTheFirstOfEquals) {
 }
 
 TEST(AccuracyGoal, RefusesWhatCannotBeWanted) {
-  const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
+  const double nan = std::numeric_limits<double>::quiet_NaN(),
+               inf = std::numeric_limits<double>::infinity();
   for (const double bad : {0.0, -1.0, nan, inf}) {
     EXPECT_THROW(AccuracyGoal{.direction_deg = bad}.validate(), std::invalid_argument) << bad;
     EXPECT_THROW(AccuracyGoal{.noise = bad}.validate(), std::invalid_argument) << bad;

@@ -19,7 +19,8 @@ scene::Scene shipped(const std::string& name) {
   return scene::load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/" + name + ".yaml");
 }
 
-AccuracySetting setting(contact::ContactModelKind model, double edge, contact::PointWeights weights = contact::PointWeights::kOne) {
+AccuracySetting setting(contact::ContactModelKind model, double edge,
+                        contact::PointWeights weights = contact::PointWeights::kOne) {
   return {model, weights, edge, edge};
 }
 
@@ -29,7 +30,8 @@ WrenchPair pair(const Vec3& given, const Vec3& truth, const Vec3& torque = Vec3:
 
 TEST(ContactErrors, AreZeroForAModelThatIsRightUpToAScale) {
   AccuracyRow row;
-  judge_wrenches({pair({2, 0, 0}, {1, 0, 0}), pair({0, 6, 0}, {0, 3, 0}), pair({0, 0, -8}, {0, 0, -4})}, row);
+  judge_wrenches(
+      {pair({2, 0, 0}, {1, 0, 0}), pair({0, 6, 0}, {0, 3, 0}), pair({0, 0, -8}, {0, 0, -4})}, row);
   EXPECT_EQ(row.contacts, 3u);
   EXPECT_EQ(row.missed, 0u);
   EXPECT_EQ(row.direction_median_deg, 0.0);
@@ -41,7 +43,9 @@ TEST(ContactErrors, AreZeroForAModelThatIsRightUpToAScale) {
 TEST(ContactErrors, AreThoseOfTurnedScaledAndShiftedForces) {
   AccuracyRow row;
   const double c = std::cos(0.1), s = std::sin(0.1);
-  judge_wrenches({pair({c, s, 0}, {1, 0, 0}, {0, 0, 0.002}), pair({3 * c, 0, 3 * s}, {1, 0, 0}, {0, 0.006, 0})}, row);
+  judge_wrenches({pair({c, s, 0}, {1, 0, 0}, {0, 0, 0.002}),
+                  pair({3 * c, 0, 3 * s}, {1, 0, 0}, {0, 0.006, 0})},
+                 row);
   EXPECT_NEAR(row.direction_median_deg, 0.1 * 180 / M_PI, 1e-12);
   EXPECT_NEAR(row.magnitude_noise, 0.5, 1e-12) << "ratios 1 and 3";
   EXPECT_NEAR(row.torque_error_m, 0.002, 1e-15);
@@ -52,7 +56,8 @@ TEST(ContactErrors, AreThoseOfTurnedScaledAndShiftedForces) {
 
 TEST(ContactErrors, CountsWhatAModelMissesAndNotWhatNobodyFeels) {
   AccuracyRow row;
-  judge_wrenches({pair({0, 0, 0}, {1, 0, 0}), pair({1, 0, 0}, {0, 0, 0}), pair({1, 0, 0}, {1, 0, 0})}, row);
+  judge_wrenches(
+      {pair({0, 0, 0}, {1, 0, 0}), pair({1, 0, 0}, {0, 0, 0}), pair({1, 0, 0}, {1, 0, 0})}, row);
   EXPECT_EQ(row.contacts, 1u);
   EXPECT_EQ(row.missed, 1u);
   EXPECT_EQ(row.missed_share(), 0.5);
@@ -65,7 +70,8 @@ TEST(ContactErrors, CountsWhatAModelMissesAndNotWhatNobodyFeels) {
   EXPECT_EQ(p95_of({5, 1, 2}), 5.0);
 }
 
-/// However well the half that is felt points: what feels nothing in the other half ranks behind whatever pushes outward everywhere.
+/// However well the half that is felt points: what feels nothing in the other half ranks behind
+/// whatever pushes outward everywhere.
 TEST(ContactErrors, RankAModelThatFeelsHalfBehindOneThatFeelsAllFromABadAngle) {
   std::vector<WrenchPair> half, all;
   for (int n = 0; n < 20; ++n) {
@@ -78,11 +84,13 @@ TEST(ContactErrors, RankAModelThatFeelsHalfBehindOneThatFeelsAllFromABadAngle) {
   EXPECT_GT(feels_half.direction_p95_deg, 179.0);
 }
 
-/// The table of the binomial distribution: ranks of the ends for n = 5 to 100 (Conover 1999, table A3).
+/// The table of the binomial distribution: ranks of the ends for n = 5 to 100 (Conover 1999, table
+/// A3).
 TEST(MedianInterval, IsBetweenTheSortedValuesThatTheBinomialDistributionNames) {
   const auto ranks = [](int n) {
     std::vector<double> values;
-    for (int k = n; k >= 1; --k) values.push_back(k);
+    for (int k = n; k >= 1; --k)
+      values.push_back(k);
     const Interval both = median_interval(values);
     return std::pair(both.low, both.high);
   };
@@ -103,7 +111,8 @@ TEST(MedianInterval, HoldsTheMedianInNineteenOfTwentyDraws) {
   int holds = 0;
   for (int n = 0; n < 400; ++n) {
     std::vector<double> values;
-    for (int k = 0; k < 31; ++k) values.push_back(draw(random));
+    for (int k = 0; k < 31; ++k)
+      values.push_back(draw(random));
     const Interval both = median_interval(values);
     holds += both.low <= std::log(2.0) && std::log(2.0) <= both.high;
   }
@@ -113,7 +122,8 @@ TEST(MedianInterval, HoldsTheMedianInNineteenOfTwentyDraws) {
 
 TEST(ContactPlaces, TouchAndAreTheSameForTheSameSeed) {
   scene::Scene scene = shipped("cup");
-  const std::vector<ContactPlace> places = contact_places(scene, 10, 7), again = contact_places(scene, 10, 7),
+  const std::vector<ContactPlace> places = contact_places(scene, 10, 7),
+                                  again = contact_places(scene, 10, 7),
                                   others = contact_places(scene, 10, 8);
   ASSERT_EQ(places.size(), 10u);
   scene.dynamic_mesh.primitives.clear();
@@ -130,16 +140,19 @@ TEST(ContactPlaces, TouchAndAreTheSameForTheSameSeed) {
 /// A clock of its own: one kind of step takes ten times what was guessed, another a fifth.
 TEST(MeasuredProgress, TellsTheRestFromWhatStepsOfTheSameKindTook) {
   double now = 0.0, told_left = 0.0, last = 0.0;
-  MeasuredProgress progress([&] { return now; }, [&](const std::string&, double share, double left_s) {
-    EXPECT_GE(share, last);
-    last = share, told_left = left_s;
-  });
+  MeasuredProgress progress([&] { return now; },
+                            [&](const std::string&, double share, double left_s) {
+                              EXPECT_GE(share, last);
+                              last = share, told_left = left_s;
+                            });
   constexpr int kSteps = 4;
   double left = 0.0;
-  for (int n = 0; n < kSteps; ++n) progress.plan(Step::kTruth, 1.0), progress.plan(Step::kPhase, 5.0), left += 10.0 + 1.0;
+  for (int n = 0; n < kSteps; ++n)
+    progress.plan(Step::kTruth, 1.0), progress.plan(Step::kPhase, 5.0), left += 10.0 + 1.0;
   const auto run = [&](Step kind, double guess, double takes) {
     progress.begin(kind, "a step", guess);
-    for (int part = 1; part <= 10; ++part) now += 0.1 * takes, progress.at(0.1 * part);
+    for (int part = 1; part <= 10; ++part)
+      now += 0.1 * takes, progress.at(0.1 * part);
     left -= takes;
   };
   run(Step::kTruth, 1.0, 10.0), run(Step::kPhase, 5.0, 1.0);
@@ -155,7 +168,8 @@ TEST(MeasuredProgress, TellsTheRestFromWhatStepsOfTheSameKindTook) {
 
 TEST(MeasuredProgress, GoesByTheGuessesWithoutAClock) {
   double last = 0.0, left = 0.0;
-  MeasuredProgress progress({}, [&](const std::string&, double share, double left_s) { last = share, left = left_s; });
+  MeasuredProgress progress(
+      {}, [&](const std::string&, double share, double left_s) { last = share, left = left_s; });
   progress.plan(Step::kPlaces, 1.0), progress.plan(Step::kTruth, 3.0);
   progress.begin(Step::kPlaces, "places", 1.0);
   EXPECT_NEAR(left, 4.0, 1e-12) << "told before anything is measured";
@@ -167,18 +181,23 @@ TEST(MeasuredProgress, GoesByTheGuessesWithoutAClock) {
   EXPECT_EQ(last, 1.0);
 }
 
-/// What the places of the grid are measured with: a field that ends below the contacts gives the same bits, from fewer nodes.
+/// What the places of the grid are measured with: a field that ends below the contacts gives the
+/// same bits, from fewer nodes.
 TEST(Accuracy, AFieldThatEndsBelowTheContactsGivesTheirBits) {
   const scene::Scene scene = shipped("cylinder");
   constexpr double kDepthEdges = 1.5;
   const auto build = [&](std::optional<double> depth) {
-    return rendering::build_scene(scene, serial_for(), {.model = contact::ContactModelKind::kField, .weights = contact::PointWeights::kArea, .field_depth_voxels = depth});
+    return rendering::build_scene(scene, serial_for(),
+                                  {.model = contact::ContactModelKind::kField,
+                                   .weights = contact::PointWeights::kArea,
+                                   .field_depth_voxels = depth});
   };
   const auto whole = build(std::nullopt), shallow = build(kDepthEdges + 2.0);
   EXPECT_LT(shallow->field()->stored_nodes(), whole->field()->stored_nodes());
   for (const ContactPlace& place : contact_places(scene, 20, 3)) {
     const Pose pose = place.at(kDepthEdges * scene.voxel_size_m);
-    const Wrench a = whole->renderer().probe(pose).wrench, b = shallow->renderer().probe(pose).wrench;
+    const Wrench a = whole->renderer().probe(pose).wrench,
+                 b = shallow->renderer().probe(pose).wrench;
     EXPECT_GT(a.force.norm(), 0.0);
     EXPECT_EQ(a.force, b.force);
     EXPECT_EQ(a.torque, b.torque);
@@ -188,12 +207,14 @@ TEST(Accuracy, AFieldThatEndsBelowTheContactsGivesTheirBits) {
 TEST(Accuracy, ModelsComeInTheirOrderAndErrorsFallWithTheVoxel) {
   AccuracyOptions options;
   options.contacts = 40;
-  const std::vector<AccuracyRow> rows =
-      measure_accuracy(shipped("cylinder"),
-                       {setting(contact::ContactModelKind::kOriginal, 0.002), setting(contact::ContactModelKind::kAdapted, 0.004),
-                        setting(contact::ContactModelKind::kAdapted, 0.002), setting(contact::ContactModelKind::kAdapted, 0.001),
-                        setting(contact::ContactModelKind::kField, 0.002, contact::PointWeights::kArea)},
-                       options, serial_for());
+  const std::vector<AccuracyRow> rows = measure_accuracy(
+      shipped("cylinder"),
+      {setting(contact::ContactModelKind::kOriginal, 0.002),
+       setting(contact::ContactModelKind::kAdapted, 0.004),
+       setting(contact::ContactModelKind::kAdapted, 0.002),
+       setting(contact::ContactModelKind::kAdapted, 0.001),
+       setting(contact::ContactModelKind::kField, 0.002, contact::PointWeights::kArea)},
+      options, serial_for());
   ASSERT_EQ(rows.size(), 5u);
   for (const AccuracyRow& row : rows) {
     ASSERT_EQ(row.refused, "");
@@ -210,21 +231,24 @@ TEST(Accuracy, ModelsComeInTheirOrderAndErrorsFallWithTheVoxel) {
   EXPECT_LT(rows[1].shell_points, rows[3].shell_points);
 }
 
-/// `field` knows depth everywhere; `adapted` in one layer of voxels only, so its force falls behind; both feel the tool from outside.
+/// `field` knows depth everywhere; `adapted` in one layer of voxels only, so its force falls
+/// behind; both feel the tool from outside.
 TEST(Accuracy, TellsTheSpreadOverDepthAndOverTheGridsPlace) {
   AccuracyOptions options;
   options.contacts = 24, options.spread_contacts = 16;
-  const std::vector<AccuracyRow> rows =
-      measure_accuracy(shipped("plane"),
-                       {setting(contact::ContactModelKind::kAdapted, 0.002), setting(contact::ContactModelKind::kAdapted, 0.002, contact::PointWeights::kArea),
-                        setting(contact::ContactModelKind::kField, 0.002, contact::PointWeights::kArea)},
-                       options, serial_for());
+  const std::vector<AccuracyRow> rows = measure_accuracy(
+      shipped("plane"),
+      {setting(contact::ContactModelKind::kAdapted, 0.002),
+       setting(contact::ContactModelKind::kAdapted, 0.002, contact::PointWeights::kArea),
+       setting(contact::ContactModelKind::kField, 0.002, contact::PointWeights::kArea)},
+      options, serial_for());
   for (const AccuracyRow& row : rows) {
     ASSERT_EQ(row.refused, "");
     ASSERT_EQ(row.depths.size(), 5u);
     EXPECT_EQ(row.depths[0].edges, 0.25);
     EXPECT_EQ(row.depths[4].edges, 4.0);
-    for (const DepthFigures& at : row.depths) EXPECT_GE(at.contacts + at.missed, 12u);
+    for (const DepthFigures& at : row.depths)
+      EXPECT_GE(at.contacts + at.missed, 12u);
     EXPECT_EQ(row.phases.phases, 4u);
     EXPECT_GE(row.phases.contacts, 12u);
     EXPECT_LE(row.phases.direction_mean_deg.low, row.phases.direction_mean_deg.high);
@@ -237,7 +261,8 @@ TEST(Accuracy, TellsTheSpreadOverDepthAndOverTheGridsPlace) {
     EXPECT_EQ(at.missed, 0u) << at.edges;
     EXPECT_NEAR(at.force_ratio, 1.0, 0.1) << at.edges;
   }
-  EXPECT_NEAR(one.force_ratio, adapted.force_ratio, 0.15) << "the law of points that weigh one is that of their mean area";
+  EXPECT_NEAR(one.force_ratio, adapted.force_ratio, 0.15)
+      << "the law of points that weigh one is that of their mean area";
   EXPECT_LT(adapted.depths[4].force_ratio, 0.6) << "depth is known for one layer";
   EXPECT_LT(field.phases.direction_mean_deg.high, adapted.phases.direction_mean_deg.high);
 }
@@ -245,8 +270,10 @@ TEST(Accuracy, TellsTheSpreadOverDepthAndOverTheGridsPlace) {
 TEST(Accuracy, GivesTheSameFiguresAgainAndTimesWhereThereIsAClock) {
   AccuracyOptions options;
   options.contacts = 8;
-  const std::vector<AccuracySetting> settings = {setting(contact::ContactModelKind::kAdapted, 0.002)};
-  const AccuracyRow a = measure_accuracy(shipped("tilted_plane"), settings, options, serial_for()).front();
+  const std::vector<AccuracySetting> settings = {
+      setting(contact::ContactModelKind::kAdapted, 0.002)};
+  const AccuracyRow a =
+      measure_accuracy(shipped("tilted_plane"), settings, options, serial_for()).front();
   double time = 0.0, last = -1.0;
   options.cpu_time_s = [&] { return time += 1e-6; };
   options.progress = [&](const std::string& what, double share, double left_s) {
@@ -256,7 +283,8 @@ TEST(Accuracy, GivesTheSameFiguresAgainAndTimesWhereThereIsAClock) {
     EXPECT_LE(share, 1.0);
     last = share;
   };
-  const AccuracyRow b = measure_accuracy(shipped("tilted_plane"), settings, options, serial_for()).front();
+  const AccuracyRow b =
+      measure_accuracy(shipped("tilted_plane"), settings, options, serial_for()).front();
   EXPECT_EQ(a.direction_median_deg, b.direction_median_deg);
   EXPECT_EQ(a.magnitude_noise, b.magnitude_noise);
   EXPECT_EQ(a.torque_error_m, b.torque_error_m);
@@ -268,11 +296,12 @@ TEST(Accuracy, GivesTheSameFiguresAgainAndTimesWhereThereIsAClock) {
 TEST(Accuracy, ASettingThatCannotBeBuiltIsARowThatSaysWhy) {
   AccuracyOptions options;
   options.contacts = 3;
-  const std::vector<AccuracyRow> rows =
-      measure_accuracy(shipped("plane"),
-                       {setting(contact::ContactModelKind::kField, 0.002, contact::PointWeights::kOne),
-                        setting(contact::ContactModelKind::kAdapted, 1e-7), setting(contact::ContactModelKind::kAdapted, 0.004)},
-                       options, serial_for());
+  const std::vector<AccuracyRow> rows = measure_accuracy(
+      shipped("plane"),
+      {setting(contact::ContactModelKind::kField, 0.002, contact::PointWeights::kOne),
+       setting(contact::ContactModelKind::kAdapted, 1e-7),
+       setting(contact::ContactModelKind::kAdapted, 0.004)},
+      options, serial_for());
   EXPECT_GT(rows[0].refused.size(), 20u);
   EXPECT_GT(rows[1].refused.size(), 20u);
   EXPECT_EQ(rows[0].contacts, 0u);
@@ -284,16 +313,19 @@ TEST(ToolRow, HoldsTheVirtualToolBesideTheExactBall) {
   for (const char* name : {"plane", "cylinder", "cup"}) {
     AccuracyOptions options;
     options.contacts = 40;
-    AccuracySetting tool = setting(contact::ContactModelKind::kField, 0.002, contact::PointWeights::kArea);
+    AccuracySetting tool =
+        setting(contact::ContactModelKind::kField, 0.002, contact::PointWeights::kArea);
     tool.virtual_tool = true;
     const AccuracyRow row = measure_accuracy(shipped(name), {tool}, options, serial_for()).front();
     ASSERT_EQ(row.refused, "") << name;
-    std::printf("%s: direction %.3f, 95 %% %.2f deg, noise %.4f, missed %u of %u\n", name, row.direction_median_deg, row.direction_p95_deg,
-                row.magnitude_noise, row.missed, row.contacts + row.missed);
+    std::printf("%s: direction %.3f, 95 %% %.2f deg, noise %.4f, missed %u of %u\n", name,
+                row.direction_median_deg, row.direction_p95_deg, row.magnitude_noise, row.missed,
+                row.contacts + row.missed);
     std::printf("%s: %.2f queries a frame that slides\n", name, row.queries_per_frame);
     EXPECT_EQ(row.missed, 0u) << name;
     EXPECT_LT(row.direction_median_deg, 2.5) << name;
-    EXPECT_GE(row.queries_per_frame, 0.5) << name << ": a frame that keeps the rows of the one before is no measure of time";
+    EXPECT_GE(row.queries_per_frame, 0.5)
+        << name << ": a frame that keeps the rows of the one before is no measure of time";
     EXPECT_LT(row.magnitude_noise, 0.05) << name;
   }
 }
@@ -303,7 +335,8 @@ TEST(ToolRow, IsRefusedWhereTheExactToolIsNotKnown) {
   scene.dynamic_mesh.primitives.clear();
   AccuracyOptions options;
   options.contacts = 4;
-  AccuracySetting tool = setting(contact::ContactModelKind::kField, 0.002, contact::PointWeights::kArea);
+  AccuracySetting tool =
+      setting(contact::ContactModelKind::kField, 0.002, contact::PointWeights::kArea);
   tool.virtual_tool = true;
   EXPECT_FALSE(measure_accuracy(scene, {tool}, options, serial_for()).front().refused.empty());
 }

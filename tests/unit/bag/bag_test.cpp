@@ -6,10 +6,10 @@
 #include <fstream>
 #include <thread>
 
-#include "tests/support/whole_bag.hpp"
 #include "nodes/bag/bag_writer.hpp"
 #include "nodes/bag/sqlite.hpp"
 #include "tests/support/process/forked.hpp"
+#include "tests/support/whole_bag.hpp"
 #include "tests/unit/bag/support.hpp"
 
 namespace voxtouch::bag {
@@ -26,9 +26,11 @@ std::string text_of(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-void write_bag(const std::filesystem::path& folder, std::uint64_t count, Storage storage = Storage::kSqlite3) {
+void write_bag(const std::filesystem::path& folder, std::uint64_t count,
+               Storage storage = Storage::kSqlite3) {
   auto writer = expect_value(BagWriter::create(folder, {.storage = storage}));
-  const TopicId state = expect_value(writer.add_topic(kState)), plan = expect_value(writer.add_topic(kPlan));
+  const TopicId state = expect_value(writer.add_topic(kState)),
+                plan = expect_value(writer.add_topic(kPlan));
   for (std::uint64_t i = 0; i < count; ++i)
     EXPECT_GOOD(writer.append(state, static_cast<std::int64_t>(1000 + i), ring_message(9, i)));
   EXPECT_GOOD(writer.append(plan, 500, ring_message(9, 0, 1)));
@@ -38,14 +40,18 @@ void write_bag(const std::filesystem::path& folder, std::uint64_t count, Storage
 /// What holds for both storages.
 class EachBag : public testing::TestWithParam<Storage> {
  protected:
-  std::string file_in(const std::string& name) const { return name + std::string(names_of(GetParam()).extension); }
+  std::string file_in(const std::string& name) const {
+    return name + std::string(names_of(GetParam()).extension);
+  }
   BagWriter writer_of(const std::filesystem::path& path, WriterOptions options = {}) const {
     options.storage = GetParam();
     return expect_value(BagWriter::create(path, options));
   }
 };
 INSTANTIATE_TEST_SUITE_P(Storages, EachBag, testing::Values(Storage::kSqlite3, Storage::kMcap),
-                         [](const auto& storage) { return std::string(names_of(storage.param).name); });
+                         [](const auto& storage) {
+                           return std::string(names_of(storage.param).name);
+                         });
 
 TEST_P(EachBag, GivesBackWhatWasWrittenInOrderOfTime) {
   const TemporaryFolder folder;
@@ -131,21 +137,23 @@ TEST(Bag, IsNamedByItsFolderAlsoWithATrailingSlash) {
 
 TEST_P(EachBag, HasMetadataFromTheStartAndRefreshesIt) {
   const TemporaryFolder folder;
-  auto writer = writer_of(
-      folder / "run", {.commit_period = std::chrono::milliseconds(5), .refresh_period = std::chrono::milliseconds(20)});
+  auto writer = writer_of(folder / "run", {.commit_period = std::chrono::milliseconds(5),
+                                           .refresh_period = std::chrono::milliseconds(20)});
   EXPECT_EQ(expect_value(read_metadata(folder / "run/metadata.yaml")).message_count, 0u);
   const TopicId state = expect_value(writer.add_topic(kState));
   EXPECT_GOOD(writer.append(state, 7, ring_message(1, 0)));
   std::this_thread::sleep_for(std::chrono::milliseconds(25));
   EXPECT_GOOD(writer.tick());
   EXPECT_EQ(expect_value(read_metadata(folder / "run/metadata.yaml")).message_count, 1u);
-  EXPECT_EQ(expect_value(WholeBag::open(folder / "run")).message_count(), 1u);  // read while it is recorded
+  EXPECT_EQ(expect_value(WholeBag::open(folder / "run")).message_count(),
+            1u);  // read while it is recorded
 }
 
 TEST(Bag, HasWholeMetadataAtEveryInstant) {
   const TemporaryFolder folder;
   auto writer = expect_value(BagWriter::create(folder / "run"));
-  for (int i = 0; i < 50; ++i) (void)expect_value(writer.add_topic(kState));
+  for (int i = 0; i < 50; ++i)
+    (void)expect_value(writer.add_topic(kState));
   EXPECT_GOOD(writer.refresh());
   std::atomic<bool> done{false};
   std::uint64_t reads = 0, whole = 0;
@@ -156,7 +164,8 @@ TEST(Bag, HasWholeMetadataAtEveryInstant) {
       whole += metadata && metadata->topics.size() == 50;
     }
   });
-  for (int i = 0; i < 40; ++i) EXPECT_GOOD(writer.refresh());
+  for (int i = 0; i < 40; ++i)
+    EXPECT_GOOD(writer.refresh());
   done = true;
   reader.join();
   EXPECT_GT(reads, 5u);
@@ -187,7 +196,8 @@ TEST_P(EachBag, CountsWhatAFullDiskRefusesAndStaysReadable) {
   std::uint64_t refused = 0;
   std::string sentence;
   for (std::uint64_t i = 0; i < 500; ++i) {
-    const auto appended = writer.append(state, static_cast<std::int64_t>(i), noisy_message(1, i, 1000));
+    const auto appended =
+        writer.append(state, static_cast<std::int64_t>(i), noisy_message(1, i, 1000));
     const auto committed = i % 10 == 9 ? writer.commit() : Result<void>();
     for (const auto* step : {&appended, &committed})
       if (!*step) {
@@ -207,8 +217,8 @@ TEST_P(EachBag, CountsWhatAFullDiskRefusesAndStaysReadable) {
   EXPECT_EQ(bag.metadata()->message_count, counts[0].written);
 }
 
-// The operating system refuses to let any file grow: what a disk that runs full looks like, for metadata.yaml
-// too.
+// The operating system refuses to let any file grow: what a disk that runs full looks like, for
+// metadata.yaml too.
 TEST_P(EachBag, GoesOnWhenTheOperatingSystemRefusesAndThenHasRoomAgain) {
   const TemporaryFolder folder;
   voxtouch::test::Forked child([&] {
@@ -229,7 +239,8 @@ TEST_P(EachBag, GoesOnWhenTheOperatingSystemRefusesAndThenHasRoomAgain) {
     setrlimit(RLIMIT_FSIZE, &limit);
     bool during = true;
     // the log takes some more before it is at its limit too
-    for (int i = 0; i < 6; ++i) during = write_100();
+    for (int i = 0; i < 6; ++i)
+      during = write_100();
     limit.rlim_cur = soft;
     setrlimit(RLIMIT_FSIZE, &limit);
     const bool after = write_100();
@@ -237,8 +248,9 @@ TEST_P(EachBag, GoesOnWhenTheOperatingSystemRefusesAndThenHasRoomAgain) {
     std::vector<TopicReport> counts(1);
     writer->fill_counts(counts);
     const bool adds_up = counts[0].lost > 0 && counts[0].written + counts[0].lost == time &&
-        counts[0].written >= 200;
-    return (before ? 0 : 1) | (during ? 2 : 0) | (after ? 0 : 4) | (closed ? 0 : 8) | (adds_up ? 0 : 16);
+                         counts[0].written >= 200;
+    return (before ? 0 : 1) | (during ? 2 : 0) | (after ? 0 : 4) | (closed ? 0 : 8) |
+           (adds_up ? 0 : 16);
   });
   EXPECT_EQ(child.wait().status, 0);
   const auto bag = expect_value(WholeBag::open(folder / "run"));
@@ -292,13 +304,16 @@ TEST(BagReader, ReadsABagOfJazzyInTwoFiles) {
         "CREATE TABLE message_definitions(id INTEGER PRIMARY KEY, topic_type TEXT NOT NULL,"
         " encoding TEXT NOT NULL,"
         " encoded_message_definition TEXT NOT NULL, type_description_hash TEXT NOT NULL);"
-        "CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER NOT NULL, timestamp INTEGER NOT NULL,"
+        "CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER NOT NULL, timestamp "
+        "INTEGER NOT NULL,"
         " data BLOB NOT NULL);"
-        "CREATE INDEX timestamp_idx ON messages (timestamp ASC); INSERT INTO schema VALUES (4, 'jazzy');"
-        "INSERT INTO topics VALUES (" + std::to_string(part + 1) +
-            ", '/chatter', 'std_msgs/msg/String', 'cdr', '', 'RIHS01_0');"
-        "INSERT INTO messages VALUES (1, " + std::to_string(part + 1) + ", " + std::to_string(100 + part) +
-            ", x'00010000');"));
+        "CREATE INDEX timestamp_idx ON messages (timestamp ASC); INSERT INTO schema VALUES (4, "
+        "'jazzy');"
+        "INSERT INTO topics VALUES (" +
+        std::to_string(part + 1) +
+        ", '/chatter', 'std_msgs/msg/String', 'cdr', '', 'RIHS01_0');"
+        "INSERT INTO messages VALUES (1, " +
+        std::to_string(part + 1) + ", " + std::to_string(100 + part) + ", x'00010000');"));
   }
   std::ofstream(folder / "jazzy/metadata.yaml") << R"(rosbag2_bagfile_information:
   version: 9

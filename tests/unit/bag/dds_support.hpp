@@ -1,6 +1,6 @@
 #pragma once
-/// DDS for tests: on loopback only, on a domain of this process's own, with two participants that meet over
-/// the wire.
+/// DDS for tests: on loopback only, on a domain of this process's own, with two participants that
+/// meet over the wire.
 #include <dds/dds.h>
 #include <unistd.h>
 
@@ -14,27 +14,30 @@
 
 namespace voxtouch::bag::test {
 
-/// Cyclone DDS delivers within a domain of one process without the network. Two domain objects with the same
-/// number on the wire make two participants that only meet through UDP on `lo`.
+/// Cyclone DDS delivers within a domain of one process without the network. Two domain objects with
+/// the same number on the wire make two participants that only meet through UDP on `lo`.
 class TwoHosts {
  public:
   TwoHosts() {
     const auto wire = static_cast<dds_domainid_t>(std::stoul(voxtouch::test::fresh_domain()));
     const std::string config =
         R"(<General><Interfaces><NetworkInterface name="lo" multicast="true"/></Interfaces>
-      <AllowMulticast>spdp</AllowMulticast></General><Discovery><ExternalDomainId>)" + std::to_string(wire) +
-                               R"(</ExternalDomainId><SPDPInterval>100 ms</SPDPInterval></Discovery>)";
+      <AllowMulticast>spdp</AllowMulticast></General><Discovery><ExternalDomainId>)" +
+        std::to_string(wire) +
+        R"(</ExternalDomainId><SPDPInterval>100 ms</SPDPInterval></Discovery>)";
     for (dds_domainid_t i = 0; i < 2; ++i) {
       domains_[i] = dds_create_domain(wire + i, config.c_str());
       participants_[i] = dds_create_participant(wire + i, nullptr, nullptr);
       if (participants_[i] < 0)
-        throw std::runtime_error(std::string("no participant on lo: ") + dds_strretcode(participants_[i]));
+        throw std::runtime_error(std::string("no participant on lo: ") +
+                                 dds_strretcode(participants_[i]));
     }
   }
   TwoHosts(const TwoHosts&) = delete;
   TwoHosts& operator=(const TwoHosts&) = delete;
   ~TwoHosts() {
-    for (const dds_entity_t domain : domains_) dds_delete(domain);
+    for (const dds_entity_t domain : domains_)
+      dds_delete(domain);
   }
   dds_entity_t here() const { return participants_[0]; }
   dds_entity_t there() const { return participants_[1]; }
@@ -52,7 +55,8 @@ inline std::string topic_name(const char* base) {
 inline bool eventually(const std::function<bool()>& happened) {
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(10);
   while (!happened()) {
-    if (std::chrono::steady_clock::now() > end) return false;
+    if (std::chrono::steady_clock::now() > end)
+      return false;
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
   return true;
@@ -64,23 +68,25 @@ inline bool matched(dds_entity_t reader_or_writer) {
   if (dds_get_publication_matched_status(reader_or_writer, &publication) == DDS_RETCODE_OK)
     return publication.current_count > 0;
   return dds_get_subscription_matched_status(reader_or_writer, &subscription) == DDS_RETCODE_OK &&
-      subscription.current_count > 0;
+         subscription.current_count > 0;
 }
 
-inline dds_entity_t make_writer(dds_entity_t participant, const dds_topic_descriptor_t& type, const std::string& name,
-                                const dds_qos_t* qos) {
+inline dds_entity_t make_writer(dds_entity_t participant, const dds_topic_descriptor_t& type,
+                                const std::string& name, const dds_qos_t* qos) {
   const dds_entity_t topic = dds_create_topic(participant, &type, name.c_str(), nullptr, nullptr);
   const dds_entity_t writer = dds_create_writer(participant, topic, qos, nullptr);
   EXPECT_GT(writer, 0) << dds_strretcode(writer);
   return writer;
 }
 
-/// CDR by hand, after the standard (XCDR1, little-endian): the tests' own idea of what the wire looks like.
+/// CDR by hand, after the standard (XCDR1, little-endian): the tests' own idea of what the wire
+/// looks like.
 class CdrBuilder {
  public:
   template <class T>
   CdrBuilder& add(T value) {
-    while ((bytes_.size() - 4) % sizeof(T) != 0) bytes_.push_back({});
+    while ((bytes_.size() - 4) % sizeof(T) != 0)
+      bytes_.push_back({});
     std::byte raw[sizeof(T)];
     std::memcpy(raw, &value, sizeof(T));
     bytes_.insert(bytes_.end(), raw, raw + sizeof(T));
@@ -88,14 +94,17 @@ class CdrBuilder {
   }
   CdrBuilder& add_text(const std::string& text) {
     add(static_cast<std::uint32_t>(text.size() + 1));
-    for (const char c : text) bytes_.push_back(static_cast<std::byte>(c));
+    for (const char c : text)
+      bytes_.push_back(static_cast<std::byte>(c));
     bytes_.push_back({});
     return *this;
   }
-  /// The protocol sends multiples of 4; Cyclone DDS says in the header's last bits how many bytes that added.
+  /// The protocol sends multiples of 4; Cyclone DDS says in the header's last bits how many bytes
+  /// that added.
   std::vector<std::byte> padded() const {
     auto bytes = bytes_;
-    while (bytes.size() % 4 != 0) bytes.push_back({});
+    while (bytes.size() % 4 != 0)
+      bytes.push_back({});
     bytes[3] = static_cast<std::byte>(bytes.size() - bytes_.size());
     return bytes;
   }

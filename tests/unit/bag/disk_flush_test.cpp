@@ -10,7 +10,8 @@
 namespace {
 
 std::atomic<int> flushes{0};
-std::atomic<int> replacements{0};  // renames over a file that is there, which ext4 makes durable first (its mount option auto_da_alloc)
+std::atomic<int> replacements{0};  // renames over a file that is there, which ext4 makes durable
+                                   // first (its mount option auto_da_alloc)
 
 int flush_by(const char* name, int file) {
   ++flushes;
@@ -23,7 +24,8 @@ int flush_by(const char* name, int file) {
 extern "C" int fsync(int file) { return flush_by("fsync", file); }
 extern "C" int fdatasync(int file) { return flush_by("fdatasync", file); }
 extern "C" int rename(const char* from, const char* to) {
-  if (access(to, F_OK) == 0) ++replacements;
+  if (access(to, F_OK) == 0)
+    ++replacements;
   return reinterpret_cast<int (*)(const char*, const char*)>(dlsym(RTLD_NEXT, "rename"))(from, to);
 }
 
@@ -32,16 +34,18 @@ namespace {
 
 using namespace test;
 
-// A flush takes as long as the disk and everybody else on it like, 1.2 s for a bag of 80 MB: the queue would
-// fill and `up` would rightly call the logger hung.
+// A flush takes as long as the disk and everybody else on it like, 1.2 s for a bag of 80 MB: the
+// queue would fill and `up` would rightly call the logger hung.
 TEST(Bag, IsNotFlushedToTheDiskWhileItIsRecordedButWhenItIsClosed) {
   const TemporaryFolder folder;
   auto writer = expect_value(BagWriter::create(folder / "run"));
-  const TopicId topic = expect_value(writer.add_topic({"/haptic/device/state", "voxtouch_msgs/msg/DeviceState", "cdr", "", 0}));
+  const TopicId topic = expect_value(
+      writer.add_topic({"/haptic/device/state", "voxtouch_msgs/msg/DeviceState", "cdr", "", 0}));
   const int before = flushes, replaced_before = replacements;
   for (std::uint64_t i = 0; i < 20001; ++i) {
     EXPECT_GOOD(writer.append(topic, static_cast<std::int64_t>(i), ring_message(9, i, 200)));
-    if (i % 2000 != 0) continue;
+    if (i % 2000 != 0)
+      continue;
     EXPECT_GOOD(writer.refresh());
     EXPECT_GOOD(writer.report({}));
   }

@@ -14,7 +14,8 @@ Result<TopicHash> hash_of(const std::vector<std::vector<std::byte>>& messages, c
   const TemporaryFolder folder;
   auto writer = expect_value(BagWriter::create(folder / "run"));
   const TopicId topic = expect_value(writer.add_topic({"/t", "p/msg/T", "cdr", "", 0}));
-  for (const auto& message : messages) EXPECT_GOOD(writer.append(topic, first_time++, message));
+  for (const auto& message : messages)
+    EXPECT_GOOD(writer.append(topic, first_time++, message));
   EXPECT_GOOD(writer.close());
   return hash_topic(expect_value(WholeBag::open(folder / "run")), "/t", key);
 }
@@ -36,12 +37,13 @@ TEST(TopicHash, ChangesWithOneBitALostMessageOrAnotherSplit) {
   EXPECT_NE(whole.hash, expect_value(hash_of({a, flipped}, ring_sequence_number)).hash);
   EXPECT_NE(whole.hash, expect_value(hash_of({a}, ring_sequence_number)).hash);
   const std::byte x{120};
-  EXPECT_NE(expect_value(hash_of({{x, x}, {x}}, {})).hash, expect_value(hash_of({{x}, {x, x}}, {})).hash);
+  EXPECT_NE(expect_value(hash_of({{x, x}, {x}}, {})).hash,
+            expect_value(hash_of({{x}, {x, x}}, {})).hash);
 }
 
 TEST(TopicHash, IsTheSameNumberForEver) {
-  // FNV-1a over eight zero bytes of length is a constant of the format, worked out by hand with another
-  // program.
+  // FNV-1a over eight zero bytes of length is a constant of the format, worked out by hand with
+  // another program.
   EXPECT_EQ(expect_value(hash_of({}, {})).hash, 0xcbf29ce484222325U);
   EXPECT_EQ(expect_value(hash_of({{}}, {})).hash, 0xa8c7f832281a39c5U);
 }
@@ -61,7 +63,8 @@ TEST(TopicHash, SaysWhenThereIsNoSequenceNumberOrNoTopic) {
   EXPECT_TRUE(says(short_one, "number")) << short_one.error().sentence;
   const TemporaryFolder folder;
   EXPECT_GOOD(expect_value(BagWriter::create(folder / "run")).close());
-  EXPECT_TRUE(says(hash_topic(expect_value(WholeBag::open(folder / "run")), "/t"), "no topic '/t'"));
+  EXPECT_TRUE(
+      says(hash_topic(expect_value(WholeBag::open(folder / "run")), "/t"), "no topic '/t'"));
 }
 
 }  // namespace

@@ -4,10 +4,10 @@
 #include <atomic>
 #include <thread>
 
-#include "tests/support/whole_bag.hpp"
 #include "nodes/bag/bag_recorder.hpp"
 #include "nodes/bag/bag_writer.hpp"
 #include "tests/support/process/forked.hpp"
+#include "tests/support/whole_bag.hpp"
 #include "tests/unit/bag/support.hpp"
 
 namespace voxtouch::bag {
@@ -18,7 +18,8 @@ using namespace std::chrono_literals;
 
 std::int64_t now_ns() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(
-      std::chrono::steady_clock::now().time_since_epoch()).count();
+             std::chrono::steady_clock::now().time_since_epoch())
+      .count();
 }
 
 /// What child and parent both see.
@@ -28,15 +29,18 @@ struct Shared {
 };
 
 /// Records one message a millisecond, each with the time of its push, until it is killed.
-[[noreturn]] void record_for_ever(const std::filesystem::path& folder, Storage storage, Shared& shared) {
+[[noreturn]] void record_for_ever(const std::filesystem::path& folder, Storage storage,
+                                  Shared& shared) {
   auto writer = BagWriter::create(folder, {.storage = storage});
-  if (!writer) _exit(1);
+  if (!writer)
+    _exit(1);
   BagRecorder recorder(std::make_unique<BagWriter>(std::move(*writer)));
-  const auto topic = recorder.add_topic(
-      {"/haptic/device/state", "voxtouch_msgs/msg/DeviceState", "cdr", "", 0});
+  const auto topic =
+      recorder.add_topic({"/haptic/device/state", "voxtouch_msgs/msg/DeviceState", "cdr", "", 0});
   for (std::uint64_t i = 0;; ++i) {
     const std::int64_t time = now_ns();
-    if (recorder.push(*topic, time, ring_message(1, i, 200)) != PushResult::kQueued) _exit(2);
+    if (recorder.push(*topic, time, ring_message(1, i, 200)) != PushResult::kQueued)
+      _exit(2);
     shared.last_time_ns = time;
     shared.pushed = i + 1;
     std::this_thread::sleep_for(1ms);
@@ -47,11 +51,14 @@ class KilledRecorder : public testing::TestWithParam<std::pair<Storage, int>> {}
 
 TEST_P(KilledRecorder, LeavesABagThatOpensAndLacksAtMostASecond) {
   const TemporaryFolder folder;
-  void* memory = mmap(nullptr, sizeof(Shared), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+  void* memory =
+      mmap(nullptr, sizeof(Shared), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
   ASSERT_NE(memory, MAP_FAILED);
   auto& shared = *new (memory) Shared();
-  voxtouch::test::Forked child([&]() -> int { record_for_ever(folder / "run", GetParam().first, shared); });
-  while (shared.pushed == 0) std::this_thread::sleep_for(1ms);
+  voxtouch::test::Forked child(
+      [&]() -> int { record_for_ever(folder / "run", GetParam().first, shared); });
+  while (shared.pushed == 0)
+    std::this_thread::sleep_for(1ms);
   std::this_thread::sleep_for(std::chrono::milliseconds(GetParam().second));
   child.signal(SIGKILL);
   ASSERT_EQ(child.wait().status, 128 + SIGKILL) << "the recorder ended by itself";
@@ -69,22 +76,28 @@ TEST_P(KilledRecorder, LeavesABagThatOpensAndLacksAtMostASecond) {
   // metadata.yaml is a second behind at most.
   const std::int64_t described_ns = bag.metadata()->starting_time_ns + bag.metadata()->duration_ns;
   EXPECT_LE(shared.last_time_ns - described_ns, 1'000'000'000);
-  if (GetParam().first == Storage::kSqlite3) {  // without its -wal file it lacks more, but not what a checkpoint has moved into the .db3
+  if (GetParam().first == Storage::kSqlite3) {  // without its -wal file it lacks more, but not what
+                                                // a checkpoint has moved into the .db3
     std::filesystem::create_directory(folder / "alone");
     std::filesystem::copy_file(folder / "run/run_0.db3", folder / "alone/run_0.db3");
-    const auto alone = expect_value(WholeBag::open(folder / "alone/run_0.db3")).read_topic("/haptic/device/state");
+    const auto alone =
+        expect_value(WholeBag::open(folder / "alone/run_0.db3")).read_topic("/haptic/device/state");
     ASSERT_TRUE(alone && !alone->empty());
     EXPECT_LE(shared.last_time_ns - alone->back().time_ns, 1'500'000'000);
   }
   RecordProperty("lacking_ms", static_cast<int>(lacking_ns / 1'000'000));
-  std::printf("pushed %llu, in the bag %zu, lacking %.0f ms\n", static_cast<unsigned long long>(shared.pushed), messages.size(),
+  std::printf("pushed %llu, in the bag %zu, lacking %.0f ms\n",
+              static_cast<unsigned long long>(shared.pushed), messages.size(),
               static_cast<double>(lacking_ns) * 1e-6);
   munmap(memory, sizeof(Shared));
 }
 
 INSTANTIATE_TEST_SUITE_P(AfterMilliseconds, KilledRecorder,
-                         testing::Values(std::pair(Storage::kSqlite3, 1200), std::pair(Storage::kSqlite3, 1613), std::pair(Storage::kSqlite3, 2057),
-                                         std::pair(Storage::kMcap, 1200), std::pair(Storage::kMcap, 1613)));
+                         testing::Values(std::pair(Storage::kSqlite3, 1200),
+                                         std::pair(Storage::kSqlite3, 1613),
+                                         std::pair(Storage::kSqlite3, 2057),
+                                         std::pair(Storage::kMcap, 1200),
+                                         std::pair(Storage::kMcap, 1613)));
 
 }  // namespace
 }  // namespace voxtouch::bag

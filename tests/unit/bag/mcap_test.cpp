@@ -1,4 +1,5 @@
-/// What only an MCAP has: a file that is whole at each commit, chunks that overlap in time, checksums, and forms that others write.
+/// What only an MCAP has: a file that is whole at each commit, chunks that overlap in time,
+/// checksums, and forms that others write.
 #include <zlib.h>
 
 #include <algorithm>
@@ -17,7 +18,13 @@ using namespace test;
 using mcap::Bytes;
 using mcap::Op;
 
-const TopicInfo kState{"/haptic/device/state", "voxtouch_msgs/msg/DeviceState", "cdr", "- history: 1", 0, "RIHS01_1", "uint64 session_id\nuint64 sequence_number\n"};
+const TopicInfo kState{"/haptic/device/state",
+                       "voxtouch_msgs/msg/DeviceState",
+                       "cdr",
+                       "- history: 1",
+                       0,
+                       "RIHS01_1",
+                       "uint64 session_id\nuint64 sequence_number\n"};
 const TopicInfo kNote{"/haptic/note", "std_msgs/msg/String", "cdr", "", 0};
 
 std::vector<std::byte> content_of(const std::filesystem::path& path) {
@@ -27,20 +34,29 @@ std::vector<std::byte> content_of(const std::filesystem::path& path) {
   return {bytes.begin(), bytes.end()};
 }
 void put_file(const std::filesystem::path& path, std::span<const std::byte> bytes) {
-  std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  std::ofstream(path, std::ios::binary)
+      .write(reinterpret_cast<const char*>(bytes.data()),
+             static_cast<std::streamsize>(bytes.size()));
 }
 
 using Messages = std::vector<std::pair<std::int64_t, std::vector<std::byte>>>;
-Result<Messages> messages_of(const std::filesystem::path& path, std::int64_t from = 0, std::int64_t to = std::numeric_limits<std::int64_t>::max()) {
+Result<Messages> messages_of(const std::filesystem::path& path, std::int64_t from = 0,
+                             std::int64_t to = std::numeric_limits<std::int64_t>::max()) {
   const auto bag = BagReader::open(path);
-  if (!bag) return std::unexpected(bag.error());
+  if (!bag)
+    return std::unexpected(bag.error());
   Messages all;
-  const auto read = bag->for_each_between(from, to, [&](const BagMessage& m) { return all.emplace_back(m.time_ns, std::vector(m.bytes.begin(), m.bytes.end())), true; });
-  if (!read) return std::unexpected(read.error());
+  const auto read = bag->for_each_between(from, to, [&](const BagMessage& m) {
+    return all.emplace_back(m.time_ns, std::vector(m.bytes.begin(), m.bytes.end())), true;
+  });
+  if (!read)
+    return std::unexpected(read.error());
   return all;
 }
 
-BagWriter mcap_writer(const std::filesystem::path& folder) { return expect_value(BagWriter::create(folder, {.storage = Storage::kMcap})); }
+BagWriter mcap_writer(const std::filesystem::path& folder) {
+  return expect_value(BagWriter::create(folder, {.storage = Storage::kMcap}));
+}
 
 /// Three chunks; of the times some of a later chunk lie before those of an earlier one.
 void write_overlapping(const std::filesystem::path& folder, bool close = true) {
@@ -48,20 +64,26 @@ void write_overlapping(const std::filesystem::path& folder, bool close = true) {
   const TopicId state = expect_value(writer.add_topic(kState));
   for (std::int64_t chunk = 0; chunk < 3; ++chunk) {
     for (std::int64_t n = 0; n < 40; ++n)
-      EXPECT_GOOD(writer.append(state, 1000 + 100 * chunk + 5 * n, ring_message(static_cast<std::uint64_t>(chunk), static_cast<std::uint64_t>(n))));
+      EXPECT_GOOD(writer.append(
+          state, 1000 + 100 * chunk + 5 * n,
+          ring_message(static_cast<std::uint64_t>(chunk), static_cast<std::uint64_t>(n))));
     EXPECT_GOOD(writer.commit());
   }
-  if (close) EXPECT_GOOD(writer.close());
+  if (close)
+    EXPECT_GOOD(writer.close());
 }
 
 /// The footer's place of the summary; nothing where the file does not end as an MCAP does.
 std::optional<std::uint64_t> summary_of(const std::filesystem::path& path) {
   const auto bytes = content_of(path);
   const std::size_t tail = mcap::kFooterSize + mcap::kMagic.size();
-  if (bytes.size() < tail) return std::nullopt;
+  if (bytes.size() < tail)
+    return std::nullopt;
   mcap::Cursor cursor{std::span(bytes).last(tail)};
   const auto footer = mcap::next_record(cursor);
-  if (!footer || footer->op != Op::kFooter || !std::ranges::equal(cursor.rest(), std::as_bytes(std::span(mcap::kMagic)))) return std::nullopt;
+  if (!footer || footer->op != Op::kFooter ||
+      !std::ranges::equal(cursor.rest(), std::as_bytes(std::span(mcap::kMagic))))
+    return std::nullopt;
   return mcap::Cursor(footer->content).number<std::uint64_t>();
 }
 
@@ -115,10 +137,16 @@ TEST(McapBag, ChunksThatOverlapAreReadInOrderOfTimeAndOfArrival) {
   EXPECT_TRUE(std::ranges::is_sorted(all, {}, [](const auto& m) { return m.first; }));
   EXPECT_EQ(all[20].second, ring_message(0, 20));  // 1100: of the first chunk first
   EXPECT_EQ(all[21].second, ring_message(1, 0));
-  for (const auto& [from, to] : {std::pair<std::int64_t, std::int64_t>{0, 1001}, {1095, 1105}, {1100, 1300}, {1395, 5000}, {1100, 1100}, {2000, 3000}}) {
+  for (const auto& [from, to] : {std::pair<std::int64_t, std::int64_t>{0, 1001},
+                                 {1095, 1105},
+                                 {1100, 1300},
+                                 {1395, 5000},
+                                 {1100, 1100},
+                                 {2000, 3000}}) {
     Messages wanted;
     for (const auto& one : all)
-      if (one.first >= from && one.first < to) wanted.push_back(one);
+      if (one.first >= from && one.first < to)
+        wanted.push_back(one);
     EXPECT_EQ(expect_value(messages_of(folder / "run", from, to)), wanted) << from << " to " << to;
   }
   const auto times = expect_value(expect_value(BagReader::open(folder / "run")).times());
@@ -133,13 +161,15 @@ TEST(McapBag, ALaterChunkMayBeginBeforeAllOthers) {
   const TopicId state = expect_value(writer.add_topic(kState));
   for (const std::int64_t time : {2000, 3000, 0, 1000}) {
     EXPECT_GOOD(writer.append(state, time, ring_message(1, static_cast<std::uint64_t>(time))));
-    EXPECT_GOOD(writer.append(state, time + 1, ring_message(1, static_cast<std::uint64_t>(time + 1))));
+    EXPECT_GOOD(
+        writer.append(state, time + 1, ring_message(1, static_cast<std::uint64_t>(time + 1))));
     EXPECT_GOOD(writer.commit());
   }
   const auto check = [&] {
     const auto all = expect_value(messages_of(folder / "run"));
     std::vector<std::int64_t> times;
-    for (const auto& [time, bytes] : all) times.push_back(time);
+    for (const auto& [time, bytes] : all)
+      times.push_back(time);
     EXPECT_EQ(times, (std::vector<std::int64_t>{0, 1, 1000, 1001, 2000, 2001, 3000, 3001}));
     EXPECT_EQ(expect_value(messages_of(folder / "run", 1, 2001)).size(), 4u);
   };
@@ -163,9 +193,11 @@ TEST(McapBag, OfTimeZeroIsOfTimeZeroAndOthersFindItToo) {
   const auto bytes = content_of(folder / "run/run_0.mcap");
   mcap::Cursor records{std::span(bytes).subspan(mcap::kMagic.size())};
   auto record = mcap::next_record(records);
-  while (record && record->op != Op::kChunk) record = mcap::next_record(records);
+  while (record && record->op != Op::kChunk)
+    record = mcap::next_record(records);
   ASSERT_TRUE(record);
-  EXPECT_EQ(mcap::Cursor(record->content).number<std::uint64_t>(), 1u);  // where the chunk begins: 0 would be none to some
+  EXPECT_EQ(mcap::Cursor(record->content).number<std::uint64_t>(),
+            1u);  // where the chunk begins: 0 would be none to some
 }
 
 TEST(McapBag, ALargeMessageAndManyDoNotWaitForTheNextCommit) {
@@ -174,7 +206,8 @@ TEST(McapBag, ALargeMessageAndManyDoNotWaitForTheNextCommit) {
   const TopicId state = expect_value(writer.add_topic(kState));
   EXPECT_GOOD(writer.append(state, 1, noisy_message(1, 0, std::size_t{3} << 20)));
   EXPECT_EQ(writer.metadata().message_count, 1u);
-  for (std::uint64_t n = 0; n < 1100; ++n) EXPECT_GOOD(writer.append(state, 2, noisy_message(1, n, 1000)));
+  for (std::uint64_t n = 0; n < 1100; ++n)
+    EXPECT_GOOD(writer.append(state, 2, noisy_message(1, n, 1000)));
   EXPECT_GT(writer.metadata().message_count, 900u);
   EXPECT_GOOD(writer.close());
   EXPECT_EQ(expect_value(messages_of(folder / "run")).size(), 1101u);
@@ -198,7 +231,8 @@ TEST(McapBag, CutOffAnywhereGivesWhatIsWholeBeforeTheCut) {
     EXPECT_EQ(some->size() % 40, 0u) << "half a chunk at " << size;
     EXPECT_GE(some->size(), most);
     most = some->size();
-    for (const auto& one : *some) ASSERT_NE(std::ranges::find(all, one), all.end());
+    for (const auto& one : *some)
+      ASSERT_NE(std::ranges::find(all, one), all.end());
   }
   EXPECT_EQ(most, all.size());
   EXPECT_GT(opened, 100u);
@@ -222,13 +256,15 @@ TEST(McapBag, ADamagedByteIsRefusedOrDoesNotMatterAndIsNeverHandedOut) {
       EXPECT_FALSE(some.error().sentence.empty());
       continue;
     }
-    for (const auto& one : *some) ASSERT_NE(std::ranges::find(all, one), all.end()) << "byte " << at;
+    for (const auto& one : *some)
+      ASSERT_NE(std::ranges::find(all, one), all.end()) << "byte " << at;
   }
   EXPECT_GT(refused, 100);
 }
 
-/// As rosbag2's preset "fastwrite" leaves it (no chunks), and as its default does (chunks that are not compressed, with schema and channel in them),
-/// here both in one file; without a summary, as of a recorder that was killed.
+/// As rosbag2's preset "fastwrite" leaves it (no chunks), and as its default does (chunks that are
+/// not compressed, with schema and channel in them), here both in one file; without a summary, as
+/// of a recorder that was killed.
 TEST(McapBag, OfOthersIsRead) {
   const auto message = [](Bytes& out, std::uint64_t time, std::byte what) {
     const auto at = out.begin(Op::kMessage);
@@ -238,10 +274,12 @@ TEST(McapBag, OfOthersIsRead) {
   };
   Bytes inner;
   auto at = inner.begin(Op::kSchema);
-  inner.number(std::uint16_t{4}), inner.text("std_msgs/msg/String"), inner.text("ros2msg"), inner.text("string data\n");
+  inner.number(std::uint16_t{4}), inner.text("std_msgs/msg/String"), inner.text("ros2msg"),
+      inner.text("string data\n");
   inner.end(at);
   at = inner.begin(Op::kChannel);
-  inner.number(std::uint16_t{7}), inner.number(std::uint16_t{4}), inner.text("/chatter"), inner.text("cdr"), inner.number(std::uint32_t{0});
+  inner.number(std::uint16_t{7}), inner.number(std::uint16_t{4}), inner.text("/chatter"),
+      inner.text("cdr"), inner.number(std::uint32_t{0});
   inner.end(at);
   message(inner, 20, std::byte{2});
   Bytes out;
@@ -250,7 +288,8 @@ TEST(McapBag, OfOthersIsRead) {
   out.text("ros2"), out.text("libmcap 1.3.0");
   out.end(at);
   at = out.begin(Op::kChunk);
-  out.number(std::uint64_t{20}), out.number(std::uint64_t{20}), out.number(std::uint64_t{inner.size()}), out.number(std::uint32_t{0}), out.text("");
+  out.number(std::uint64_t{20}), out.number(std::uint64_t{20}),
+      out.number(std::uint64_t{inner.size()}), out.number(std::uint32_t{0}), out.text("");
   out.number(std::uint64_t{inner.size()}), out.raw(inner.view());
   out.end(at);
   message(out, 30, std::byte{3});
@@ -277,7 +316,8 @@ TEST(McapBag, RefusesWhatItCannotUncompress) {
   out.end(at);
   const std::size_t chunk_at = out.size();
   at = out.begin(Op::kChunk);
-  out.number(std::uint64_t{1}), out.number(std::uint64_t{2}), out.number(std::uint64_t{9}), out.number(std::uint32_t{0}), out.text("lz4");
+  out.number(std::uint64_t{1}), out.number(std::uint64_t{2}), out.number(std::uint64_t{9}),
+      out.number(std::uint32_t{0}), out.text("lz4");
   out.number(std::uint64_t{1}), out.number(std::uint8_t{0});
   out.end(at);
   const std::size_t chunk_size = out.size() - chunk_at;
@@ -289,11 +329,15 @@ TEST(McapBag, RefusesWhatItCannotUncompress) {
   out.number(std::uint16_t{1}), out.text("a/msg/B"), out.text("ros2msg"), out.text("");
   out.end(at);
   at = out.begin(Op::kChannel);
-  out.number(std::uint16_t{1}), out.number(std::uint16_t{1}), out.text("/a"), out.text("cdr"), out.number(std::uint32_t{0});
+  out.number(std::uint16_t{1}), out.number(std::uint16_t{1}), out.text("/a"), out.text("cdr"),
+      out.number(std::uint32_t{0});
   out.end(at);
   at = out.begin(Op::kChunkIndex);
-  for (const std::uint64_t value : {std::uint64_t{1}, std::uint64_t{2}, std::uint64_t{chunk_at}, std::uint64_t{chunk_size}}) out.number(value);
-  out.number(std::uint32_t{0}), out.number(std::uint64_t{0}), out.text("lz4"), out.number(std::uint64_t{1}), out.number(std::uint64_t{9});
+  for (const std::uint64_t value :
+       {std::uint64_t{1}, std::uint64_t{2}, std::uint64_t{chunk_at}, std::uint64_t{chunk_size}})
+    out.number(value);
+  out.number(std::uint32_t{0}), out.number(std::uint64_t{0}), out.text("lz4"),
+      out.number(std::uint64_t{1}), out.number(std::uint64_t{9});
   out.end(at);
   at = out.begin(Op::kFooter);
   out.number(std::uint64_t{summary}), out.number(std::uint64_t{0}), out.number(std::uint32_t{0});

@@ -38,7 +38,8 @@ RawReader reader_of(dds_entity_t participant, const std::string& name, const qos
 std::vector<Bytes> take(RawReader& reader, std::size_t count) {
   std::vector<Bytes> taken;
   eventually([&] {
-    reader.take([&](std::span<const std::byte> bytes) { taken.emplace_back(bytes.begin(), bytes.end()); });
+    reader.take(
+        [&](std::span<const std::byte> bytes) { taken.emplace_back(bytes.begin(), bytes.end()); });
     return taken.size() >= count;
   });
   return taken;
@@ -72,7 +73,9 @@ TEST_P(RawReading, TakesEveryMessageOfFixedSizeByteForByte) {
   const auto taken = take(reader, kSamples);
   ASSERT_EQ(taken.size(), static_cast<std::size_t>(kSamples));
   for (int i = 0; i < kSamples; ++i)
-    ASSERT_EQ(taken[static_cast<std::size_t>(i)], CdrBuilder().add(0.001 * i).add(-1.0 * i).add(3.0).padded()) << i;
+    ASSERT_EQ(taken[static_cast<std::size_t>(i)],
+              CdrBuilder().add(0.001 * i).add(-1.0 * i).add(3.0).padded())
+        << i;
 }
 
 TEST_P(RawReading, TakesEveryMessageWithATextByteForByte) {
@@ -82,17 +85,20 @@ TEST_P(RawReading, TakesEveryMessageWithATextByteForByte) {
   ASSERT_TRUE(eventually([&] { return matched(writer) && matched(reader.get()); }));
   // Texts of all lengths modulo 4, so that every kind of padding is there.
   const auto text = [](int i) { return std::string(static_cast<std::size_t>(i % 9), 'n'); };
-  for (int i = 0; i < kSamples; ++i) write_header(writer, i, text(i));
+  for (int i = 0; i < kSamples; ++i)
+    write_header(writer, i, text(i));
   const auto taken = take(reader, kSamples);
   ASSERT_EQ(taken.size(), static_cast<std::size_t>(kSamples));
-  for (int i = 0; i < kSamples; ++i) ASSERT_EQ(taken[static_cast<std::size_t>(i)], header_cdr(i, text(i))) << i;
+  for (int i = 0; i < kSamples; ++i)
+    ASSERT_EQ(taken[static_cast<std::size_t>(i)], header_cdr(i, text(i))) << i;
 }
 
 TEST_P(RawReading, GetsALatchedMessageWrittenBeforeItCameOnlyIfItAsks) {
   const std::string name = topic_name("latched");
   const qos::Qos latched = reliable(true);
   const dds_entity_t writer = writer_of<Header>(hosts_.here(), name, latched);
-  for (int i = 0; i < 2; ++i) write_header(writer, i, "latched");
+  for (int i = 0; i < 2; ++i)
+    write_header(writer, i, "latched");
   RawReader does_not_ask = reader_of<Header>(reading_side(), name, reliable());
   RawReader asks = reader_of<Header>(reading_side(), name, logger::recording_qos(latched.get()));
   EXPECT_EQ(take(asks, 1), std::vector<Bytes>{header_cdr(1, "latched")});
@@ -106,7 +112,8 @@ TEST_P(RawReading, PutsAMessageOfManyPacketsTogether) {
   RawReader reader = reader_of<Header>(reading_side(), name, reliable());
   ASSERT_TRUE(eventually([&] { return matched(writer) && matched(reader.get()); }));
   std::string text(300'001, ' ');
-  for (std::size_t i = 0; i < text.size(); ++i) text[i] = static_cast<char>('a' + i % 23);
+  for (std::size_t i = 0; i < text.size(); ++i)
+    text[i] = static_cast<char>('a' + i % 23);
   write_header(writer, 1, text);
   EXPECT_EQ(take(reader, 1), std::vector<Bytes>{header_cdr(1, text)});
 }
@@ -123,7 +130,8 @@ TEST_P(RawReading, SaysNothingWhenTheWriterGoes) {
   EXPECT_EQ(reader.take([](std::span<const std::byte>) {}), 0U);
 }
 
-// Writers with a deadline, a lease and reliability: what a recorder asks for must match what is offered.
+// Writers with a deadline, a lease and reliability: what a recorder asks for must match what is
+// offered.
 TEST_P(RawReading, MatchesEveryWriterWithTheQosOfARecording) {
   const auto offered = [](auto set) {
     qos::Qos qos = reliable();
@@ -131,18 +139,25 @@ TEST_P(RawReading, MatchesEveryWriterWithTheQosOfARecording) {
     return qos;
   };
   for (const qos::Qos& qos :
-       {offered([](dds_qos_t* q) { dds_qset_reliability(q, DDS_RELIABILITY_BEST_EFFORT, 0); dds_qset_deadline(q, 3'000'000); }),
+       {offered([](dds_qos_t* q) {
+          dds_qset_reliability(q, DDS_RELIABILITY_BEST_EFFORT, 0);
+          dds_qset_deadline(q, 3'000'000);
+        }),
         offered([](dds_qos_t* q) { dds_qset_durability(q, DDS_DURABILITY_TRANSIENT); }),
-        offered([](dds_qos_t* q) { dds_qset_liveliness(q, DDS_LIVELINESS_MANUAL_BY_TOPIC, 100'000'000); })}) {
+        offered([](dds_qos_t* q) {
+          dds_qset_liveliness(q, DDS_LIVELINESS_MANUAL_BY_TOPIC, 100'000'000);
+        })}) {
     const std::string name = topic_name("offered");
     writer_of<Header>(hosts_.here(), name, qos);
-    const RawReader reader = reader_of<Header>(reading_side(), name, logger::recording_qos(qos.get()));
+    const RawReader reader =
+        reader_of<Header>(reading_side(), name, logger::recording_qos(qos.get()));
     EXPECT_TRUE(eventually([&] { return matched(reader.get()); }));
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Sides, RawReading, testing::Values(false, true),
-                         [](const auto& side) { return side.param ? "OverTheWire" : "InOneParticipant"; });
+INSTANTIATE_TEST_SUITE_P(Sides, RawReading, testing::Values(false, true), [](const auto& side) {
+  return side.param ? "OverTheWire" : "InOneParticipant";
+});
 
 TEST(RawReader, SaysWhatDdsRefuses) {
   const TwoHosts hosts;

@@ -4,8 +4,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "tests/support/whole_bag.hpp"
 #include "nodes/bag/bag_writer.hpp"
+#include "tests/support/whole_bag.hpp"
 #include "tests/unit/bag/support.hpp"
 
 namespace voxtouch::bag {
@@ -16,8 +16,8 @@ using namespace std::chrono_literals;
 
 const TopicInfo kTopic{"/t", "p/msg/T", "cdr", "", 0};
 
-/// A disk that stands still while its gate is shut, and refuses what it is told to refuse. Its state outlives
-/// the recorder.
+/// A disk that stands still while its gate is shut, and refuses what it is told to refuse. Its
+/// state outlives the recorder.
 struct DiskState {
   std::mutex mutex;
   std::condition_variable changed;
@@ -49,7 +49,8 @@ class FakeDisk final : public BagSink {
   explicit FakeDisk(std::shared_ptr<DiskState> state) : state_(std::move(state)) {}
   Result<TopicId> add_topic(const TopicInfo&) override {
     const std::scoped_lock lock(state_->mutex);
-    if (state_->refuse_topics) return std::unexpected(BagError{"no topics today"});
+    if (state_->refuse_topics)
+      return std::unexpected(BagError{"no topics today"});
     return topics_++;
   }
   Result<void> append(TopicId, std::int64_t time_ns, std::span<const std::byte> bytes) override {
@@ -68,7 +69,8 @@ class FakeDisk final : public BagSink {
   Result<void> tick() override { return {}; }
   void fill_counts(std::vector<TopicReport>& topics) const override {
     const std::scoped_lock lock(state_->mutex);
-    if (topics.empty()) return;
+    if (topics.empty())
+      return;
     topics[0].written = state_->written.size();
     topics[0].lost = state_->lost;
   }
@@ -91,10 +93,12 @@ class FakeDisk final : public BagSink {
 TEST(BagRecorder, PushesReturnWhileTheDiskStandsStillAndDropsAreCountedExactly) {
   auto disk = std::make_shared<DiskState>();
   disk->shut = true;
-  BagRecorder recorder(std::make_unique<FakeDisk>(disk), {.queue_bytes = 1 << 20, .queue_messages = 100});
+  BagRecorder recorder(std::make_unique<FakeDisk>(disk),
+                       {.queue_bytes = 1 << 20, .queue_messages = 100});
   const TopicId topic = expect_value(recorder.add_topic(kTopic));
   ASSERT_EQ(recorder.push(topic, 0, ring_message(1, 0)), PushResult::kQueued);
-  disk->wait_until_stalled();  // with message 0 in its hands, which still takes its place in the queue
+  disk->wait_until_stalled();  // with message 0 in its hands, which still takes its place in the
+                               // queue
   std::uint64_t queued = 1, dropped = 0;
   for (std::uint64_t i = 1; i < 5000; ++i) {
     const auto pushed = recorder.push(topic, static_cast<std::int64_t>(i), ring_message(1, i));
@@ -104,7 +108,8 @@ TEST(BagRecorder, PushesReturnWhileTheDiskStandsStillAndDropsAreCountedExactly) 
   EXPECT_TRUE(disk->stalled());  // all 5000 came back before the disk moved
   EXPECT_EQ(queued, 100u);
   EXPECT_EQ(dropped, 4900u);
-  EXPECT_EQ(recorder.report().topics[0].dropped, 4900u);  // asking does not wait for the disk either
+  EXPECT_EQ(recorder.report().topics[0].dropped,
+            4900u);  // asking does not wait for the disk either
   ASSERT_TRUE(recorder.add_topic({"/later", "p/msg/T", "cdr", "", 0}));
   EXPECT_TRUE(disk->stalled());
   disk->set_shut(false);
@@ -114,7 +119,8 @@ TEST(BagRecorder, PushesReturnWhileTheDiskStandsStillAndDropsAreCountedExactly) 
   EXPECT_EQ(report.topics[0].written, 100u);
   EXPECT_EQ(report.topics[0].dropped, 4900u);
   ASSERT_EQ(disk->written.size(), 100u);
-  for (std::uint64_t i = 0; i < 100; ++i) EXPECT_EQ(disk->written[i].second, ring_message(1, i));
+  for (std::uint64_t i = 0; i < 100; ++i)
+    EXPECT_EQ(disk->written[i].second, ring_message(1, i));
 }
 
 TEST(BagRecorder, LosesNothingInLockstepHoweverSmallTheQueue) {
@@ -126,7 +132,8 @@ TEST(BagRecorder, LosesNothingInLockstepHoweverSmallTheQueue) {
   std::atomic<std::uint64_t> pushed{0};
   std::thread pusher([&] {
     for (std::uint64_t i = 0; i < 2000; ++i) {
-      if (recorder.push(topic, static_cast<std::int64_t>(i), ring_message(1, i)) == PushResult::kQueued)
+      if (recorder.push(topic, static_cast<std::int64_t>(i), ring_message(1, i)) ==
+          PushResult::kQueued)
         ++pushed;
     }
   });
@@ -140,7 +147,8 @@ TEST(BagRecorder, LosesNothingInLockstepHoweverSmallTheQueue) {
   EXPECT_EQ(report.topics[0].written, 2000u);
   EXPECT_EQ(report.topics[0].dropped, 0u);
   EXPECT_TRUE(report.lockstep);
-  for (std::uint64_t i = 0; i < 2000; ++i) ASSERT_EQ(disk->written[i].first, static_cast<std::int64_t>(i));
+  for (std::uint64_t i = 0; i < 2000; ++i)
+    ASSERT_EQ(disk->written[i].first, static_cast<std::int64_t>(i));
 }
 
 TEST(BagRecorder, RefusesInLockstepWhatCouldNeverFit) {
@@ -179,7 +187,8 @@ TEST(BagRecorder, CountsWhatTheDiskRefusesAndSaysItOnce) {
   disk->refuse_messages = true;
   BagRecorder recorder(std::make_unique<FakeDisk>(disk));
   const TopicId topic = expect_value(recorder.add_topic(kTopic));
-  for (std::uint64_t i = 0; i < 50; ++i) recorder.push(topic, 0, ring_message(1, i));
+  for (std::uint64_t i = 0; i < 50; ++i)
+    recorder.push(topic, 0, ring_message(1, i));
   const RecordingReport report = recorder.stop();
   EXPECT_EQ(report.topics[0].lost, 50u);
   EXPECT_EQ(report.errors, std::vector<std::string>{"the disk is full"});
@@ -188,10 +197,12 @@ TEST(BagRecorder, CountsWhatTheDiskRefusesAndSaysItOnce) {
 TEST(BagRecorder, TriesAgainToAddATopicThatTheDiskRefused) {
   auto disk = std::make_shared<DiskState>();
   disk->refuse_topics = true;
-  BagRecorder recorder(std::make_unique<FakeDisk>(disk), {.poll_period = 1ms, .report_period = 5ms});
+  BagRecorder recorder(std::make_unique<FakeDisk>(disk),
+                       {.poll_period = 1ms, .report_period = 5ms});
   const TopicId topic = expect_value(recorder.add_topic(kTopic));
   recorder.push(topic, 0, ring_message(1, 0));
-  for (int i = 0; i < 5000 && recorder.report().topics[0].lost == 0; ++i) std::this_thread::sleep_for(1ms);
+  for (int i = 0; i < 5000 && recorder.report().topics[0].lost == 0; ++i)
+    std::this_thread::sleep_for(1ms);
   {
     const std::scoped_lock lock(disk->mutex);
     disk->refuse_topics = false;

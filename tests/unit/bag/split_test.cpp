@@ -17,14 +17,21 @@ constexpr std::int64_t kMs = 1'000'000;
 
 class SplitBag : public testing::TestWithParam<Storage> {
  protected:
-  std::string file(int number) const { return "run_" + std::to_string(number) + std::string(names_of(GetParam()).extension); }
-  BagWriter writer_of(const SplitOptions& split) const { return expect_value(BagWriter::create(folder / "run", {.storage = GetParam(), .split = split})); }
+  std::string file(int number) const {
+    return "run_" + std::to_string(number) + std::string(names_of(GetParam()).extension);
+  }
+  BagWriter writer_of(const SplitOptions& split) const {
+    return expect_value(BagWriter::create(folder / "run", {.storage = GetParam(), .split = split}));
+  }
   /// A plan at 0, and 100 states from there on, one each 100 ms.
   void write(const SplitOptions& split) const {
     auto writer = writer_of(split);
-    const TopicId state = expect_value(writer.add_topic(kState)), plan = expect_value(writer.add_topic(kPlan));
+    const TopicId state = expect_value(writer.add_topic(kState)),
+                  plan = expect_value(writer.add_topic(kPlan));
     EXPECT_GOOD(writer.append(plan, 0, ring_message(9, 0, 1)));
-    for (std::uint64_t i = 0; i < 100; ++i) EXPECT_GOOD(writer.append(state, static_cast<std::int64_t>(i) * 100 * kMs, noisy_message(9, i, 1000)));
+    for (std::uint64_t i = 0; i < 100; ++i)
+      EXPECT_GOOD(writer.append(state, static_cast<std::int64_t>(i) * 100 * kMs,
+                                noisy_message(9, i, 1000)));
     EXPECT_GOOD(writer.close());
   }
   void expect_all() const {
@@ -32,13 +39,16 @@ class SplitBag : public testing::TestWithParam<Storage> {
     EXPECT_EQ(bag.topics().size(), 2u);
     const auto states = expect_value(bag.read_topic(kState.name));
     ASSERT_EQ(states.size(), 100u);
-    for (std::size_t i = 0; i < 100; ++i) ASSERT_EQ(states[i].bytes, noisy_message(9, i, 1000));
+    for (std::size_t i = 0; i < 100; ++i)
+      ASSERT_EQ(states[i].bytes, noisy_message(9, i, 1000));
     EXPECT_EQ(expect_value(bag.read_topic(kPlan.name)).size(), 1u);
   }
   TemporaryFolder folder;
 };
 INSTANTIATE_TEST_SUITE_P(Storages, SplitBag, testing::Values(Storage::kSqlite3, Storage::kMcap),
-                         [](const auto& storage) { return std::string(names_of(storage.param).name); });
+                         [](const auto& storage) {
+                           return std::string(names_of(storage.param).name);
+                         });
 
 TEST_P(SplitBag, ByTimeHasAFileForEachSpanAndMetadataNamesThem) {
   write({.time_ns = 3000 * kMs});
@@ -59,7 +69,8 @@ TEST_P(SplitBag, ByTimeHasAFileForEachSpanAndMetadataNamesThem) {
   expect_all();
 }
 
-/// A reader that takes a file for one that nobody writes does not look into its write-ahead log: it would find no tables.
+/// A reader that takes a file for one that nobody writes does not look into its write-ahead log: it
+/// would find no tables.
 TEST_P(SplitBag, AFileThatHasJustBeenBegunIsABagByItselfWhenTheRecorderIsKilled) {
   auto writer = writer_of({.time_ns = 1000 * kMs});
   const TopicId state = expect_value(writer.add_topic(kState));
@@ -67,7 +78,9 @@ TEST_P(SplitBag, AFileThatHasJustBeenBegunIsABagByItselfWhenTheRecorderIsKilled)
   EXPECT_GOOD(writer.append(state, 0, noisy_message(9, 0, 1000)));
   EXPECT_GOOD(writer.append(state, 1000 * kMs, noisy_message(9, 1, 1000)));
   fs::create_directory(folder / "alone");
-  fs::copy_file(folder / "run" / file(1), folder / "alone" / file(1));  // as it is on the disk now, without what lies beside it
+  fs::copy_file(
+      folder / "run" / file(1),
+      folder / "alone" / file(1));  // as it is on the disk now, without what lies beside it
   const auto alone = expect_value(WholeBag::open(folder / "alone" / file(1)));
   EXPECT_EQ(alone.topics().size(), 2u);
 }
@@ -80,7 +93,8 @@ TEST_P(SplitBag, BySizeNoFileIsMuchLarger) {
   EXPECT_LE(metadata.files.size(), 8u);
   std::uint64_t messages = 0;
   for (const FileInfo& one : metadata.files) {
-    EXPECT_LE(fs::file_size(folder / "run" / one.path), kMax + 16'384) << one.path;  // its end: index, summary
+    EXPECT_LE(fs::file_size(folder / "run" / one.path), kMax + 16'384)
+        << one.path;  // its end: index, summary
     messages += one.message_count;
   }
   EXPECT_EQ(messages, 101u);
@@ -90,7 +104,8 @@ TEST_P(SplitBag, BySizeNoFileIsMuchLarger) {
 TEST_P(SplitBag, AMessageLargerThanAFileMayBeHasOneOfItsOwn) {
   auto writer = writer_of({.bytes = 5'000});
   const TopicId state = expect_value(writer.add_topic(kState));
-  for (std::uint64_t i = 0; i < 3; ++i) EXPECT_GOOD(writer.append(state, static_cast<std::int64_t>(i), noisy_message(9, i, 50'000)));
+  for (std::uint64_t i = 0; i < 3; ++i)
+    EXPECT_GOOD(writer.append(state, static_cast<std::int64_t>(i), noisy_message(9, i, 50'000)));
   EXPECT_GOOD(writer.close());
   EXPECT_EQ(expect_value(read_metadata(folder / "run/metadata.yaml")).files.size(), 3u);
   EXPECT_EQ(expect_value(WholeBag::open(folder / "run")).message_count(), 3u);
@@ -102,7 +117,10 @@ TEST_P(SplitBag, WhereNoNewFileCanBeMadeTheOldOneGoesOnAndItIsSaid) {
   std::ofstream(folder / "run" / file(1)) << "mine";  // in the way
   std::string said;
   for (std::uint64_t i = 0; i < 20; ++i)
-    if (const auto appended = writer.append(state, static_cast<std::int64_t>(i), ring_message(9, i)); !appended) said = appended.error().sentence;
+    if (const auto appended =
+            writer.append(state, static_cast<std::int64_t>(i), ring_message(9, i));
+        !appended)
+      said = appended.error().sentence;
   EXPECT_NE(said.find(file(1)), std::string::npos) << said;
   EXPECT_GOOD(writer.close());
   std::vector<TopicReport> counts(1);
@@ -115,8 +133,10 @@ TEST_P(SplitBag, WhereNoNewFileCanBeMadeTheOldOneGoesOnAndItIsSaid) {
 
 TEST_P(SplitBag, OfWhichMetadataNamesTheFirstFilesOnlyIsReadAsAWhole) {
   write({.time_ns = 3000 * kMs});
-  std::ofstream(folder / "run/metadata.yaml") << "rosbag2_bagfile_information:\n  version: 5\n  storage_identifier: " << names_of(GetParam()).name
-                                              << "\n  relative_file_paths:\n    - " << file(0) << "\n    - " << file(1) << "\n";
+  std::ofstream(folder / "run/metadata.yaml")
+      << "rosbag2_bagfile_information:\n  version: 5\n  storage_identifier: "
+      << names_of(GetParam()).name << "\n  relative_file_paths:\n    - " << file(0) << "\n    - "
+      << file(1) << "\n";
   expect_all();
 }
 

@@ -18,7 +18,8 @@ class TemporaryFolder {
  public:
   TemporaryFolder() {
     std::string name = (std::filesystem::temp_directory_path() / "voxtouch_bag_XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary folder");
+    if (mkdtemp(name.data()) == nullptr)
+      throw std::runtime_error("no temporary folder");
     path_ = name;
   }
   TemporaryFolder(const TemporaryFolder&) = delete;
@@ -35,19 +36,22 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
-/// Little-endian CDR: header, session, sequence number, then `fill` bytes that depend on the sequence number.
+/// Little-endian CDR: header, session, sequence number, then `fill` bytes that depend on the
+/// sequence number.
 inline std::vector<std::byte> ring_message(std::uint64_t session, std::uint64_t sequence,
                                            std::size_t fill = 32) {
   std::vector<std::byte> bytes(4 + 16 + fill);
   bytes[1] = std::byte{1};
   std::memcpy(bytes.data() + 4, &session, 8);
   std::memcpy(bytes.data() + 12, &sequence, 8);
-  for (std::size_t i = 0; i < fill; ++i) bytes[20 + i] = static_cast<std::byte>(sequence * 31 + i);
+  for (std::size_t i = 0; i < fill; ++i)
+    bytes[20 + i] = static_cast<std::byte>(sequence * 31 + i);
   return bytes;
 }
 
 /// The same, filled with what no compression makes smaller.
-inline std::vector<std::byte> noisy_message(std::uint64_t session, std::uint64_t sequence, std::size_t fill) {
+inline std::vector<std::byte> noisy_message(std::uint64_t session, std::uint64_t sequence,
+                                            std::size_t fill) {
   std::vector<std::byte> bytes = ring_message(session, sequence, fill);
   std::uint64_t state = sequence + 1;
   for (std::size_t i = 20; i < bytes.size(); ++i) {
@@ -60,7 +64,8 @@ inline std::vector<std::byte> noisy_message(std::uint64_t session, std::uint64_t
 /// The value; without one the test ends with the error's sentence.
 template <class T, class Error>
 T expect_value(std::expected<T, Error>&& result) {
-  if (!result) throw std::runtime_error(result.error().sentence);
+  if (!result)
+    throw std::runtime_error(result.error().sentence);
   return std::move(*result);
 }
 
@@ -72,8 +77,8 @@ bool says(const std::expected<T, Error>& result, std::string_view words) {
 
 }  // namespace voxtouch::bag::test
 
-#define EXPECT_GOOD(expression)                                         \
-  do {                                                                  \
-    const auto& good_result = (expression);                             \
-    EXPECT_TRUE(good_result) << good_result.error().sentence;           \
+#define EXPECT_GOOD(expression)                               \
+  do {                                                        \
+    const auto& good_result = (expression);                   \
+    EXPECT_TRUE(good_result) << good_result.error().sentence; \
   } while (false)

@@ -36,17 +36,19 @@ class FollowedLatched : public testing::Test {
   }
   bool matches(std::uint32_t writers) {
     const auto until = std::chrono::steady_clock::now() + seconds(10);
-    while (reader.matched_count() != writers && std::chrono::steady_clock::now() < until) std::this_thread::sleep_for(milliseconds(5));
+    while (reader.matched_count() != writers && std::chrono::steady_clock::now() < until)
+      std::this_thread::sleep_for(milliseconds(5));
     return reader.matched_count() == writers;
   }
 
   std::uint32_t domain = static_cast<std::uint32_t>(std::stoul(test::fresh_domain()));
-  Participant own{{domain, "lo", "own", {}, {}, {}}}, other{{domain, "lo", "other", {}, {}, {}}}, stranger{{domain, "lo", "stranger", {}, {}, {}}};
+  Participant own{{domain, "lo", "own", {}, {}, {}}}, other{{domain, "lo", "other", {}, {}, {}}},
+      stranger{{domain, "lo", "stranger", {}, {}, {}}};
   LatchedReader<msg::DeviceDescription> reader{own, qos::kDeviceDescription, "r"};
 };
 
-/// As after a cut of the network that is longer than the lease: the participant is the same, its writer has another handle, and what is latched comes
-/// again at once, before the node has looked.
+/// As after a cut of the network that is longer than the lease: the participant is the same, its
+/// writer has another handle, and what is latched comes again at once, before the node has looked.
 TEST_F(FollowedLatched, TakesWhatComesOfAWriterFoundAnewBeforeItIsFollowed) {
   std::optional<Writer<msg::DeviceDescription>> writer(writer_of(other));
   say(*writer, 7);
@@ -58,7 +60,8 @@ TEST_F(FollowedLatched, TakesWhatComesOfAWriterFoundAnewBeforeItIsFollowed) {
   writer.emplace(writer_of(other));
   ASSERT_TRUE(matches(1));
   say(*writer, 8);
-  std::this_thread::sleep_for(milliseconds(200));  // it comes while a writer is followed that has gone
+  std::this_thread::sleep_for(
+      milliseconds(200));  // it comes while a writer is followed that has gone
   EXPECT_EQ(taken(milliseconds(20)), 0U);
   ASSERT_TRUE(reader.following().follow(other.guid()));
   EXPECT_EQ(taken(), 8U);
@@ -73,14 +76,16 @@ TEST_F(FollowedLatched, RefusesOthersWhileTheFollowedWriterIsThere) {
   std::optional<Writer<msg::DeviceDescription>> foreign(writer_of(stranger));
   ASSERT_TRUE(matches(2));
   say(*foreign, 9);
-  for (int n = 0; n < 500 && reader.following().refused() == 0; ++n) std::this_thread::sleep_for(milliseconds(10));
+  for (int n = 0; n < 500 && reader.following().refused() == 0; ++n)
+    std::this_thread::sleep_for(milliseconds(10));
   EXPECT_EQ(reader.following().refused(), 1U);
   foreign.reset();  // somebody else has gone: that changes nothing
   ASSERT_TRUE(matches(1));
   foreign.emplace(writer_of(stranger));
   ASSERT_TRUE(matches(2));
   say(*foreign, 9);
-  for (int n = 0; n < 500 && reader.following().refused() == 1; ++n) std::this_thread::sleep_for(milliseconds(10));
+  for (int n = 0; n < 500 && reader.following().refused() == 1; ++n)
+    std::this_thread::sleep_for(milliseconds(10));
   EXPECT_EQ(reader.following().refused(), 2U);
   EXPECT_EQ(taken(milliseconds(20)), 0U);
 }

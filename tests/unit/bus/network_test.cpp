@@ -16,14 +16,17 @@ namespace {
 
 std::vector<std::string> names(const std::vector<Card>& cards) {
   std::vector<std::string> all;
-  for (const Card& card : cards) all.push_back(card.name);
+  for (const Card& card : cards)
+    all.push_back(card.name);
   return all;
 }
 
 TEST(Network, OfThisHostIsLoopbackAndTheFirstThreeCardsThatCanDoMulticast) {
-  const std::vector<Card> cards{{"eth0", 1, false, true}, {"lo", 2, true, false}, {"tun0", 3, false, false}, {"wlan0", 4, false, true},
+  const std::vector<Card> cards{{"eth0", 1, false, true},    {"lo", 2, true, false},
+                                {"tun0", 3, false, false},   {"wlan0", 4, false, true},
                                 {"docker0", 5, false, true}, {"eth1", 6, false, true}};
-  EXPECT_EQ(names(cards_of_this_host(cards)), (std::vector<std::string>{"lo", "eth0", "wlan0", "docker0"}));
+  EXPECT_EQ(names(cards_of_this_host(cards)),
+            (std::vector<std::string>{"lo", "eth0", "wlan0", "docker0"}));
 }
 
 TEST(Network, OfThisHostHasLoopback) {
@@ -41,11 +44,13 @@ TEST(Network, IsClosedToOtherHostsAndItsMulticastStays) {
   EXPECT_FALSE(one_card.is_closed);
   EXPECT_TRUE(one_card.configuration.contains(R"(<NetworkInterface name="eth7")"));
   EXPECT_FALSE(one_card.configuration.contains("<MulticastTimeToLive>"));
-  for (const Network& network : {own, one_card}) EXPECT_FALSE(network.configuration.contains('@')) << network.configuration;
+  for (const Network& network : {own, one_card})
+    EXPECT_FALSE(network.configuration.contains('@')) << network.configuration;
 }
 
 TEST(Network, KeepsTheBuiltInSettingsUnderThoseOfTheEnvironment) {
-  const std::string added = "<CycloneDDS><Domain><Tracing><Verbosity>warning</Verbosity></Tracing></Domain></CycloneDDS>";
+  const std::string added =
+      "<CycloneDDS><Domain><Tracing><Verbosity>warning</Verbosity></Tracing></Domain></CycloneDDS>";
   const Network network = network_of(kThisHost, {}, added);
   EXPECT_TRUE(network.is_closed);
   EXPECT_TRUE(network.configuration.contains("<LeaseDuration>2 s</LeaseDuration>"));
@@ -53,19 +58,24 @@ TEST(Network, KeepsTheBuiltInSettingsUnderThoseOfTheEnvironment) {
 }
 
 TEST(Network, LeavesTheCardsToAnEnvironmentThatNamesThem) {
-  const std::string cards = R"(<CycloneDDS><Domain><General><Interfaces><NetworkInterface name="eth7"/></Interfaces></General></Domain></CycloneDDS>)";
+  const std::string cards =
+      R"(<CycloneDDS><Domain><General><Interfaces><NetworkInterface name="eth7"/></Interfaces></General></Domain></CycloneDDS>)";
   const test::TemporaryFolder folder;
   std::ofstream(folder / "cards.xml") << cards;
-  for (const std::string& added : {cards, "file://" + (folder / "cards.xml").string(), "<CycloneDDS/>," + (folder / "cards.xml").string()}) {
+  for (const std::string& added : {cards, "file://" + (folder / "cards.xml").string(),
+                                   "<CycloneDDS/>," + (folder / "cards.xml").string()}) {
     const Network network = network_of(kThisHost, {"10.0.0.2"}, added);
     EXPECT_FALSE(network.is_closed) << added;
-    EXPECT_FALSE(network.configuration.substr(0, network.configuration.size() - added.size()).contains("<NetworkInterface")) << added;
+    EXPECT_FALSE(network.configuration.substr(0, network.configuration.size() - added.size())
+                     .contains("<NetworkInterface"))
+        << added;
   }
 }
 
 TEST(Network, AsksPeersOverACardAndRefusesThemWhereNoneIsHeard) {
   const Network network = network_of("eth7", {"10.0.0.2", "lab"}, "");
-  EXPECT_TRUE(network.configuration.contains(R"(<Peer address="10.0.0.2"/><Peer address="lab"/><Peer address="localhost"/>)"));
+  EXPECT_TRUE(network.configuration.contains(
+      R"(<Peer address="10.0.0.2"/><Peer address="lab"/><Peer address="localhost"/>)"));
   EXPECT_THROW(network_of(kThisHost, {"10.0.0.2"}, ""), Error);
 }
 
@@ -77,7 +87,9 @@ class Port {
     ipv4.sin_family = AF_INET, ipv4.sin_port = htons(port);
     sockaddr_in6 ipv6{};
     ipv6.sin6_family = AF_INET6, ipv6.sin6_port = htons(port);
-    bound_ = (family == AF_INET ? ::bind(fd_, reinterpret_cast<sockaddr*>(&ipv4), sizeof ipv4) : ::bind(fd_, reinterpret_cast<sockaddr*>(&ipv6), sizeof ipv6)) == 0;
+    bound_ =
+        (family == AF_INET ? ::bind(fd_, reinterpret_cast<sockaddr*>(&ipv4), sizeof ipv4)
+                           : ::bind(fd_, reinterpret_cast<sockaddr*>(&ipv6), sizeof ipv6)) == 0;
   }
   ~Port() { ::close(fd_); }
   Port(const Port&) = delete;
@@ -93,7 +105,9 @@ class Port {
 TEST(AloneInDomain, UntilSomebodyElseHasAPortOfIt) {
   const auto domain = static_cast<std::uint32_t>(std::stoul(test::fresh_domain()));
   const auto first = static_cast<std::uint16_t>(7400 + 250 * domain);
-  const auto alone = [&](const std::vector<int>& own) { return is_alone_in_domain(domain, kThisHost, {}, "", own); };
+  const auto alone = [&](const std::vector<int>& own) {
+    return is_alone_in_domain(domain, kThisHost, {}, "", own);
+  };
   ASSERT_TRUE(alone({}));
   for (const int offset : {0, 1, 10, 249}) {
     const Port other(static_cast<std::uint16_t>(first + offset));

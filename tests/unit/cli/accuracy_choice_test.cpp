@@ -11,7 +11,8 @@ namespace {
 
 std::vector<std::string> names(const std::vector<accuracy::AccuracySetting>& settings) {
   std::vector<std::string> out;
-  for (const accuracy::AccuracySetting& s : settings) out.push_back(accuracy::describe(s));
+  for (const accuracy::AccuracySetting& s : settings)
+    out.push_back(accuracy::describe(s));
   return out;
 }
 
@@ -21,13 +22,15 @@ void expect_refused(const AccuracyChoice& ask, const std::vector<std::string>& w
     ADD_FAILURE() << "accepted; expected " << words[0];
   } catch (const std::invalid_argument& error) {
     for (const std::string& word : words)
-      EXPECT_NE(std::string(error.what()).find(word), std::string::npos) << word << " in " << error.what();
+      EXPECT_NE(std::string(error.what()).find(word), std::string::npos)
+          << word << " in " << error.what();
   }
 }
 
 TEST(AccuracyChoice, MeansEveryModelAtThreeVoxelSizesRoundTheScenesOwn) {
   const auto settings = settings_of({}, 0.002);
-  ASSERT_EQ(settings.size(), 16u) << "original and adapted twice, field by area, three sizes each; the virtual tool";
+  ASSERT_EQ(settings.size(), 16u)
+      << "original and adapted twice, field by area, three sizes each; the virtual tool";
   EXPECT_EQ(accuracy::describe(settings[0]), "original/one, e = 4 mm");
   EXPECT_EQ(accuracy::describe(settings[5]), "original/area, e = 1 mm");
   EXPECT_EQ(accuracy::describe(settings[14]), "field/area, e = 1 mm");
@@ -42,16 +45,19 @@ TEST(AccuracyChoice, KeepsTheOrderAskedForAndTakesWhatComesTwiceOnce) {
                                .voxel_sizes_m = {0.001, 0.004, 0.001},
                                .shell_densities = {}},
                               0.002)),
-            (std::vector<std::string>{"field/area, e = 1 mm", "field/area, e = 4 mm", "adapted/area, e = 1 mm",
-                                      "adapted/area, e = 4 mm", "adapted/one, e = 1 mm", "adapted/one, e = 4 mm"}));
+            (std::vector<std::string>{"field/area, e = 1 mm", "field/area, e = 4 mm",
+                                      "adapted/area, e = 1 mm", "adapted/area, e = 4 mm",
+                                      "adapted/one, e = 1 mm", "adapted/one, e = 4 mm"}));
 }
 
 TEST(AccuracyChoice, MakesADenserShellWithSmallerVoxels) {
-  EXPECT_EQ(
-      names(settings_of(
-          {.models = {"adapted"}, .weights = {"one"}, .voxel_sizes_m = {0.002}, .shell_densities = {1, 2, 0.5}}, 0.1)),
-      (std::vector<std::string>{"adapted/one, e = 2 mm", "adapted/one, e = 2 mm, shell 1 mm",
-                                "adapted/one, e = 2 mm, shell 4 mm"}));
+  EXPECT_EQ(names(settings_of({.models = {"adapted"},
+                               .weights = {"one"},
+                               .voxel_sizes_m = {0.002},
+                               .shell_densities = {1, 2, 0.5}},
+                              0.1)),
+            (std::vector<std::string>{"adapted/one, e = 2 mm", "adapted/one, e = 2 mm, shell 1 mm",
+                                      "adapted/one, e = 2 mm, shell 4 mm"}));
 }
 
 TEST(AccuracyChoice, LeavesOutTheModelsByAreaWhereOnlyWeightsOfOneAreAskedForAndNoneIsNamed) {
@@ -60,12 +66,14 @@ TEST(AccuracyChoice, LeavesOutTheModelsByAreaWhereOnlyWeightsOfOneAreAskedForAnd
 }
 
 TEST(AccuracyChoice, RefusesAModelByAreaWithWeightsOfOne) {
-  expect_refused({.models = {"adapted", "field"}, .weights = {"one"}}, {"--weights one", "'field'", "add area"});
+  expect_refused({.models = {"adapted", "field"}, .weights = {"one"}},
+                 {"--weights one", "'field'", "add area"});
 }
 
 TEST(AccuracyChoice, RefusesMoreSettingsThanAnyoneWouldWaitFor) {
   std::vector<double> sizes;
-  for (int i = 1; i <= 200; ++i) sizes.push_back(0.001 * i);
+  for (int i = 1; i <= 200; ++i)
+    sizes.push_back(0.001 * i);
   expect_refused({.voxel_sizes_m = sizes}, {"1200 settings", "500 at most"});
 }
 

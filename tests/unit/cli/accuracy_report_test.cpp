@@ -16,7 +16,8 @@ using test::accuracy_report;
 std::vector<std::string> lines(const std::string& text) {
   std::vector<std::string> out;
   std::istringstream in(text);
-  for (std::string line; std::getline(in, line);) out.push_back(line);
+  for (std::string line; std::getline(in, line);)
+    out.push_back(line);
   return out;
 }
 
@@ -24,7 +25,8 @@ std::vector<std::string> lines(const std::string& text) {
 std::vector<std::string> rows_of(const std::string& text) {
   std::vector<std::string> out;
   for (const std::string& line : lines(text))
-    if (line.size() > 12 && (line.substr(5, 4) == "one " || line.substr(5, 5) == "area ")) out.push_back(line);
+    if (line.size() > 12 && (line.substr(5, 4) == "one " || line.substr(5, 5) == "area "))
+      out.push_back(line);
   return out;
 }
 
@@ -45,9 +47,10 @@ TEST(AccuracyText, GroupsRowsByModelAndMarksTheFrontAndTheAdvisedRow) {
 TEST(AccuracyText, AlignsItsColumnsUnderTheirHeads) {
   const auto all = lines(to_text(accuracy_report()));
   const auto rows = rows_of(to_text(accuracy_report()));
-  for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(rows[i].size(), rows[0].size()) << rows[i];
-  const auto units =
-      std::find_if(all.begin(), all.end(), [](const auto& l) { return l.find("[MB]") != std::string::npos; });
+  for (std::size_t i = 0; i < 4; ++i)
+    EXPECT_EQ(rows[i].size(), rows[0].size()) << rows[i];
+  const auto units = std::find_if(
+      all.begin(), all.end(), [](const auto& l) { return l.find("[MB]") != std::string::npos; });
   ASSERT_NE(units, all.end());
   EXPECT_EQ(units->size(), rows[0].size()) << *units << "\n" << rows[0];
   for (const char* head : {"mean", "median", "p95", "/true", "[%]", "worst", "[MB]"}) {
@@ -61,9 +64,11 @@ TEST(AccuracyText, KeepsItsColumnsForFiguresOfAnySize) {
   AccuracyReport report = accuracy_report();
   report.rows[0].worst_us = 123456.0, report.rows[0].direction_median_deg = 179.99,
   report.rows[1].onset_worst_m = -0.0123;
-  report.rows[1].torque_error_m = 1e-12, report.rows[3].magnitude_noise = std::numeric_limits<double>::quiet_NaN();
+  report.rows[1].torque_error_m = 1e-12,
+  report.rows[3].magnitude_noise = std::numeric_limits<double>::quiet_NaN();
   const auto rows = rows_of(to_text(report));
-  for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(rows[i].size(), rows[2].size()) << rows[i];
+  for (std::size_t i = 0; i < 4; ++i)
+    EXPECT_EQ(rows[i].size(), rows[2].size()) << rows[i];
   EXPECT_EQ(rows[1].find("e-"), std::string::npos);
 }
 
@@ -72,7 +77,8 @@ TEST(AccuracyText, TellsWhatIsMissedAndTheSpreadOverDepthAndOverTheGrid) {
   const auto rows = rows_of(text);
   EXPECT_TRUE(rows[0].contains(" 50 ")) << "contacts judged: felt and missed\n" << rows[0];
   EXPECT_TRUE(rows[0].contains(" 20.0 ")) << "10 of 50 missed, in %\n" << rows[0];
-  for (const char* figure : {"original/one, e = 4 mm", "0.875", "0.125", "45.0", "10.0 to 50.0", "2.00 to 90.0", "0.500 to 1.50", "5.60 to 7.20"})
+  for (const char* figure : {"original/one, e = 4 mm", "0.875", "0.125", "45.0", "10.0 to 50.0",
+                             "2.00 to 90.0", "0.500 to 1.50", "5.60 to 7.20"})
     EXPECT_TRUE(text.contains(figure)) << figure << " in\n" << text;
 }
 
@@ -80,13 +86,16 @@ TEST(AccuracyText, ShowsRefusedRowsWithTheReasonAndRowsWithoutContactAsSuch) {
   const AccuracyReport report = accuracy_report();
   const auto rows = rows_of(to_text(report));
   EXPECT_TRUE(rows[4].ends_with(report.rows[4].refused)) << rows[4];
-  EXPECT_EQ(rows[5].find_first_of("0123456789", rows[5].rfind("500") + 3), std::string::npos) << "zeros would look like perfection\n" << rows[5];
+  EXPECT_EQ(rows[5].find_first_of("0123456789", rows[5].rfind("500") + 3), std::string::npos)
+      << "zeros would look like perfection\n"
+      << rows[5];
 }
 
 TEST(AccuracyText, SaysUnderWhatConditionsAndEndsWithTheAdvice) {
   const AccuracyReport report = accuracy_report({.direction_deg = 1.0});
   const std::string text = to_text(report);
-  for (const char* fact : {"cup & saucer", "seed 7", "40 contacts", "0.5 e", "Some(R) CPU", "2 CPUs", "0.5 before", "1.5 after", "gcc 12", "-O3"})
+  for (const char* fact : {"cup & saucer", "seed 7", "40 contacts", "0.5 e", "Some(R) CPU",
+                           "2 CPUs", "0.5 before", "1.5 after", "gcc 12", "-O3"})
     EXPECT_TRUE(text.contains(fact)) << fact << " in\n" << text;
   EXPECT_TRUE(text.ends_with(report.advice.sentence + "\n")) << text;
 }
@@ -95,7 +104,8 @@ TEST(AccuracyText, SaysWhichFramesOfAVirtualToolWereTimed) {
   AccuracyReport report = accuracy_report();
   EXPECT_FALSE(to_text(report).contains("queries"));
   report.rows[3].setting.virtual_tool = true, report.rows[3].queries_per_frame = 1.75;
-  EXPECT_TRUE(to_text(report).contains("slides 0.025 e a frame sideways, 5 e deep; 1.75 queries")) << to_text(report);
+  EXPECT_TRUE(to_text(report).contains("slides 0.025 e a frame sideways, 5 e deep; 1.75 queries"))
+      << to_text(report);
   EXPECT_EQ(nlohmann::json::parse(to_json(report).dump())["rows"][3]["queries_per_frame"], 1.75);
 }
 
@@ -119,7 +129,8 @@ TEST(AccuracyJson, HoldsRowsOptionsConditionsAndAdvice) {
   EXPECT_EQ(j["rows"][2]["missed_share"], 0.2);
   EXPECT_EQ(j["rows"][2]["depths"][1]["force_ratio"], 0.125);
   EXPECT_EQ(j["rows"][2]["phases"]["missed_share"], nlohmann::json({0.1, 0.5}));
-  EXPECT_EQ(j["rows"][2]["median_interval_95"]["direction_median_deg"], nlohmann::json({0.7 * 0.5, 0.9 * 0.5}));
+  EXPECT_EQ(j["rows"][2]["median_interval_95"]["direction_median_deg"],
+            nlohmann::json({0.7 * 0.5, 0.9 * 0.5}));
   EXPECT_TRUE(j["rows"][2]["median_interval_95"]["median_us"][0].is_null());
   EXPECT_EQ(j["rows"][2]["onset_error_m"], -2e-4);
   EXPECT_EQ(j["rows"][2]["pareto"], true);
@@ -137,7 +148,8 @@ TEST(AccuracyJson, EveryRowHasTheSameKeysAndNoFigureThatWasNotMeasured) {
   const nlohmann::ordered_json rows = to_json(report)["rows"];
   for (const auto& row : rows) {
     ASSERT_EQ(row.size(), rows[0].size());
-    for (const auto& [key, value] : rows[0].items()) EXPECT_TRUE(row.contains(key)) << key;
+    for (const auto& [key, value] : rows[0].items())
+      EXPECT_TRUE(row.contains(key)) << key;
   }
   EXPECT_TRUE(rows[1]["torque_error_m"].is_null());
   EXPECT_EQ(rows[4]["refused"], report.rows[4].refused);
@@ -160,12 +172,19 @@ TEST(AccuracyJson, IsNotOkWhereTheWishIsNotMetOrNothingWasMeasured) {
 TEST(AccuracyCsv, HasAHeaderAndACellForEveryColumnAndQuotesReasons) {
   const auto all = lines(to_csv(accuracy_report()));
   ASSERT_EQ(all.size(), 7u);
-  const auto commas = [](const std::string& line) { return std::count(line.begin(), line.end(), ','); };
+  const auto commas = [](const std::string& line) {
+    return std::count(line.begin(), line.end(), ',');
+  };
   EXPECT_TRUE(all[0].starts_with("model,weights,voxel_m,")) << all[0];
-  for (std::size_t i : {1u, 2u, 3u, 4u, 6u}) EXPECT_EQ(commas(all[i]), commas(all[0])) << all[i];
-  EXPECT_EQ(all[1], "original,one,0.004,0.004,1300,300000,40,10,1,0,0.2,8,6.4,16,0.9,0.4,0.0001,-0.0002,0.0005,5,10,15,1,0.25,5.6,7.2,,,,,,,"
-                    "0,3,0.875,0,10,45,0.125,0,4,0.1,0.5,2,90,0.5,1.5,1,0,");
-  EXPECT_NE(all[0].find(",missed_at_4_e,direction_mean_deg_at_4_e,force_ratio_at_4_e,"), std::string::npos) << all[0];
+  for (std::size_t i : {1u, 2u, 3u, 4u, 6u})
+    EXPECT_EQ(commas(all[i]), commas(all[0])) << all[i];
+  EXPECT_EQ(all[1],
+            "original,one,0.004,0.004,1300,300000,40,10,1,0,0.2,8,6.4,16,0.9,0.4,0.0001,-0.0002,0."
+            "0005,5,10,15,1,0.25,5.6,7.2,,,,,,,"
+            "0,3,0.875,0,10,45,0.125,0,4,0.1,0.5,2,90,0.5,1.5,1,0,");
+  EXPECT_NE(all[0].find(",missed_at_4_e,direction_mean_deg_at_4_e,force_ratio_at_4_e,"),
+            std::string::npos)
+      << all[0];
   EXPECT_TRUE(all[3].ends_with(",1,1,")) << all[3];
   EXPECT_TRUE(all[5].starts_with("field,area,0.0001,0.0001,,,0,0,1,,,,")) << all[5];
   EXPECT_TRUE(all[5].ends_with(",0,0,\"it would need 80 GB, \"\"too much\"\" <here>\"")) << all[5];

@@ -10,27 +10,37 @@ namespace {
 
 std::set<unsigned> first(unsigned count) {
   std::set<unsigned> taken;
-  for (unsigned n = 0; n < count; ++n) taken.insert(n);
+  for (unsigned n = 0; n < count; ++n)
+    taken.insert(n);
   return taken;
 }
 
 TEST(Doctor, KnowsTakenIndicesByTheirPorts) {
-  // Domain 1 begins at 7650; its index 0 has 7660 and 7661, index 3 has 7666. 7410 is domain 0's, and 7651 for all of domain 1.
+  // Domain 1 begins at 7650; its index 0 has 7660 and 7661, index 3 has 7666. 7410 is domain 0's,
+  // and 7651 for all of domain 1.
   std::istringstream udp(
-      "   sl  local_address rem_address   st tx_queue rx_queue tr tm->when retrnsmt   uid  timeout inode ref pointer drops\n"
-      "  211: 00000000:1DEC 00000000:0000 07 00000000:00000000 00:00000000 00000000     0        0 1 2 0 0\n"
-      "  212: 00000000:1DED 00000000:0000 07 00000000:00000000 00:00000000 00000000     0        0 1 2 0 0\n"
-      "  213: 0100007F:1DF2 00000000:0000 07 00000000:00000000 00:00000000 00000000     0        0 1 2 0 0\n"
-      "  214: 00000000:1CF2 00000000:0000 07 00000000:00000000 00:00000000 00000000     0        0 1 2 0 0\n"
-      "  215: 00000000:1DE3 00000000:0000 07 00000000:00000000 00:00000000 00000000     0        0 1 2 0 0\n"
+      "   sl  local_address rem_address   st tx_queue rx_queue tr tm->when retrnsmt   uid  timeout "
+      "inode ref pointer drops\n"
+      "  211: 00000000:1DEC 00000000:0000 07 00000000:00000000 00:00000000 00000000     0        0 "
+      "1 2 0 0\n"
+      "  212: 00000000:1DED 00000000:0000 07 00000000:00000000 00:00000000 00000000     0        0 "
+      "1 2 0 0\n"
+      "  213: 0100007F:1DF2 00000000:0000 07 00000000:00000000 00:00000000 00000000     0        0 "
+      "1 2 0 0\n"
+      "  214: 00000000:1CF2 00000000:0000 07 00000000:00000000 00:00000000 00000000     0        0 "
+      "1 2 0 0\n"
+      "  215: 00000000:1DE3 00000000:0000 07 00000000:00000000 00:00000000 00000000     0        0 "
+      "1 2 0 0\n"
       "  216: nonsense\n");
   EXPECT_EQ(taken_indices(udp, 1), (std::set<unsigned>{0, 3}));
 }
 
 TEST(Doctor, SaysWhoMissesARingWhereIndicesAreFew) {
   EXPECT_EQ(check_indices(first(3)).health, Health::kGood);
-  EXPECT_TRUE(check_indices(first(4)).sentence.contains("Humble")) << check_indices(first(4)).sentence;
-  EXPECT_TRUE(check_indices(first(27)).sentence.contains("no multicast")) << check_indices(first(27)).sentence;
+  EXPECT_TRUE(check_indices(first(4)).sentence.contains("Humble"))
+      << check_indices(first(4)).sentence;
+  EXPECT_TRUE(check_indices(first(27)).sentence.contains("no multicast"))
+      << check_indices(first(27)).sentence;
   EXPECT_EQ(check_indices(first(114)).health, Health::kBad);
 }
 
@@ -44,7 +54,8 @@ TEST(Doctor, NamesACardThatIsNotThere) {
 TEST(Doctor, NamesACardThatTheRingLeavesOut) {
   const std::vector<Finding> findings = check_cards(bus::kThisHost, {{"tun0", 1, false, false}});
   ASSERT_EQ(findings.size(), 1U);
-  EXPECT_TRUE(findings[0].sentence.contains("tun0") && findings[0].sentence.contains("multicast")) << findings[0].sentence;
+  EXPECT_TRUE(findings[0].sentence.contains("tun0") && findings[0].sentence.contains("multicast"))
+      << findings[0].sentence;
 }
 
 TEST(Doctor, PrintsTwoLinesToPaste) {

@@ -12,7 +12,11 @@ namespace fs = std::filesystem;
 /// A file system of its own, as far as the checks look at one.
 class Root : public testing::Test {
  protected:
-  Root() : root_(fs::path(testing::TempDir()) / testing::UnitTest::GetInstance()->current_test_info()->name()) { fs::remove_all(root_); }
+  Root()
+      : root_(fs::path(testing::TempDir()) /
+              testing::UnitTest::GetInstance()->current_test_info()->name()) {
+    fs::remove_all(root_);
+  }
   ~Root() override { fs::remove_all(root_); }
   void put(const std::string& file, const std::string& text) const {
     fs::create_directories((root_ / file).parent_path());
@@ -27,7 +31,8 @@ TEST_F(MachineChecks, KnowARealTimeKernelByEitherSign) {
   put("proc/sys/kernel/osrelease", "6.1.0-18-amd64");
   put("proc/version", "Linux version 6.1.0-18-amd64 #1 SMP PREEMPT_DYNAMIC");
   EXPECT_EQ(check_kernel(root_).health, Health::kMind);
-  EXPECT_TRUE(check_kernel(root_).sentence.contains("6.1.0-18-amd64")) << check_kernel(root_).sentence;
+  EXPECT_TRUE(check_kernel(root_).sentence.contains("6.1.0-18-amd64"))
+      << check_kernel(root_).sentence;
   EXPECT_TRUE(check_kernel(root_).sentence.contains("linux-image-rt-amd64"));
   put("proc/version", "Linux version 6.1.0-18-rt-amd64 #1 SMP PREEMPT_RT");
   EXPECT_EQ(check_kernel(root_).health, Health::kGood);
@@ -41,7 +46,8 @@ TEST_F(MachineChecks, NameGovernorsThatChangeTheClockAndTheCommand) {
   put("sys/devices/system/cpu/cpu0/cpufreq/scaling_governor", "performance");
   EXPECT_EQ(check_governors(root_).health, Health::kGood);
   put("sys/devices/system/cpu/cpu1/cpufreq/scaling_governor", "powersave");
-  EXPECT_TRUE(check_governors(root_).sentence.contains("performance, powersave")) << check_governors(root_).sentence;
+  EXPECT_TRUE(check_governors(root_).sentence.contains("performance, powersave"))
+      << check_governors(root_).sentence;
   EXPECT_TRUE(check_governors(root_).sentence.contains("`cpupower frequency-set -g performance`"));
 }
 
@@ -61,7 +67,8 @@ TEST_F(MachineChecks, NameWirelessAndSlowCards) {
 TEST_F(MachineChecks, FindDevicesOnUsbAndWhetherTheyMayBeOpened) {
   ASSERT_EQ(check_devices(root_).size(), 1U);
   EXPECT_EQ(check_devices(root_)[0].health, Health::kGood);
-  for (const auto& [key, value] : {std::pair{"idVendor", "2988"}, std::pair{"idProduct", "0302"}, std::pair{"busnum", "1"}, std::pair{"devnum", "7"}})
+  for (const auto& [key, value] : {std::pair{"idVendor", "2988"}, std::pair{"idProduct", "0302"},
+                                   std::pair{"busnum", "1"}, std::pair{"devnum", "7"}})
     put(std::string("sys/bus/usb/devices/1-2/") + key, value);
   put("sys/bus/usb/devices/1-3/idVendor", "0403");  // the maker of the Falcon's chip makes others
   put("sys/bus/usb/devices/1-3/idProduct", "6001");

@@ -30,8 +30,10 @@ TEST(PoseCsv, LooksOverTheMarkThatSpreadsheetsPutInFront) {
 }
 
 TEST(PoseCsv, SaysFileLineAndColumnOfWhatItCannotRead) {
-  EXPECT_TRUE(refusal("qw,qx,qy,qz,tx,ty\n").contains("poses.csv:1: ") && refusal("qw,qx,qy,qz,tx,ty\n").contains("'tz'"));
-  EXPECT_NE(refusal("qw,qx,qy,qz,tx,ty,tz\n1,0,0,0,0,0,nan\n").find("poses.csv:2: column 'tz'"), std::string::npos);
+  EXPECT_TRUE(refusal("qw,qx,qy,qz,tx,ty\n").contains("poses.csv:1: ") &&
+              refusal("qw,qx,qy,qz,tx,ty\n").contains("'tz'"));
+  EXPECT_NE(refusal("qw,qx,qy,qz,tx,ty,tz\n1,0,0,0,0,0,nan\n").find("poses.csv:2: column 'tz'"),
+            std::string::npos);
   EXPECT_NE(refusal("qw,qx,qy,qz,tx,ty,tz\n1,0,0,0,0,0,1;\n").find("'1;'"), std::string::npos);
   EXPECT_NE(refusal("qw,qx,qy,qz,tx,ty,tz\n1,0,0\n").find("ends before"), std::string::npos);
   EXPECT_NE(refusal("qw,qx,qy,qz,tx,ty,tz\n0,0,0,0,0,0,0\n").find("norm"), std::string::npos);
@@ -39,8 +41,10 @@ TEST(PoseCsv, SaysFileLineAndColumnOfWhatItCannotRead) {
 }
 
 TEST(PoseCsv, TakesAnyQuaternionNormFromAThousandthToAThousand) {
-  for (const char* w : {"0.001", "1", "1000"}) EXPECT_EQ(refusal(std::string("qw,qx,qy,qz,tx,ty,tz\n") + w + ",0,0,0,0,0,0\n"), "");
-  for (const char* w : {"0.00099", "1001"}) EXPECT_NE(refusal(std::string("qw,qx,qy,qz,tx,ty,tz\n") + w + ",0,0,0,0,0,0\n"), "");
+  for (const char* w : {"0.001", "1", "1000"})
+    EXPECT_EQ(refusal(std::string("qw,qx,qy,qz,tx,ty,tz\n") + w + ",0,0,0,0,0,0\n"), "");
+  for (const char* w : {"0.00099", "1001"})
+    EXPECT_NE(refusal(std::string("qw,qx,qy,qz,tx,ty,tz\n") + w + ",0,0,0,0,0,0\n"), "");
 }
 
 }  // namespace

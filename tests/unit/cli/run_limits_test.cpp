@@ -14,7 +14,8 @@ namespace {
 RunFigures good_run() {
   RunFigures run;
   run.samples = 10'000, run.nominal_rate_hz = 1000, run.rate_hz = 999.2;
-  run.first_answered = 240, run.answered = 9'752, run.overruns = 6, run.deadline_misses = 2, run.clamped = 0;
+  run.first_answered = 240, run.answered = 9'752, run.overruns = 6, run.deadline_misses = 2,
+  run.clamped = 0;
   run.lowest_energy_j = -2e-4, run.energy_bound_j = 4e-4;
   run.validate_every = 20, run.first_judged = 300, run.judged = 483, run.excused = 1;
   run.recording = true;
@@ -28,7 +29,8 @@ RunFigures good_run() {
 std::vector<std::string> not_met(const RunFigures& run, const ChosenLimits& chosen = {}) {
   std::vector<std::string> names;
   for (const Judged& judged : judge_figures(run, chosen)) {
-    if (!judged.met) names.emplace_back(judged.limit->name);
+    if (!judged.met)
+      names.emplace_back(judged.limit->name);
     EXPECT_EQ(judged.met, judged.sentence.empty()) << judged.limit->name;
   }
   return names;
@@ -38,7 +40,8 @@ using Names = std::vector<std::string>;
 
 TEST(RunLimits, AreMetByARunAsItShouldBe) {
   EXPECT_EQ(not_met(good_run()), Names{});
-  for (const Judged& judged : judge_figures(good_run(), {})) EXPECT_TRUE(judged.measured) << judged.limit->name;
+  for (const Judged& judged : judge_figures(good_run(), {}))
+    EXPECT_TRUE(judged.measured) << judged.limit->name;
 }
 
 struct Bad {
@@ -60,53 +63,75 @@ INSTANTIATE_TEST_SUITE_P(
     All, OnceCalledGood,
     testing::Values(
         Bad{"rate_826_of_1000", [](RunFigures& r) { r.rate_hz = 826; }, {"rate_share"}},
-        Bad{"unanswered_28_percent", [](RunFigures& r) { r.answered = 0.72 * 9'760; }, {"answered_share"}},
-        Bad{"unanswered_60_percent", [](RunFigures& r) { r.answered = 0.40 * 9'760; }, {"answered_share"}},
-        Bad{"deadlines_133_missed", [](RunFigures& r) { r.deadline_misses = 133; }, {"deadline_miss_share"}},
+        Bad{"unanswered_28_percent",
+            [](RunFigures& r) { r.answered = 0.72 * 9'760; },
+            {"answered_share"}},
+        Bad{"unanswered_60_percent",
+            [](RunFigures& r) { r.answered = 0.40 * 9'760; },
+            {"answered_share"}},
+        Bad{"deadlines_133_missed",
+            [](RunFigures& r) { r.deadline_misses = 133; },
+            {"deadline_miss_share"}},
         Bad{"clamps_57", [](RunFigures& r) { r.clamped = 57; }, {"clamped_share"}},
-        Bad{"was_in_a_wall_that_nothing_holds_it_from_passing", [](RunFigures& r) { r.passing = 1; }, {"passing_samples"}},
+        Bad{"was_in_a_wall_that_nothing_holds_it_from_passing",
+            [](RunFigures& r) { r.passing = 1; },
+            {"passing_samples"}},
         Bad{"may_have_passed_a_wall_once", [](RunFigures& r) { r.missed = 1; }, {"missed_samples"}},
         Bad{"overruns_of_a_tenth", [](RunFigures& r) { r.overruns = 1'100; }, {"overrun_share"}},
-        // 17,829 samples of passivity control: the debt grew with every turn of a cycle that went on.
+        // 17,829 samples of passivity control: the debt grew with every turn of a cycle that went
+        // on.
         Bad{"not_passive", [](RunFigures& r) { r.lowest_energy_j = -40e-4; }, {"energy_debt"}},
         Bad{"not_passive_in_rotation",
-            [](RunFigures& r) { r.lowest_energy_rotation_j = -1e-2, r.energy_bound_rotation_j = 1e-3; },
+            [](RunFigures& r) {
+              r.lowest_energy_rotation_j = -1e-2, r.energy_bound_rotation_j = 1e-3;
+            },
             {"energy_debt"}},
-        Bad{"gave_energy_without_any_contact", [](RunFigures& r) { r.energy_bound_j = 0.0; }, {"energy_debt"}},
+        Bad{"gave_energy_without_any_contact",
+            [](RunFigures& r) { r.energy_bound_j = 0.0; },
+            {"energy_debt"}},
         Bad{"hung_for_a_quarter", [](RunFigures& r) { r.silence_s = 2.5; }, {"silence_s"}},
         Bad{"validations_4_of_500", [](RunFigures& r) { r.judged = 4; }, {"validated_share"}},
         Bad{"bag_of_934", [](RunFigures& r) { r.streams[0].recorded = 934; }, {"recorded_share"}},
         Bad{"bag_without_commands",
             [](RunFigures& r) { r.streams[2].recorded = 0, r.streams[2].first.reset(); },
             {"first_recorded_s", "recorded_share"}},
-        Bad{"bag_that_begins_late", [](RunFigures& r) { r.streams[0].first = 6'000, r.streams[0].recorded = 4'000; }, {"first_recorded_s"}},
+        Bad{"bag_that_begins_late",
+            [](RunFigures& r) { r.streams[0].first = 6'000, r.streams[0].recorded = 4'000; },
+            {"first_recorded_s"}},
         Bad{"never_answered",
             [](RunFigures& r) { r.first_answered.reset(), r.answered = 0; },
             {"first_answer_s", "answered_share"}},
-        Bad{"answered_late", [](RunFigures& r) { r.first_answered = 6'000, r.answered = 4'000; }, {"first_answer_s"}},
+        Bad{"answered_late",
+            [](RunFigures& r) { r.first_answered = 6'000, r.answered = 4'000; },
+            {"first_answer_s"}},
         Bad{"never_validated",
             [](RunFigures& r) { r.first_judged.reset(), r.judged = 0; },
             {"first_validation_s", "validated_share"}},
         Bad{"validated_late",
             [](RunFigures& r) { r.first_judged = 7'000, r.judged = 149; },
             {"first_validation_s"}},
-        Bad{"rate_that_is_none", [](RunFigures& r) { r.rate_hz = std::numeric_limits<double>::quiet_NaN(); }, {"rate_share"}}),
+        Bad{"rate_that_is_none",
+            [](RunFigures& r) { r.rate_hz = std::numeric_limits<double>::quiet_NaN(); },
+            {"rate_share"}}),
     [](const auto& bad) { return std::string(bad.param.name); });
 
 TEST(RunLimits, SayWhatWasMeasuredWhatWasAskedAndOfWhat) {
   RunFigures run = good_run();
   run.streams[1].recorded = 934;
   const auto judged = judge_figures(run, {});
-  const auto found = std::find_if(judged.begin(), judged.end(), [](const Judged& j) { return !j.met; });
+  const auto found =
+      std::find_if(judged.begin(), judged.end(), [](const Judged& j) { return !j.met; });
   ASSERT_NE(found, judged.end());
   EXPECT_NEAR(found->measured.value_or(0.0), 934.0 / 9'975.0, 1e-12);
-  EXPECT_NE(found->sentence.find("0.09363 (rendering/contact)"), std::string::npos) << found->sentence;
+  EXPECT_NE(found->sentence.find("0.09363 (rendering/contact)"), std::string::npos)
+      << found->sentence;
 }
 
 TEST(RunLimits, LeaveOutWhatAClockSaysInLockstep) {
   RunFigures run = good_run();
   run.lockstep = true;
-  run.rate_hz = 100, run.overruns = 5'000, run.silence_s = 3.0, run.deadline_misses = 500, run.answered = 10;
+  run.rate_hz = 100, run.overruns = 5'000, run.silence_s = 3.0, run.deadline_misses = 500,
+  run.answered = 10;
   EXPECT_EQ(not_met(run), Names{});
   run.judged = 4, run.streams[0].recorded = 9'000, run.clamped = 57;
   EXPECT_EQ(not_met(run), (Names{"clamped_share", "validated_share", "recorded_share"}));
@@ -114,7 +139,8 @@ TEST(RunLimits, LeaveOutWhatAClockSaysInLockstep) {
 
 TEST(RunLimits, JudgeNoRunWithoutSamplesAndNoBagWhereNoneIsMade) {
   RunFigures none;
-  for (const Judged& judged : judge_figures(none, {})) EXPECT_FALSE(judged.measured) << judged.limit->name;
+  for (const Judged& judged : judge_figures(none, {}))
+    EXPECT_FALSE(judged.measured) << judged.limit->name;
   EXPECT_EQ(not_met(none), Names{});
   RunFigures run = good_run();
   run.recording = false, run.streams.clear();
@@ -123,7 +149,8 @@ TEST(RunLimits, JudgeNoRunWithoutSamplesAndNoBagWhereNoneIsMade) {
 
 TEST(RunLimits, OfARunTooShortForAValidationAreMet) {
   RunFigures run = good_run();
-  run.samples = 300, run.first_judged.reset(), run.judged = 0, run.excused = 0, run.validate_every = 1000;
+  run.samples = 300, run.first_judged.reset(), run.judged = 0, run.excused = 0,
+  run.validate_every = 1000;
   run.first_judged = 0;
   EXPECT_EQ(not_met(run), (Names{"validated_share"})) << "sample 0 was due";
   run.judged = 1;
@@ -162,7 +189,8 @@ TEST(RunLimits, AreAllDescribed) {
     EXPECT_NE(describe_limits().find(limit.name), std::string::npos) << limit.name;
     EXPECT_FALSE(limit.what.empty() || limit.means.empty()) << limit.name;
   }
-  EXPECT_NE(describe_limits().find("silence_s at most 0.4 s"), std::string::npos) << describe_limits();
+  EXPECT_NE(describe_limits().find("silence_s at most 0.4 s"), std::string::npos)
+      << describe_limits();
 }
 
 }  // namespace

@@ -7,11 +7,13 @@ namespace start_warnings_test {
 
 TEST(StartWarnings, AreTwoAtMostAndTheRestIsCounted) {
   EXPECT_TRUE(few_warnings({}, "cup").empty());
-  EXPECT_EQ(few_warnings({"a", "b"}, "cup"), (std::vector<std::string>{"warning: a", "warning: b"}));
+  EXPECT_EQ(few_warnings({"a", "b"}, "cup"),
+            (std::vector<std::string>{"warning: a", "warning: b"}));
   const std::vector<std::string> few = few_warnings({"a", "b", "c", "d"}, "cup");
   ASSERT_EQ(few.size(), 3U);
   EXPECT_EQ(few[1], "warning: b");
-  for (const char* fact : {" 2 ", "`voxtouch plan cup`", "`voxtouch doctor`"}) EXPECT_TRUE(few[2].contains(fact)) << few[2];
+  for (const char* fact : {" 2 ", "`voxtouch plan cup`", "`voxtouch doctor`"})
+    EXPECT_TRUE(few[2].contains(fact)) << few[2];
 }
 
 TEST(StartWarnings, TellOfTheMachineInOneSentence) {

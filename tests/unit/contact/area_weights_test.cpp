@@ -22,10 +22,13 @@ const pointshell::Pointshell& shell() {
 }
 
 /// One contact model over one voxmap.
-contact::ContactRenderer model_over(const voxmap::Voxmap& voxmap, contact::ContactModelKind kind, contact::PointWeights weights) {
+contact::ContactRenderer model_over(const voxmap::Voxmap& voxmap, contact::ContactModelKind kind,
+                                    contact::PointWeights weights) {
   return {voxmap, shell(), kind, {1.0, weights}};
 }
-voxmap::Voxmap voxels(const mesh::TriangleMesh& mesh, const voxmap::Grid& grid) { return voxmap::voxelise(mesh, grid, serial_for()); }
+voxmap::Voxmap voxels(const mesh::TriangleMesh& mesh, const voxmap::Grid& grid) {
+  return voxmap::voxelise(mesh, grid, serial_for());
+}
 
 /// A place on a surface, and its outward normal.
 struct Place {
@@ -41,17 +44,20 @@ struct Setting {
 Setting plane(const std::string& name, const Quat& turn, double offset_edges) {
   const Pose pose{Vec3(0.1, 0.2, 0.3 + offset_edges * kEdge), turn};
   return {name, box_mesh(Vec3(0.12, 0.12, 0.04), pose), [pose](std::mt19937_64& random) {
-            return Place{pose * Vec3(uniform(random, -0.02, 0.02), uniform(random, -0.02, 0.02), 0.02),
-                         pose.orientation * Vec3::UnitZ()};
+            return Place{
+                pose * Vec3(uniform(random, -0.02, 0.02), uniform(random, -0.02, 0.02), 0.02),
+                pose.orientation * Vec3::UnitZ()};
           }};
 }
 Setting cylinder(const std::string& name, double radius, const Quat& turn) {
   mesh::TriangleMesh mesh = cylinder_mesh(radius, 0.12, 720);
-  for (Vec3& v : mesh.vertices) v = turn * v;
+  for (Vec3& v : mesh.vertices)
+    v = turn * v;
   return {name, mesh, [radius, turn](std::mt19937_64& random) {
             const double angle = uniform(random, 0, 7);
             const Vec3 normal(std::cos(angle), std::sin(angle), 0);
-            return Place{turn * (radius * normal + Vec3(0, 0, uniform(random, -0.02, 0.02))), turn * normal};
+            return Place{turn * (radius * normal + Vec3(0, 0, uniform(random, -0.02, 0.02))),
+                         turn * normal};
           }};
 }
 Quat about(double degrees, const Vec3& axis) {
@@ -71,14 +77,16 @@ std::vector<Setting> settings() {
 }
 
 /// RMS of the force across the normal, over the mean force along it.
-double tangential_noise(contact::ContactRenderer renderer, const Setting& setting, std::uint64_t seed) {
+double tangential_noise(contact::ContactRenderer renderer, const Setting& setting,
+                        std::uint64_t seed) {
   constexpr int kPoses = 150;
   std::mt19937_64 random(seed);
   std::vector<double> across;
   double mean = 0.0;
   for (int n = 0; n < kPoses; ++n) {
     const Place place = setting.place(random);
-    const Pose pose = ball().posed(place.point + (kRadius - kDepth) * place.normal, random_rotation(random));
+    const Pose pose =
+        ball().posed(place.point + (kRadius - kDepth) * place.normal, random_rotation(random));
     const Vec3 force = renderer.probe(pose).wrench.force;
     const double along = force.dot(place.normal);
     across.push_back((force - along * place.normal).norm());
@@ -98,29 +106,32 @@ TEST(AreaWeights, TakeNoiseFromTheMeanNormal) {
     of_original.push_back(ratio(contact::ContactModelKind::kOriginal));
     of_adapted.push_back(ratio(contact::ContactModelKind::kAdapted));
   }
-  std::printf("tangential rms with area weights over without, median: original %.2f, adapted %.2f\n",
-              quantile(of_original, 0.5), quantile(of_adapted, 0.5));
+  std::printf(
+      "tangential rms with area weights over without, median: original %.2f, adapted %.2f\n",
+      quantile(of_original, 0.5), quantile(of_adapted, 0.5));
   EXPECT_LT(quantile(of_adapted, 0.5), 1.0);
 }
 
 /// A point that stands for two of half its area pushes as both.
 TEST(AreaWeights, SplittingAPointChangesNothing) {
   const voxmap::Voxmap map = block({Vec3::Zero(), 1.0}, {0, 0, 0}, {20, 20, 5});
-  pointshell::Pointshell whole =
-      shell_of({{Vec3(0, 0, 0), Vec3(0, 0, 1)}, {Vec3(1.3, 0.2, 0.1), Vec3(0.1, 0, 1).normalized()}}, 1.0);
+  pointshell::Pointshell whole = shell_of(
+      {{Vec3(0, 0, 0), Vec3(0, 0, 1)}, {Vec3(1.3, 0.2, 0.1), Vec3(0.1, 0, 1).normalized()}}, 1.0);
   whole.area_m2 = {0.8, 0.6};
   pointshell::Pointshell split = shell_of({{Vec3(0, 0, 0), Vec3(0, 0, 1)},
-                               {Vec3(1.3, 0.2, 0.1), Vec3(0.1, 0, 1).normalized()},
-                               {Vec3(1.3, 0.2, 0.1), Vec3(0.1, 0, 1).normalized()}},
-                              1.0);
+                                           {Vec3(1.3, 0.2, 0.1), Vec3(0.1, 0, 1).normalized()},
+                                           {Vec3(1.3, 0.2, 0.1), Vec3(0.1, 0, 1).normalized()}},
+                                          1.0);
   split.area_m2 = {0.8, 0.3, 0.3};
-  for (const contact::ContactModelKind kind : {contact::ContactModelKind::kOriginal, contact::ContactModelKind::kAdapted}) {
+  for (const contact::ContactModelKind kind :
+       {contact::ContactModelKind::kOriginal, contact::ContactModelKind::kAdapted}) {
     contact::ContactRenderer one(map, whole, kind, {7.0, contact::PointWeights::kArea}),
         two(map, split, kind, {7.0, contact::PointWeights::kArea});
     const Pose pose{Vec3(8.4, 9.2, 5.35), Quat::Identity()};
     const contact::ContactResult a = one.probe(pose), b = two.probe(pose);
     ASSERT_GT(a.wrench.force.norm(), 0.0) << contact::name_of(kind);
-    EXPECT_LT((a.wrench.force - b.wrench.force).norm(), 1e-12 * a.wrench.force.norm()) << contact::name_of(kind);
+    EXPECT_LT((a.wrench.force - b.wrench.force).norm(), 1e-12 * a.wrench.force.norm())
+        << contact::name_of(kind);
     EXPECT_LT((a.wrench.torque - b.wrench.torque).norm(), 1e-12 * a.wrench.force.norm());
     EXPECT_NEAR(a.stiffness_bound_n_per_m, b.stiffness_bound_n_per_m, 1e-12);
     EXPECT_NEAR(a.coherence, b.coherence, 1e-12);

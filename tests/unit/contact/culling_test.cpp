@@ -14,25 +14,30 @@ struct BruteForce {
 };
 
 /// Every point, one by one, with the same arithmetic but no tree.
-BruteForce brute_force(const voxmap::Voxmap& voxmap, const pointshell::Pointshell& shell, const Pose& pose) {
+BruteForce brute_force(const voxmap::Voxmap& voxmap, const pointshell::Pointshell& shell,
+                       const Pose& pose) {
   BruteForce out;
   const Mat3 rotation = pose.orientation.toRotationMatrix();
   const Vec3 t = pose.position - voxmap.grid().origin;
   for (std::uint32_t p = 0; p < shell.size(); ++p) {
     Vec3 u;
     for (int a = 0; a < 3; ++a)
-      u[a] = (rotation(a, 0) * shell.x[p] + rotation(a, 1) * shell.y[p] + rotation(a, 2) * shell.z[p] + t[a]) /
+      u[a] = (rotation(a, 0) * shell.x[p] + rotation(a, 1) * shell.y[p] +
+              rotation(a, 2) * shell.z[p] + t[a]) /
              voxmap.grid().edge;
     const voxmap::VoxelKind kind = voxmap.at(voxmap::Grid::voxel_of(u));
-    if (kind == voxmap::VoxelKind::kSurface) out.surface.push_back(p);
-    if (kind == voxmap::VoxelKind::kInterior) out.interior.push_back(p);
+    if (kind == voxmap::VoxelKind::kSurface)
+      out.surface.push_back(p);
+    if (kind == voxmap::VoxelKind::kInterior)
+      out.interior.push_back(p);
   }
   return out;
 }
 
 std::vector<std::uint32_t> points(const contact::Hits& hits) {
   std::vector<std::uint32_t> out;
-  for (std::size_t n = 0; n < hits.size(); ++n) out.push_back(hits.point(n));
+  for (std::size_t n = 0; n < hits.size(); ++n)
+    out.push_back(hits.point(n));
   return out;
 }
 
@@ -77,7 +82,8 @@ TEST(SphereTree, HasALeafForEveryPointOfAnyCount) {
     contact::ContactQuery(voxmap, shell).find({Vec3(2.5, 1.5, 0.5), Quat::Identity()}, hits);
     ASSERT_EQ(hits.interior.size(), count);
     EXPECT_EQ(hits.tested, count);
-    for (std::uint32_t p = 0; p < count; ++p) EXPECT_EQ(hits.interior.point(p), p);
+    for (std::uint32_t p = 0; p < count; ++p)
+      EXPECT_EQ(hits.interior.point(p), p);
   }
 }
 
@@ -87,9 +93,12 @@ TEST(Culling, NeverDropsAHitInThousandsOfRandomPoses) {
   const voxmap::Grid grid{Vec3(-0.7, 0.31, 0.123), e};
   const voxmap::Voxmap voxmap = scene(grid);
   const pointshell::Pointshell ball = sphere_shell(9.3 * e, e);
-  std::vector<std::pair<Vec3, Vec3>> scattered;  // a shell whose order means nothing: the tree may be slow, not wrong
+  std::vector<std::pair<Vec3, Vec3>>
+      scattered;  // a shell whose order means nothing: the tree may be slow, not wrong
   for (int n = 0; n < 700; ++n)
-    scattered.emplace_back(e * Vec3(uniform(random, -9, 9), uniform(random, -9, 9), uniform(random, -9, 9)), Vec3::UnitZ());
+    scattered.emplace_back(
+        e * Vec3(uniform(random, -9, 9), uniform(random, -9, 9), uniform(random, -9, 9)),
+        Vec3::UnitZ());
   std::size_t touched = 0, heavy = 0, culled = 0, poses = 0;
   for (const pointshell::Pointshell& shell : {ball, shell_of(scattered, e)}) {
     const contact::ContactQuery query(voxmap, shell);
@@ -98,12 +107,16 @@ TEST(Culling, NeverDropsAHitInThousandsOfRandomPoses) {
     for (int n = 0; n < 4000; ++n, ++poses) {
       // Everywhere in and beyond the table, its border, close to the floor, and far outside.
       const double spread = n % 4 == 3 ? 4000.0 : 100.0;
-      Vec3 u(uniform(random, -0.5, 1.0) * spread, uniform(random, -0.5, 1.0) * spread, uniform(random, -0.5, 1.0) * spread);
-      if (n % 4 == 0) u.z() = uniform(random, 0.0, 20.0);
-      if (n % 4 == 1) u[n % 3] = (n % 8 < 4 ? -8.0 : 80.0) + uniform(random, -0.01, 0.01);
+      Vec3 u(uniform(random, -0.5, 1.0) * spread, uniform(random, -0.5, 1.0) * spread,
+             uniform(random, -0.5, 1.0) * spread);
+      if (n % 4 == 0)
+        u.z() = uniform(random, 0.0, 20.0);
+      if (n % 4 == 1)
+        u[n % 3] = (n % 8 < 4 ? -8.0 : 80.0) + uniform(random, -0.01, 0.01);
       const Pose pose{grid.origin + e * u, random_rotation(random)};
       query.find(pose, hits);
-      // The query brings the quaternion to unit norm; take its rotation so that the last bit is the same.
+      // The query brings the quaternion to unit norm; take its rotation so that the last bit is the
+      // same.
       const BruteForce all = brute_force(voxmap, shell, hits.pose_WT);
       ASSERT_EQ(points(hits.surface), all.surface) << "pose " << n << " u " << u.transpose();
       ASSERT_EQ(points(hits.interior), all.interior) << "pose " << n << " u " << u.transpose();
@@ -125,8 +138,11 @@ TEST(Culling, TestsFewPointsPerPointThatIsNotFreeInLightContact) {
   const voxmap::Voxmap voxmap = block(grid, {0, 0, 0}, {255, 255, 15});
   std::mt19937_64 random(3);
   const double radius = 50.0;
-  struct Case { double pitch, limit; };
-  for (const auto& [pitch, limit] : {Case{1.772, 23.0}, Case{1.0, 17.0}, Case{0.5605, 9.0}, Case{0.17725, 6.0}}) {
+  struct Case {
+    double pitch, limit;
+  };
+  for (const auto& [pitch, limit] :
+       {Case{1.772, 23.0}, Case{1.0, 17.0}, Case{0.5605, 9.0}, Case{0.17725, 6.0}}) {
     const pointshell::Pointshell shell = sphere_shell(radius * e, pitch * e);
     const contact::ContactQuery query(voxmap, shell);
     contact::HitList hits;
@@ -140,17 +156,21 @@ TEST(Culling, TestsFewPointsPerPointThatIsNotFreeInLightContact) {
     }
     const double ratio = static_cast<double>(tested) / static_cast<double>(not_free);
     const double share = static_cast<double>(not_free) / 50.0 / static_cast<double>(shell.size());
-    std::printf("light contact: %zu points, %.2f %% not free, %.1f points tested per point that is not free\n", shell.size(),
-                100 * share, ratio);
+    std::printf(
+        "light contact: %zu points, %.2f %% not free, %.1f points tested per point that is not "
+        "free\n",
+        shell.size(), 100 * share, ratio);
     EXPECT_NEAR(share, 0.01, 0.005);
     EXPECT_LE(ratio, limit);
   }
 }
 
 TEST(Query, RefusesPosesThatAreNone) {
-  const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
+  const double nan = std::numeric_limits<double>::quiet_NaN(),
+               inf = std::numeric_limits<double>::infinity();
   const voxmap::Voxmap voxmap = scene({Vec3::Zero(), 0.01});
-  contact::ContactRenderer renderer(voxmap, sphere_shell(0.05, 0.01), contact::ContactModelKind::kAdapted, {1.0});
+  contact::ContactRenderer renderer(voxmap, sphere_shell(0.05, 0.01),
+                                    contact::ContactModelKind::kAdapted, {1.0});
   const Pose touching{Vec3(0.3, 0.3, 0.11), Quat::Identity()};
   ASSERT_GT(renderer.probe(touching).surface_hits, 0U);
   std::vector<Pose> bad;
@@ -173,7 +193,8 @@ TEST(Query, RefusesPosesThatAreNone) {
 
 TEST(Query, SaysThatAPoseIsTooFarForInt32InsteadOfWrapping) {
   const voxmap::Voxmap voxmap = scene({Vec3::Zero(), 0.01});
-  contact::ContactRenderer renderer(voxmap, sphere_shell(0.05, 0.01), contact::ContactModelKind::kAdapted, {1.0});
+  contact::ContactRenderer renderer(voxmap, sphere_shell(0.05, 0.01),
+                                    contact::ContactModelKind::kAdapted, {1.0});
   for (const double far : {2.2e7, -2.2e7, 1e300, -1e300, 1.7e308}) {
     const contact::ContactResult r = renderer.probe({Vec3(0.3, far, 0.11), Quat::Identity()});
     EXPECT_EQ(r.pose_status, contact::PoseStatus::kOutOfRange) << far;
@@ -186,7 +207,8 @@ TEST(Query, SaysThatAPoseIsTooFarForInt32InsteadOfWrapping) {
 
 TEST(Query, TakesAnyQuaternionNormBetweenAThousandthAndAThousand) {
   const voxmap::Voxmap voxmap = scene({Vec3::Zero(), 0.01});
-  contact::ContactRenderer renderer(voxmap, sphere_shell(0.05, 0.01), contact::ContactModelKind::kAdapted, {1.0});
+  contact::ContactRenderer renderer(voxmap, sphere_shell(0.05, 0.01),
+                                    contact::ContactModelKind::kAdapted, {1.0});
   Pose pose{Vec3(0.3, 0.3, 0.11), Quat(0.5, 0.5, 0.5, 0.5)};
   const contact::ContactResult one = renderer.probe(pose);
   ASSERT_GT(one.wrench.force.norm(), 0.0);
@@ -198,14 +220,15 @@ TEST(Query, TakesAnyQuaternionNormBetweenAThousandthAndAThousand) {
 
 TEST(Query, PutsAPointOnABorderOrCornerIntoOneVoxelOnly) {
   const voxmap::Voxmap voxmap = block({Vec3::Zero(), 0.125}, {0, 0, 0}, {7, 7, 7});
-  contact::ContactRenderer renderer(voxmap, shell_of({{Vec3::Zero(), Vec3::UnitZ()}}, 0.125), contact::ContactModelKind::kOriginal, {1.0});
+  contact::ContactRenderer renderer(voxmap, shell_of({{Vec3::Zero(), Vec3::UnitZ()}}, 0.125),
+                                    contact::ContactModelKind::kOriginal, {1.0});
   const auto hits = [&](double x, double y, double z) {
     const contact::ContactResult r = renderer.probe({0.125 * Vec3(x, y, z), Quat::Identity()});
     return std::pair(r.surface_hits, r.interior_hits);
   };
-  EXPECT_EQ(hits(0, 0, 0), std::pair(1U, 0U));   // the low corner belongs to the block,
-  EXPECT_EQ(hits(8, 8, 8), std::pair(0U, 0U));   // the high corner to the free voxel beyond it,
-  EXPECT_EQ(hits(1, 1, 1), std::pair(0U, 1U));   // an inner border to the voxel above it
+  EXPECT_EQ(hits(0, 0, 0), std::pair(1U, 0U));  // the low corner belongs to the block,
+  EXPECT_EQ(hits(8, 8, 8), std::pair(0U, 0U));  // the high corner to the free voxel beyond it,
+  EXPECT_EQ(hits(1, 1, 1), std::pair(0U, 1U));  // an inner border to the voxel above it
   EXPECT_EQ(hits(7, 4, 4), std::pair(1U, 0U));
 }
 
@@ -221,7 +244,8 @@ TEST(Query, RefusesAShellThatIsBroken) {
 
 TEST(Query, FindsNothingForAnEmptyShell) {
   const voxmap::Voxmap voxmap = block({Vec3::Zero(), 0.125}, {0, 0, 0}, {7, 7, 7});
-  contact::ContactRenderer renderer(voxmap, pointshell::Pointshell{}, contact::ContactModelKind::kAdapted, {1.0});
+  contact::ContactRenderer renderer(voxmap, pointshell::Pointshell{},
+                                    contact::ContactModelKind::kAdapted, {1.0});
   EXPECT_TRUE(renderer.render({Vec3(0.5, 0.5, 0.5), Quat::Identity()}).contact.wrench.zero());
 }
 

@@ -1,4 +1,5 @@
-// How near the force of `field` comes to the law's own integral over the tessellated tool, at e = 1 mm.
+// How near the force of `field` comes to the law's own integral over the tessellated tool, at e = 1
+// mm.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -24,7 +25,8 @@ Setting plane(const char* name, const Quat& turn) {
   return {name, box_mesh(Vec3(0.06, 0.06, 0.02), pose),
           [pose](const Vec3& x) { return 0.01 - (pose.inverse() * x).z(); },
           [pose](std::mt19937_64& random) {
-            return pose * Vec3(uniform(random, -0.01, 0.01), uniform(random, -0.01, 0.01), 0.01 + kRadius - kDepth);
+            return pose * Vec3(uniform(random, -0.01, 0.01), uniform(random, -0.01, 0.01),
+                               0.01 + kRadius - kDepth);
           }};
 }
 
@@ -38,7 +40,8 @@ Setting cylinder() {
           }};
 }
 
-/// 81920 triangles: the facets lie on average 2.4 um and at most 4 um below the round sphere, 0.5 % and 0.8 % of the depth.
+/// 81920 triangles: the facets lie on average 2.4 um and at most 4 um below the round sphere, 0.5 %
+/// and 0.8 % of the depth.
 Setting sphere() {
   return {"sphere of 40 mm", sphere_mesh(0.04, 6), [](const Vec3& x) { return 0.04 - x.norm(); },
           [](std::mt19937_64& random) -> Vec3 {
@@ -46,7 +49,8 @@ Setting sphere() {
           }};
 }
 
-/// Facets of the tool lie at most 2.3 um below its sphere; the integral is over the facets, so that this is no error here.
+/// Facets of the tool lie at most 2.3 um below its sphere; the integral is over the facets, so that
+/// this is no error here.
 void measure(const Setting& s) {
   const Ball tool(kRadius, 5);
   const Ground ground(s.mesh, kEdge, 3.0);
@@ -64,12 +68,14 @@ void measure(const Setting& s) {
     far += std::abs(r.deepest_depth_m - kDepth) > 0.05 * kEdge || r.saturated;
   }
   double mean = 0.0;
-  for (const double q : ratio) mean += q / kPoses;
+  for (const double q : ratio)
+    mean += q / kPoses;
   std::printf(
-      "%-18s direction median %.4f p95 %.4f worst %.4f deg; magnitude noise %.3f %%, bias %+.2f %%; torque rms %.4f e "
+      "%-18s direction median %.4f p95 %.4f worst %.4f deg; magnitude noise %.3f %%, bias %+.2f "
+      "%%; torque rms %.4f e "
       "F\n",
-      s.name, quantile(off, 0.5), quantile(off, 0.95), quantile(off, 1.0), 100 * noise(ratio), 100 * (mean - 1),
-      rms(torque));
+      s.name, quantile(off, 0.5), quantile(off, 0.95), quantile(off, 1.0), 100 * noise(ratio),
+      100 * (mean - 1), rms(torque));
   EXPECT_EQ(far, 0) << "of " << kPoses << " frames report another depth, or are called saturated";
   EXPECT_LE(quantile(off, 0.5), 0.1) << s.name;
   EXPECT_LE(quantile(off, 0.95), 0.2) << s.name;
@@ -92,17 +98,21 @@ TEST(FieldAccuracy, ASymmetricSlotGivesNoNetForce) {
   const pointshell::Pointshell shell = exact_shell(tool.mesh, kEdge);
   std::vector<double> share;
   for (int n = 0; n < 12; ++n) {
-    const Pose slot{Vec3(uniform(random, 0, kEdge), uniform(random, 0, kEdge), uniform(random, 0, kEdge)),
-                    n % 3 == 0 ? Quat::Identity() : random_rotation(random)};
+    const Pose slot{
+        Vec3(uniform(random, 0, kEdge), uniform(random, 0, kEdge), uniform(random, 0, kEdge)),
+        n % 3 == 0 ? Quat::Identity() : random_rotation(random)};
     const auto wall = [&](double side) {
-      return box_mesh(Vec3(0.01, 0.03, 0.03), slot * Pose{Vec3(side * (half_gap + 0.005), 0, 0), Quat::Identity()});
+      return box_mesh(Vec3(0.01, 0.03, 0.03),
+                      slot * Pose{Vec3(side * (half_gap + 0.005), 0, 0), Quat::Identity()});
     };
     const Ground both(joined(wall(1), wall(-1)), kEdge, 3.0), one(wall(1), kEdge, 3.0);
     contact::ContactRenderer in_slot = both.renderer(shell), at_wall = one.renderer(shell);
     for (int m = 0; m < 20; ++m) {
-      const Pose pose = tool.posed(slot * Vec3(0, uniform(random, -0.003, 0.003), uniform(random, -0.003, 0.003)),
-                                   random_rotation(random));
-      share.push_back(in_slot.probe(pose).wrench.force.norm() / at_wall.probe(pose).wrench.force.norm());
+      const Pose pose =
+          tool.posed(slot * Vec3(0, uniform(random, -0.003, 0.003), uniform(random, -0.003, 0.003)),
+                     random_rotation(random));
+      share.push_back(in_slot.probe(pose).wrench.force.norm() /
+                      at_wall.probe(pose).wrench.force.norm());
     }
   }
   std::printf("slot: net force rms %.3f %%, worst %.3f %% of one wall's\n", 100 * rms(share),
@@ -124,10 +134,11 @@ TEST(FieldAccuracy, HalvingTheVoxelsLeavesTheForce) {
   const std::vector<Case> cases = {
       {"plane", box_mesh(Vec3(0.06, 0.06, 0.02), pose),
        [&](std::mt19937_64& random, double depth) {
-         return pose * Vec3(uniform(random, -0.01, 0.01), uniform(random, -0.01, 0.01), 0.01 + kRadius - depth);
+         return pose * Vec3(uniform(random, -0.01, 0.01), uniform(random, -0.01, 0.01),
+                            0.01 + kRadius - depth);
        }},
-      // Along the edge the interpolation rounds off the ridge where the nearest face changes, by up to half a voxel: 4 and
-      // 8 mm deep that still costs this much.
+      // Along the edge the interpolation rounds off the ridge where the nearest face changes, by up
+      // to half a voxel: 4 and 8 mm deep that still costs this much.
       {"edge of a box, 4 times as deep", box_mesh(Vec3(0.06, 0.06, 0.06), pose),
        [&](std::mt19937_64& random, double depth) {
          return pose * (Vec3(0.03, 0, 0.03) + (kRadius - 4 * depth) * Vec3(1, 0, 1).normalized() +
@@ -143,21 +154,24 @@ TEST(FieldAccuracy, HalvingTheVoxelsLeavesTheForce) {
     std::vector<std::unique_ptr<contact::ContactRenderer>> renderers;
     for (const double e : {2e-3, 1e-3, 0.5e-3}) {
       grounds.push_back(std::make_unique<Ground>(c.mesh, e, 8.0));
-      renderers.push_back(
-          std::make_unique<contact::ContactRenderer>(grounds.back()->voxmap, exact_shell(tool.mesh, e), contact::ContactModelKind::kField,
-                                            contact::ContactParameters{kPressure, contact::PointWeights::kArea}, &grounds.back()->field));
+      renderers.push_back(std::make_unique<contact::ContactRenderer>(
+          grounds.back()->voxmap, exact_shell(tool.mesh, e), contact::ContactModelKind::kField,
+          contact::ContactParameters{kPressure, contact::PointWeights::kArea},
+          &grounds.back()->field));
     }
     std::mt19937_64 random(13);
     double worst_coarse = 0.0, worst_fine = 0.0;
     for (int n = 0; n < 60; ++n) {
-      const Pose at = tool.posed(c.centre(random, n % 2 == 0 ? 1e-3 : 2e-3), random_rotation(random));
-      const Vec3 coarse = renderers[0]->probe(at).wrench.force, middle = renderers[1]->probe(at).wrench.force,
+      const Pose at =
+          tool.posed(c.centre(random, n % 2 == 0 ? 1e-3 : 2e-3), random_rotation(random));
+      const Vec3 coarse = renderers[0]->probe(at).wrench.force,
+                 middle = renderers[1]->probe(at).wrench.force,
                  fine = renderers[2]->probe(at).wrench.force;
       worst_coarse = std::max(worst_coarse, (coarse - middle).norm() / middle.norm());
       worst_fine = std::max(worst_fine, (middle - fine).norm() / fine.norm());
     }
-    std::printf("%s: worst change 2 to 1 mm %.2f %%, 1 to 0.5 mm %.2f %%\n", c.name, 100 * worst_coarse,
-                100 * worst_fine);
+    std::printf("%s: worst change 2 to 1 mm %.2f %%, 1 to 0.5 mm %.2f %%\n", c.name,
+                100 * worst_coarse, 100 * worst_fine);
     EXPECT_LE(worst_coarse, c.limit) << c.name;
     EXPECT_LE(worst_fine, c.limit) << c.name;
   }

@@ -17,7 +17,8 @@ mesh::TriangleMesh plate(double thickness, const Quat& turn) {
   return box_mesh(Vec3(0.07, 0.07, thickness), {Vec3::Zero(), turn});
 }
 
-const std::vector<Quat> kTurns = {Quat::Identity(), Quat(Eigen::AngleAxisd(0.5, Vec3(2, 1, -1).normalized()))};
+const std::vector<Quat> kTurns = {Quat::Identity(),
+                                  Quat(Eigen::AngleAxisd(0.5, Vec3(2, 1, -1).normalized()))};
 
 TEST(FieldDepth, TheForceGrowsDownToTenVoxelsInABodyOf25) {
   const Ball tool(15 * kEdge, 4);
@@ -35,19 +36,22 @@ TEST(FieldDepth, TheForceGrowsDownToTenVoxelsInABodyOf25) {
         const contact::ContactResult r = renderer.probe(tool.posed(at, orientation));
         const double push = r.wrench.force.dot(turn * Vec3::UnitZ());
         ASSERT_GE(push, last) << "at a depth of " << depth / kEdge << " voxels";
-        ASSERT_LE(degrees_between(r.wrench.force, turn * Vec3::UnitZ()), depth > 0.5 * kEdge ? 1.0 : 90.0);
+        ASSERT_LE(degrees_between(r.wrench.force, turn * Vec3::UnitZ()),
+                  depth > 0.5 * kEdge ? 1.0 : 90.0);
         ASSERT_FALSE(r.saturated) << "at a depth of " << depth / kEdge << " voxels";
         ASSERT_NEAR(r.deepest_depth_m, depth, 0.06 * kEdge);
         last = push;
       }
       // k pi h^2 (R - h / 3): the depth under a plane over the ball's cap.
-      const double depth = 10 * kEdge, volume = kPressure * std::numbers::pi * depth * depth * (15 * kEdge - depth / 3);
+      const double depth = 10 * kEdge,
+                   volume = kPressure * std::numbers::pi * depth * depth * (15 * kEdge - depth / 3);
       EXPECT_NEAR(last, volume, 0.02 * volume);
     }
   }
 }
 
-/// A tool that is smaller than the body and wholly inside floats up: k times its volume, whatever the depth.
+/// A tool that is smaller than the body and wholly inside floats up: k times its volume, whatever
+/// the depth.
 TEST(FieldDepth, AToolWhollyInsideIsPushedOutAndToldSo) {
   const Ball tool(4 * kEdge, 4);
   const Ground ground(plate(25 * kEdge, kTurns[1]), kEdge);
@@ -68,7 +72,8 @@ TEST(FieldDepth, AToolWhollyInsideIsPushedOutAndToldSo) {
   }
 }
 
-/// Straight through plates of all thicknesses: wherever going deeper meets less force than before, the frame says so.
+/// Straight through plates of all thicknesses: wherever going deeper meets less force than before,
+/// the frame says so.
 TEST(FieldDepth, APushThatGrowsNoMoreIsFlaggedBeforeItFalls) {
   const Ball tool(10 * kEdge, 4);
   const pointshell::Pointshell shell = exact_shell(tool.mesh, kEdge);
@@ -81,12 +86,15 @@ TEST(FieldDepth, APushThatGrowsNoMoreIsFlaggedBeforeItFalls) {
         const Vec3 at = turn * Vec3(0.001, 0.002, (0.5 * thickness + 10) * kEdge - depth);
         const contact::ContactResult r = renderer.probe(tool.posed(at, kTurns[0]));
         const double push = r.wrench.force.dot(turn * Vec3::UnitZ());
-        if (r.saturated) flagged_from = std::min(flagged_from, depth / kEdge);
-        if (push < 0.99 * most) fallen_from = std::min(fallen_from, depth / kEdge);
+        if (r.saturated)
+          flagged_from = std::min(flagged_from, depth / kEdge);
+        if (push < 0.99 * most)
+          fallen_from = std::min(fallen_from, depth / kEdge);
         most = std::max(most, push);
       }
       EXPECT_LE(flagged_from, fallen_from) << "a plate of " << thickness << " voxels";
-      EXPECT_GE(flagged_from, std::min(12.0, 0.5 * thickness) - 1.2) << "flagged too soon: " << thickness;
+      EXPECT_GE(flagged_from, std::min(12.0, 0.5 * thickness) - 1.2)
+          << "flagged too soon: " << thickness;
     }
 }
 

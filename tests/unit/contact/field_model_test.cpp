@@ -25,11 +25,16 @@ Quat turned_by(double angle) { return Quat(Eigen::AngleAxisd(angle, Vec3(1, 2, -
 struct Scene {
   double height = 0.03;
   Ball tool{8 * kEdge, 4};
-  Ground ground{box_mesh(Vec3(0.04, 0.04, height), {Vec3(0.01, 0.02, 0.03) + turned_by(0.4) * Vec3(0.0, 0.0, 0.5 * (0.03 - height)), turned_by(0.4)}), kEdge};
+  Ground ground{
+      box_mesh(Vec3(0.04, 0.04, height),
+               {Vec3(0.01, 0.02, 0.03) + turned_by(0.4) * Vec3(0.0, 0.0, 0.5 * (0.03 - height)),
+                turned_by(0.4)}),
+      kEdge};
   contact::ContactRenderer renderer = ground.renderer(exact_shell(tool.mesh, kEdge));
   /// Over the upper face, or near its rim.
   Pose random_pose(std::mt19937_64& random) const {
-    const Vec3 at(uniform(random, 0.0, 0.024), uniform(random, 0.0, 0.024), 0.015 + 0.008 - uniform(random, 0, 0.006));
+    const Vec3 at(uniform(random, 0.0, 0.024), uniform(random, 0.0, 0.024),
+                  0.015 + 0.008 - uniform(random, 0, 0.006));
     return tool.posed(Pose{Vec3(0.01, 0.02, 0.03), turned_by(0.4)} * at, random_rotation(random));
   }
 };
@@ -54,7 +59,8 @@ TEST(FieldModel, PushesEachPointAlongItsNormalWithItsAreaAndItsDepth) {
       }
     interior += r.interior_hits > 0;
     EXPECT_LE((sum.force - r.wrench.force).norm(), 1e-9 * sum.force.norm());
-    EXPECT_LE((sum.torque - r.wrench.torque).norm(), 1e-9 * (sum.torque.norm() + 1e-3 * sum.force.norm()));
+    EXPECT_LE((sum.torque - r.wrench.torque).norm(),
+              1e-9 * (sum.torque.norm() + 1e-3 * sum.force.norm()));
     EXPECT_NEAR(r.deepest_depth_m, deepest, 1e-12);
     EXPECT_EQ(r.surface_hits, hits.surface.size());
     EXPECT_EQ(r.interior_hits, hits.interior.size());
@@ -77,22 +83,28 @@ TEST(FieldModel, LooksUpManyPointsWithTheBitsOfOne) {
     // From far outside of the table to the middle of the block.
     const Vec3 local = Pose{Vec3(0.01, 0.02, 0.03), turned_by(0.4)}.position - grid.origin;
     for (std::size_t k = 0; k < block.filled(); ++k)
-      for (auto& row : block.arm) row[k] = uniform(random, -0.05, 0.05) * uniform(random, 0, 1);
+      for (auto& row : block.arm)
+        row[k] = uniform(random, -0.05, 0.05) * uniform(random, 0, 1);
     for (std::size_t k = 0; k < block.filled(); ++k) {
       const Vec3 normal = random_rotation(random) * Vec3::UnitX();
-      for (int axis = 0; axis < 3; ++axis) block.normal[axis][k] = normal[axis];
+      for (int axis = 0; axis < 3; ++axis)
+        block.normal[axis][k] = normal[axis];
       block.weight[k] = uniform(random, 0.0, 1e-6);
     }
     contact::sample_block(s.ground.field, local, block, samples);
-    contact::push_by_field(block, samples, s.ground.field.arrays().depth_voxels, along_normal, along_gradient, lanes);
+    contact::push_by_field(block, samples, s.ground.field.arrays().depth_voxels, along_normal,
+                           along_gradient, lanes);
     for (std::size_t k = 0; k < block.filled(); ++k) {
-      const voxmap::FieldSample one = s.ground.field.at((local + Vec3(block.arm[0][k], block.arm[1][k], block.arm[2][k])) / grid.edge);
+      const voxmap::FieldSample one = s.ground.field.at(
+          (local + Vec3(block.arm[0][k], block.arm[1][k], block.arm[2][k])) / grid.edge);
       ASSERT_EQ(samples.distance_m[k], one.distance_m);
-      for (int axis = 0; axis < 3; ++axis) ASSERT_EQ(samples.gradient[axis][k], one.gradient[axis]);
+      for (int axis = 0; axis < 3; ++axis)
+        ASSERT_EQ(samples.gradient[axis][k], one.gradient[axis]);
       ASSERT_EQ(samples.least[k] <= -s.ground.field.arrays().depth_voxels, one.saturated);
       const double steepness = one.gradient.norm(), push = block.weight[k] * -one.distance_m;
       const Vec3 gradient = steepness > 0.0 ? Vec3(one.gradient * (1.0 / steepness)) : one.gradient;
-      for (int axis = 0; axis < 3; ++axis) ASSERT_EQ(along_gradient.j[axis][k], gradient[axis]);
+      for (int axis = 0; axis < 3; ++axis)
+        ASSERT_EQ(along_gradient.j[axis][k], gradient[axis]);
       ASSERT_EQ(along_normal.push[k], push > 0.0 ? push : 0.0);
       ASSERT_EQ(along_normal.weight[k], push > 0.0 ? 0.5 * block.weight[k] * steepness : 0.0);
       deep += one.saturated, unknown += !one.known;
@@ -119,7 +131,8 @@ void expect_rows_as_one_by_one(const Scene& s, int& rows, int& faces) {
       std::size_t next = 0;
       contact::ConstraintRow one;
       for (const contact::Hit& hit : list) {
-        if (!plain_row(hit, in_surface, s.ground.field, frame, one, faces)) continue;
+        if (!plain_row(hit, in_surface, s.ground.field, frame, one, faces))
+          continue;
         ASSERT_LT(next, many.size());
         const contact::ConstraintRow& row = many[next++];
         ASSERT_EQ(row.point, one.point);
@@ -144,7 +157,8 @@ TEST(ConstraintRows, OfManyHitsAreThoseOfEach) {
   expect_rows_as_one_by_one(Scene(), rows, faces);
   EXPECT_GT(rows, 5000);
   rows = faces = 0;
-  for (const double voxels : {0.5, 1.2, 2.0}) expect_rows_as_one_by_one(Scene{voxels * kEdge}, rows, faces);
+  for (const double voxels : {0.5, 1.2, 2.0})
+    expect_rows_as_one_by_one(Scene{voxels * kEdge}, rows, faces);
   std::printf("%d rows, %d of walls' faces\n", rows, faces);
   EXPECT_GT(rows, 5000);
   EXPECT_GT(faces, 1000);
@@ -157,22 +171,27 @@ TEST(ConstraintRows, OfWhichTheNearestAreKeptAsOneByOne) {
       const bool flat = n % 2 == 0;  // as those of a box on a plane, where many are alike
       std::vector<contact::ConstraintRow> rows(count);
       for (std::size_t k = 0; k < count; ++k) {
-        const Vec3 normal = flat ? Vec3(Vec3::UnitZ()) : Vec3(random_rotation(random) * Vec3::UnitX());
-        rows[k].arm = 0.01 * Vec3(uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1));
+        const Vec3 normal =
+            flat ? Vec3(Vec3::UnitZ()) : Vec3(random_rotation(random) * Vec3::UnitX());
+        rows[k].arm =
+            0.01 * Vec3(uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1));
         rows[k].jacobian << normal, rows[k].arm.cross(normal);
         rows[k].gap_m = flat && k % 3 == 0 ? 0.0 : uniform(random, -1e-4, 5e-4);
-        if (flat && k % 5 == 4) rows[k] = rows[k - 1];  // as near as the one before it
+        if (flat && k % 5 == 4)
+          rows[k] = rows[k - 1];  // as near as the one before it
         rows[k].point = static_cast<std::uint32_t>(k);
       }
       std::vector<contact::ConstraintRow> plain = rows;
       contact::keep_nearest(rows, 0.05);
       keep_nearest_plainly(plain, 0.05);
       ASSERT_EQ(rows.size(), plain.size());
-      for (std::size_t k = 0; k < rows.size(); ++k) ASSERT_EQ(rows[k].point, plain[k].point) << count << " rows, kept row " << k;
+      for (std::size_t k = 0; k < rows.size(); ++k)
+        ASSERT_EQ(rows[k].point, plain[k].point) << count << " rows, kept row " << k;
     }
 }
 
-/// Rows of any number, some of which push: at a step that converged the spring's pull is what these push with, and the hessian is theirs.
+/// Rows of any number, some of which push: at a step that converged the spring's pull is what these
+/// push with, and the hessian is theirs.
 TEST(EquilibriumStep, IsWhereSpringAndRowsBalanceWhateverTheirNumber) {
   constexpr double kRho = contact::limits::kRowStiffness, kPull = 1e-3;
   std::mt19937_64 random(36);
@@ -181,15 +200,18 @@ TEST(EquilibriumStep, IsWhereSpringAndRowsBalanceWhateverTheirNumber) {
   for (std::size_t count = 1; count <= contact::limits::kMaxRows; ++count)
     for (int n = 0; n < 20; ++n, ++steps) {
       const auto number = [&] { return uniform(random, -1.0, 1.0); };
-      const Vec3 face = Vec3(number(), number(), number()).normalized();  // most rows lean towards it
+      const Vec3 face =
+          Vec3(number(), number(), number()).normalized();  // most rows lean towards it
       std::vector<contact::ConstraintRow> rows(count);
       for (contact::ConstraintRow& row : rows) {
-        const Vec3 normal = (face + 0.7 * Vec3(number(), number(), number())).normalized(), arm(number(), number(), number());
+        const Vec3 normal = (face + 0.7 * Vec3(number(), number(), number())).normalized(),
+                   arm(number(), number(), number());
         row.jacobian << normal, arm.cross(normal);
         row.gap_m = 0.5 * kPull * (0.9 + number());
       }
       Vec6 spring;
-      for (int k = 0; k < 6; ++k) spring[k] = kPull * number();
+      for (int k = 0; k < 6; ++k)
+        spring[k] = kPull * number();
       spring.head<3>() -= kPull * face;
       const contact::EquilibriumStep step = contact::equilibrium_step(rows, spring);
       Vec6 left = spring - step.delta;
@@ -198,20 +220,23 @@ TEST(EquilibriumStep, IsWhereSpringAndRowsBalanceWhateverTheirNumber) {
       for (const contact::ConstraintRow& row : rows) {
         const double depth = contact::depth_after(row, step.delta);
         left += kRho * depth * row.jacobian;
-        if (depth > 0.0) hessian += kRho * row.jacobian * row.jacobian.transpose(), ++pushing;
+        if (depth > 0.0)
+          hessian += kRho * row.jacobian * row.jacobian.transpose(), ++pushing;
       }
       iterations += step.iterations;
       most = std::max(most, pushing);
       ASSERT_EQ(step.pushed, pushing > 0);
       ASSERT_TRUE(step.hessian.isApprox(hessian, 1e-9)) << count << " rows";
-      if (!step.converged) continue;
+      if (!step.converged)
+        continue;
       ++converged;
       ASSERT_LT(left.norm(), 1e-9 * kPull) << count << " rows";
       if (!step.pushed) {
         ASSERT_EQ(step.delta, spring);
       }
     }
-  std::printf("%.3f iterations a step, %d of %d converged, at most %d rows pushed\n", iterations / steps, converged, steps, most);
+  std::printf("%.3f iterations a step, %d of %d converged, at most %d rows pushed\n",
+              iterations / steps, converged, steps, most);
   EXPECT_GT(most, 6);
   EXPECT_GT(converged, 1200);
   EXPECT_LT(iterations / steps, 6.3);
@@ -230,16 +255,20 @@ TEST(FieldModel, StiffnessBoundsHowTheForceChangesWithThePose) {
     EXPECT_GE(all.eigenvalues()[0], -1e-9 * all.eigenvalues()[5]);
     const Mat3 given = r.stiffness.topLeftCorner<3, 3>();
     EXPECT_NEAR(given.trace(), r.stiffness_bound_n_per_m, 1e-9 * r.stiffness_bound_n_per_m);
-    if (r.surface_hits + r.interior_hits < 10) continue;
+    if (r.surface_hits + r.interior_hits < 10)
+      continue;
     Mat3 seen;
     for (int axis = 0; axis < 3; ++axis) {
       Pose ahead = pose, behind = pose;
       ahead.position[axis] += step, behind.position[axis] -= step;
-      seen.col(axis) = -(s.renderer.probe(ahead).wrench.force - s.renderer.probe(behind).wrench.force) / (2 * step);
+      seen.col(axis) =
+          -(s.renderer.probe(ahead).wrench.force - s.renderer.probe(behind).wrench.force) /
+          (2 * step);
     }
     const Mat3 slack = given - 0.5 * (seen + seen.transpose());
     const double size = r.stiffness_bound_n_per_m;
-    EXPECT_GE(Eigen::SelfAdjointEigenSolver<Mat3>(slack, Eigen::EigenvaluesOnly).eigenvalues()[0], -1e-4 * size);
+    EXPECT_GE(Eigen::SelfAdjointEigenSolver<Mat3>(slack, Eigen::EigenvaluesOnly).eigenvalues()[0],
+              -1e-4 * size);
     EXPECT_LE(seen.jacobiSvd().singularValues()[0], size * (1 + 1e-4));
     ++compared;
   }
@@ -250,9 +279,11 @@ TEST(FieldModel, AMillionMetresAwayIsHere) {
   const double e = 0x1p-10;
   const Vec3 offset(1e6, -1e6, 5e5);
   mesh::TriangleMesh near = sphere_mesh(20 * e, 3);
-  for (Vec3& v : near.vertices) v = (v * 0x1p20).array().round().matrix() * 0x1p-20;
+  for (Vec3& v : near.vertices)
+    v = (v * 0x1p20).array().round().matrix() * 0x1p-20;
   mesh::TriangleMesh far = near;
-  for (Vec3& v : far.vertices) v += offset;
+  for (Vec3& v : far.vertices)
+    v += offset;
   voxmap::Grid grid = voxmap::default_grid(near, e);
   const Ground here(near, grid, 12.0);
   grid.origin += offset;
@@ -302,7 +333,8 @@ TEST(FieldModel, GivesNothingWithoutAHitOrForWhatIsNoPose) {
 
 TEST(FieldModel, IsRefusedWithoutAreasOrWithoutAField) {
   const Ground ground(box_mesh(Vec3(0.01, 0.01, 0.01)), kEdge);
-  const auto sentence = [](const contact::ContactParameters& parameters, const voxmap::DistanceField* under) {
+  const auto sentence = [](const contact::ContactParameters& parameters,
+                           const voxmap::DistanceField* under) {
     try {
       contact::make_contact_model(contact::ContactModelKind::kField, parameters, under);
     } catch (const std::invalid_argument& error) {
@@ -310,8 +342,11 @@ TEST(FieldModel, IsRefusedWithoutAreasOrWithoutAField) {
     }
     return std::string("no exception");
   };
-  EXPECT_NE(sentence({1.0, contact::PointWeights::kOne}, &ground.field).find("per area (stiffness_n_per_m3)"), std::string::npos);
-  EXPECT_NE(sentence({1.0, contact::PointWeights::kArea}, nullptr).find("build"), std::string::npos);
+  EXPECT_NE(sentence({1.0, contact::PointWeights::kOne}, &ground.field)
+                .find("per area (stiffness_n_per_m3)"),
+            std::string::npos);
+  EXPECT_NE(sentence({1.0, contact::PointWeights::kArea}, nullptr).find("build"),
+            std::string::npos);
   EXPECT_EQ(sentence({1.0, contact::PointWeights::kArea}, &ground.field), "no exception");
 }
 
@@ -320,12 +355,15 @@ TEST(FieldModel, TellsItsCostBesideAdapted) {
   const Ground ground(box_mesh(Vec3(0.08, 0.08, 0.04), {Vec3::Zero(), turned_by(0.2)}), kEdge);
   const Ball tool(30 * kEdge, 5);
   const pointshell::Pointshell shell = exact_shell(tool.mesh, kEdge);
-  contact::ContactRenderer renderers[2] = {ground.renderer(shell, contact::ContactModelKind::kAdapted), ground.renderer(shell)};
+  contact::ContactRenderer renderers[2] = {
+      ground.renderer(shell, contact::ContactModelKind::kAdapted), ground.renderer(shell)};
   std::vector<double> cost[2];
-  const auto models = {std::pair{contact::ContactModelKind::kAdapted, 0}, std::pair{contact::ContactModelKind::kField, 1}};
+  const auto models = {std::pair{contact::ContactModelKind::kAdapted, 0},
+                       std::pair{contact::ContactModelKind::kField, 1}};
   for (int round = 0; round < 15; ++round)
     for (const auto& [kind, n] : models) {
-      const auto model = contact::make_contact_model(kind, {kPressure, contact::PointWeights::kArea}, &ground.field);
+      const auto model = contact::make_contact_model(
+          kind, {kPressure, contact::PointWeights::kArea}, &ground.field);
       contact::ContactResult result;
       double hits = 0.0, ns = 0.0;
       for (int step = 0; step < 40; ++step) {
@@ -333,14 +371,18 @@ TEST(FieldModel, TellsItsCostBesideAdapted) {
         renderers[n].probe(tool.posed(at, turned_by(0.01 * step)));
         const contact::HitList list = renderers[n].hits();
         const auto begin = std::chrono::steady_clock::now();
-        for (int repeat = 0; repeat < 10; ++repeat) model->evaluate(list, result);
-        ns += std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - begin).count() / 10;
+        for (int repeat = 0; repeat < 10; ++repeat)
+          model->evaluate(list, result);
+        ns += std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - begin)
+                  .count() /
+              10;
         hits += static_cast<double>(list.surface.size() + list.interior.size());
       }
       cost[n].push_back(ns / hits);
     }
   const double adapted = quantile(cost[0], 0.5), field = quantile(cost[1], 0.5);
-  std::printf("per contact point: adapted %.1f ns, field %.1f ns, ratio %.2f\n", adapted, field, field / adapted);
+  std::printf("per contact point: adapted %.1f ns, field %.1f ns, ratio %.2f\n", adapted, field,
+              field / adapted);
   EXPECT_GT(field, 0.0);
 }
 

@@ -1,4 +1,5 @@
-// `field` has no steps: points that enter, leave, cross bricks and the borders of what is stored; and little energy of its own.
+// `field` has no steps: points that enter, leave, cross bricks and the borders of what is stored;
+// and little energy of its own.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -13,7 +14,8 @@ namespace field_motion_test {
 constexpr double kEdge = 1e-3, kStep = 1e-3 * kEdge;
 
 /// Depth of each shell point in one frame, 0 where it is no hit.
-std::vector<double> depths_of(const contact::ContactRenderer& renderer, const Ground& ground, std::size_t points) {
+std::vector<double> depths_of(const contact::ContactRenderer& renderer, const Ground& ground,
+                              std::size_t points) {
   std::vector<double> depth(points, 0.0);
   const contact::HitList& hits = renderer.hits();
   for (const contact::Hits* list : {&hits.surface, &hits.interior})
@@ -24,9 +26,10 @@ std::vector<double> depths_of(const contact::ContactRenderer& renderer, const Gr
   return depth;
 }
 
-/// Walks from pose to pose in steps of 1e-3 e (with the turn on top) and holds each step against the docstring's bound
-/// k sum A_i (G s + d_i theta).
-void walk(const char* name, const Ground& ground, const mesh::TriangleMesh& tool, const std::vector<Pose>& path) {
+/// Walks from pose to pose in steps of 1e-3 e (with the turn on top) and holds each step against
+/// the docstring's bound k sum A_i (G s + d_i theta).
+void walk(const char* name, const Ground& ground, const mesh::TriangleMesh& tool,
+          const std::vector<Pose>& path) {
   const pointshell::Pointshell shell = exact_shell(tool, kEdge);
   contact::ContactRenderer renderer = ground.renderer(shell);
   const double steepest = ground.field.steepest_gradient();
@@ -36,7 +39,8 @@ void walk(const char* name, const Ground& ground, const mesh::TriangleMesh& tool
   double worst_share = 0.0, worst_step = 0.0, largest_force = 0.0;
   int steps = 0, entered = 0, left = 0, broken = 0;
   for (std::size_t leg = 0; leg + 1 < path.size(); ++leg) {
-    const int count = static_cast<int>(std::ceil((path[leg + 1].position - path[leg].position).norm() / kStep));
+    const int count =
+        static_cast<int>(std::ceil((path[leg + 1].position - path[leg].position).norm() / kStep));
     for (int n = leg == 0 ? 0 : 1; n <= count; ++n) {
       const double t = static_cast<double>(n) / count;
       const Pose pose{(1 - t) * path[leg].position + t * path[leg + 1].position,
@@ -45,18 +49,20 @@ void walk(const char* name, const Ground& ground, const mesh::TriangleMesh& tool
       const std::vector<double> now = depths_of(renderer, ground, shell.size());
       if (steps++ > 0) {
         const double theta = last.orientation.angularDistance(pose.orientation);
-        const double s = (pose.position - last.position).norm() + theta * renderer.query().reach_m();
+        const double s =
+            (pose.position - last.position).norm() + theta * renderer.query().reach_m();
         double bound = 0.0;
         for (std::size_t p = 0; p < now.size(); ++p) {
           if (now[p] > 0.0 || before[p] > 0.0)
-            bound +=
-                kPressure * renderer.query().shell().area_m2[p] * (steepest * s + std::max(now[p], before[p]) * theta);
+            bound += kPressure * renderer.query().shell().area_m2[p] *
+                     (steepest * s + std::max(now[p], before[p]) * theta);
           entered += now[p] > 0.0 && !(before[p] > 0.0);
           left += before[p] > 0.0 && !(now[p] > 0.0);
         }
         const double step = (force - force_before).norm();
         broken += step > bound * (1 + 1e-9) + 1e-12;
-        if (bound > 0.0) worst_share = std::max(worst_share, step / bound);
+        if (bound > 0.0)
+          worst_share = std::max(worst_share, step / bound);
         worst_step = std::max(worst_step, step);
       }
       largest_force = std::max(largest_force, force.norm());
@@ -64,7 +70,8 @@ void walk(const char* name, const Ground& ground, const mesh::TriangleMesh& tool
     }
   }
   std::printf(
-      "%s: %d steps, %d entered, %d left; largest step %.3g N (forces up to %.3g N), at most %.3f of its bound, G "
+      "%s: %d steps, %d entered, %d left; largest step %.3g N (forces up to %.3g N), at most %.3f "
+      "of its bound, G "
       "%.3f\n",
       name, steps, entered, left, worst_step, largest_force, worst_share, steepest);
   EXPECT_EQ(broken, 0) << name;
@@ -76,42 +83,50 @@ Quat turned_by(double angle) { return Quat(Eigen::AngleAxisd(angle, Vec3(1, 2, -
 
 TEST(FieldMotion, HasNoStepOverTheEdgeAndDownTheSideOfABox) {
   const Ball tool(6 * kEdge, 4);
-  const Ground ground(box_mesh(Vec3(0.03, 0.03, 0.03), {Vec3(0.3, 0.2, 0.1) * kEdge, turned_by(0.3)}), kEdge, 3.0);
+  const Ground ground(
+      box_mesh(Vec3(0.03, 0.03, 0.03), {Vec3(0.3, 0.2, 0.1) * kEdge, turned_by(0.3)}), kEdge, 3.0);
   const Quat turn = turned_by(0.3);
   const auto at = [&](double x, double z, double angle) {
     return tool.posed(turn * Vec3(x, 0.001, z), turned_by(angle));
   };
   walk("box", ground, tool.mesh,
-       {at(0.008, 0.0225, 0), at(0.008, 0.0155, 0.2), at(0.019, 0.0155, 0.5), at(0.0195, 0.012, 0.4),
-        at(0.023, 0.012, 0.4)});
+       {at(0.008, 0.0225, 0), at(0.008, 0.0155, 0.2), at(0.019, 0.0155, 0.5),
+        at(0.0195, 0.012, 0.4), at(0.023, 0.012, 0.4)});
 }
 
 TEST(FieldMotion, HasNoStepInTheGrooveBetweenOverlappingBoxes) {
   const Ball tool(6 * kEdge, 4);
   const Quat turn = turned_by(0.45);
-  const Ground ground(joined(box_mesh(Vec3(0.04, 0.04, 0.012), {Vec3::Zero(), turn}),
-                             box_mesh(Vec3(0.012, 0.04, 0.04), {turn * Vec3(-0.014, 0, 0.01), turn})),
-                      kEdge);
+  const Ground ground(
+      joined(box_mesh(Vec3(0.04, 0.04, 0.012), {Vec3::Zero(), turn}),
+             box_mesh(Vec3(0.012, 0.04, 0.04), {turn * Vec3(-0.014, 0, 0.01), turn})),
+      kEdge);
   const auto at = [&](double x, double z, double angle) {
     return tool.posed(turn * Vec3(x, 0.001, z), turned_by(angle));
   };
   walk("groove", ground, tool.mesh,
-       {at(0.004, 0.0125, 0), at(0.004, 0.010, 0.1), at(-0.004, 0.010, 0.3), at(-0.003, 0.0135, 0.3)});
+       {at(0.004, 0.0125, 0), at(0.004, 0.010, 0.1), at(-0.004, 0.010, 0.3),
+        at(-0.003, 0.0135, 0.3)});
 }
 
 TEST(FieldMotion, HasNoStepOnTheWayThroughAPlateAndOut) {
   const Ball tool(3 * kEdge, 4);
-  const Ground ground(box_mesh(Vec3(0.03, 0.03, 0.009), {Vec3(0.4, 0.1, 0.7) * kEdge, turned_by(0.2)}), kEdge, 3.0);
+  const Ground ground(
+      box_mesh(Vec3(0.03, 0.03, 0.009), {Vec3(0.4, 0.1, 0.7) * kEdge, turned_by(0.2)}), kEdge, 3.0);
   walk("through a plate", ground, tool.mesh,
-       {tool.posed(Vec3(0, 0, 0.010), turned_by(0)), tool.posed(Vec3(0, 0, -0.010), turned_by(0.6))});
+       {tool.posed(Vec3(0, 0, 0.010), turned_by(0)),
+        tool.posed(Vec3(0, 0, -0.010), turned_by(0.6))});
 }
 
-/// Round a closed way at constant depth the continuum gives no work. Reported per newton and metre of the way.
+/// Round a closed way at constant depth the continuum gives no work. Reported per newton and metre
+/// of the way.
 TEST(FieldMotion, SlidingRoundAClosedLoopGivesHardlyAnyEnergy) {
   const Ball tool(15 * kEdge, 5);
   const pointshell::Pointshell shell = exact_shell(tool.mesh, kEdge);
-  const auto loop = [&](const char* name, const Ground& ground, const std::function<Vec3(double)>& at, double limit) {
-    contact::ContactRenderer field = ground.renderer(shell), adapted = ground.renderer(shell, contact::ContactModelKind::kAdapted);
+  const auto loop = [&](const char* name, const Ground& ground,
+                        const std::function<Vec3(double)>& at, double limit) {
+    contact::ContactRenderer field = ground.renderer(shell),
+                             adapted = ground.renderer(shell, contact::ContactModelKind::kAdapted);
     constexpr int kSteps = 4000;
     double share[2] = {0, 0};
     for (contact::ContactRenderer* renderer : {&field, &adapted}) {
@@ -134,7 +149,9 @@ TEST(FieldMotion, SlidingRoundAClosedLoopGivesHardlyAnyEnergy) {
   const Ground plane(box_mesh(Vec3(0.06, 0.06, 0.02), {Vec3::Zero(), turn}), kEdge, 3.0);
   loop(
       "circle on an oblique plane", plane,
-      [&](double a) -> Vec3 { return turn * Vec3(0.005 * std::cos(a), 0.005 * std::sin(a), 0.01 + 15e-3 - 0.5e-3); },
+      [&](double a) -> Vec3 {
+        return turn * Vec3(0.005 * std::cos(a), 0.005 * std::sin(a), 0.01 + 15e-3 - 0.5e-3);
+      },
       1e-4);
   const Ground cylinder(cylinder_mesh(0.02, 0.05, 360), kEdge, 3.0);
   loop(

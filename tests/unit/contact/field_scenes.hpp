@@ -1,5 +1,6 @@
 #pragma once
-/// Meshes, grounds and tools for the tests of the contact model `field`, and the law's integral worked out another way.
+/// Meshes, grounds and tools for the tests of the contact model `field`, and the law's integral
+/// worked out another way.
 #include <functional>
 #include <random>
 #include <vector>
@@ -25,17 +26,20 @@ mesh::TriangleMesh inside_out(mesh::TriangleMesh mesh);
 struct Ground {
   voxmap::Voxmap voxmap;
   voxmap::DistanceField field;
-  Ground(const mesh::TriangleMesh& mesh, double edge, double depth_voxels = 12.0, double open_wall_voxels = 0.0);
-  Ground(const mesh::TriangleMesh& mesh, const voxmap::Grid& grid, double depth_voxels, double open_wall_voxels = 0.0);
+  Ground(const mesh::TriangleMesh& mesh, double edge, double depth_voxels = 12.0,
+         double open_wall_voxels = 0.0);
+  Ground(const mesh::TriangleMesh& mesh, const voxmap::Grid& grid, double depth_voxels,
+         double open_wall_voxels = 0.0);
   /// With k = 1 N/mm^3.
-  contact::ContactRenderer renderer(const pointshell::Pointshell& tool,
-                                    contact::ContactModelKind kind = contact::ContactModelKind::kField, bool alone = false) const;
+  contact::ContactRenderer renderer(
+      const pointshell::Pointshell& tool,
+      contact::ContactModelKind kind = contact::ContactModelKind::kField, bool alone = false) const;
 };
 
 inline constexpr double kPressure = 1e9;  ///< k [N/m^3]
 
-/// A ball whose centre is not the origin of T and lies askew in its voxel: a shell on a grid through the centre would be
-/// symmetric, and its errors would cancel.
+/// A ball whose centre is not the origin of T and lies askew in its voxel: a shell on a grid
+/// through the centre would be symmetric, and its errors would cancel.
 struct Ball {
   mesh::TriangleMesh mesh;
   Vec3 centre;  ///< in T
@@ -48,9 +52,11 @@ struct Ball {
   }
 };
 
-/// The wrench about the tool's origin that the law gives the tessellated tool: the integral of k depth n over its triangles,
-/// each split in 64. `depth` of a point in W [m], negative outside; 1-Lipschitz.
-Wrench integral_over(const mesh::TriangleMesh& tool, const Pose& pose, const std::function<double(const Vec3&)>& depth);
+/// The wrench about the tool's origin that the law gives the tessellated tool: the integral of k
+/// depth n over its triangles, each split in 64. `depth` of a point in W [m], negative outside;
+/// 1-Lipschitz.
+Wrench integral_over(const mesh::TriangleMesh& tool, const Pose& pose,
+                     const std::function<double(const Vec3&)>& depth);
 
 /// The value below which `share` of them lie.
 double quantile(std::vector<double> values, double share);

@@ -17,14 +17,16 @@ const std::string kVectors = std::string(VOXTOUCH_TEST_DATA) + "/vectors/";
 
 std::vector<std::vector<std::string>> read_csv(const std::string& file) {
   std::ifstream in(kVectors + file);
-  if (!in) throw std::runtime_error("cannot read " + kVectors + file);
+  if (!in)
+    throw std::runtime_error("cannot read " + kVectors + file);
   std::vector<std::vector<std::string>> rows;
   std::string line, cell;
   std::getline(in, line);
   while (std::getline(in, line)) {
     std::vector<std::string> row;
     std::stringstream cells(line);
-    while (std::getline(cells, cell, ',')) row.push_back(cell);
+    while (std::getline(cells, cell, ','))
+      row.push_back(cell);
     rows.push_back(row);
   }
   return rows;
@@ -40,15 +42,19 @@ std::vector<std::uint32_t> parse_ids(const std::string& text) {
   for (std::string word; words >> word;) {
     const std::size_t dash = word.find('-');
     const auto first = static_cast<std::uint32_t>(std::stoul(word));
-    const auto last = dash == std::string::npos ? first : static_cast<std::uint32_t>(std::stoul(word.substr(dash + 1)));
-    for (std::uint32_t id = first; id <= last; ++id) ids.push_back(id);
+    const auto last = dash == std::string::npos
+                          ? first
+                          : static_cast<std::uint32_t>(std::stoul(word.substr(dash + 1)));
+    for (std::uint32_t id = first; id <= last; ++id)
+      ids.push_back(id);
   }
   return ids;
 }
 
 std::uint64_t spread(std::uint64_t v) {
   std::uint64_t out = 0;
-  for (int bit = 0; bit < 20; ++bit) out |= (v >> bit & 1U) << (3 * bit);
+  for (int bit = 0; bit < 20; ++bit)
+    out |= (v >> bit & 1U) << (3 * bit);
   return out;
 }
 
@@ -62,7 +68,8 @@ void add_point(pointshell::Pointshell& shell, const Vec3& p, const Vec3& n) {
 
 }  // namespace
 
-pointshell::Pointshell reordered(const pointshell::Pointshell& shell, const std::vector<std::uint32_t>& order) {
+pointshell::Pointshell reordered(const pointshell::Pointshell& shell,
+                                 const std::vector<std::uint32_t>& order) {
   pointshell::Pointshell out;
   out.edge = shell.edge;
   for (const std::uint32_t p : order) {
@@ -74,16 +81,19 @@ pointshell::Pointshell reordered(const pointshell::Pointshell& shell, const std:
 
 pointshell::Pointshell morton_ordered(const pointshell::Pointshell& shell) {
   Vec3 low = Vec3::Constant(1e300);
-  for (std::size_t p = 0; p < shell.size(); ++p) low = low.cwiseMin(shell.point(p));
+  for (std::size_t p = 0; p < shell.size(); ++p)
+    low = low.cwiseMin(shell.point(p));
   std::vector<std::uint64_t> key(shell.size());
   for (std::size_t p = 0; p < shell.size(); ++p) {
     const Vec3 u = (shell.point(p) - low) / shell.edge;
-    key[p] = spread(static_cast<std::uint64_t>(u.x())) | spread(static_cast<std::uint64_t>(u.y())) << 1 |
+    key[p] = spread(static_cast<std::uint64_t>(u.x())) |
+             spread(static_cast<std::uint64_t>(u.y())) << 1 |
              spread(static_cast<std::uint64_t>(u.z())) << 2;
   }
   std::vector<std::uint32_t> order(shell.size());
   std::iota(order.begin(), order.end(), 0U);
-  std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return key[a] < key[b]; });
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::uint32_t a, std::uint32_t b) { return key[a] < key[b]; });
   return reordered(shell, order);
 }
 
@@ -92,7 +102,8 @@ VectorMesh load_vector_mesh(const std::string& name) {
   const nlohmann::json mesh = nlohmann::json::parse(in).at("meshes").at(name);
   voxmap::Grid grid;
   grid.edge = mesh.at("e").get<double>();
-  for (int axis = 0; axis < 3; ++axis) grid.origin[axis] = mesh.at("origin").at(static_cast<std::size_t>(axis)).get<double>();
+  for (int axis = 0; axis < 3; ++axis)
+    grid.origin[axis] = mesh.at("origin").at(static_cast<std::size_t>(axis)).get<double>();
   const auto surface = read_csv("voxels/" + name + "_surface.csv");
   const auto index = [](const std::vector<std::string>& row) {
     return voxmap::VoxelIndex{std::stoi(row.at(0)), std::stoi(row.at(1)), std::stoi(row.at(2))};
@@ -111,7 +122,8 @@ VectorMesh load_vector_mesh(const std::string& name) {
     add_point(out.naive, grid.centre(index(row)), vec3(row, 7));
   }
   for (const auto& row : read_csv("voxels/" + name + "_interior.csv"))
-    for (voxmap::VoxelIndex v = index(row); v.k <= std::stoi(row.at(3)); ++v.k) out.voxmap.set(v, voxmap::VoxelKind::kInterior);
+    for (voxmap::VoxelIndex v = index(row); v.k <= std::stoi(row.at(3)); ++v.k)
+      out.voxmap.set(v, voxmap::VoxelKind::kInterior);
   out.voxmap.finish();
   out.exact = morton_ordered(out.exact);
   out.naive = morton_ordered(out.naive);
@@ -123,38 +135,45 @@ std::vector<VectorPose> load_vector_poses(const std::string& file) {
   for (const auto& row : read_csv("poses/" + file)) {
     VectorPose& p = out.emplace_back();
     p.pose.orientation =
-        Quat(std::stod(row.at(0)), std::stod(row.at(1)), std::stod(row.at(2)), std::stod(row.at(3))).normalized();
+        Quat(std::stod(row.at(0)), std::stod(row.at(1)), std::stod(row.at(2)), std::stod(row.at(3)))
+            .normalized();
     p.pose.position = vec3(row, 4);
     p.surface = static_cast<std::uint32_t>(std::stoul(row.at(7)));
     p.interior = static_cast<std::uint32_t>(std::stoul(row.at(8)));
     p.coherence = row.at(9);
     p.original = {vec3(row, 10), vec3(row, 13)};
     p.adapted = {vec3(row, 16), vec3(row, 19)};
-    if (row.size() > 28) p.ids = parse_ids(row.at(28));
+    if (row.size() > 28)
+      p.ids = parse_ids(row.at(28));
   }
   return out;
 }
 
-void add_block(voxmap::Voxmap& voxmap, const voxmap::VoxelIndex& first, const voxmap::VoxelIndex& last) {
+void add_block(voxmap::Voxmap& voxmap, const voxmap::VoxelIndex& first,
+               const voxmap::VoxelIndex& last) {
   for (voxmap::VoxelIndex v = first; v.i <= last.i; ++v.i)
     for (v.j = first.j; v.j <= last.j; ++v.j)
       for (v.k = first.k; v.k <= last.k; ++v.k) {
-        const bool inside = v.i > first.i && v.i < last.i && v.j > first.j && v.j < last.j && v.k > first.k && v.k < last.k;
+        const bool inside = v.i > first.i && v.i < last.i && v.j > first.j && v.j < last.j &&
+                            v.k > first.k && v.k < last.k;
         voxmap.set(v, inside ? voxmap::VoxelKind::kInterior : voxmap::VoxelKind::kSurface);
       }
 }
 
-voxmap::Voxmap block(const voxmap::Grid& grid, const voxmap::VoxelIndex& first, const voxmap::VoxelIndex& last) {
+voxmap::Voxmap block(const voxmap::Grid& grid, const voxmap::VoxelIndex& first,
+                     const voxmap::VoxelIndex& last) {
   voxmap::Voxmap voxmap(grid, first, last);
   add_block(voxmap, first, last);
   voxmap.finish();
   return voxmap;
 }
 
-pointshell::Pointshell shell_of(const std::vector<std::pair<Vec3, Vec3>>& points_and_normals, double edge_m) {
+pointshell::Pointshell shell_of(const std::vector<std::pair<Vec3, Vec3>>& points_and_normals,
+                                double edge_m) {
   pointshell::Pointshell shell;
   shell.edge = edge_m;
-  for (const auto& [p, n] : points_and_normals) add_point(shell, p, n);
+  for (const auto& [p, n] : points_and_normals)
+    add_point(shell, p, n);
   return shell;
 }
 
@@ -163,7 +182,8 @@ pointshell::Pointshell sphere_shell(double radius_m, double edge_m) {
   const int half = static_cast<int>(2.0 * std::numbers::pi * r * r);
   std::vector<std::pair<Vec3, Vec3>> points;
   for (int n = 0; n < half; ++n) {
-    const double x = (n + 0.5) / half, ring = std::sqrt(1.0 - x * x);  // equal areas in x > 0, then the mirror image
+    const double x = (n + 0.5) / half,
+                 ring = std::sqrt(1.0 - x * x);  // equal areas in x > 0, then the mirror image
     const double angle = n * std::numbers::pi * (3.0 - std::sqrt(5.0));
     for (const double side : {1.0, -1.0}) {
       const Vec3 out(side * x, ring * std::cos(angle), ring * std::sin(angle));
@@ -179,8 +199,10 @@ double uniform(std::mt19937_64& random, double low, double high) {
 
 Quat random_rotation(std::mt19937_64& random) {
   for (;;) {
-    Quat q(uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1));
-    if (q.norm() > 0.1 && q.norm() < 1.0) return q.normalized();
+    Quat q(uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1),
+           uniform(random, -1, 1));
+    if (q.norm() > 0.1 && q.norm() < 1.0)
+      return q.normalized();
   }
 }
 

@@ -1,5 +1,6 @@
 #pragma once
-/// Scenes and shells for the contact tests: the reference vectors, and shapes simple enough to reason about.
+/// Scenes and shells for the contact tests: the reference vectors, and shapes simple enough to
+/// reason about.
 #include <random>
 #include <string>
 #include <utility>
@@ -9,7 +10,8 @@
 
 namespace voxtouch::test {
 
-/// A mesh of the reference vectors as voxmap and shells; shell ids = row numbers, points in Morton order.
+/// A mesh of the reference vectors as voxmap and shells; shell ids = row numbers, points in Morton
+/// order.
 struct VectorMesh {
   voxmap::Voxmap voxmap;
   pointshell::Pointshell exact, naive;
@@ -27,16 +29,22 @@ struct VectorPose {
 std::vector<VectorPose> load_vector_poses(const std::string& file);
 
 /// The shell with its points in another order: `order[k]` is the old index of new point k.
-pointshell::Pointshell reordered(const pointshell::Pointshell& shell, const std::vector<std::uint32_t>& order);
+pointshell::Pointshell reordered(const pointshell::Pointshell& shell,
+                                 const std::vector<std::uint32_t>& order);
 pointshell::Pointshell morton_ordered(const pointshell::Pointshell& shell);
 
-/// Solid block of voxels first..last (inclusive): a surface layer one voxel thick round an interior.
-void add_block(voxmap::Voxmap& voxmap, const voxmap::VoxelIndex& first, const voxmap::VoxelIndex& last);
-voxmap::Voxmap block(const voxmap::Grid& grid, const voxmap::VoxelIndex& first, const voxmap::VoxelIndex& last);
+/// Solid block of voxels first..last (inclusive): a surface layer one voxel thick round an
+/// interior.
+void add_block(voxmap::Voxmap& voxmap, const voxmap::VoxelIndex& first,
+               const voxmap::VoxelIndex& last);
+voxmap::Voxmap block(const voxmap::Grid& grid, const voxmap::VoxelIndex& first,
+                     const voxmap::VoxelIndex& last);
 
-/// About one point per edge^2 on a sphere about the tool's origin, mirrored in the plane x = 0; Morton order.
+/// About one point per edge^2 on a sphere about the tool's origin, mirrored in the plane x = 0;
+/// Morton order.
 pointshell::Pointshell sphere_shell(double radius_m, double edge_m);
-pointshell::Pointshell shell_of(const std::vector<std::pair<Vec3, Vec3>>& points_and_normals, double edge_m);
+pointshell::Pointshell shell_of(const std::vector<std::pair<Vec3, Vec3>>& points_and_normals,
+                                double edge_m);
 
 Quat random_rotation(std::mt19937_64& random);
 /// Uniform in [low, high), the same on every standard library.

@@ -1,4 +1,5 @@
-// A contact model alone: the model's bits in every frame, nothing held in a wall, and told where the tool is passing one.
+// A contact model alone: the model's bits in every frame, nothing held in a wall, and told where
+// the tool is passing one.
 #include <gtest/gtest.h>
 
 #include "field_scenes.hpp"
@@ -22,7 +23,9 @@ void through(double half_m, F&& at) {
   std::mt19937_64 random(7);
   for (int n = 0; n <= 400; ++n) {
     const double z = half_m + 0.012 - n * (2.0 * half_m + 0.024) / 400;
-    at(Pose{Vec3(uniform(random, -1e-4, 1e-4), uniform(random, -1e-4, 1e-4), z), random_rotation(random)}, z);
+    at(Pose{Vec3(uniform(random, -1e-4, 1e-4), uniform(random, -1e-4, 1e-4), z),
+            random_rotation(random)},
+       z);
   }
 }
 
@@ -30,19 +33,27 @@ TEST(ModelAlone, GivesTheModelsOwnBitsInEveryFrameWhereTheRingHoldsDepths) {
   const Ground ground(box_mesh(Vec3(0.06, 0.06, 0.012)), kEdge);
   const Ball ball(0.01, 3);
   const pointshell::Pointshell shell = exact_shell(ball.mesh, kEdge);
-  for (const ContactModelKind kind : {ContactModelKind::kOriginal, ContactModelKind::kAdapted, ContactModelKind::kField}) {
-    contact::ContactRenderer alone = ground.renderer(shell, kind, true), model = ground.renderer(shell, kind), held = ground.renderer(shell, kind);
+  for (const ContactModelKind kind :
+       {ContactModelKind::kOriginal, ContactModelKind::kAdapted, ContactModelKind::kField}) {
+    contact::ContactRenderer alone = ground.renderer(shell, kind, true),
+                             model = ground.renderer(shell, kind),
+                             held = ground.renderer(shell, kind);
     int pushed = 0, others = 0, retained = 0;
     through(0.006, [&](const Pose& pose, double) {
       const contact::StageResult a = alone.render(pose), h = held.render(pose);
       const contact::ContactResult m = model.probe(pose);
       ASSERT_TRUE(same_bits(a.contact.wrench, m.wrench)) << contact::name_of(kind);
-      ASSERT_TRUE(same(a.contact.stiffness, m.stiffness) && a.contact.stiffness_bound_n_per_m == m.stiffness_bound_n_per_m);
-      ASSERT_TRUE(same(a.contact.mean_normal, m.mean_normal) && a.contact.coherence == m.coherence && a.contact.fallback == m.fallback);
-      ASSERT_TRUE(a.contact.deepest_depth_m == m.deepest_depth_m && same(a.contact.deepest_point, m.deepest_point));
-      ASSERT_TRUE(a.contact.surface_hits == m.surface_hits && a.contact.interior_hits == m.interior_hits);
+      ASSERT_TRUE(same(a.contact.stiffness, m.stiffness) &&
+                  a.contact.stiffness_bound_n_per_m == m.stiffness_bound_n_per_m);
+      ASSERT_TRUE(same(a.contact.mean_normal, m.mean_normal) &&
+                  a.contact.coherence == m.coherence && a.contact.fallback == m.fallback);
+      ASSERT_TRUE(a.contact.deepest_depth_m == m.deepest_depth_m &&
+                  same(a.contact.deepest_point, m.deepest_point));
+      ASSERT_TRUE(a.contact.surface_hits == m.surface_hits &&
+                  a.contact.interior_hits == m.interior_hits);
       ASSERT_EQ(a.fast, h.fast);
-      pushed += !a.contact.wrench.zero(), others += !same_bits(a.contact.wrench, h.contact.wrench), retained += a.retained;
+      pushed += !a.contact.wrench.zero(), others += !same_bits(a.contact.wrench, h.contact.wrench),
+          retained += a.retained;
     });
     EXPECT_GT(pushed, 200) << contact::name_of(kind);
     EXPECT_EQ(retained, 0);
@@ -55,13 +66,15 @@ TEST(ModelAlone, GivesTheModelsOwnBitsInEveryFrameWhereTheRingHoldsDepths) {
 
 TEST(ModelAlone, IsToldToBePassingWhereTheToolsMiddleIsInAWallOrASheet) {
   mesh::TriangleMesh sheet;
-  sheet.vertices = {Vec3(-0.03, -0.03, 0), Vec3(0.03, -0.03, 0), Vec3(0.03, 0.03, 0), Vec3(-0.03, 0.03, 0)};
+  sheet.vertices = {Vec3(-0.03, -0.03, 0), Vec3(0.03, -0.03, 0), Vec3(0.03, 0.03, 0),
+                    Vec3(-0.03, 0.03, 0)};
   sheet.triangles = {{0, 1, 2}, {0, 2, 3}};
   const Ball ball(0.01, 3);
   const pointshell::Pointshell shell = exact_shell(ball.mesh, kEdge);
   for (const double half_m : {0.0, 0.0005, 0.006}) {
     const Ground ground(half_m > 0.0 ? box_mesh(Vec3(0.06, 0.06, 2.0 * half_m)) : sheet, kEdge);
-    contact::ContactRenderer alone = ground.renderer(shell, ContactModelKind::kAdapted, true), held = ground.renderer(shell, ContactModelKind::kAdapted);
+    contact::ContactRenderer alone = ground.renderer(shell, ContactModelKind::kAdapted, true),
+                             held = ground.renderer(shell, ContactModelKind::kAdapted);
     int passing = 0;
     through(half_m, [&](const Pose& pose, double) {
       const contact::StageResult a = alone.render(pose);
@@ -78,11 +91,15 @@ TEST(ModelAlone, IsToldToBePassingWhereTheToolsMiddleIsInAWallOrASheet) {
 /// A pole in a cup: the cup's middle is in the pole, and the cup has passed nothing.
 TEST(ModelAlone, SaysNothingOfAToolWhoseMiddleIsOutsideOfIt) {
   const Ground pole(cylinder_mesh(0.003, 0.1, 48), kEdge);
-  const mesh::TriangleMesh ring = joined(cylinder_mesh(0.02, 0.02, 96), inside_out(cylinder_mesh(0.016, 0.02, 96)));
-  contact::ContactRenderer alone = pole.renderer(exact_shell(ring, kEdge), ContactModelKind::kAdapted, true);
+  const mesh::TriangleMesh ring =
+      joined(cylinder_mesh(0.02, 0.02, 96), inside_out(cylinder_mesh(0.016, 0.02, 96)));
+  contact::ContactRenderer alone =
+      pole.renderer(exact_shell(ring, kEdge), ContactModelKind::kAdapted, true);
   EXPECT_FALSE(alone.render({Vec3(1e-4, 2e-4, 1e-4), Quat::Identity()}).passing);
-  contact::ContactRenderer rod = pole.renderer(exact_shell(cylinder_mesh(0.02, 0.02, 96), kEdge), ContactModelKind::kAdapted, true);
-  EXPECT_TRUE(rod.render({Vec3(1e-4, 2e-4, 1e-4), Quat::Identity()}).passing) << "of one that is full it does";
+  contact::ContactRenderer rod = pole.renderer(exact_shell(cylinder_mesh(0.02, 0.02, 96), kEdge),
+                                               ContactModelKind::kAdapted, true);
+  EXPECT_TRUE(rod.render({Vec3(1e-4, 2e-4, 1e-4), Quat::Identity()}).passing)
+      << "of one that is full it does";
 }
 
 }  // namespace model_alone_test

@@ -15,16 +15,21 @@ constexpr double kEdge = 0.001;
 const voxmap::Grid kGrid{Vec3::Zero(), kEdge};
 
 struct Laws {
-  std::unique_ptr<contact::ContactModel> original = contact::make_contact_model(contact::ContactModelKind::kOriginal, {1.0});
-  std::unique_ptr<contact::ContactModel> adapted = contact::make_contact_model(contact::ContactModelKind::kAdapted, {1.0});
+  std::unique_ptr<contact::ContactModel> original =
+      contact::make_contact_model(contact::ContactModelKind::kOriginal, {1.0});
+  std::unique_ptr<contact::ContactModel> adapted =
+      contact::make_contact_model(contact::ContactModelKind::kAdapted, {1.0});
   contact::ContactStage stage{{64, 0.01, kEdge, 1.0, contact::ContactModelKind::kAdapted}};
 
-  contact::ContactResult plain(const contact::HitList& hits, const contact::ContactModel& model) const {
+  contact::ContactResult plain(const contact::HitList& hits,
+                               const contact::ContactModel& model) const {
     contact::ContactResult result;
     model.evaluate(hits, result);
     return result;
   }
-  contact::StageResult staged(const contact::HitList& hits) { return stage.apply(hits, plain(hits, *adapted)); }
+  contact::StageResult staged(const contact::HitList& hits) {
+    return stage.apply(hits, plain(hits, *adapted));
+  }
 };
 
 contact::HitList hits_of(const std::vector<Vec3>& normals) {
@@ -42,14 +47,16 @@ contact::HitList hits_of(const std::vector<Vec3>& normals) {
 
 /// Two normals that open by `angle` on either side of z: coherence = cos(angle).
 contact::HitList wedge(double angle) {
-  return hits_of({Vec3(std::sin(angle), 0, std::cos(angle)), Vec3(-std::sin(angle), 0, std::cos(angle))});
+  return hits_of(
+      {Vec3(std::sin(angle), 0, std::cos(angle)), Vec3(-std::sin(angle), 0, std::cos(angle))});
 }
 
 TEST(Blend, IsExactlyAdaptedWhereNormalsAgree) {
   Laws laws;
   for (const double angle : {0.0, 0.3, 1.0, 1.047}) {
     const contact::HitList hits = wedge(angle);
-    EXPECT_TRUE(same_bits(laws.staged(hits).contact.wrench, laws.plain(hits, *laws.adapted).wrench)) << angle;
+    EXPECT_TRUE(same_bits(laws.staged(hits).contact.wrench, laws.plain(hits, *laws.adapted).wrench))
+        << angle;
   }
 }
 
@@ -57,7 +64,9 @@ TEST(Blend, IsExactlyOriginalWhereNormalsFaceEachOther) {
   Laws laws;
   for (const double angle : {1.3695, 1.5, std::numbers::pi / 2}) {
     const contact::HitList hits = wedge(angle);
-    EXPECT_TRUE(same_bits(laws.staged(hits).contact.wrench, laws.plain(hits, *laws.original).wrench)) << angle;
+    EXPECT_TRUE(
+        same_bits(laws.staged(hits).contact.wrench, laws.plain(hits, *laws.original).wrench))
+        << angle;
   }
 }
 
@@ -74,31 +83,36 @@ TEST(Blend, HasNoStepWhereTheMemorylessLawSwitches) {
     worst_plain = std::max(worst_plain, (plain.force - last_plain.force).norm());
     last = now, last_plain = plain;
   }
-  EXPECT_LE(worst, 20.0 * kEdge * step);        // Lipschitz in the angle
-  EXPECT_GE(worst_plain, 0.1 * kEdge);          // the switch at 0.3 that it replaces
+  EXPECT_LE(worst, 20.0 * kEdge * step);  // Lipschitz in the angle
+  EXPECT_GE(worst_plain, 0.1 * kEdge);    // the switch at 0.3 that it replaces
 }
 
 TEST(Blend, StaysFiniteAndContinuousWhereMeanAndOwnNormalCancel) {
-  // Four hits that set the mean and one that turns through the exact opposite of it, for coherences around 0.35 (s = 1/2).
+  // Four hits that set the mean and one that turns through the exact opposite of it, for coherences
+  // around 0.35 (s = 1/2).
   Laws laws;
   const double step = 1e-4;
-  const double half = std::acos(0.6875);  // (4 cos(open) - 1) / 5 = 0.35: here the blended direction vanishes at turn = 0
-  for (const double open : {0.7, half - 1e-2, half - 1e-3, half - 1e-6, half, half + 1e-6, half + 1e-3, half + 1e-2, 0.9}) {
+  const double half = std::acos(
+      0.6875);  // (4 cos(open) - 1) / 5 = 0.35: here the blended direction vanishes at turn = 0
+  for (const double open : {0.7, half - 1e-2, half - 1e-3, half - 1e-6, half, half + 1e-6,
+                            half + 1e-3, half + 1e-2, 0.9}) {
     Wrench last;
     for (int n = -500; n <= 500; ++n) {
       const double turn = n * step;
-      const contact::StageResult r = laws.staged(
-          hits_of({Vec3(0, std::sin(open), std::cos(open)), Vec3(0, -std::sin(open), std::cos(open)),
-                   Vec3(0, std::sin(open), std::cos(open)), Vec3(0, -std::sin(open), std::cos(open)),
-                   Vec3(std::sin(turn), 0, -std::cos(turn))}));
+      const contact::StageResult r = laws.staged(hits_of(
+          {Vec3(0, std::sin(open), std::cos(open)), Vec3(0, -std::sin(open), std::cos(open)),
+           Vec3(0, std::sin(open), std::cos(open)), Vec3(0, -std::sin(open), std::cos(open)),
+           Vec3(std::sin(turn), 0, -std::cos(turn))}));
       ASSERT_TRUE(r.contact.wrench.finite());
       if (n > -500) {
-        EXPECT_LE((r.contact.wrench.force - last.force).norm(), 10.0 * kEdge * step) << open << " " << turn;
+        EXPECT_LE((r.contact.wrench.force - last.force).norm(), 10.0 * kEdge * step)
+            << open << " " << turn;
       }
       last = r.contact.wrench;
       if (n == 0 && open == half) {
-        EXPECT_NEAR(smoothstep(contact::limits::kBlendFrom, contact::limits::kBlendTo, r.contact.coherence),
-                    0.5, 1e-9);
+        EXPECT_NEAR(
+            smoothstep(contact::limits::kBlendFrom, contact::limits::kBlendTo, r.contact.coherence),
+            0.5, 1e-9);
       }
     }
   }
@@ -118,14 +132,17 @@ TEST(Blend, GivesTheModelsBitsInPlainContactFromPoses) {
   const voxmap::Voxmap voxmap = block(kGrid, {0, 0, 0}, {60, 60, 30});
   const pointshell::Pointshell shell = sphere_shell(10 * kEdge, kEdge);
   std::mt19937_64 random(21);
-  for (const auto kind : {contact::ContactModelKind::kOriginal, contact::ContactModelKind::kAdapted}) {
+  for (const auto kind :
+       {contact::ContactModelKind::kOriginal, contact::ContactModelKind::kAdapted}) {
     contact::ContactRenderer renderer(voxmap, shell, kind, {100.0});
     int contacts = 0;
     for (int n = 0; n < 300; ++n) {
-      const Pose pose{kEdge * Vec3(uniform(random, 20, 40), uniform(random, 20, 40), uniform(random, 40.0, 41.3)),
+      const Pose pose{kEdge * Vec3(uniform(random, 20, 40), uniform(random, 20, 40),
+                                   uniform(random, 40.0, 41.3)),
                       random_rotation(random)};
       const contact::ContactResult plain = renderer.probe(pose);
-      if (plain.interior_hits > 0) continue;
+      if (plain.interior_hits > 0)
+        continue;
       const contact::StageResult r = renderer.render(pose);
       contacts += plain.surface_hits > 0;
       EXPECT_TRUE(same_bits(r.contact.wrench, plain.wrench));
@@ -151,7 +168,8 @@ TEST(Blend, KeepsTheStiffnessBoundBetweenItsEnds) {
     }
     stiffness.col(axis) = (r.contact.wrench.force - laws.staged(moved).contact.wrench.force) / step;
   }
-  EXPECT_LE(stiffness.jacobiSvd().singularValues()[0], r.contact.stiffness_bound_n_per_m * (1 + 1e-5));
+  EXPECT_LE(stiffness.jacobiSvd().singularValues()[0],
+            r.contact.stiffness_bound_n_per_m * (1 + 1e-5));
 }
 
 }  // namespace stage_blend_test

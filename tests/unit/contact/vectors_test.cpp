@@ -1,4 +1,5 @@
-// The two laws against the exact reference vectors: each pose file, each pose, forces, torques, counts and colliding sets.
+// The two laws against the exact reference vectors: each pose file, each pose, forces, torques,
+// counts and colliding sets.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -19,7 +20,8 @@ constexpr double kTolerance = 1e-7;  // FORMAT.md, double code
 class Vectors : public ::testing::TestWithParam<Case> {};
 
 double worst(const Wrench& a, const Wrench& b) {
-  return std::max((a.force - b.force).cwiseAbs().maxCoeff(), (a.torque - b.torque).cwiseAbs().maxCoeff());
+  return std::max((a.force - b.force).cwiseAbs().maxCoeff(),
+                  (a.torque - b.torque).cwiseAbs().maxCoeff());
 }
 
 std::string five_digits(double value) {
@@ -29,9 +31,11 @@ std::string five_digits(double value) {
 }
 
 TEST_P(Vectors, GiveTheSameForcesTorquesCountsAndSets) {
-  const VectorMesh dynamic = load_vector_mesh(GetParam().dynamic), fixed = load_vector_mesh(GetParam().fixed);
+  const VectorMesh dynamic = load_vector_mesh(GetParam().dynamic),
+                   fixed = load_vector_mesh(GetParam().fixed);
   const pointshell::Pointshell& shell = GetParam().shell == "exact" ? dynamic.exact : dynamic.naive;
-  contact::ContactRenderer original(fixed.voxmap, shell, contact::ContactModelKind::kOriginal, {1.0});
+  contact::ContactRenderer original(fixed.voxmap, shell, contact::ContactModelKind::kOriginal,
+                                    {1.0});
   contact::ContactRenderer adapted(fixed.voxmap, shell, contact::ContactModelKind::kAdapted, {1.0});
   double largest = 0.0;
   std::size_t row = 1;
@@ -54,18 +58,21 @@ TEST_P(Vectors, GiveTheSameForcesTorquesCountsAndSets) {
     largest = std::max({largest, worst(o.wrench, p.original), worst(a.wrench, p.adapted)});
     fallbacks += a.fallback;
   }
-  std::printf("%s: %zu poses, largest difference %.1e, fallbacks %u\n", GetParam().file().c_str(), poses.size(), largest,
-              fallbacks);
+  std::printf("%s: %zu poses, largest difference %.1e, fallbacks %u\n", GetParam().file().c_str(),
+              poses.size(), largest, fallbacks);
 }
 
 TEST_P(Vectors, GiveTheSameHitsAndForcesWhenTheShellIsPermuted) {
-  const VectorMesh dynamic = load_vector_mesh(GetParam().dynamic), fixed = load_vector_mesh(GetParam().fixed);
+  const VectorMesh dynamic = load_vector_mesh(GetParam().dynamic),
+                   fixed = load_vector_mesh(GetParam().fixed);
   const pointshell::Pointshell& shell = GetParam().shell == "exact" ? dynamic.exact : dynamic.naive;
   std::vector<std::uint32_t> order(shell.size());
   std::iota(order.begin(), order.end(), 0U);
   std::mt19937_64 random(7);
-  for (std::size_t n = order.size(); n > 1; --n) std::swap(order[n - 1], order[random() % n]);
-  for (const auto model : {contact::ContactModelKind::kOriginal, contact::ContactModelKind::kAdapted}) {
+  for (std::size_t n = order.size(); n > 1; --n)
+    std::swap(order[n - 1], order[random() % n]);
+  for (const auto model :
+       {contact::ContactModelKind::kOriginal, contact::ContactModelKind::kAdapted}) {
     contact::ContactRenderer one(fixed.voxmap, shell, model, {1.0});
     contact::ContactRenderer other(fixed.voxmap, reordered(shell, order), model, {1.0});
     std::vector<std::uint32_t> ids, other_ids;
@@ -78,10 +85,15 @@ TEST_P(Vectors, GiveTheSameHitsAndForcesWhenTheShellIsPermuted) {
 }
 
 INSTANTIATE_TEST_SUITE_P(PoseFiles, Vectors,
-                         ::testing::Values(Case{"aligned_box", "aligned_box", "exact"}, Case{"degenerate_tris", "lshape", "exact"},
-                                         Case{"sphere", "cylinder", "exact"}, Case{"sphere", "slab_tilted", "exact"},
-                                         Case{"sphere", "slab_tilted", "naive"}),
-                         [](const auto& test) { return test.param.dynamic + "_on_" + test.param.fixed + "_" + test.param.shell; });
+                         ::testing::Values(Case{"aligned_box", "aligned_box", "exact"},
+                                           Case{"degenerate_tris", "lshape", "exact"},
+                                           Case{"sphere", "cylinder", "exact"},
+                                           Case{"sphere", "slab_tilted", "exact"},
+                                           Case{"sphere", "slab_tilted", "naive"}),
+                         [](const auto& test) {
+                           return test.param.dynamic + "_on_" + test.param.fixed + "_" +
+                                  test.param.shell;
+                         });
 
 }  // namespace
 }  // namespace voxtouch::test

@@ -1,4 +1,5 @@
-// The virtual tool against exact truths: the god-object of the exact ball on exact triangles, Coulomb's law, and its own promises.
+// The virtual tool against exact truths: the god-object of the exact ball on exact triangles,
+// Coulomb's law, and its own promises.
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
@@ -17,8 +18,9 @@ namespace {
 using test::degrees_between;
 
 std::string told(const PressFigures& f) {
-  return "direction " + std::to_string(f.direction_median) + ", 95 % " + std::to_string(f.direction_95) + " degrees; size " +
-         std::to_string(f.size_median) + "; rest " + std::to_string(f.rest_worst) + " N";
+  return "direction " + std::to_string(f.direction_median) + ", 95 % " +
+         std::to_string(f.direction_95) + " degrees; size " + std::to_string(f.size_median) +
+         "; rest " + std::to_string(f.rest_worst) + " N";
 }
 
 struct PressCase {
@@ -27,14 +29,20 @@ struct PressCase {
   double direction_95, size;  ///< [degrees]; |F| over the truth's, less one
   double edge = 0.002;
 };
-void PrintTo(const PressCase& c, std::ostream* out) { *out << c.scene << (c.turned ? ", turned" : ""); }
+void PrintTo(const PressCase& c, std::ostream* out) {
+  *out << c.scene << (c.turned ? ", turned" : "");
+}
 class Press : public ::testing::TestWithParam<PressCase> {};
 
 /// The shell lacks s^2 / 8R between its points: 1.2 % of 10 mm at e = 2 mm.
 TEST_P(Press, GivesTheForceOfTheExactGodObjectAndRests) {
   const std::uint64_t seed = testing::seed(11);
   SCOPED_TRACE(testing::seed_trace(seed));
-  const PressFigures f = press({.scene = GetParam().scene, .edge = GetParam().edge, .places = 25, .turned = GetParam().turned, .seed = seed});
+  const PressFigures f = press({.scene = GetParam().scene,
+                                .edge = GetParam().edge,
+                                .places = 25,
+                                .turned = GetParam().turned,
+                                .seed = seed});
   std::printf("%s%s: %s\n", GetParam().scene, GetParam().turned ? ", turned" : "", told(f).c_str());
   EXPECT_LT(f.direction_95, GetParam().direction_95);
   EXPECT_LT(std::abs(f.size_median), GetParam().size);
@@ -42,32 +50,39 @@ TEST_P(Press, GivesTheForceOfTheExactGodObjectAndRests) {
   EXPECT_LT(f.depth_worst, 0.02);
   EXPECT_LE(f.queries_most, 8);
 }
-INSTANTIATE_TEST_SUITE_P(Scenes, Press,
-                         ::testing::Values(PressCase{"plane", false, 0.1, 0.002}, PressCase{"plane", true, 0.1, 0.02},
-                                           PressCase{"tilted", false, 0.1, 0.02}, PressCase{"tilted", true, 0.1, 0.02},
-                                           PressCase{"cylinder", false, 4.0, 0.02}, PressCase{"cylinder", true, 4.0, 0.02},
-                                           PressCase{"cup", false, 6.5, 0.02}, PressCase{"cup", true, 6.5, 0.02},
-                                           PressCase{"plate:0.002", true, 0.1, 0.02}, PressCase{"plate:0.0005", true, 0.1, 0.02},
-                                           PressCase{"plate:0.002:askew", true, 2.0, 0.02},
-                                           PressCase{"plate:0.0005:askew", true, 2.0, 0.02},
-                                           // Its other face bends the smooth normals: taken from a gradient of 0.97 on they are 0.6 degrees off.
-                                           PressCase{"plate:0.0025:askew", true, 0.3, 0.02, 0.001}),
-                         [](const auto& one) {
-                           std::string name = one.param.scene;
-                           for (char& c : name)
-                             if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '_';
-                           return name + (one.param.turned ? "_turned" : "");
-                         });
+INSTANTIATE_TEST_SUITE_P(
+    Scenes, Press,
+    ::testing::Values(PressCase{"plane", false, 0.1, 0.002}, PressCase{"plane", true, 0.1, 0.02},
+                      PressCase{"tilted", false, 0.1, 0.02}, PressCase{"tilted", true, 0.1, 0.02},
+                      PressCase{"cylinder", false, 4.0, 0.02},
+                      PressCase{"cylinder", true, 4.0, 0.02}, PressCase{"cup", false, 6.5, 0.02},
+                      PressCase{"cup", true, 6.5, 0.02}, PressCase{"plate:0.002", true, 0.1, 0.02},
+                      PressCase{"plate:0.0005", true, 0.1, 0.02},
+                      PressCase{"plate:0.002:askew", true, 2.0, 0.02},
+                      PressCase{"plate:0.0005:askew", true, 2.0, 0.02},
+                      // Its other face bends the smooth normals: taken from a gradient of 0.97 on
+                      // they are 0.6 degrees off.
+                      PressCase{"plate:0.0025:askew", true, 0.3, 0.02, 0.001}),
+    [](const auto& one) {
+      std::string name = one.param.scene;
+      for (char& c : name)
+        if (std::isalnum(static_cast<unsigned char>(c)) == 0)
+          c = '_';
+      return name + (one.param.turned ? "_turned" : "");
+    });
 
-/// With the field's own gradients, which jump from voxel to voxel, it is 1.9 degrees. What is left is the shell's, whose points are 2 mm apart.
+/// With the field's own gradients, which jump from voxel to voxel, it is 1.9 degrees. What is left
+/// is the shell's, whose points are 2 mm apart.
 TEST(VirtualTool, FeelsNoVoxelsInTheDirectionOfARoundThing) {
-  const PressFigures f = press({.scene = "cylinder:384", .places = 200, .turned = true, .seed = testing::seed(7)});
+  const PressFigures f =
+      press({.scene = "cylinder:384", .places = 200, .turned = true, .seed = testing::seed(7)});
   std::printf("%s\n", told(f).c_str());
   EXPECT_LT(f.direction_95, 1.75);
   EXPECT_LT(f.rest_worst, 1e-3);
 }
 
-/// Nor in the steps of the force of one that slides: where normals are smooth only within a twentieth of a voxel of rest they are three times as large.
+/// Nor in the steps of the force of one that slides: where normals are smooth only within a
+/// twentieth of a voxel of rest they are three times as large.
 TEST(VirtualTool, FeelsNoVoxelsInTheStepsOfTheForceRoundACylinder) {
   for (const auto& [edge, most] : {std::pair{0.002, 0.02}, {0.001, 0.012}}) {
     const SlideFigures f = slide({.scene = "cylinder", .edge = edge, .speed = 0.05, .seed = 1});
@@ -76,14 +91,24 @@ TEST(VirtualTool, FeelsNoVoxelsInTheStepsOfTheForceRoundACylinder) {
   }
 }
 
-/// Square onto a block's right angle. Its points lie on it exactly, half a voxel apart: a ball between two of them lacks e^2 / 32 R.
+/// Square onto a block's right angle. Its points lie on it exactly, half a voxel apart: a ball
+/// between two of them lacks e^2 / 32 R.
 TEST(VirtualTool, GivesTheForceOfTheExactGodObjectAtAConvexEdge) {
   const std::uint64_t seed = testing::seed(7);
   SCOPED_TRACE(testing::seed_trace(seed));
-  for (const auto& [edge, depth, direction_95] : {std::tuple{0.002, 0.003, 4.0}, {0.002, 0.007, 4.0}, {0.001, 0.003, 2.0}, {0.001, 0.007, 2.0}})
+  for (const auto& [edge, depth, direction_95] : {std::tuple{0.002, 0.003, 4.0},
+                                                  {0.002, 0.007, 4.0},
+                                                  {0.001, 0.003, 2.0},
+                                                  {0.001, 0.007, 2.0}})
     for (const bool turned : {false, true}) {
-      const PressFigures f = press({.scene = "edge", .edge = edge, .depth_m = depth, .places = 60, .turned = turned, .seed = seed});
-      std::printf("edge, e %g, %g m deep%s: %s\n", edge, depth, turned ? ", turned" : "", told(f).c_str());
+      const PressFigures f = press({.scene = "edge",
+                                    .edge = edge,
+                                    .depth_m = depth,
+                                    .places = 60,
+                                    .turned = turned,
+                                    .seed = seed});
+      std::printf("edge, e %g, %g m deep%s: %s\n", edge, depth, turned ? ", turned" : "",
+                  told(f).c_str());
       EXPECT_LT(f.direction_95, direction_95);
       EXPECT_GT(f.size_least, -0.02);
       EXPECT_LT(f.size_most, 0.005);
@@ -96,11 +121,13 @@ TEST(VirtualTool, FeelsTheEdgesOfAnObjectThatHasMovedWhereTheyAre) {
   const double e = 0.002, half = 0.03, depth = 0.005;
   const Vec3 slant = Vec3(1, 0, 1).normalized(), edge(half, 0.0007, 0.0);
   for (const Vec3& moved : {Vec3(0, 0, 0), Vec3(0.013, -0.004, 0.0071)}) {
-    Rig rig(test::box_mesh(2 * half * Vec3::Ones(), {Vec3(0, 0, -half), Quat::Identity()}), e, ball_mesh());
+    Rig rig(test::box_mesh(2 * half * Vec3::Ones(), {Vec3(0, 0, -half), Quat::Identity()}), e,
+            ball_mesh());
     rig.grounds[0].displacement = moved;
     ASSERT_TRUE(rig.place({moved + edge + (kBall + 0.001) * slant, Quat::Identity()}));
     contact::VirtualToolFrame f;
-    for (int n = 0; n <= 120; ++n) f = rig.frame(Vec3(moved + edge + (kBall + 0.001 - 5e-5 * n) * slant));
+    for (int n = 0; n <= 120; ++n)
+      f = rig.frame(Vec3(moved + edge + (kBall + 0.001 - 5e-5 * n) * slant));
     EXPECT_NEAR(f.wrench(1.0).force.norm(), depth, 0.02 * depth);
     EXPECT_LT(degrees_between(f.wrench(1.0).force, slant), 4.0);
     EXPECT_NEAR((f.contact_point - moved - edge).head<1>().norm(), 0.0, 1e-9);
@@ -108,16 +135,19 @@ TEST(VirtualTool, FeelsTheEdgesOfAnObjectThatHasMovedWhereTheyAre) {
   }
 }
 
-/// A plate of two voxels with a block's edge in it, some way in from the side that it came through: pushed out on that side, and never on through the other.
+/// A plate of two voxels with a block's edge in it, some way in from the side that it came through:
+/// pushed out on that side, and never on through the other.
 TEST(EdgeRows, PushAThinToolOffTheObjectAndNotThroughIt) {
   const double e = 0.002, half = 0.03, thick = 2 * e;
-  const mesh::TriangleMesh block = test::box_mesh(2 * half * Vec3::Ones(), {Vec3(0, 0, -half), Quat::Identity()});
+  const mesh::TriangleMesh block =
+      test::box_mesh(2 * half * Vec3::Ones(), {Vec3(0, 0, -half), Quat::Identity()});
   const Rig rig(block, e, test::box_mesh(Vec3(0.03, 0.024, thick)));
   const Vec3 slant = Vec3(1, 0, 1).normalized();
   const Quat turn(Eigen::AngleAxisd(0.25 * std::numbers::pi, Vec3::UnitY()));
   contact::HitList hits;
   hits.reserve(rig.edges.query.shell().size());
-  for (const double depth : {0.1, 0.25, 0.6, 0.75, 0.9}) {  // in the middle the distance has no direction
+  for (const double depth :
+       {0.1, 0.25, 0.6, 0.75, 0.9}) {  // in the middle the distance has no direction
     const Vec3 tool = Vec3(half, 0.0003, 0.0) + (0.5 - depth) * thick * slant;
     const contact::RowFrame frame{tool - rig.ground.field.grid().origin, 0.01, 0};
     rig.edges.query.find({turn.conjugate() * -frame.local, turn.conjugate()}, hits);
@@ -130,8 +160,11 @@ TEST(EdgeRows, PushAThinToolOffTheObjectAndNotThroughIt) {
       EXPECT_GT(row.normal().dot(slant), 0.1);  // less than one at the plate's rim
       EXPECT_NEAR(row.jacobian.tail<3>().norm(), row.arm.cross(row.normal()).norm() / 0.01, 1e-12);
     }
-    if (rows.empty()) continue;
-    const auto middle = std::min_element(rows.begin(), rows.end(), [](const auto& a, const auto& b) { return a.arm.norm() < b.arm.norm(); });
+    if (rows.empty())
+      continue;
+    const auto middle =
+        std::min_element(rows.begin(), rows.end(),
+                         [](const auto& a, const auto& b) { return a.arm.norm() < b.arm.norm(); });
     EXPECT_NEAR(middle->gap_m, -depth * thick, 1e-6);
   }
 }
@@ -142,7 +175,8 @@ TEST(VirtualTool, GivesTheForceOfTheExactGodObjectInAConcaveCorner) {
   SCOPED_TRACE(testing::seed_trace(seed));
   for (const double edge : {0.002, 0.001})
     for (const bool turned : {false, true}) {
-      const PressFigures f = press({.scene = "corner", .edge = edge, .places = 40, .turned = turned, .seed = seed});
+      const PressFigures f =
+          press({.scene = "corner", .edge = edge, .places = 40, .turned = turned, .seed = seed});
       std::printf("corner, e %g%s: %s\n", edge, turned ? ", turned" : "", told(f).c_str());
       EXPECT_LT(f.direction_95, turned ? 1.0 : 0.1);
       EXPECT_LT(std::abs(f.size_median), 0.02);
@@ -157,7 +191,8 @@ TEST(VirtualTool, GivesTheSpringsForceAtEveryDepthUpToTwentyFiveMillimetres) {
   double last = 0.0;
   for (int n = 0; n <= 540; ++n) {
     const double depth = -0.002 + n * 5e-5;
-    const double force = rig.frame(Vec3(free.x(), free.y(), kBall - depth)).wrench(kStiffness).force.z();
+    const double force =
+        rig.frame(Vec3(free.x(), free.y(), kBall - depth)).wrench(kStiffness).force.z();
     EXPECT_GE(force, last - 1e-3 * last) << depth;  // never falls while the hand goes deeper
     if (depth > 0.003) {
       EXPECT_NEAR(force / (kStiffness * depth), 1.0, 0.02) << depth;
@@ -167,11 +202,13 @@ TEST(VirtualTool, GivesTheSpringsForceAtEveryDepthUpToTwentyFiveMillimetres) {
 }
 
 TEST(VirtualTool, SlidesWithoutNoiseOnPlanesAndWithLittleRoundACylinder) {
-  for (const auto& [scene, noise, step] : {std::tuple{"plane", 1e-4, 1e-3}, {"tilted", 1e-4, 1e-3}, {"cylinder", 0.01, 0.1}})
+  for (const auto& [scene, noise, step] :
+       {std::tuple{"plane", 1e-4, 1e-3}, {"tilted", 1e-4, 1e-3}, {"cylinder", 0.01, 0.1}})
     for (const double speed : {0.05, 0.5}) {
       const SlideFigures f = slide({.scene = scene, .speed = speed, .seed = 3});
-      std::printf("%s at %g m/s: noise %.5f, step over force %.5f, energy over way %.6f, queries %.2f\n", scene, speed, f.noise,
-                  f.step_over_force, f.energy_over_way, f.queries_mean);
+      std::printf(
+          "%s at %g m/s: noise %.5f, step over force %.5f, energy over way %.6f, queries %.2f\n",
+          scene, speed, f.noise, f.step_over_force, f.energy_over_way, f.queries_mean);
       EXPECT_LT(f.noise, noise) << scene;
       EXPECT_LT(f.step_over_force, step) << scene;
       EXPECT_LE(f.energy_over_way, 1e-4) << scene;
@@ -184,7 +221,8 @@ TEST(VirtualTool, GivesWayAtAnEdgeAsARamp) {
   for (const double edge : {0.002, 0.001})
     for (const double depth : {0.003, 0.01}) {
       const EdgeFigures f = over_edge(edge, depth, 0.05, testing::seed(5), 6);
-      std::printf("e %g, %g m deep: step %.3f N, %.3f of the force, energy %.4f J\n", edge, depth, f.step_worst, f.step_over_force, f.energy);
+      std::printf("e %g, %g m deep: step %.3f N, %.3f of the force, energy %.4f J\n", edge, depth,
+                  f.step_worst, f.step_over_force, f.energy);
       EXPECT_LT(f.step_over_force, 0.06);
       EXPECT_LT(f.energy, 0.0);
     }
@@ -200,15 +238,23 @@ TEST(VirtualTool, IsTheHandToTheBitInFreeSpace) {
   Vec3 way = Vec3::Zero();
   int queries = 0;
   for (int n = 0; n < 5000; ++n) {
-    if (n % 10 == 0) way = uniform(random, 0.0, 0.0075) * random_direction(random);
+    if (n % 10 == 0)
+      way = uniform(random, 0.0, 0.0075) * random_direction(random);
     hand.position += way;
-    for (int axis = 0; axis < 2; ++axis) hand.position[axis] = std::remainder(hand.position[axis], 0.08);
-    hand.position.z() = kBall + 3e-4 + std::abs(std::remainder(hand.position.z() - kBall - 3e-4, 0.06));
-    if (n % 100 == 0) rig.tool.reset();  // the jump at the borders is no motion
-    hand.orientation = (Quat(Eigen::AngleAxisd(uniform(random, 0, 0.02), random_direction(random))) * hand.orientation).normalized();
+    for (int axis = 0; axis < 2; ++axis)
+      hand.position[axis] = std::remainder(hand.position[axis], 0.08);
+    hand.position.z() =
+        kBall + 3e-4 + std::abs(std::remainder(hand.position.z() - kBall - 3e-4, 0.06));
+    if (n % 100 == 0)
+      rig.tool.reset();  // the jump at the borders is no motion
+    hand.orientation =
+        (Quat(Eigen::AngleAxisd(uniform(random, 0, 0.02), random_direction(random))) *
+         hand.orientation)
+            .normalized();
     if ((hand.position - rig.frame(hand).tool.position).norm() > 0.0) {
       // After a leap of the test's own the tool follows at its own pace.
-      for (int k = 0; k < 40; ++k) rig.frame(hand);
+      for (int k = 0; k < 40; ++k)
+        rig.frame(hand);
     }
     const contact::VirtualToolFrame f = rig.frame(hand);
     ASSERT_EQ(f.tool.position, hand.position) << n;
@@ -241,7 +287,8 @@ TEST(VirtualTool, SaysThatItLagsWhereAFreeHandIsFasterThanAFrameReaches) {
   EXPECT_TRUE(f.lag);
   EXPECT_TRUE(f.wrench(kStiffness).zero());
   EXPECT_LE(f.queries, 8);
-  for (int n = 0; n < 10; ++n) f = rig.frame(hand);
+  for (int n = 0; n < 10; ++n)
+    f = rig.frame(hand);
   EXPECT_FALSE(f.lag);
   EXPECT_EQ(f.tool.position, hand);
 }
@@ -250,7 +297,8 @@ TEST(VirtualTool, ShowsAStiffnessOfAtMostTheSprings) {
   Rig rig(scene_mesh("plane"), 0.002, ball_mesh());
   ASSERT_TRUE(rig.place({Vec3(0, 0, kBall + 0.001), Quat::Identity()}));
   contact::VirtualToolFrame f;
-  for (int n = 0; n < 100; ++n) f = rig.frame(Vec3(1e-5 * n, 0, kBall + 0.001 - 5e-5 * n));
+  for (int n = 0; n < 100; ++n)
+    f = rig.frame(Vec3(1e-5 * n, 0, kBall + 0.001 - 5e-5 * n));
   const Mat6 k = f.stiffness(kStiffness);
   EXPECT_TRUE(k.isApprox(k.transpose(), 1e-9));
   const Vec6 eigen = Eigen::SelfAdjointEigenSolver<Mat6>(f.shown).eigenvalues();
@@ -260,7 +308,8 @@ TEST(VirtualTool, ShowsAStiffnessOfAtMostTheSprings) {
   EXPECT_NEAR(k(0, 0), 0.0, 0.01 * kStiffness);
   // It is what the force does.
   const double before = f.wrench(kStiffness).force.z();
-  const double after = rig.frame(Vec3(1e-5 * 99, 0, kBall + 0.001 - 5e-5 * 99 - 1e-4)).wrench(kStiffness).force.z();
+  const double after =
+      rig.frame(Vec3(1e-5 * 99, 0, kBall + 0.001 - 5e-5 * 99 - 1e-4)).wrench(kStiffness).force.z();
   EXPECT_NEAR((after - before) / 1e-4, k(2, 2), 0.02 * kStiffness);
 }
 
@@ -269,7 +318,8 @@ TEST(VirtualTool, SumsItsPushesToTheSpring) {
   ASSERT_TRUE(rig.place({Vec3(0, 0, 0.05), Quat::Identity()}));
   for (int n = 0; n < 400; ++n) {
     const contact::VirtualToolFrame f = rig.frame(Vec3(1e-4 * n, 2e-5 * n, 0.05 - 5e-5 * n));
-    if (!f.constrained || f.residual_m > 1e-6) continue;
+    if (!f.constrained || f.residual_m > 1e-6)
+      continue;
     const Wrench push = rig.tool.pushes()[0], felt = f.wrench(1.0);
     EXPECT_LT((push.force - felt.force).norm(), 1e-5) << n;
     EXPECT_LT((push.torque - felt.torque).norm(), 1e-7) << n;
@@ -284,19 +334,25 @@ TEST(VirtualToolFriction, IsCoulombsOnAPlane) {
   EXPECT_LT(f.energy_over_way, 0.0);
 }
 
-/// A hand that pulls along the plane with less than mu N: the tool stands, to the bit, for two seconds.
+/// A hand that pulls along the plane with less than mu N: the tool stands, to the bit, for two
+/// seconds.
 TEST(VirtualToolFriction, SticksWithinTheConeAndDoesNotCreep) {
   Rig rig(scene_mesh("tilted"), 0.002, ball_mesh());
   const Vec3 n = tilt() * Vec3::UnitZ(), t = tilt() * Vec3::UnitX();
   ASSERT_TRUE(rig.place({(kBall + 0.001) * n, Quat::Identity()}));
-  for (int k = 0; k < 120; ++k) rig.frame((kBall + 0.001 - 5e-5 * k) * n, Quat::Identity(), 0.4);  // 5 mm deep
-  for (int k = 0; k < 30; ++k) rig.frame((kBall - 0.005) * n + 5e-5 * k * t, Quat::Identity(), 0.4);  // 1.5 mm along: 0.3 of it
+  for (int k = 0; k < 120; ++k)
+    rig.frame((kBall + 0.001 - 5e-5 * k) * n, Quat::Identity(), 0.4);  // 5 mm deep
+  for (int k = 0; k < 30; ++k)
+    rig.frame((kBall - 0.005) * n + 5e-5 * k * t, Quat::Identity(),
+              0.4);  // 1.5 mm along: 0.3 of it
   const Vec3 hand = (kBall - 0.005) * n + 1.5e-3 * t;
   rig.frame(hand, Quat::Identity(), 0.4);
   const Vec3 sticking = rig.frame(hand, Quat::Identity(), 0.4).tool.position;
-  for (int k = 0; k < 2000; ++k) ASSERT_EQ(rig.frame(hand, Quat::Identity(), 0.4).tool.position, sticking) << k;
+  for (int k = 0; k < 2000; ++k)
+    ASSERT_EQ(rig.frame(hand, Quat::Identity(), 0.4).tool.position, sticking) << k;
   EXPECT_LT(std::abs(sticking.dot(t)), 2e-4);  // it turned a little about the point that sticks
-  for (int k = 0; k < 60; ++k) rig.frame(hand + 1e-4 * k * t, Quat::Identity(), 0.4);  // 7.5 mm along: it slides
+  for (int k = 0; k < 60; ++k)
+    rig.frame(hand + 1e-4 * k * t, Quat::Identity(), 0.4);  // 7.5 mm along: it slides
   const contact::VirtualToolFrame f = rig.frame(hand + 6e-3 * t, Quat::Identity(), 0.4);
   EXPECT_GT(f.tool.position.dot(t), 4e-3);
   const Vec3 force = f.wrench(kStiffness).force;
@@ -305,20 +361,24 @@ TEST(VirtualToolFriction, SticksWithinTheConeAndDoesNotCreep) {
 
 TEST(VirtualToolFriction, OfZeroChangesNoBit) {
   Rig with(scene_mesh("cup"), 0.002, ball_mesh()), without(scene_mesh("cup"), 0.002, ball_mesh());
-  for (Rig* rig : {&with, &without}) ASSERT_TRUE(rig->place({Vec3(0, 0, 0.05), Quat::Identity()}));
+  for (Rig* rig : {&with, &without})
+    ASSERT_TRUE(rig->place({Vec3(0, 0, 0.05), Quat::Identity()}));
   for (int n = 0; n < 300; ++n) {
     const Vec3 hand(1e-4 * n, 2e-5 * n, 0.05);
-    ASSERT_EQ(with.frame(hand, Quat::Identity(), 0.0).tool.position, without.frame(hand).tool.position);
+    ASSERT_EQ(with.frame(hand, Quat::Identity(), 0.0).tool.position,
+              without.frame(hand).tool.position);
   }
 }
 
-/// A square box of half width a on a plane: even pressure on its corners holds a turn by mu N r, r their distance from the middle.
+/// A square box of half width a on a plane: even pressure on its corners holds a turn by mu N r, r
+/// their distance from the middle.
 TEST(VirtualToolFriction, HoldsATurnAboutTheNormal) {
   Rig rig(scene_mesh("plane"), 0.001, test::box_mesh(Vec3(0.012, 0.012, 0.008)));
   const double mu = 0.3, depth = 0.004;
   ASSERT_TRUE(rig.place({Vec3(3e-4, 2e-4, 0.005), Quat::Identity()}));
   contact::VirtualToolFrame f;
-  for (int n = 0; n <= 100; ++n) f = rig.frame(Vec3(3e-4, 2e-4, 0.005 - n * (depth + 0.001) / 100), Quat::Identity(), mu);
+  for (int n = 0; n <= 100; ++n)
+    f = rig.frame(Vec3(3e-4, 2e-4, 0.005 - n * (depth + 0.001) / 100), Quat::Identity(), mu);
   const Vec3 at(3e-4, 2e-4, 0.004 - depth);
   double most = 0.0;
   for (int n = 0; n <= 200; ++n) {
@@ -344,25 +404,35 @@ TEST(DirectionBins, EachHoldsTheDirectionsNearItsOwnAndNoneIsEmpty) {
   for (int block = 0; block < 320; ++block) {
     for (std::size_t n = 0; n < normals.count; ++n) {
       const Vec3 normal = random_direction(random);
-      for (std::size_t axis = 0; axis < 3; ++axis) normals.along[axis][n] = normal[static_cast<Eigen::Index>(axis)];
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        normals.along[axis][n] = normal[static_cast<Eigen::Index>(axis)];
     }
     contact::nearest_direction_bins(normals, nearest);
-    for (std::size_t n = 0; n < normals.count; ++n) bins[nearest[n]].push_back({normals.along[0][n], normals.along[1][n], normals.along[2][n]});
+    for (std::size_t n = 0; n < normals.count; ++n)
+      bins[nearest[n]].push_back({normals.along[0][n], normals.along[1][n], normals.along[2][n]});
   }
   for (const std::vector<Vec3>& bin : bins) {
     ASSERT_GT(bin.size(), 200u);
     Vec3 mean = Vec3::Zero();
-    for (const Vec3& normal : bin) mean += normal;
-    for (const Vec3& normal : bin) EXPECT_LT(test::degrees_between(normal, mean), 25.0);
+    for (const Vec3& normal : bin)
+      mean += normal;
+    for (const Vec3& normal : bin)
+      EXPECT_LT(test::degrees_between(normal, mean), 25.0);
   }
 }
 
 TEST(VirtualToolOptions, AreRefusedWhereNothingCanBeRendered) {
-  EXPECT_THROW(contact::VirtualTool({.points = 0, .reach_m = 0.01, .edge_m = 0.001}), std::invalid_argument);
-  EXPECT_THROW(contact::VirtualTool({.points = 9, .reach_m = 0.0, .edge_m = 0.001}), std::invalid_argument);
-  EXPECT_THROW(contact::VirtualTool({.points = 9, .reach_m = 0.01, .edge_m = std::nan("")}), std::invalid_argument);
-  EXPECT_THROW(contact::VirtualTool({.points = 9, .objects = 0, .reach_m = 0.01, .edge_m = 0.001}), std::invalid_argument);
-  EXPECT_THROW(contact::VirtualTool({.points = 9, .reach_m = 0.01, .edge_m = 0.001, .lever_m = -1.0}), std::invalid_argument);
+  EXPECT_THROW(contact::VirtualTool({.points = 0, .reach_m = 0.01, .edge_m = 0.001}),
+               std::invalid_argument);
+  EXPECT_THROW(contact::VirtualTool({.points = 9, .reach_m = 0.0, .edge_m = 0.001}),
+               std::invalid_argument);
+  EXPECT_THROW(contact::VirtualTool({.points = 9, .reach_m = 0.01, .edge_m = std::nan("")}),
+               std::invalid_argument);
+  EXPECT_THROW(contact::VirtualTool({.points = 9, .objects = 0, .reach_m = 0.01, .edge_m = 0.001}),
+               std::invalid_argument);
+  EXPECT_THROW(
+      contact::VirtualTool({.points = 9, .reach_m = 0.01, .edge_m = 0.001, .lever_m = -1.0}),
+      std::invalid_argument);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #pragma once
-/// A device in a hand on a contact, as far as the coupling's tests need it: a point mass in three dimensions between samples.
+/// A device in a hand on a contact, as far as the coupling's tests need it: a point mass in three
+/// dimensions between samples.
 #include <cmath>
 #include <functional>
 
@@ -19,13 +20,18 @@ class HapticLoop {
  public:
   using Contact = std::function<CouplingInput(const Vec3& position)>;
 
-  HapticLoop(const LoopDevice& device, RunningCoupling& coupling, Contact contact, double period_s = 1e-3)
-      : device_(device), coupling_(coupling), contact_(std::move(contact)), period_s_(period_s) {}
+  HapticLoop(const LoopDevice& device, RunningCoupling& coupling, Contact contact,
+             double period_s = 1e-3)
+      : device_(device),
+        coupling_(coupling),
+        contact_(std::move(contact)),
+        period_s_(period_s) {}
 
   /// One sample: read, command at once, hold for the period.
   const CouplingOutput& step() {
     Vec3 seen = position;
-    if (device_.resolution_m > 0.0) seen = (seen / device_.resolution_m).array().round() * device_.resolution_m;
+    if (device_.resolution_m > 0.0)
+      seen = (seen / device_.resolution_m).array().round() * device_.resolution_m;
     CouplingInput input = contact_(seen);
     input.tool.position = seen;
     out_ = coupling_.step(input, period_s_);
@@ -53,7 +59,8 @@ class HapticLoop {
   }
   /// Dry friction along x: it stops what it can stop.
   void rub(Vec3& force, double h) const {
-    if (!(device_.friction_n > 0.0)) return;
+    if (!(device_.friction_n > 0.0))
+      return;
     const double stop = -device_.mass_kg * velocity.x() / h - force.x();
     force.x() += std::fmax(-device_.friction_n, std::fmin(device_.friction_n, stop));
   }
@@ -68,7 +75,8 @@ class HapticLoop {
 /// A wall that pushes along +x where x < 0.
 inline CouplingInput wall(const Vec3& at, double k) {
   CouplingInput in;
-  if (at.x() > 0.0) return in;
+  if (at.x() > 0.0)
+    return in;
   in.contact.force = Vec3(-k * at.x(), 0, 0);
   in.contact_stiffness_n_per_m = k;
   in.contact_stiffness(0, 0) = k;
@@ -80,7 +88,8 @@ inline CouplingInput cylinder(const Vec3& at, double r, double k, bool inside = 
   CouplingInput in;
   const Vec3 radial(at.x(), at.y(), 0);
   const double depth = inside ? radial.norm() - r : r - radial.norm();
-  if (depth < 0.0) return in;
+  if (depth < 0.0)
+    return in;
   const Vec3 out = (inside ? -1.0 : 1.0) * radial.normalized();
   in.contact.force = k * depth * out;
   in.contact_stiffness_n_per_m = k;

@@ -15,7 +15,9 @@ namespace injected_damping_test {
 constexpr double kT = 1e-3;
 const double kNan = std::numeric_limits<double>::quiet_NaN();
 
-Pose at(const Vec3& position, const Quat& orientation = Quat::Identity()) { return {position, orientation}; }
+Pose at(const Vec3& position, const Quat& orientation = Quat::Identity()) {
+  return {position, orientation};
+}
 
 TEST(ToolMotion, FiltersDifferencesAsItsFormulaSays) {
   ToolMotion motion(kT, 100, {});
@@ -36,15 +38,18 @@ TEST(ToolMotion, FiltersDifferencesAsItsFormulaSays) {
 TEST(ToolMotion, WeighsTheDifferencesOfAWindowAsItsFormulaSays) {
   for (int window = 1; window <= kMaxVelocityWindow; ++window) {
     double sum = 0.0, sizes = 0.0;
-    for (int ago = 0; ago < window_span(window); ++ago) sum += window_weight(window, ago), sizes += std::abs(window_weight(window, ago));
+    for (int ago = 0; ago < window_span(window); ++ago)
+      sum += window_weight(window, ago), sizes += std::abs(window_weight(window, ago));
     EXPECT_NEAR(sum, 1.0, 1e-15);
     EXPECT_NEAR(sizes, kWindowGain, 1e-15);
     ToolMotion motion(kT, 100, {}, window);
     const auto x = [](int n) { return 1e-3 * std::sin(0.05 * n); };
     for (int n = 0; n < 200; ++n) {
       motion.step(at({x(n), 0, -x(n)}, Quat(Eigen::AngleAxisd(0.2 * x(n), Vec3::UnitY()))), kT);
-      if (n < window_span(window)) continue;
-      const double u = (x(n) - x(n - window)) / (window * kT), w = (x(n - window) - x(n - 3 * window)) / (2 * window * kT);
+      if (n < window_span(window))
+        continue;
+      const double u = (x(n) - x(n - window)) / (window * kT),
+                   w = (x(n - window) - x(n - 3 * window)) / (2 * window * kT);
       const double wanted = 1.5 * u - 0.5 * w;
       EXPECT_NEAR(motion.velocity().linear.x(), wanted, 1e-12) << window << " " << n;
       EXPECT_NEAR(motion.velocity().linear.z(), -wanted, 1e-12);
@@ -53,7 +58,8 @@ TEST(ToolMotion, WeighsTheDifferencesOfAWindowAsItsFormulaSays) {
   }
 }
 
-/// What one step of the encoder makes of v^, for as long as the window is; and v^ is a quarter of n ahead of what accelerates.
+/// What one step of the encoder makes of v^, for as long as the window is; and v^ is a quarter of n
+/// ahead of what accelerates.
 TEST(ToolMotion, AWindowShowsOneStepAsItsShareAndLooksAhead) {
   constexpr double kStep = 3e-5;
   for (int window = 1; window <= kMaxVelocityWindow; ++window) {
@@ -62,7 +68,8 @@ TEST(ToolMotion, AWindowShowsOneStepAsItsShareAndLooksAhead) {
       steps.step(at({n < 20 ? 0.0 : kStep, 0, 0}), kT);
       falls.step(at({0.5 * n * n * kT * kT, 0, 0}), kT);
       const double share = n < 20 ? 0.0 : n < 20 + window ? 1.5 : n < 20 + 3 * window ? -0.25 : 0.0;
-      EXPECT_NEAR(steps.velocity().linear.x(), share * kStep / (window * kT), 1e-12) << window << " " << n;
+      EXPECT_NEAR(steps.velocity().linear.x(), share * kStep / (window * kT), 1e-12)
+          << window << " " << n;
       if (n >= window_span(window)) {
         EXPECT_NEAR(falls.velocity().linear.x(), (n + 0.25 * window) * kT, 1e-12);
       }
@@ -70,36 +77,43 @@ TEST(ToolMotion, AWindowShowsOneStepAsItsShareAndLooksAhead) {
   }
 }
 
-/// Where the positions are off by up to half a step, v^ is off by no more than the designer counts as noise; and by nearly as much where they
-/// are off as it bears least.
+/// Where the positions are off by up to half a step, v^ is off by no more than the designer counts
+/// as noise; and by nearly as much where they are off as it bears least.
 TEST(ToolMotion, AnEncoderMakesNoMoreOfTheVelocityThanIsCounted) {
   constexpr double kStep = 3e-5;
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> u(-0.5, 0.5);
-  for (const auto& [hz, window] : {std::pair{50.0, 0}, {200.0, 0}, {100.0, 1}, {100.0, 2}, {100.0, 4}}) {
-    const double share = window > 0 ? window_step_share(window) : 1 - std::exp(-2 * std::numbers::pi * hz * kT), most = share * kStep / kT;
+  for (const auto& [hz, window] :
+       {std::pair{50.0, 0}, {200.0, 0}, {100.0, 1}, {100.0, 2}, {100.0, 4}}) {
+    const double share = window > 0 ? window_step_share(window)
+                                    : 1 - std::exp(-2 * std::numbers::pi * hz * kT),
+                 most = share * kStep / kT;
     ToolMotion shown(kT, hz, {}, window), real(kT, hz, {}, window);
     double worst = 0.0, x = 0.0;
     for (int n = 0; n < 20'000; ++n) {
       x += 2e-4 * u(random);
       shown.step(at({kStep * std::floor(x / kStep), 0, 0}), kT);
       real.step(at({x, 0, 0}), kT);
-      if (n > 0) worst = std::max(worst, (shown.velocity().linear - real.velocity().linear).norm());
+      if (n > 0)
+        worst = std::max(worst, (shown.velocity().linear - real.velocity().linear).norm());
     }
     EXPECT_LE(worst, most * (1 + 1e-9)) << hz << " " << window;
-    // Between two neighbouring positions: down where the window's weights are against it, and up again.
+    // Between two neighbouring positions: down where the window's weights are against it, and up
+    // again.
     ToolMotion between(kT, hz, {}, window);
     double least = 0.0, highest = 0.0;
     for (int n = 0; n < 400; ++n) {
       const bool up = n >= 200 || (window > 0 && n <= 200 - window_span(window));
       between.step(at({up ? kStep : 0.0, 0, 0}), kT);
-      least = std::min(least, between.velocity().linear.x()), highest = std::max(highest, between.velocity().linear.x());
+      least = std::min(least, between.velocity().linear.x()),
+      highest = std::max(highest, between.velocity().linear.x());
     }
     EXPECT_NEAR(std::max(highest, -least), most, 1e-12);
   }
 }
 
-/// A way of two periods, of a sample that was lost, is two differences: the window is no longer by it.
+/// A way of two periods, of a sample that was lost, is two differences: the window is no longer by
+/// it.
 TEST(ToolMotion, ALostSampleMakesAWindowNoLonger) {
   ToolMotion motion(kT, 100, {}, 2);
   for (int n = 0; n < 60; ++n) {
@@ -114,7 +128,8 @@ TEST(ToolMotion, ALostSampleMakesAWindowNoLonger) {
 TEST(ToolMotion, AJumpEmptiesTheWindow) {
   for (int window = 1; window <= kMaxVelocityWindow; ++window) {
     ToolMotion motion(kT, 100, {}, window);
-    for (int n = 0; n < 100; ++n) motion.step(at({1e-4 * n, 0, 0}), kT);
+    for (int n = 0; n < 100; ++n)
+      motion.step(at({1e-4 * n, 0, 0}), kT);
     for (int n = 0; n < 20; ++n) {
       motion.step(at({0.5, 0, 0}), kT);
       EXPECT_TRUE(motion.velocity().linear.isZero(0.0)) << window << " " << n;
@@ -134,7 +149,8 @@ TEST(ToolMotion, AWindowBeginsAsIfTheToolHadRested) {
 TEST(ToolMotion, AWindowMayBeChangedOnTheWay) {
   ToolMotion motion(kT, 100, {});
   for (int n = 0; n < 300; ++n) {
-    if (n >= 100 && n % 10 == 0) motion.set_filter(100, n / 10 % (kMaxVelocityWindow + 1));
+    if (n >= 100 && n % 10 == 0)
+      motion.set_filter(100, n / 10 % (kMaxVelocityWindow + 1));
     motion.step(at({1e-4 * n, 0, 0}), kT);
     if (n >= 100) {
       EXPECT_NEAR(motion.velocity().linear.x(), 0.1, 1e-9) << n;
@@ -148,7 +164,8 @@ TEST(ToolMotion, TurnsTheShorterWayWhicheverSignTheQuaternionHas) {
     ToolMotion motion(kT, 100, {});
     for (int n = 0; n < 100; ++n) {
       Quat q(Eigen::AngleAxisd(3.0 + rate * kT * n, axis));
-      if (n % 2) q.coeffs() *= -1.0;
+      if (n % 2)
+        q.coeffs() *= -1.0;
       const ToolStep& step = motion.step(at(Vec3::Zero(), q), kT);
       if (n > 0) {
         EXPECT_LE((step.turn - rate * kT * axis).norm(), 1e-12);
@@ -188,12 +205,16 @@ TEST(ToolMotion, ASampleThatIsNoPoseCountsTowardsTheNext) {
                           at({0, 0, 0}, Quat(2, 0, 0, 0)), at({0, 0, 0}, Quat(kNan, 0, 0, 0))}) {
     for (const int window : {0, 1, 4}) {
       ToolMotion motion(kT, 100, {}, window);
-      for (int n = 0; n < 100; ++n) motion.step(at({2e-4 * n, 0, 0}), kT);
-      for (int n = 0; n < 3; ++n) EXPECT_FALSE(motion.step(bad, kT).known);
+      for (int n = 0; n < 100; ++n)
+        motion.step(at({2e-4 * n, 0, 0}), kT);
+      for (int n = 0; n < 3; ++n)
+        EXPECT_FALSE(motion.step(bad, kT).known);
       EXPECT_TRUE(motion.step(at({2e-4 * 103, 0, 0}), kT).known);
       EXPECT_NEAR(motion.velocity().linear.x(), 0.2, 1e-9);
-      for (int n = 0; n < 11; ++n) motion.step(bad, kT);
-      EXPECT_TRUE(motion.velocity().linear.isZero(0.0)) << "after ten periods it is not known any more";
+      for (int n = 0; n < 11; ++n)
+        motion.step(bad, kT);
+      EXPECT_TRUE(motion.velocity().linear.isZero(0.0))
+          << "after ten periods it is not known any more";
     }
   }
 }
@@ -201,10 +222,12 @@ TEST(ToolMotion, ASampleThatIsNoPoseCountsTowardsTheNext) {
 TEST(ToolMotion, AJumpIsNoVelocity) {
   for (const int window : {0, 1, 4}) {
     ToolMotion motion(kT, 100, {}, window);
-    for (int n = 0; n < 100; ++n) motion.step(at({1e-4 * n, 0, 0}), kT);
+    for (int n = 0; n < 100; ++n)
+      motion.step(at({1e-4 * n, 0, 0}), kT);
     EXPECT_FALSE(motion.step(at({0.5, 0, 0}), kT).known);
     EXPECT_TRUE(motion.velocity().linear.isZero(0.0));
-    EXPECT_FALSE(motion.step(at({0.5, 0, 0}, Quat(0, 1, 0, 0)), kT).known) << "half a turn in a millisecond";
+    EXPECT_FALSE(motion.step(at({0.5, 0, 0}, Quat(0, 1, 0, 0)), kT).known)
+        << "half a turn in a millisecond";
     EXPECT_EQ(motion.jumps(), 2U);
     EXPECT_TRUE(motion.step(at({0.5001, 0, 0}, Quat(0, 1, 0, 0)), kT).known);
     EXPECT_LT(motion.velocity().linear.x(), 0.1 + 1e-12);
@@ -214,9 +237,11 @@ TEST(ToolMotion, AJumpIsNoVelocity) {
 TEST(ToolMotion, RestsAtExactlyZero) {
   for (const int window : {0, 1, 4}) {
     ToolMotion motion(kT, 100, {}, window);
-    for (int n = 0; n < 100; ++n) motion.step(at({1e-4 * n, 0, 0}), kT);
+    for (int n = 0; n < 100; ++n)
+      motion.step(at({1e-4 * n, 0, 0}), kT);
     EXPECT_GT(motion.velocity().linear.x(), 0.09);
-    for (int n = 0; n < 500; ++n) motion.step(at({99e-4, 0, 0}), kT);
+    for (int n = 0; n < 500; ++n)
+      motion.step(at({99e-4, 0, 0}), kT);
     EXPECT_TRUE(motion.velocity().linear.isZero(0.0));
   }
 }
@@ -235,12 +260,14 @@ struct Moving {
   Pose pose;
   CouplingOutput out;
 
-  explicit Moving(double b_linear, double b_angular = 0.0, double share = 0.0, double free = 0.0) : coupling(spec(b_linear, b_angular, share, free), {}, kT) {
+  explicit Moving(double b_linear, double b_angular = 0.0, double share = 0.0, double free = 0.0)
+      : coupling(spec(b_linear, b_angular, share, free), {}, kT) {
     coupling.step({}, kT);
   }
   static CouplingSpec spec(double b_linear, double b_angular, double share, double free) {
     CouplingSpec s;
-    s.kind = "direct", s.injected_damping_ns_per_m = b_linear, s.injected_damping_nms_per_rad = b_angular, s.damper_share = share, s.damper_free_n = free;
+    s.kind = "direct", s.injected_damping_ns_per_m = b_linear,
+    s.injected_damping_nms_per_rad = b_angular, s.damper_share = share, s.damper_free_n = free;
     return s;
   }
   /// Long enough for v^ to be the velocity.
@@ -248,7 +275,8 @@ struct Moving {
     for (int n = 0; n < 60; ++n) {
       pose.position += kT * velocity;
       if (turn.norm() > 0.0)
-        pose.orientation = Quat(Eigen::AngleAxisd(kT * turn.norm(), turn.normalized())) * pose.orientation;
+        pose.orientation =
+            Quat(Eigen::AngleAxisd(kT * turn.norm(), turn.normalized())) * pose.orientation;
       in.tool = pose;
       out = coupling.step(in, kT);
     }
@@ -262,7 +290,8 @@ TEST(InjectedDamping, LeavesSlidingOverAPlaneFreeAndDampsACornerBothWays) {
   EXPECT_LE((m.move(plane, {0, 0.2, -0.1}).force - Vec3(3, 0, 0)).norm(), 1e-12);
   EXPECT_LE((m.move(plane, {0.1, 0, 0}).force - Vec3(2.5, 0, 0)).norm(), 1e-9);
   EXPECT_LE((m.move(plane, {-0.1, 0, 0}).force - Vec3(3.5, 0, 0)).norm(), 1e-9);
-  EXPECT_LE((m.move(both, {-0.1, -0.1, 0.1}).force - Vec3(3.5, 3.25, 0)).norm(), 1e-9) << "each as its share is";
+  EXPECT_LE((m.move(both, {-0.1, -0.1, 0.1}).force - Vec3(3.5, 3.25, 0)).norm(), 1e-9)
+      << "each as its share is";
 }
 
 TEST(InjectedDamping, DampsTurningAboutTheDirectionsThatResist) {
@@ -285,8 +314,8 @@ TEST(InjectedDamping, NeverPullsHoweverFastTheToolLeaves) {
     const Vec3 force = 2 * Vec3(u(random), u(random), u(random));
     CouplingInput in = corner(force, 1000, 200);
     in.contact.torque = 0.1 * Vec3(u(random), u(random), u(random));
-    const Wrench& out =
-        m.move(in, 0.5 * Vec3(u(random), u(random), u(random)), 5 * Vec3(u(random), u(random), u(random)));
+    const Wrench& out = m.move(in, 0.5 * Vec3(u(random), u(random), u(random)),
+                               5 * Vec3(u(random), u(random), u(random)));
     EXPECT_GE(out.force.dot(force), -1e-12);
     EXPECT_GE(out.torque.dot(in.contact.torque), -1e-12);
   }
@@ -297,12 +326,14 @@ TEST(InjectedDamping, NeverPullsHoweverFastTheToolLeaves) {
 TEST(InjectedDamping, DoesNothingInFreeSpaceAndUsesTheForceWhereTheMatrixIsMissing) {
   Moving m(5);
   EXPECT_TRUE(m.move({}, {0.3, 0.1, 0}).zero());
-  EXPECT_LE((m.move({{{0, 2, 0}, {0, 0, 0}}, 1000}, {0.1, -0.1, 0}).force - Vec3(0, 2.5, 0)).norm(), 1e-9);
+  EXPECT_LE((m.move({{{0, 2, 0}, {0, 0, 0}}, 1000}, {0.1, -0.1, 0}).force - Vec3(0, 2.5, 0)).norm(),
+            1e-9);
 }
 
 TEST(InjectedDamping, LeavesAForceWithoutStiffnessAsItIs) {
   Moving m(5);
-  EXPECT_LE((m.move({{{0, 2, 0}, {0, 0, 0}}, 0}, {0.1, -0.1, 0}).force - Vec3(0, 2, 0)).norm(), 1e-9)
+  EXPECT_LE((m.move({{{0, 2, 0}, {0, 0, 0}}, 0}, {0.1, -0.1, 0}).force - Vec3(0, 2, 0)).norm(),
+            1e-9)
       << "a weight or a medium's drag is no wall";
 }
 
@@ -313,20 +344,29 @@ TEST(InjectedDamping, AddsNoMoreThanItsShareOfWhatTheContactGives) {
     Moving m(50, 1, 0.5);
     CouplingInput in = corner(2 * Vec3(u(random), u(random), u(random)), 1000, 200);
     in.contact.torque = 0.1 * Vec3(u(random), u(random), u(random));
-    const Wrench& out = m.move(in, 0.5 * Vec3(u(random), u(random), u(random)), 5 * Vec3(u(random), u(random), u(random)));
+    const Wrench& out = m.move(in, 0.5 * Vec3(u(random), u(random), u(random)),
+                               5 * Vec3(u(random), u(random), u(random)));
     EXPECT_LE(out.force.norm(), 1.5 * in.contact.force.norm() * (1 + 1e-12));
     EXPECT_GE(out.force.dot(in.contact.force), -1e-12);
   }
   Moving m(5, 0, 0.5);
-  EXPECT_LE((m.move(corner({1, 0, 0}, 1000, 0), {-0.5, 0, 0}).force - Vec3(1.5, 0, 0)).norm(), 1e-9) << "2.5 N without the bound";
-  EXPECT_LE((m.move(corner({1, 0, 0}, 1000, 0), {-0.05, 0, 0}).force - Vec3(1.25, 0, 0)).norm(), 1e-9) << "all of it below the bound";
-  EXPECT_LE((m.move(corner({1, 0, 0}, 1000, 0), {0.15, 0, 0}).force - Vec3(0.25, 0, 0)).norm(), 1e-9) << "what is taken is not bounded";
+  EXPECT_LE((m.move(corner({1, 0, 0}, 1000, 0), {-0.5, 0, 0}).force - Vec3(1.5, 0, 0)).norm(), 1e-9)
+      << "2.5 N without the bound";
+  EXPECT_LE((m.move(corner({1, 0, 0}, 1000, 0), {-0.05, 0, 0}).force - Vec3(1.25, 0, 0)).norm(),
+            1e-9)
+      << "all of it below the bound";
+  EXPECT_LE((m.move(corner({1, 0, 0}, 1000, 0), {0.15, 0, 0}).force - Vec3(0.25, 0, 0)).norm(),
+            1e-9)
+      << "what is taken is not bounded";
   Moving quiet(5, 0, 0.5, 0.05);
-  EXPECT_LE((quiet.move(corner({1, 0, 0}, 1000, 0), {-0.5, 0, 0}).force - Vec3(1.55, 0, 0)).norm(), 1e-9) << "and what is hardly felt";
+  EXPECT_LE((quiet.move(corner({1, 0, 0}, 1000, 0), {-0.5, 0, 0}).force - Vec3(1.55, 0, 0)).norm(),
+            1e-9)
+      << "and what is hardly felt";
   Moving turning(0, 0.1, 0.5);
   CouplingInput turned = corner({1, 0, 0}, 1000, 0);
   turned.contact.torque = {0.1, 0, 0}, turned.contact_stiffness(3, 3) = 10;
-  EXPECT_NEAR(turning.move(turned, Vec3::Zero(), {-2, 0, 0}).torque.x(), 0.3, 1e-6) << "a torque's damper is not bounded";
+  EXPECT_NEAR(turning.move(turned, Vec3::Zero(), {-2, 0, 0}).torque.x(), 0.3, 1e-6)
+      << "a torque's damper is not bounded";
 }
 
 /// A ForceCommand tells what the damper does to the force, and where it was cut.
@@ -335,7 +375,9 @@ TEST(InjectedDamping, TellsWhatItAddsAndWhereItWasCut) {
     double share, towards_m_per_s, adds_n;
     bool cut;
   };
-  for (const Case& c : {Case{0.5, 0.5, 0.5, true}, Case{0.5, 0.05, 0.25, false}, Case{0.5, -0.15, 0.75, false}, Case{0.0, 0.5, 2.5, false}, Case{0.5, 0.0, 0.0, false}}) {
+  for (const Case& c :
+       {Case{0.5, 0.5, 0.5, true}, Case{0.5, 0.05, 0.25, false}, Case{0.5, -0.15, 0.75, false},
+        Case{0.0, 0.5, 2.5, false}, Case{0.5, 0.0, 0.0, false}}) {
     SCOPED_TRACE(testing::Message() << c.share << ", " << c.towards_m_per_s << " m/s");
     RunningCoupling coupling(Moving::spec(5.0, 0.0, c.share, 0.0), {}, kT);
     CouplingInput in = corner({1, 0, 0}, 1000, 0);
@@ -371,15 +413,17 @@ TEST(InjectedDamping, ActsOnTheVelocityThatTheSpecNames) {
     spec.velocity_window = window, spec.velocity_filter_hz = 100.0;
     RunningCoupling coupling(spec, {}, kT);
     CouplingInput in = corner({5, 0, 0}, 1000, 0);
-    for (int n = 0; n < 300; ++n) coupling.step(in, kT);
+    for (int n = 0; n < 300; ++n)
+      coupling.step(in, kT);
     in.tool.position.x() -= 1e-4;
-    const double share = window > 0 ? window_weight(4, 0) : 1.0 - std::exp(-2.0 * std::numbers::pi * 100.0 * kT);
+    const double share =
+        window > 0 ? window_weight(4, 0) : 1.0 - std::exp(-2.0 * std::numbers::pi * 100.0 * kT);
     EXPECT_NEAR(coupling.step(in, kT).wrench.force.x(), 5.0 + 2.0 * 0.1 * share, 1e-9) << window;
   }
 }
 
-/// Steps of an encoder, along each axis by itself: one is smoothed as the slow velocity smooths it, whichever way; of more the velocity that the spec
-/// names is off by the band and no more.
+/// Steps of an encoder, along each axis by itself: one is smoothed as the slow velocity smooths it,
+/// whichever way; of more the velocity that the spec names is off by the band and no more.
 TEST(InjectedDamping, ActsOnASlowVelocityWithinABand) {
   constexpr double kStep = 1e-4, kSlow = 10.0, kB = 2.0;
   const auto share = [](double hz) { return 1.0 - std::exp(-2.0 * std::numbers::pi * hz * kT); };
@@ -391,26 +435,35 @@ TEST(InjectedDamping, ActsOnASlowVelocityWithinABand) {
     for (const double steps : {1.0, -1.0, 10.0, -10.0}) {
       RunningCoupling coupling(spec, {}, kT);
       CouplingInput in = corner({5, 0, 0}, 1000, 0);
-      for (int n = 0; n < 300; ++n) coupling.step(in, kT);
-      in.tool.position -= steps * Vec3(kStep, 5.0 * kStep, 0);  // what steps along another axis is nothing to this one
-      const double damped = std::abs(steps) > 1.0 ? steps * fast * speed - std::copysign(fast * speed, steps) : steps * share(kSlow) * speed;
-      EXPECT_NEAR(coupling.step(in, kT).wrench.force.x(), 5.0 + kB * damped, 1e-9) << window << ", " << steps;
+      for (int n = 0; n < 300; ++n)
+        coupling.step(in, kT);
+      in.tool.position -= steps * Vec3(kStep, 5.0 * kStep,
+                                       0);  // what steps along another axis is nothing to this one
+      const double damped = std::abs(steps) > 1.0
+                                ? steps * fast * speed - std::copysign(fast * speed, steps)
+                                : steps * share(kSlow) * speed;
+      EXPECT_NEAR(coupling.step(in, kT).wrench.force.x(), 5.0 + kB * damped, 1e-9)
+          << window << ", " << steps;
     }
     RunningCoupling coupling(spec, {}, kT), without(with_none(spec), {}, kT);
     CouplingInput in = corner({5, 0, 0}, 1000, 0);
     for (int n = 0; n < 3000; ++n) {
       in.tool.position.x() = 1e-3 * std::sin(0.05 * n) + kStep * (n % 3);
-      const double off = coupling.step(in, kT).wrench.force.x() - without.step(in, kT).wrench.force.x();
+      const double off =
+          coupling.step(in, kT).wrench.force.x() - without.step(in, kT).wrench.force.x();
       EXPECT_LE(std::abs(off), kB * spec.velocity_band_m_per_s * (1 + 1e-9)) << n;
     }
     EXPECT_TRUE(without.redesign(spec));
-    for (int n = 0; n < 300; ++n) coupling.step(in, kT), without.step(in, kT);
+    for (int n = 0; n < 300; ++n)
+      coupling.step(in, kT), without.step(in, kT);
     in.tool.position.x() -= kStep;
-    EXPECT_NEAR(without.step(in, kT).wrench.force.x(), coupling.step(in, kT).wrench.force.x(), 1e-9) << "and in a coupling that is changed to it";
+    EXPECT_NEAR(without.step(in, kT).wrench.force.x(), coupling.step(in, kT).wrench.force.x(), 1e-9)
+        << "and in a coupling that is changed to it";
   }
 }
 
-/// A wall met at half a metre a second: without a bound the first sample returns 5 N, and the hand is 0.3 mm deep.
+/// A wall met at half a metre a second: without a bound the first sample returns 5 N, and the hand
+/// is 0.3 mm deep.
 TEST(InjectedDamping, BeginsAtZeroWithTheContact) {
   for (const double share : {0.0, 0.5}) {
     Moving m(10, 0, share);
@@ -422,7 +475,8 @@ TEST(InjectedDamping, BeginsAtZeroWithTheContact) {
       CouplingInput in = corner({force, 0, 0}, 1000, 0);
       in.tool = m.pose;
       const double out = m.coupling.step(in, kT).wrench.force.x();
-      if (n == 0) first = out;
+      if (n == 0)
+        first = out;
       if (share > 0.0) {
         EXPECT_LE(out, 1.5 * force * (1 + 1e-12));
       }

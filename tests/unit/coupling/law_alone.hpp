@@ -6,9 +6,13 @@ namespace voxtouch::coupling {
 
 class LawAlone {
  public:
-  LawAlone(const CouplingSpec& spec, const CouplingLimits& limits, double sample_time_s) : coupling_(spec, limits, sample_time_s), spec_(spec) {}
+  LawAlone(const CouplingSpec& spec, const CouplingLimits& limits, double sample_time_s)
+      : coupling_(spec, limits, sample_time_s),
+        spec_(spec) {}
 
-  Wrench step(const CouplingInput& input, double dt_s) noexcept { return (last_ = coupling_.step(input, dt_s)).wrench; }
+  Wrench step(const CouplingInput& input, double dt_s) noexcept {
+    return (last_ = coupling_.step(input, dt_s)).wrench;
+  }
   void reset(const Wrench& start) noexcept { coupling_.reset(start); }
   bool set(double cutoff_hz, double damping_ratio, double gain) {
     spec_.cutoff_hz = cutoff_hz, spec_.damping_ratio = damping_ratio, spec_.gain = gain;

@@ -11,7 +11,8 @@ namespace voxtouch::coupling {
 namespace {
 
 TEST(NoAllocation, AStepAResetAndACleanRedesignTakeNothingFromTheHeap) {
-  if (!test::heap_is_counted()) GTEST_SKIP() << "the sanitiser owns malloc";
+  if (!test::heap_is_counted())
+    GTEST_SKIP() << "the sanitiser owns malloc";
   CouplingSpec spec;
   spec.cutoff_hz = 50;
   spec.stiffness_cap_n_per_m = 300, spec.stiffness_cap_nm_per_rad = 0.1;
@@ -28,11 +29,14 @@ TEST(NoAllocation, AStepAResetAndACleanRedesignTakeNothingFromTheHeap) {
                   in.contact_stiffness_n_per_m = 900;
                   in.contact_stiffness = 800 * Mat6::Identity();
                 }
-                if (n % 17 == 0) in.contact.force.x() = std::nan("");
+                if (n % 17 == 0)
+                  in.contact.force.x() = std::nan("");
                 in.tool.position.x() = 1e-3 * std::sin(0.05 * n);
                 coupling.step(in, n % 41 ? 1e-3 : 1.0);
-                if (n % 300 == 299) coupling.reset({{1, 0, 0}, {0, 0, 0}});
-                if (n % 100 == 50) coupling.redesign(n % 300 == 50 ? other : n % 300 == 150 ? third : spec);
+                if (n % 300 == 299)
+                  coupling.reset({{1, 0, 0}, {0, 0, 0}});
+                if (n % 100 == 50)
+                  coupling.redesign(n % 300 == 50 ? other : n % 300 == 150 ? third : spec);
               }
             }),
             0);

@@ -11,7 +11,8 @@ namespace voxtouch::coupling {
 namespace running_coupling_test {
 
 constexpr double kT = 1e-3;
-const double kNan = std::numeric_limits<double>::quiet_NaN(), kInf = std::numeric_limits<double>::infinity();
+const double kNan = std::numeric_limits<double>::quiet_NaN(),
+             kInf = std::numeric_limits<double>::infinity();
 
 CouplingSpec spec_of(const char* kind) {
   CouplingSpec spec;
@@ -32,15 +33,22 @@ CouplingInput push(const Vec3& force, const Vec3& torque = Vec3::Zero(), double 
 constexpr const char* kKinds[] = {"shaping_filter", "spring_damper", "direct"};
 
 /// What a law makes of a sample that neither policy nor limits change.
-Wrench step_alone(std::variant<DirectCoupling, ShapingFilter, SpringDamper>& law, const CouplingInput& in, double dt_s) {
-  if (ShapingFilter* filter = std::get_if<ShapingFilter>(&law)) filter->advance_gain();
-  return std::visit([&](auto& one) { return one.step({in.contact, in.contact_stiffness_n_per_m, dt_s}); }, law);
+Wrench step_alone(std::variant<DirectCoupling, ShapingFilter, SpringDamper>& law,
+                  const CouplingInput& in, double dt_s) {
+  if (ShapingFilter* filter = std::get_if<ShapingFilter>(&law))
+    filter->advance_gain();
+  return std::visit(
+      [&](auto& one) {
+        return one.step({in.contact, in.contact_stiffness_n_per_m, dt_s});
+      },
+      law);
 }
 
 /// Without cap, damping and controller the chain is the law, bit for bit.
 TEST(RunningCoupling, IsTheLawAloneWhereNothingElseIsAskedFor) {
-  std::variant<DirectCoupling, ShapingFilter, SpringDamper> laws[] = {ShapingFilter(spec_of("shaping_filter"), kT), SpringDamper(spec_of("spring_damper")),
-                                                                     DirectCoupling()};
+  std::variant<DirectCoupling, ShapingFilter, SpringDamper> laws[] = {
+      ShapingFilter(spec_of("shaping_filter"), kT), SpringDamper(spec_of("spring_damper")),
+      DirectCoupling()};
   for (int k = 0; k < 3; ++k) {
     RunningCoupling running(spec_of(kKinds[k]), {}, kT);
     running.step({}, kT);  // begins in free space: nothing is faded in
@@ -48,8 +56,10 @@ TEST(RunningCoupling, IsTheLawAloneWhereNothingElseIsAskedFor) {
     std::mt19937_64 random(1);
     std::uniform_real_distribution<double> u(-1, 1);
     for (int n = 0; n < 3000; ++n) {
-      CouplingInput in = push({u(random), u(random), u(random)}, {u(random), 0, u(random)}, 500 + 400 * u(random));
-      if (n % 5 == 0) in = {};
+      CouplingInput in =
+          push({u(random), u(random), u(random)}, {u(random), 0, u(random)}, 500 + 400 * u(random));
+      if (n % 5 == 0)
+        in = {};
       in.contact_stiffness = 300 * Mat6::Identity();
       in.tool.position = 0.01 * Vec3(u(random), u(random), u(random));
       const double dt = n % 11 ? kT : kT * (2.6 + 2.3 * u(random));
@@ -80,7 +90,8 @@ TEST(RunningCoupling, HoldsAnUnusableContactForTenPeriodsAndThenLetsGo) {
   for (const char* kind : kKinds) {
     RunningCoupling running(spec_of(kind), {}, kT);
     running.step({}, kT);
-    for (int n = 0; n < 500; ++n) running.step(push({2, 0, 0}), kT);
+    for (int n = 0; n < 500; ++n)
+      running.step(push({2, 0, 0}), kT);
     const double steady = running.step(push({2, 0, 0}), kT).wrench.force.x();
     double before = steady;
     for (int n = 0; n < 500; ++n) {
@@ -101,7 +112,8 @@ TEST(RunningCoupling, HoldsAnUnusableContactForTenPeriodsAndThenLetsGo) {
   }
 }
 
-/// Pressed at rest, everything is changed at random every 7 ms, the kind too: no step of the force above what the ramps give.
+/// Pressed at rest, everything is changed at random every 7 ms, the kind too: no step of the force
+/// above what the ramps give.
 TEST(RunningCoupling, RedesignsWhileInContactWithoutAJump) {
   std::mt19937_64 random(8);
   std::uniform_real_distribution<double> u(0, 1);
@@ -110,12 +122,15 @@ TEST(RunningCoupling, RedesignsWhileInContactWithoutAJump) {
     CouplingInput in = push({4, 0, 0}, {0, 0.1, 0}, 1000);
     in.contact_stiffness.topLeftCorner<3, 3>() = 1000 * Mat3::Identity();
     running.step({}, kT);
-    for (int n = 0; n < 1000; ++n) running.step(in, kT);
+    for (int n = 0; n < 1000; ++n)
+      running.step(in, kT);
     double before = running.step(in, kT).wrench.force.x(), steepest = 0;
     for (int n = 0; n < 6000; ++n) {
       if (n % 7 == 0) {
-        CouplingSpec next = full(kinds ? kKinds[static_cast<std::size_t>(3 * u(random))] : "shaping_filter");
-        next.cutoff_hz = 5 + 90 * u(random), next.damping_ratio = 0.5 + u(random), next.gain = 2 * u(random);
+        CouplingSpec next =
+            full(kinds ? kKinds[static_cast<std::size_t>(3 * u(random))] : "shaping_filter");
+        next.cutoff_hz = 5 + 90 * u(random), next.damping_ratio = 0.5 + u(random),
+        next.gain = 2 * u(random);
         next.stiffness_n_per_m = 100 + 1e4 * u(random), next.damping_ns_per_m = 5 * u(random);
         next.stiffness_cap_n_per_m = u(random) < 0.3 ? kInf : 100 + 900 * u(random);
         next.injected_damping_ns_per_m = 20 * u(random);
@@ -125,7 +140,8 @@ TEST(RunningCoupling, RedesignsWhileInContactWithoutAJump) {
       steepest = std::max(steepest, std::abs(now - before));
       before = now;
     }
-    // 4 N of cap over 200 ms are 20 mN a period, from half-way on another course; the filter's swing does the rest.
+    // 4 N of cap over 200 ms are 20 mN a period, from half-way on another course; the filter's
+    // swing does the rest.
     EXPECT_LE(steepest, kinds ? 0.12 : 0.06) << kinds;
     EXPECT_GT(steepest, 0.005);
   }
@@ -138,11 +154,13 @@ TEST(RunningCoupling, GoesToTheNewDesignAndCountsTheOldLawsFaults) {
   CouplingSpec next = spec_of("spring_damper");
   next.stiffness_n_per_m = 500;
   const CouplingInput in = push({4, 0, 0}, {0, 0, 0}, 500);
-  for (int n = 0; n < 500; ++n) running.step(in, kT);
+  for (int n = 0; n < 500; ++n)
+    running.step(in, kT);
   const CouplingOutput before = running.step(in, kT);
   ASSERT_TRUE(running.redesign(next));
   EXPECT_NEAR(running.step(in, kT).wrench.force.x(), before.wrench.force.x(), 0.05);
-  for (int n = 0; n < 500; ++n) running.step(in, kT);
+  for (int n = 0; n < 500; ++n)
+    running.step(in, kT);
   EXPECT_NEAR(running.step(in, kT).wrench.force.x(), 2, 1e-9);
   running.step(push({kNan, 0, 0}), kT);
   EXPECT_EQ(running.counters().faults, 2U);
@@ -162,15 +180,20 @@ TEST(RunningCoupling, DampingChangesOverItsRamp) {
   RunningCoupling running(spec, {}, kT);
   running.step({}, kT);
   CouplingInput in = push({4, 0, 0}, {0, 0, 0}, 1000);
-  const auto moving = [&] { return in.tool.position.x() -= 1e-4, running.step(in, kT).wrench.force.x(); };
-  for (int n = 0; n < 100; ++n) moving();
+  const auto moving = [&] {
+    return in.tool.position.x() -= 1e-4, running.step(in, kT).wrench.force.x();
+  };
+  for (int n = 0; n < 100; ++n)
+    moving();
   spec.injected_damping_ns_per_m = 10;
   ASSERT_TRUE(running.redesign(spec));
-  for (int n = 1; n <= 40; ++n) EXPECT_NEAR(moving(), 4 + std::min(n / 20.0, 1.0), 1e-6) << n;
+  for (int n = 1; n <= 40; ++n)
+    EXPECT_NEAR(moving(), 4 + std::min(n / 20.0, 1.0), 1e-6) << n;
 }
 
 /// Any bits in any field: finite and within the limits, for every kind with everything on.
-/// A weight that is lowered gives what lifting it has stored: no fault of the coupling's, where it is told so.
+/// A weight that is lowered gives what lifting it has stored: no fault of the coupling's, where it
+/// is told so.
 TEST(RunningCoupling, AllowsWhatAPotentialGivesAndBrakesWhatNothingExplains) {
   for (const bool told : {true, false}) {
     CouplingSpec spec = spec_of("direct");
@@ -180,7 +203,8 @@ TEST(RunningCoupling, AllowsWhatAPotentialGivesAndBrakesWhatNothingExplains) {
     for (int n = 0; n < 1000; ++n) {
       CouplingInput in = push({0, 0, -1}, Vec3::Zero(), 0);
       in.tool.position.z() = -5e-5 * n;
-      if (told) in.supplied_energy_j = 5e-5 * n;
+      if (told)
+        in.supplied_energy_j = 5e-5 * n;
       energy = running.step(in, kT).energy_j;
     }
     if (told) {
@@ -205,7 +229,8 @@ TEST(RunningCoupling, IsToldNoMoreThanTheLargestForceCanDo) {
   EXPECT_LT(running.step(in, kT).energy_j, 1e-9) << "what was supplied before it began is not its";
 }
 
-/// What the bound of the observer's energy is made of: the largest force, and the longest way that a force has worked on.
+/// What the bound of the observer's energy is made of: the largest force, and the longest way that
+/// a force has worked on.
 TEST(RunningCoupling, CountsTheLargestForceAndTheLongestWayUnderForce) {
   RunningCoupling running(spec_of("direct"), {}, kT);
   CouplingInput in = push(Vec3::Zero(), Vec3::Zero(), 0);
@@ -216,11 +241,14 @@ TEST(RunningCoupling, CountsTheLargestForceAndTheLongestWayUnderForce) {
     in.contact_stiffness_n_per_m = force > 0.0 ? 500 : 0;
     running.step(in, kT);
   };
-  for (int n = 0; n < 20; ++n) step(3e-3, 0.0);
+  for (int n = 0; n < 20; ++n)
+    step(3e-3, 0.0);
   EXPECT_EQ(running.counters().longest_way_m, 0.0) << "nothing pushed";
-  for (int n = 0; n < 300; ++n) step(1e-3, 2.0);  // its ramp is over
+  for (int n = 0; n < 300; ++n)
+    step(1e-3, 2.0);  // its ramp is over
   step(2e-3, 0.5);
-  for (int n = 0; n < 20; ++n) step(1e-4, 0.0);
+  for (int n = 0; n < 20; ++n)
+    step(1e-4, 0.0);
   EXPECT_NEAR(running.counters().longest_way_m, 2e-3, 1e-12);
   EXPECT_NEAR(running.counters().most_force_n, 2.0, 1e-9);
   EXPECT_NEAR(energy_bound_j(2.0, 2e-3, 1e-3), 5 * 4e-3 + 2e-3, 1e-15);
@@ -233,15 +261,20 @@ TEST(RunningCoupling, IsFiniteAndWithinTheLimitsForAnyInput) {
   const auto any = [&] {
     const std::uint64_t bits = random();
     switch (bits % 5) {
-      case 0: return special[(bits >> 8) % std::size(special)];
-      case 1: return std::bit_cast<double>(random());
-      case 2: return static_cast<double>(static_cast<std::int64_t>(random())) * 1e-18;
-      default: return static_cast<double>(static_cast<std::int64_t>(random())) * 1e-16;
+      case 0:
+        return special[(bits >> 8) % std::size(special)];
+      case 1:
+        return std::bit_cast<double>(random());
+      case 2:
+        return static_cast<double>(static_cast<std::int64_t>(random())) * 1e-18;
+      default:
+        return static_cast<double>(static_cast<std::int64_t>(random())) * 1e-16;
     }
   };
   std::uint64_t samples = 0, moved = 0;
   for (const char* kind : kKinds)
-    for (const CouplingLimits& limits : {CouplingLimits{3.3, 0.1}, CouplingLimits{8.5, 0.0}, CouplingLimits{}}) {
+    for (const CouplingLimits& limits :
+         {CouplingLimits{3.3, 0.1}, CouplingLimits{8.5, 0.0}, CouplingLimits{}}) {
       CouplingSpec spec = full(kind);
       if (limits.max_force_n > 1e6) {
         spec.gain = 1e300, spec.injected_damping_ns_per_m = 1e300;
@@ -253,18 +286,25 @@ TEST(RunningCoupling, IsFiniteAndWithinTheLimitsForAnyInput) {
         // 50 numbers a sample; some samples keep most of the last one, so that states get to run.
         const bool all = random() % 4 == 0;
         const auto maybe = [&](double& x) {
-          if (all || random() % 16 == 0) x = any();
+          if (all || random() % 16 == 0)
+            x = any();
         };
-        for (double& x : in.contact.force) maybe(x);
-        for (double& x : in.contact.torque) maybe(x);
-        for (double& x : in.contact_stiffness.reshaped()) maybe(x);
-        for (double& x : in.tool.position) maybe(x);
-        for (double& x : in.tool.orientation.coeffs()) maybe(x);
+        for (double& x : in.contact.force)
+          maybe(x);
+        for (double& x : in.contact.torque)
+          maybe(x);
+        for (double& x : in.contact_stiffness.reshaped())
+          maybe(x);
+        for (double& x : in.tool.position)
+          maybe(x);
+        for (double& x : in.tool.orientation.coeffs())
+          maybe(x);
         maybe(in.contact_stiffness_n_per_m);
         maybe(in.contact_depth_m);
         in.depth_goes_on = random() % 2 == 0;
         if (random() % 3 == 0)
-          in = push(3 * Vec3::Random(), Vec3::Random(), 500), in.tool.position = 1e-3 * Vec3::Random();
+          in = push(3 * Vec3::Random(), Vec3::Random(), 500),
+          in.tool.position = 1e-3 * Vec3::Random();
         const CouplingOutput out = running.step(in, random() % 3 ? kT : any());
         ASSERT_TRUE(out.wrench.finite()) << kind << " sample " << n;
         ASSERT_LE(out.wrench.force.norm(), limits.max_force_n);
@@ -272,7 +312,8 @@ TEST(RunningCoupling, IsFiniteAndWithinTheLimitsForAnyInput) {
         ASSERT_TRUE(std::isfinite(out.energy_j) && std::isfinite(out.energy_rotation_j));
         ASSERT_TRUE(std::isfinite(out.damping_ns_per_m) && std::isfinite(out.damping_nms_per_rad));
         ASSERT_TRUE(out.scale >= 0.0 && out.scale <= 1.0);
-        if (random() % 512 == 0) running.reset({Vec3(any(), any(), any()), Vec3(any(), any(), any())});
+        if (random() % 512 == 0)
+          running.reset({Vec3(any(), any(), any()), Vec3(any(), any(), any())});
         ++samples, moved += !out.wrench.zero();
       }
     }
@@ -288,7 +329,8 @@ TEST(RunningCoupling, StaysWithinTheLimitsWithDampingOnTop) {
   running.step({}, kT);
   CouplingInput in = push({0, 3, 0}, {0, 0, 0}, 1000);
   CouplingOutput out;
-  for (int n = 0; n < 100; ++n) in.tool.position.y() -= 5e-4, out = running.step(in, kT);
+  for (int n = 0; n < 100; ++n)
+    in.tool.position.y() -= 5e-4, out = running.step(in, kT);
   EXPECT_TRUE(out.clamped);
   EXPECT_LE(out.wrench.force.norm(), 3.3);
   EXPECT_NEAR(out.wrench.force.y(), 3.3, 1e-12);

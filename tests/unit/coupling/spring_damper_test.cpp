@@ -39,7 +39,8 @@ TEST(SpringDamper, RestsAtTwoSpringsInARow) {
         SpringDamper coupling = running(c, r);
         Wrench out;
         // Long enough for the slowest of these, r / (c + k) = 0.83 s.
-        for (int n = 0; n < 50'000; ++n) out = coupling.step({{{3, 0, -4}, {0.2, 0, 0}}, k});
+        for (int n = 0; n < 50'000; ++n)
+          out = coupling.step({{{3, 0, -4}, {0.2, 0, 0}}, k});
         EXPECT_LE((out.force - c / (c + k) * Vec3(3, 0, -4)).norm(), 1e-11 * (1 + k / c));
         EXPECT_LE((out.torque - c / (c + k) * Vec3(0.2, 0, 0)).norm(), 1e-11 * (1 + k / c));
       }
@@ -47,15 +48,18 @@ TEST(SpringDamper, RestsAtTwoSpringsInARow) {
 
 TEST(SpringDamper, GivesNothingInFreeSpaceWhileTheObjectSwingsBack) {
   SpringDamper coupling = running(500, 2);
-  for (int n = 0; n < 1000; ++n) coupling.step({{{1, 0, 0}, {0, 0, 0}}, 1000});
+  for (int n = 0; n < 1000; ++n)
+    coupling.step({{{1, 0, 0}, {0, 0, 0}}, 1000});
   double before = coupling.object_offset().norm();
   EXPECT_GT(before, 1e-4);
   for (int n = 0; n < 20; ++n) {
     EXPECT_TRUE(coupling.step({}).zero());
-    EXPECT_NEAR(coupling.object_offset().norm() / before, 2000.0 / 2500.0, 1e-12) << "r/T over c + r/T";
+    EXPECT_NEAR(coupling.object_offset().norm() / before, 2000.0 / 2500.0, 1e-12)
+        << "r/T over c + r/T";
     before = coupling.object_offset().norm();
   }
-  for (int n = 0; n < 1000; ++n) coupling.step({});
+  for (int n = 0; n < 1000; ++n)
+    coupling.step({});
   EXPECT_EQ(coupling.object_offset(), Vec3::Zero().eval()) << "no denormals left";
 }
 
@@ -67,8 +71,10 @@ TEST(SpringDamper, NeverPullsAndNeverPushesHarderThanTheContact) {
     SpringDamper coupling = running(500, r);
     Vec3 f = Vec3::Zero();
     for (int n = 0; n < 20'000; ++n) {
-      if (u(random) > 0.7) f = Vec3(u(random), u(random), u(random)) * std::pow(10.0, 3 * u(random));
-      if (u(random) > 0.95) f.setZero();
+      if (u(random) > 0.7)
+        f = Vec3(u(random), u(random), u(random)) * std::pow(10.0, 3 * u(random));
+      if (u(random) > 0.95)
+        f.setZero();
       const double k = std::pow(10.0, 3 + 3 * u(random));
       const Wrench out = coupling.step({{f, Vec3::Zero()}, k});
       ASSERT_TRUE(out.finite());
@@ -87,7 +93,8 @@ TEST(SpringDamper, IsContinuousInTheContact) {
     UnilateralSpringDamper a{1e-3 * Vec3(u(random), u(random), u(random))}, b = a;
     const Vec3 f = 0.5 * Vec3(u(random), u(random), u(random));
     const Vec3 nudge = 1e-9 * Vec3(u(random), u(random), u(random));
-    if (f.norm() < 0.01) continue;  // the direction of nothing is not defined; the size of the force is bounded by it
+    if (f.norm() < 0.01)
+      continue;  // the direction of nothing is not defined; the size of the force is bounded by it
     const double k = 1000 * (1 + u(random));
     const Vec3 fa = a.step(f, k, 500, 2, kT), fb = b.step(f + nudge, k, 500, 2, kT);
     EXPECT_LE((fa - fb).norm(), 1e-6);
@@ -98,11 +105,13 @@ TEST(SpringDamper, IsContinuousInTheContact) {
 /// A touch with a stiffness bound but no depth yet is not a pull.
 TEST(SpringDamper, ReadsATouchWithoutForceAsFree) {
   SpringDamper coupling = running(500, 2);
-  for (int n = 0; n < 100; ++n) coupling.step({{{1, 0, 0}, {0, 0, 0}}, 1000});
+  for (int n = 0; n < 100; ++n)
+    coupling.step({{{1, 0, 0}, {0, 0, 0}}, 1000});
   EXPECT_TRUE(coupling.step({{{0, 0, 0}, {0, 0, 0}}, 1000}).zero());
 }
 
-/// The same impact that makes a stiff explicit spring explode: k T / r is large, and still nothing rings.
+/// The same impact that makes a stiff explicit spring explode: k T / r is large, and still nothing
+/// rings.
 TEST(SpringDamper, StandsAnyContactStiffness) {
   SpringDamper coupling = running(500, 2);
   for (int n = 0; n < 2000; ++n) {

@@ -21,12 +21,15 @@ struct Point {
   double depth;
 };
 
-/// What the contact models say of such points once the tool has moved by `shift`: wrench, bound and matrix, k for each point.
-CouplingInput contact_of(const std::vector<Point>& points, double k, const Vec3& shift = Vec3::Zero()) {
+/// What the contact models say of such points once the tool has moved by `shift`: wrench, bound and
+/// matrix, k for each point.
+CouplingInput contact_of(const std::vector<Point>& points, double k,
+                         const Vec3& shift = Vec3::Zero()) {
   CouplingInput in;
   for (const Point& p : points) {
     const double depth = p.depth - p.u.dot(shift);
-    if (depth < 0.0) continue;
+    if (depth < 0.0)
+      continue;
     const Vec3 force = k * depth * p.u;
     in.contact.force += force;
     in.contact.torque += p.arm.cross(force);
@@ -59,8 +62,8 @@ std::vector<Point> random_points(std::mt19937_64& random, int count) {
   std::uniform_real_distribution<double> u(-1, 1);
   std::vector<Point> points;
   for (int i = 0; i < count; ++i)
-    points.push_back({0.05 * Vec3(u(random), u(random), u(random)), Vec3(u(random), u(random), u(random)).normalized(),
-                      1e-3 * (1 + u(random))});
+    points.push_back({0.05 * Vec3(u(random), u(random), u(random)),
+                      Vec3(u(random), u(random), u(random)).normalized(), 1e-3 * (1 + u(random))});
   return points;
 }
 
@@ -69,24 +72,29 @@ TEST(StiffnessCap, KeepsTheWholeMatrixBelowBothCapsAndNoLowerThanItMust) {
   std::uniform_real_distribution<double> u(0, 1);
   int cut = 0;
   for (int trial = 0; trial < 300; ++trial) {
-    const CouplingInput in = contact_of(random_points(random, 1 + trial % 40), std::pow(10.0, 1 + 2 * u(random)));
-    const double t = std::pow(10.0, 2 + 2 * u(random)), r = trial % 3 ? std::pow(10.0, 2 * u(random) - 2) : kInf;
+    const CouplingInput in =
+        contact_of(random_points(random, 1 + trial % 40), std::pow(10.0, 1 + 2 * u(random)));
+    const double t = std::pow(10.0, 2 + 2 * u(random)),
+                 r = trial % 3 ? std::pow(10.0, 2 * u(random) - 2) : kInf;
     const double s = cap_scale(in.contact_stiffness, in.contact_stiffness_n_per_m, 1 / t, 1 / r);
     ASSERT_GT(s, 0.0);
     ASSERT_LE(s, 1.0);
     Vec6 caps;
     caps << t, t, t, r, r, r;
     const Vec6 n = caps.cwiseSqrt().cwiseInverse();
-    const double worst = power_iteration(n.asDiagonal() * (s * in.contact_stiffness) * n.asDiagonal());
+    const double worst =
+        power_iteration(n.asDiagonal() * (s * in.contact_stiffness) * n.asDiagonal());
     ASSERT_LE(worst, 1 + 1e-9);
     if (s < 1.0) {
       ASSERT_GT(worst, 1 - 1e-3) << "it scales by what is needed and no more";
       ++cut;
     }
-    if (!(r < kInf)) continue;
+    if (!(r < kInf))
+      continue;
     for (int i = 0; i < 50; ++i) {
       Vec6 x;
-      for (double& component : x) component = 2 * u(random) - 1;
+      for (double& component : x)
+        component = 2 * u(random) - 1;
       ASSERT_LE(x.dot(s * in.contact_stiffness * x), x.dot(caps.cwiseProduct(x)) * (1 + 1e-9));
     }
   }
@@ -134,25 +142,30 @@ TEST(StiffnessCap, HoldsTheLastContactWhereTheMatrixIsNotFinite) {
 TEST(StiffnessCap, APlateOfTenThousandPointsShowsTheCap) {
   std::vector<Point> plate;
   for (int i = 0; i < 100; ++i)
-    for (int j = 0; j < 100; ++j) plate.push_back({Vec3(1e-3 * (i - 49.5), 1e-3 * (j - 49.5), 0), Vec3(0, 0, 1), 5e-4});
+    for (int j = 0; j < 100; ++j)
+      plate.push_back({Vec3(1e-3 * (i - 49.5), 1e-3 * (j - 49.5), 0), Vec3(0, 0, 1), 5e-4});
   for (const double cap_r : {kInf, 0.5}) {
     const auto scaled = [&](double advance) {
       const CouplingInput in = contact_of(plate, 10, Vec3(0, 0, -advance));
-      const double s = cap_scale(in.contact_stiffness, in.contact_stiffness_n_per_m, 1e-3, 1 / cap_r);
+      const double s =
+          cap_scale(in.contact_stiffness, in.contact_stiffness_n_per_m, 1e-3, 1 / cap_r);
       return std::pair(s, s * in.contact.force.z());
     };
     const auto [s, force] = scaled(0);
-    const double rotational = 1e5 * (1e4 - 1) / 12 * 1e-6;  // k N (n^2 - 1)/12 h^2 about each axis of the plate
+    const double rotational =
+        1e5 * (1e4 - 1) / 12 * 1e-6;  // k N (n^2 - 1)/12 h^2 about each axis of the plate
     EXPECT_NEAR(s, std::min(0.01, cap_r / rotational), 1e-9);
     EXPECT_LE((scaled(1e-6).second - force) / 1e-6, 1000 * (1 + 1e-9));
   }
 }
 
-/// Points of a plate come in any order; a grid of dyadic numbers sums up exactly, and then the cap has the same bits too.
+/// Points of a plate come in any order; a grid of dyadic numbers sums up exactly, and then the cap
+/// has the same bits too.
 TEST(StiffnessCap, PermutedPointsGiveTheSameBits) {
   std::vector<Point> plate;
   for (int i = 0; i < 50; ++i)
-    for (int j = 0; j < 50; ++j) plate.push_back({Vec3(i - 20, j - 30, 4) / 1024.0, Vec3(0, 0.5, 1), 1.0 / 2048});
+    for (int j = 0; j < 50; ++j)
+      plate.push_back({Vec3(i - 20, j - 30, 4) / 1024.0, Vec3(0, 0.5, 1), 1.0 / 2048});
   std::mt19937_64 random(4);
   const CouplingInput in = contact_of(plate, 16);
   const double s = cap_scale(in.contact_stiffness, in.contact_stiffness_n_per_m, 1e-3, 2);
@@ -172,7 +185,8 @@ TEST(StiffnessCap, OnePointMoreTakesItsShareOfTheForce) {
     std::vector<Point> points(static_cast<std::size_t>(n), {Vec3::Zero(), Vec3(1, 0, 0), 1e-3});
     const auto force = [&] {
       const CouplingInput in = contact_of(points, 200);
-      return cap_scale(in.contact_stiffness, in.contact_stiffness_n_per_m, 1e-3, 0) * in.contact.force.x();
+      return cap_scale(in.contact_stiffness, in.contact_stiffness_n_per_m, 1e-3, 0) *
+             in.contact.force.x();
     };
     const double before = force();
     EXPECT_NEAR(before, 1000 * 1e-3, 1e-9) << "cap times the mean depth";
@@ -181,14 +195,15 @@ TEST(StiffnessCap, OnePointMoreTakesItsShareOfTheForce) {
   }
 }
 
-/// A ball's worth of points comes in one after the other: the steepest slope is the cap's; and on the way out, where the scale
-/// lags, less comes back.
+/// A ball's worth of points comes in one after the other: the steepest slope is the cap's; and on
+/// the way out, where the scale lags, less comes back.
 TEST(StiffnessCap, SlopeStaysBelowTheCapWhileTheContactGrowsAndACycleGivesNoEnergy) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> u(-1, 1);
   std::vector<Point> points;
   for (int i = 0; i < 200; ++i)
-    points.push_back({0.01 * Vec3(0, u(random), u(random)), Vec3(1, 0.3 * u(random), 0.3 * u(random)).normalized(),
+    points.push_back({0.01 * Vec3(0, u(random), u(random)),
+                      Vec3(1, 0.3 * u(random), 0.3 * u(random)).normalized(),
                       -1e-3 * (1 + u(random))});
   RunningCoupling coupling(direct(800, 0.2), {}, kT);
   double before = 0, steepest = 0, out_work = 0, in_work = 0;
@@ -199,7 +214,8 @@ TEST(StiffnessCap, SlopeStaysBelowTheCapWhileTheContactGrowsAndACycleGivesNoEner
     CouplingInput in = contact_of(points, 50, Vec3(-advance, 0, 0));
     in.tool.position = Vec3(-advance, 0, 0);
     const double force = coupling.step(in, kT).wrench.force.x();
-    if (i <= steps) steepest = std::max(steepest, (force - before) / way);
+    if (i <= steps)
+      steepest = std::max(steepest, (force - before) / way);
     (i <= steps ? in_work : out_work) += way * 0.5 * (force + before);
     before = force;
   }
@@ -225,7 +241,8 @@ TEST(StiffnessCap, FallsAtOnceAndRisesOverItsRamp) {
       before = now, ++n;
     }
     EXPECT_NEAR(n * kT, 0.9 * ramp, 2 * kT);
-    // What is displayed rises as slowly where both contacts are over the cap: from half of the cap to the cap.
+    // What is displayed rises as slowly where both contacts are over the cap: from half of the cap
+    // to the cap.
     cap.step({{{1, 0, 0}, {0, 0, 0}}, 20'000}, {}, kT);
     for (n = 0; cap.step(stiff, {}, kT).stiffness < 0.1; ++n) {
     }

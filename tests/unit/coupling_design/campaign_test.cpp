@@ -23,7 +23,8 @@ std::string failures(const PhaseResult& result) {
 
 double figure(const PhaseResult& result, std::string_view name) {
   for (const Figure& f : result.figures)
-    if (f.name == name) return f.value;
+    if (f.name == name)
+      return f.value;
   ADD_FAILURE() << "no figure " << name;
   return 0.0;
 }
@@ -33,20 +34,25 @@ double unstable_share(PhaseResult& result, const std::string& kind) {
   return static_cast<double>(t.unstable) / static_cast<double>(t.runs);
 }
 
-/// At 1.9 times the promise a bounded damper may be too little in a large swing, which has a margin of 1.5: that row is told only.
-/// At its promise. What is left of a bounded damper in a large swing is a describing function's estimate: at 1.4 times the promise, at the slowest timing, one
-/// of these designs swings on, whose share is above the standard one.
+/// At 1.9 times the promise a bounded damper may be too little in a large swing, which has a margin
+/// of 1.5: that row is told only. At its promise. What is left of a bounded damper in a large swing
+/// is a describing function's estimate: at 1.4 times the promise, at the slowest timing, one of
+/// these designs swings on, whose share is above the standard one.
 TEST(Campaign, NoDesignBecomesUnstable) {
   PhaseResult result = design_phase(sample(75));
   std::erase_if(result.failures, [](const Failure& f) { return f.trial.starts_with("1.9 times"); });
-  EXPECT_LE(std::erase_if(result.failures, [](const Failure& f) { return f.trial.starts_with("1.4 times"); }), 1U);
+  EXPECT_LE(std::erase_if(result.failures,
+                          [](const Failure& f) { return f.trial.starts_with("1.4 times"); }),
+            1U);
   EXPECT_TRUE(result.failures.empty()) << failures(result);
   std::uint64_t runs = 0;
-  for (const Tally& t : result.tallies) runs += t.runs;
+  for (const Tally& t : result.tallies)
+    runs += t.runs;
   EXPECT_GT(runs, 280u);
 }
 
-/// 17 kg, 84 Ns/m and an encoder whose steps are pulses of some tenths of a newton, where the law gives 0.04 N: cut to 0.05 N they damp no more.
+/// 17 kg, 84 Ns/m and an encoder whose steps are pulses of some tenths of a newton, where the law
+/// gives 0.04 N: cut to 0.05 N they damp no more.
 TEST(Campaign, ACoarseEncodersDamperStillDampsALightContact) {
   Options options = sample(1);
   options.seed = 1, options.first = 2327;
@@ -61,8 +67,10 @@ TEST(Campaign, SeesDesignsThatAreTooStiff) {
   EXPECT_GT(design_phase(options).failures.size(), 12u);
 }
 
-/// The margin of 2 is a linear one; a swing that leaves the contact has 1.5, and so has one within the encoder's steps, which a slower velocity damps. What is kept back beyond it, at the timing that the promise is for, is
-/// conservatism; at the nominal timing the room for jitter and lost samples is in the figure too.
+/// The margin of 2 is a linear one; a swing that leaves the contact has 1.5, and so has one within
+/// the encoder's steps, which a slower velocity damps. What is kept back beyond it, at the timing
+/// that the promise is for, is conservatism; at the nominal timing the room for jitter and lost
+/// samples is in the figure too.
 TEST(Campaign, PromisesKeepTheirMarginInTheSimulation) {
   Options options = sample(24);
   options.limits = 16;
@@ -77,7 +85,8 @@ TEST(Campaign, TheLiteralRecipeIsUnstableOnMostDevices) {
   EXPECT_GT(unstable_share(result, "released"), 0.7);
   EXPECT_GT(unstable_share(result, "held"), 0.4);
   EXPECT_GT(unstable_share(result, "released, with the device's friction"), 0.3);
-  EXPECT_LT(unstable_share(result, "released, with the device's friction"), unstable_share(result, "released"));
+  EXPECT_LT(unstable_share(result, "released, with the device's friction"),
+            unstable_share(result, "released"));
 }
 
 TEST(Campaign, WhatTheLinearModelCallsStableIsStable) {

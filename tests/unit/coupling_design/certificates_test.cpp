@@ -19,13 +19,16 @@ using testing::loop_cases;
 using testing::Random;
 using Law = LoopController::Law;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kRatios[] = {0.05, 0.2, 0.577, 0.7071067811865476, 0.866, 0.999, 1.0, 1.001, 2.0, 10.0};
+constexpr double kRatios[] = {0.05,  0.2, 0.577, 0.7071067811865476, 0.866, 0.999, 1.0,
+                              1.001, 2.0, 10.0};
 
 /// Impulse response of the continuous filter with w0 = 1.
 double impulse(double d, double t) {
-  if (d == 1.0) return t * std::exp(-t);
+  if (d == 1.0)
+    return t * std::exp(-t);
   const double beta = std::sqrt(std::abs(1.0 - d * d));
-  if (d < 1.0) return std::exp(-d * t) * std::sin(beta * t) / beta;
+  if (d < 1.0)
+    return std::exp(-d * t) * std::sin(beta * t) / beta;
   return 0.5 * (std::exp((beta - d) * t) - std::exp(-(beta + d) * t)) / beta;
 }
 
@@ -39,7 +42,10 @@ TEST(FilterShape, ClosedFormsEqualBruteForceIntegration) {
       constexpr int kPieces = 200;
       for (int i = 0; i <= kPieces; ++i) {
         const double t = from + wave * i / kPieces, h = std::abs(impulse(d, t));
-        const double weight = (i == 0 || i == kPieces ? 1.0 : i % 2 ? 4.0 : 2.0) * wave / (3.0 * kPieces);
+        const double weight = (i == 0 || i == kPieces ? 1.0
+                               : i % 2                ? 4.0
+                                                      : 2.0) *
+                              wave / (3.0 * kPieces);
         overshoot += weight * h, lag += weight * t * h;
       }
     }
@@ -67,7 +73,9 @@ TEST(FilterShape, SampledSumsAreThoseOfTheRingsFilter) {
     for (const double angle : {2e-3, 0.0314, 0.314, 0.6, 1.5, 3.0}) {
       const double period = 1e-3, w0 = angle / period;
       coupling_models::Pt2 filter(w0, d, 1.0);
-      const int samples = static_cast<int>(60.0 * (d < 1.0 ? 1.0 / d : 2.0 * d) / angle * (1.0 + angle * angle)) + 100;
+      const int samples =
+          static_cast<int>(60.0 * (d < 1.0 ? 1.0 / d : 2.0 * d) / angle * (1.0 + angle * angle)) +
+          100;
       double overshoot = 0.0, lag = 0.0;
       for (int i = 0; i < samples; ++i) {
         const double h = std::abs(filter.step(i == 0 ? kHit : 0.0, period)) / kHit;
@@ -76,7 +84,8 @@ TEST(FilterShape, SampledSumsAreThoseOfTheRingsFilter) {
       const FilterShape shape = sampled_filter_shape(w0, d, period);
       EXPECT_NEAR(shape.overshoot / overshoot, 1.0, 1e-8) << d << " " << angle;
       EXPECT_NEAR(shape.lag / lag, 1.0, 1e-8) << d << " " << angle;
-      EXPECT_GE(shape.lag, lag_shape(d) * (1.0 - 1e-9)) << "the continuous shape is too small: " << d << " " << angle;
+      EXPECT_GE(shape.lag, lag_shape(d) * (1.0 - 1e-9))
+          << "the continuous shape is too small: " << d << " " << angle;
     }
   }
 }
@@ -84,7 +93,8 @@ TEST(FilterShape, SampledSumsAreThoseOfTheRingsFilter) {
 TEST(FilterShape, BoundForVeryLongResponsesLiesAboveTheSums) {
   for (const double d : {0.005, 0.019, 0.5}) {
     for (const double angle : {9e-4, 0.03, 0.3, 1.5}) {
-      if (d == 0.5 && angle > 1e-3) continue;  // summed
+      if (d == 0.5 && angle > 1e-3)
+        continue;  // summed
       coupling_models::Pt2 filter(angle / 1e-3, d, 1.0);
       const int samples = static_cast<int>(40.0 / (d * angle) * (1.0 + angle * angle)) + 100;
       double overshoot = 0.0, lag = 0.0;
@@ -104,12 +114,14 @@ LoopTiming ideal(double period_s, double delay_s) {
 }
 
 TEST(RuleP, IsTheFormula) {
-  // 50 Hz, d = 1: taps never negative, so everything is known. K k {1.2 * 2/w0 + td + ta + 1.5 * 1.2 T} = b.
+  // 50 Hz, d = 1: taps never negative, so everything is known. K k {1.2 * 2/w0 + td + ta + 1.5
+  // * 1.2 T} = b.
   const double w0 = 100.0 * std::numbers::pi;
   const LoopTiming timing{.period_s = 1e-3, .delay_s = 1.5e-3, .jitter = 0.2, .lost_in_a_row = 1};
   const double lag = 1.2 * 2.0 / w0 + 1.5e-3 + 0.5e-3 + 1.5 * 1.2e-3;
   EXPECT_NEAR(passive_stiffness_filter(w0, 1.0, 0.5, timing, 0.5e-3), 0.5 / lag, 1e-9);
-  EXPECT_NEAR(passive_stiffness_filter(kInfinity, 0.3, 0.5, timing, 0.5e-3), 0.5 / (lag - 1.2 * 2.0 / w0), 1e-9);
+  EXPECT_NEAR(passive_stiffness_filter(kInfinity, 0.3, 0.5, timing, 0.5e-3),
+              0.5 / (lag - 1.2 * 2.0 / w0), 1e-9);
   EXPECT_EQ(passive_stiffness_filter(w0, 0.7, 0.0, timing, 0.0), 0.0);
 }
 
@@ -123,22 +135,26 @@ TEST(RuleP, NeverPromisesMoreThanTheExactLimitOfAnyPassiveHand) {
     p.hand_damping = 0.0;  // the worst of the passive: it takes nothing
     const LoopController c = testing::random_filter(random);
     const double exact = critical_stiffness(p, c).stiffness;
-    if (!free && exact == 0.0) p.hand_damping = 1e-6;
+    if (!free && exact == 0.0)
+      p.hand_damping = 1e-6;
     const double limit = critical_stiffness(p, c).stiffness;
     const double rule = passive_stiffness_filter(c.w0_rad_per_s, c.damping_ratio, p.damping,
                                                  ideal(p.period_s, p.delay_s), p.effort_lag_s);
     ASSERT_LE(rule, limit * (1.0 + 1e-9))
         << "seed " << seed << " loop " << i << " w0 T " << c.w0_rad_per_s * p.period_s;
     ASSERT_GT(rule, 0.0);
-    if (!free) continue;
+    if (!free)
+      continue;
     released.push_back(rule / limit);
-    if (c.damping_ratio >= 0.866) level.push_back(rule / limit);
+    if (c.damping_ratio >= 0.866)
+      level.push_back(rule / limit);
     linear.push_back(linear_passive_stiffness_filter(c.w0_rad_per_s, c.damping_ratio, p.damping,
                                                      ideal(p.period_s, p.delay_s), p.effort_lag_s) /
                      limit);
     LoopTiming timing = ideal(p.period_s, p.delay_s);
     timing.jitter = 0.2, timing.lost_in_a_row = 2;
-    lossy.push_back(passive_stiffness_filter(c.w0_rad_per_s, c.damping_ratio, p.damping, timing, p.effort_lag_s) /
+    lossy.push_back(passive_stiffness_filter(c.w0_rad_per_s, c.damping_ratio, p.damping, timing,
+                                             p.effort_lag_s) /
                     limit);
   }
   const auto median = [](std::vector<double>& v) {
@@ -147,7 +163,8 @@ TEST(RuleP, NeverPromisesMoreThanTheExactLimitOfAnyPassiveHand) {
   };
   const double all = median(released), smooth = median(level), worst = median(lossy);
   std::printf(
-      "share of the released device's exact limit, median: rule P %.3f (d >= .866: %.3f; 2 lost and jitter: %.3f), "
+      "share of the released device's exact limit, median: rule P %.3f (d >= .866: %.3f; 2 lost "
+      "and jitter: %.3f), "
       "linear any-passive %.3f\n",
       all, smooth, worst, median(linear));
   RecordProperty("median_tightness", std::to_string(all));
@@ -158,16 +175,18 @@ TEST(LinearPassive, EqualsTheReference) {
   double worst = 0.0;
   int rows = 0;
   for (const auto& c : loop_cases()) {
-    if (c["k_any_passive_human"].is_null() || c["B_inj"] != 0.0) continue;
+    if (c["k_any_passive_human"].is_null() || c["B_inj"] != 0.0)
+      continue;
     const double expected = c["k_any_passive_human"];
-    const double found =
-        linear_passive_stiffness_filter(c["w0"], c["d"], c["b"], ideal(c["T"], c["delay"]), c["force_lag"]);
+    const double found = linear_passive_stiffness_filter(c["w0"], c["d"], c["b"],
+                                                         ideal(c["T"], c["delay"]), c["force_lag"]);
     // The reference's own search is up to 1.6e-4 low where the largest lag is that at standstill.
     EXPECT_NEAR(found / expected, 1.0, 2e-4) << c["note"];
     worst = std::max(worst, std::abs(found / expected - 1.0));
     ++rows;
   }
-  std::printf("linear any-passive limit: largest relative difference %.2g in %d rows\n", worst, rows);
+  std::printf("linear any-passive limit: largest relative difference %.2g in %d rows\n", worst,
+              rows);
   EXPECT_EQ(rows, 11);
 }
 
@@ -178,8 +197,8 @@ TEST(LinearPassive, HasThePublishedComparison) {
   EXPECT_NEAR(linear_passive_stiffness_filter(five, d, 30.0, arm, 0.0), 659.0, 1.0);
   EXPECT_NEAR(linear_passive_stiffness_filter(10.0 * five, d, 0.5, stylus, 0.0), 94.0, 0.5);
   EXPECT_NEAR(linear_passive_stiffness_filter(10.0 * five, d, 30.0, arm, 0.0), 3270.0, 5.0);
-  EXPECT_NEAR(linear_passive_stiffness_filter(kInfinity, d, 0.5, stylus, 0.0), colgate_stiffness(0.5, 0.0, 1e-3, 1),
-              1e-9);
+  EXPECT_NEAR(linear_passive_stiffness_filter(kInfinity, d, 0.5, stylus, 0.0),
+              colgate_stiffness(0.5, 0.0, 1e-3, 1), 1e-9);
 }
 
 TEST(LinearPassive, FindsTheSameMaximumAsADenseSearch) {
@@ -187,19 +206,22 @@ TEST(LinearPassive, FindsTheSameMaximumAsADenseSearch) {
   for (int i = 0; i < 200; ++i) {
     const double period = 1e-3, w0 = random.log(1.0, 2500.0), d = random.log(0.01, 20.0);
     const int n = random.below(8);
-    const double found =
-        1.0 / linear_passive_stiffness_filter(w0, d, 1.0, ideal(period, n * period), 0.0);  // a pure hold
+    const double found = 1.0 / linear_passive_stiffness_filter(
+                                   w0, d, 1.0, ideal(period, n * period), 0.0);  // a pure hold
     const auto lag = [&](double angle) {
       const std::complex<double> r(0.0, std::tan(0.5 * angle)), g = 0.5 * w0 * period;
       const auto h = g * g / (r * r + 2.0 * d * g * r + g * g);
-      return -0.5 * period * (std::polar(1.0, -(n + 0.5) * angle) * h).imag() / std::sin(0.5 * angle);
+      return -0.5 * period * (std::polar(1.0, -(n + 0.5) * angle) * h).imag() /
+             std::sin(0.5 * angle);
     };
     double dense = 2.0 * d / w0 + (n + 0.5) * period;
-    for (double angle = 1e-4; angle < std::numbers::pi; angle += 2e-4) dense = std::max(dense, lag(angle));
+    for (double angle = 1e-4; angle < std::numbers::pi; angle += 2e-4)
+      dense = std::max(dense, lag(angle));
     for (double t = 0.5; t < 2.0; t += 2e-5)
       dense = std::max(dense, lag(std::min(3.14159, t * 2.0 * std::atan(0.5 * w0 * period))));
     ASSERT_GE(found, dense * (1.0 - 1e-12)) << i;
-    ASSERT_LE(found, dense * (1.0 + 1e-4)) << i << " w0 T " << w0 * period << " d " << d << " n " << n;
+    ASSERT_LE(found, dense * (1.0 + 1e-4))
+        << i << " w0 T " << w0 * period << " d " << d << " n " << n;
   }
 }
 
@@ -210,13 +232,15 @@ TEST(LinearPassive, NoPassiveHandMakesItsContactUnstableAndSomeNearlyDo) {
   for (int i = 0; i < 300; ++i) {
     const LoopPlant device = testing::random_plant(random, true);
     const LoopController c = testing::random_filter(random);
-    const double limit = linear_passive_stiffness_filter(c.w0_rad_per_s, c.damping_ratio, device.damping,
-                                                         ideal(device.period_s, device.delay_s), device.effort_lag_s);
+    const double limit = linear_passive_stiffness_filter(
+        c.w0_rad_per_s, c.damping_ratio, device.damping, ideal(device.period_s, device.delay_s),
+        device.effort_lag_s);
     double softest = critical_stiffness(device, c).stiffness;
     for (int hand = 0; hand < 60; ++hand) {
       LoopPlant p = device;
       p.hand_mass = random.log(1e-3, 1e3);
-      p.hand_stiffness = (p.mass + p.hand_mass) * std::pow(random.log(0.05, 3.0) * c.w0_rad_per_s, 2);
+      p.hand_stiffness =
+          (p.mass + p.hand_mass) * std::pow(random.log(0.05, 3.0) * c.w0_rad_per_s, 2);
       softest = std::min(softest, critical_stiffness(p, c).stiffness);
     }
     ASSERT_LE(limit, softest * (1.0 + 1e-6)) << "seed " << seed << " device " << i;
@@ -232,8 +256,9 @@ TEST(Colgate, IsTheExactLimitOfAHeavySlowDevice) {
   EXPECT_DOUBLE_EQ(colgate_stiffness(0.5, -0.2, 1e-3, 0), 0.3 / 0.5e-3);
   EXPECT_EQ(colgate_stiffness(0.5, 0.6, 1e-3, 0), 0.0);
   const LoopPlant heavy{.mass = 1e3, .damping = 0.5, .period_s = 1e-3, .delay_s = 1e-3};
-  EXPECT_NEAR(critical_stiffness(heavy, {.law = Law::kDirect}).stiffness / colgate_stiffness(0.5, 0.0, 1e-3, 1), 1.0,
-              1e-4);
+  EXPECT_NEAR(critical_stiffness(heavy, {.law = Law::kDirect}).stiffness /
+                  colgate_stiffness(0.5, 0.0, 1e-3, 1),
+              1.0, 1e-4);
 }
 
 TEST(LimitCycle, FrictionIsHalfAStepOfTheForce) {

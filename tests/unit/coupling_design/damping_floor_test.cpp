@@ -43,16 +43,30 @@ TEST(SlowestSwing, IsOneWhereNothingSwingsAndNegativeWhereItGrows) {
   LoopPlant plant{.mass = 0.1, .damping = 40.0, .period_s = 1e-5};
   EXPECT_EQ(slowest_damping_ratio(plant, direct(), 400.0), 1.0) << "overdamped";
   plant.damping = 0.1, plant.period_s = 1e-3;
-  EXPECT_LT(slowest_damping_ratio(plant, direct(), 2.0 * critical_stiffness(plant, direct()).stiffness), 0.0);
-  EXPECT_NEAR(slowest_damping_ratio(plant, direct(), critical_stiffness(plant, direct()).stiffness), 0.0, 1e-6);
+  EXPECT_LT(
+      slowest_damping_ratio(plant, direct(), 2.0 * critical_stiffness(plant, direct()).stiffness),
+      0.0);
+  EXPECT_NEAR(slowest_damping_ratio(plant, direct(), critical_stiffness(plant, direct()).stiffness),
+              0.0, 1e-6);
 }
 
 DesignProblem arm(double mass_max, double contact) {
   DesignProblem p;
-  p.device.translation = {.inertia_min = 4.8, .inertia_max = mass_max, .damping = 6, .coulomb_friction = 3, .resolution = 2e-5,
-                          .max_effort = 150, .max_stiffness = 5000, .effort_bandwidth_hz = 53};
+  p.device.translation = {.inertia_min = 4.8,
+                          .inertia_max = mass_max,
+                          .damping = 6,
+                          .coulomb_friction = 3,
+                          .resolution = 2e-5,
+                          .max_effort = 150,
+                          .max_stiffness = 5000,
+                          .effort_bandwidth_hz = 53};
   p.device.timing.delay_s = 2e-3;
-  p.hand.translation = {.mass_min = 0.3, .mass_max = 2, .damping_min = 3, .damping_max = 30, .stiffness_min = 50, .stiffness_max = 600};
+  p.hand.translation = {.mass_min = 0.3,
+                        .mass_max = 2,
+                        .damping_min = 3,
+                        .damping_max = 30,
+                        .stiffness_min = 50,
+                        .stiffness_max = 600};
   p.contact = {10, contact};
   p.goals.free_cap = true;
   p.goals.damper_share = 0.0, p.goals.velocity_windows = false;
@@ -60,7 +74,9 @@ DesignProblem arm(double mass_max, double contact) {
 }
 
 bool told(const Design& design, const std::string& text) {
-  return std::ranges::any_of(design.reasons, [&](const std::string& reason) { return reason.find(text) != std::string::npos; });
+  return std::ranges::any_of(design.reasons, [&](const std::string& reason) {
+    return reason.find(text) != std::string::npos;
+  });
 }
 
 Design without_floors(DesignProblem request) {
@@ -79,15 +95,18 @@ TEST(DampingFloor, WinsOverStiffnessAndSaysWhatItCost) {
   EXPECT_GE(damped.swing.released, 0.1);
   EXPECT_GE(damped.swing.held, 0.3);
   EXPECT_LT(damped.swing.held, 0.31) << "no more is given up than it takes";
-  EXPECT_NEAR(damped.floors.cost_n_per_m, before.translation.shown_stiffness - damped.translation.shown_stiffness, 1e-9);
+  EXPECT_NEAR(damped.floors.cost_n_per_m,
+              before.translation.shown_stiffness - damped.translation.shown_stiffness, 1e-9);
   EXPECT_GT(damped.floors.cost_n_per_m, 100.0);
   EXPECT_GE(damped.translation.gain_margin, 2.0 - 1e-9) << "with the certificates of any design";
   EXPECT_EQ(damped.status, DesignStatus::kStiffnessReduced);
   ASSERT_FALSE(damped.reasons.empty());
-  EXPECT_NE(damped.reasons.front().find("0.3 held); damping_floor: 0"), std::string::npos) << damped.reasons.front();
+  EXPECT_NE(damped.reasons.front().find("0.3 held); damping_floor: 0"), std::string::npos)
+      << damped.reasons.front();
 }
 
-/// Damping and stiffness are looked for together: with the damping of the design without floors less than half would be left.
+/// Damping and stiffness are looked for together: with the damping of the design without floors
+/// less than half would be left.
 TEST(DampingFloor, IsReachedByDampingBeforeStiffness) {
   const DesignProblem request = arm(12, 4000);
   const Design before = without_floors(request), damped = design_coupling(request);
@@ -111,16 +130,27 @@ TEST(DampingFloor, CostsNothingWhereItIsKept) {
 
 DesignProblem stylus() {
   DesignProblem request = arm(6, 800);
-  request.device.translation = {.inertia_min = .035, .inertia_max = .08, .damping = .005, .coulomb_friction = .04, .resolution = 3e-5,
-                                .max_effort = 8.5, .max_stiffness = 800};
+  request.device.translation = {.inertia_min = .035,
+                                .inertia_max = .08,
+                                .damping = .005,
+                                .coulomb_friction = .04,
+                                .resolution = 3e-5,
+                                .max_effort = 8.5,
+                                .max_stiffness = 800};
   request.device.timing.delay_s = 1e-3;
-  request.hand.translation = {.mass_min = 0.02, .mass_max = 0.2, .damping_min = 0.5, .damping_max = 8, .stiffness_min = 20, .stiffness_max = 800};
+  request.hand.translation = {.mass_min = 0.02,
+                              .mass_max = 0.2,
+                              .damping_min = 0.5,
+                              .damping_max = 8,
+                              .stiffness_min = 20,
+                              .stiffness_max = 800};
   return request;
 }
 
 TEST(DampingFloor, NamesTheHandThatForbidsItAndGivesUpNothingForTheOthers) {
   const Design damped = design_coupling(stylus());
-  EXPECT_NE(damped.floors.out_of_reach.find("held (0.2 kg, 0.5 Ns/m, 800 N/m)"), std::string::npos) << damped.floors.out_of_reach;
+  EXPECT_NE(damped.floors.out_of_reach.find("held (0.2 kg, 0.5 Ns/m, 800 N/m)"), std::string::npos)
+      << damped.floors.out_of_reach;
   EXPECT_EQ(damped.floors.cost_n_per_m, 0.0);
   EXPECT_GE(damped.swing.released, 0.1);
 }
@@ -130,7 +160,8 @@ TEST(DampingFloor, AsksNothingOfTheOtherHandsWhereOneForbidsIt) {
   DesignProblem request = stylus();
   std::vector<AxisProblem> problems = axis_problems(request);
   ASSERT_NE(set_floors(request, problems), "");
-  for (const DesignCase& one : problems[0].cases) EXPECT_EQ(one.least_damping_ratio, one.held ? 0.0 : 0.1) << describe(one, kTranslationUnits);
+  for (const DesignCase& one : problems[0].cases)
+    EXPECT_EQ(one.least_damping_ratio, one.held ? 0.0 : 0.1) << describe(one, kTranslationUnits);
 }
 
 /// The floors of rotation are asked for by themselves.
@@ -139,19 +170,29 @@ TEST(DampingFloor, IsOfTranslationUnlessRotationHasItsOwn) {
   request.goals.floors = {};
   std::vector<AxisProblem> problems = axis_problems(request);
   set_floors(request, problems);
-  for (const DesignCase& one : problems[0].cases) EXPECT_EQ(one.least_damping_ratio, one.held ? 0.3 : 0.1);
-  for (const DesignCase& one : problems[1].cases) EXPECT_EQ(one.least_damping_ratio, 0.0);
+  for (const DesignCase& one : problems[0].cases)
+    EXPECT_EQ(one.least_damping_ratio, one.held ? 0.3 : 0.1);
+  for (const DesignCase& one : problems[1].cases)
+    EXPECT_EQ(one.least_damping_ratio, 0.0);
   request.goals.floors = {0.0, 0.0}, request.goals.rotation_floors = {0.05, 0.05};
   set_floors(request, problems);
-  for (const DesignCase& one : problems[0].cases) EXPECT_EQ(one.least_damping_ratio, 0.0);
-  for (const DesignCase& one : problems[1].cases) EXPECT_EQ(one.least_damping_ratio, 0.05);
+  for (const DesignCase& one : problems[0].cases)
+    EXPECT_EQ(one.least_damping_ratio, 0.0);
+  for (const DesignCase& one : problems[1].cases)
+    EXPECT_EQ(one.least_damping_ratio, 0.05);
 }
 
-/// Fingers that swing too long by themselves: little damping does not reach the floor, and much behind a slow filter is late. 794 N/m without floors.
+/// Fingers that swing too long by themselves: little damping does not reach the floor, and much
+/// behind a slow filter is late. 794 N/m without floors.
 TEST(DampingFloor, IsFoundBetweenTooLittleDampingAndTooMuch) {
   DesignProblem request = stylus();
-  request.device.translation = {.inertia_min = .08, .inertia_max = .16, .damping = .005, .coulomb_friction = .2, .resolution = 2e-5,
-                                .max_effort = 22, .max_stiffness = 1000};
+  request.device.translation = {.inertia_min = .08,
+                                .inertia_max = .16,
+                                .damping = .005,
+                                .coulomb_friction = .2,
+                                .resolution = 2e-5,
+                                .max_effort = 22,
+                                .max_stiffness = 1000};
   request.contact = {10, 1000};
   const Design damped = design_coupling(request);
   EXPECT_EQ(damped.floors.held, 0.3);
@@ -159,7 +200,8 @@ TEST(DampingFloor, IsFoundBetweenTooLittleDampingAndTooMuch) {
   EXPECT_GT(damped.translation.shown_stiffness, 200.0);
 }
 
-/// Whatever device, hand and wish: a design that was useful stays so, and what is called kept is kept by every hand that does not forbid it.
+/// Whatever device, hand and wish: a design that was useful stays so, and what is called kept is
+/// kept by every hand that does not forbid it.
 TEST(DampingFloor, IsNotBoughtWithAllThatIsUseful) {
   testing::Random random(11);
   int cost = 0;
@@ -167,8 +209,11 @@ TEST(DampingFloor, IsNotBoughtWithAllThatIsUseful) {
     DesignProblem request = testing::random_request(random);
     request.goals.floors = {};
     const Design before = without_floors(request), damped = design_coupling(request);
-    EXPECT_EQ(before.status == DesignStatus::kInfeasible, damped.status == DesignStatus::kInfeasible) << i;
-    if (damped.floors.held == 0.0 || request.hand.translation.any_passive) continue;
+    EXPECT_EQ(before.status == DesignStatus::kInfeasible,
+              damped.status == DesignStatus::kInfeasible)
+        << i;
+    if (damped.floors.held == 0.0 || request.hand.translation.any_passive)
+      continue;
     cost += damped.floors.cost_n_per_m > 0.0;
     std::vector<AxisProblem> problems = axis_problems(request);
     set_floors(request, problems);
@@ -197,7 +242,8 @@ TEST(BoundedDamper, LeavesInALargeSwingWhatIsCountedOn) {
     constexpr int kSteps = 100'000;
     for (int i = 0; i < kSteps; ++i) {
       const double p = std::numbers::pi * ((i + 0.5) / kSteps - 0.5), law = std::cos(p);
-      ahead -= std::sin(p) * std::clamp(ratio.real() * law - ratio.imag() * std::sin(p), -law, share * law);
+      ahead -= std::sin(p) *
+               std::clamp(ratio.real() * law - ratio.imag() * std::sin(p), -law, share * law);
     }
     return ahead * (std::numbers::pi / kSteps) / (0.5 * std::numbers::pi * ratio.imag());
   };
@@ -211,7 +257,8 @@ TEST(BoundedDamper, LeavesInALargeSwingWhatIsCountedOn) {
   EXPECT_EQ(damper_left({0.5, -0.1}, 0.45), 1.0) << "one that drives has nothing to lose";
 }
 
-/// Stable at the margin with the full damper and with each part of it that may be left; more stiffness where the damper is not bounded.
+/// Stable at the margin with the full damper and with each part of it that may be left; more
+/// stiffness where the damper is not bounded.
 TEST(BoundedDamper, IsCertifiedAsItIsAndTheTableKnowsIt) {
   DesignProblem request = arm(12, 4000);
   request.goals.floors = {0.0, 0.0}, request.goals.damper_share = kDamperShare;
@@ -224,8 +271,11 @@ TEST(BoundedDamper, IsCertifiedAsItIsAndTheTableKnowsIt) {
   law.injected_damping = 5.0, law.velocity_filter_rad_per_s = 2.0 * std::numbers::pi * 100.0;
   const double as_it_is = critical_case(problem, law).stiffness;
   LoopTable table(problem.cases, std::array{VelocityEstimate{100.0}});
-  table.use([&](const DecayingPhasor& at, double period) { return filter_response(0.5 * law.w0_rad_per_s * period, 0.707, at); });
-  EXPECT_NEAR(table.critical(0, 5.0, 0.0, problem.damper_share, problem.large_swing), as_it_is, 0.03 * as_it_is);
+  table.use([&](const DecayingPhasor& at, double period) {
+    return filter_response(0.5 * law.w0_rad_per_s * period, 0.707, at);
+  });
+  EXPECT_NEAR(table.critical(0, 5.0, 0.0, problem.damper_share, problem.large_swing), as_it_is,
+              0.03 * as_it_is);
   problem.damper_share = 0.0;
   EXPECT_LT(as_it_is, 0.9 * critical_case(problem, law).stiffness);
   request.goals.damper_share = 0.0;
@@ -233,7 +283,8 @@ TEST(BoundedDamper, IsCertifiedAsItIsAndTheTableKnowsIt) {
   EXPECT_EQ(design_coupling(request).spec.damper_share, 0.0);
 }
 
-/// One that was asked for is given up where, with the filter's lag, less than two thirds would be left.
+/// One that was asked for is given up where, with the filter's lag, less than two thirds would be
+/// left.
 TEST(BoundedDamper, OfAShareThatWasAskedForIsNotBoughtWithMoreThanAThirdOfTheStiffness) {
   testing::Random random(12);
   int kept = 0, given_up = 0;
@@ -245,10 +296,13 @@ TEST(BoundedDamper, OfAShareThatWasAskedForIsNotBoughtWithMoreThanAThirdOfTheSti
     const Design unbounded = design_coupling(request);
     if (design.spec.damper_share == 0.0) {
       EXPECT_EQ(design.spec, unbounded.spec) << i;
-      EXPECT_TRUE(told(design, "not bounded by a share of the contact's force (damper_share 0.35)")) << i;
+      EXPECT_TRUE(told(design, "not bounded by a share of the contact's force (damper_share 0.35)"))
+          << i;
       ++given_up;
-    } else if (design.translation.injected_damping > 0.0 && !request.device.gives_torque && unbounded.status != DesignStatus::kInfeasible) {
-      EXPECT_GE(design.translation.shown_stiffness, 0.66 * unbounded.translation.shown_stiffness) << i;
+    } else if (design.translation.injected_damping > 0.0 && !request.device.gives_torque &&
+               unbounded.status != DesignStatus::kInfeasible) {
+      EXPECT_GE(design.translation.shown_stiffness, 0.66 * unbounded.translation.shown_stiffness)
+          << i;
       ++kept;
     }
   }
@@ -256,52 +310,68 @@ TEST(BoundedDamper, OfAShareThatWasAskedForIsNotBoughtWithMoreThanAThirdOfTheSti
   EXPECT_GT(given_up, 0);
 }
 
-/// The standard share if it leaves two thirds, a larger one only where the smaller ones leave less than nine tenths, and none only after all were tried. The reasons say what the share that was taken
-/// gives, what the standard one would and what none would.
+/// The standard share if it leaves two thirds, a larger one only where the smaller ones leave less
+/// than nine tenths, and none only after all were tried. The reasons say what the share that was
+/// taken gives, what the standard one would and what none would.
 TEST(BoundedDamper, HasTheLeastShareThatLeavesEnough) {
   testing::Random random(12);
   std::map<double, int> taken;
   for (int i = 0; i < 60; ++i) {
     DesignProblem request = testing::random_request(random);
     request.goals.damper_share.reset();
-    if (i % 2 == 0) request.goals.floors = DampingFloors{};
+    if (i % 2 == 0)
+      request.goals.floors = DampingFloors{};
     const auto with = [&](double share) {
       DesignProblem asked = request;
       asked.goals.damper_share = share;
       return design_coupling(asked);
     };
-    const auto percent = [](const Design& d) { return fmt::format("{:.3g} %", 100.0 * d.translation.shown_stiffness / d.translation.wanted_stiffness); };
+    const auto percent = [](const Design& d) {
+      return fmt::format("{:.3g} %",
+                         100.0 * d.translation.shown_stiffness / d.translation.wanted_stiffness);
+    };
     const Design design = design_coupling(request), none = with(0.0);
-    if (design.translation.injected_damping <= 0.0 || design.status == DesignStatus::kInfeasible) continue;
+    if (design.translation.injected_damping <= 0.0 || design.status == DesignStatus::kInfeasible)
+      continue;
     double expected = 0.0;
     for (const double share : kDamperShares) {
       const Design bounded = with(share);  // not kept below two thirds
-      if (bounded.spec.damper_share != share) continue;
-      if (share != kDamperShare && !(bounded.translation.shown_stiffness >= 0.9 * none.translation.shown_stiffness)) continue;
+      if (bounded.spec.damper_share != share)
+        continue;
+      if (share != kDamperShare &&
+          !(bounded.translation.shown_stiffness >= 0.9 * none.translation.shown_stiffness))
+        continue;
       expected = share;
       EXPECT_EQ(design.spec, bounded.spec) << i;
       break;
     }
     EXPECT_EQ(design.spec.damper_share, expected) << i;
     ++taken[design.spec.damper_share];
-    if (design.spec.damper_share == kDamperShare) continue;
+    if (design.spec.damper_share == kDamperShare)
+      continue;
     EXPECT_TRUE(told(design, percent(design))) << i;
     EXPECT_TRUE(told(design, percent(none))) << i;
     if (const Design standard = with(kDamperShare); standard.spec.damper_share == kDamperShare) {
       EXPECT_TRUE(told(design, "with 0.35, the standard, " + percent(standard))) << i;
     }
     if (design.spec.damper_share > 0.0) {
-      EXPECT_TRUE(told(design, fmt::format("Injected damping adds up to {:.2g} of the contact's force", design.spec.damper_share))) << i;
+      EXPECT_TRUE(
+          told(design, fmt::format("Injected damping adds up to {:.2g} of the contact's force",
+                                   design.spec.damper_share)))
+          << i;
     } else {
-      EXPECT_TRUE(told(design, "not bounded by a share of the contact's force (damper_share 0.35)")) << i;
+      EXPECT_TRUE(told(design, "not bounded by a share of the contact's force (damper_share 0.35)"))
+          << i;
     }
   }
-  for (const auto& [share, times] : taken) std::printf("share %.2g: %d\n", share, times);
+  for (const auto& [share, times] : taken)
+    std::printf("share %.2g: %d\n", share, times);
   EXPECT_GE(taken.size(), 4U);
   EXPECT_GT(taken[0.0], 0);
 }
 
-/// The table that proposes: no worse than the exact answer by more than a few percent, and never the better by as much.
+/// The table that proposes: no worse than the exact answer by more than a few percent, and never
+/// the better by as much.
 TEST(DampingFloor, IsProposedByATableThatKnowsIt) {
   DesignProblem request = arm(6, 4000);
   std::vector<AxisProblem> problems = axis_problems(request);
@@ -310,7 +380,9 @@ TEST(DampingFloor, IsProposedByATableThatKnowsIt) {
   LoopController law = law_of(shape);
   law.velocity_filter_rad_per_s = 2.0 * std::numbers::pi * 100.0;
   LoopTable table(problems[0].cases, std::array{VelocityEstimate{100.0}}, LoopLimit::kDamped);
-  table.use([&](const DecayingPhasor& at, double period) { return filter_response(0.5 * law.w0_rad_per_s * period, shape.damping_ratio, at); });
+  table.use([&](const DecayingPhasor& at, double period) {
+    return filter_response(0.5 * law.w0_rad_per_s * period, shape.damping_ratio, at);
+  });
   for (const double damping : {60.0, 100.0, 140.0}) {
     law.injected_damping = damping;
     const double exact = damped_stiffness(problems[0], law, 4000.0);

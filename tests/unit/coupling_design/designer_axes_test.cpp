@@ -20,7 +20,8 @@ TEST(ForceAndTorque, ShareOneFilterAndGetTwoDampings) {
   EXPECT_GE(d.translation.gain_margin, 2.0);
   EXPECT_GE(d.rotation.gain_margin, 2.0);
   EXPECT_EQ(d.spec.injected_damping_nms_per_rad, d.rotation.injected_damping);
-  EXPECT_TRUE(std::isfinite(d.spec.stiffness_cap_n_per_m) && std::isfinite(d.spec.stiffness_cap_nm_per_rad));
+  EXPECT_TRUE(std::isfinite(d.spec.stiffness_cap_n_per_m) &&
+              std::isfinite(d.spec.stiffness_cap_nm_per_rad));
   EXPECT_NEAR(d.rotation.shown_stiffness, d.spec.gain * r.contact_rotation.all_points, 1e-9);
   EXPECT_NEAR(d.translation.shown_stiffness, d.spec.gain * r.contact.all_points, 1e-9);
 }
@@ -76,7 +77,8 @@ TEST(FreeCap, KeepsEachPointsOwnStiffness) {
   r.contact.one_point = 600.0;
   const Design point = designed(r);
   EXPECT_NEAR(point.spec.gain, point.translation.shown_stiffness / 600.0, 1e-3);
-  EXPECT_NEAR(point.spec.gain * point.spec.stiffness_cap_n_per_m, point.translation.shown_stiffness, 1e-9);
+  EXPECT_NEAR(point.spec.gain * point.spec.stiffness_cap_n_per_m, point.translation.shown_stiffness,
+              1e-9);
 }
 
 TEST(FreeCap, IsWhatADirectCouplingNeeds) {
@@ -122,12 +124,14 @@ TEST(Design, SaysHowFastOneMayApproach) {
   EXPECT_EQ(designed(r).max_approach_m_per_s, 0.0);
   r.goals.force_layer_depth_m = 0.004;
   const Design d = designed(r);
-  // Slowest timing, heaviest hand on the heaviest device; M/B of the released one is the shorter way to stop.
+  // Slowest timing, heaviest hand on the heaviest device; M/B of the released one is the shorter
+  // way to stop.
   const double tau = d.lag_s + 0.6e-3 + (2e-3 + 2.2e-3) + 3e-3;
   double stop = 0.0;
   const AxisProblem problem = axis_problems(r)[0];
   for (const DesignCase& one : problem.cases) {
-    const double m = one.plant.mass + one.plant.hand_mass, b = one.plant.damping + one.plant.hand_damping;
+    const double m = one.plant.mass + one.plant.hand_mass,
+                 b = one.plant.damping + one.plant.hand_damping;
     stop = std::max(stop, std::min(std::sqrt(m / r.contact.one_point), m / b));
   }
   EXPECT_NEAR(d.max_approach_m_per_s, 0.004 / (tau + stop), 1e-9);

@@ -8,8 +8,8 @@ namespace designer_examples_test {
 
 using namespace testing;
 
-double margin_of(const DesignProblem& r, double cutoff_hz, double ratio, double damping, double filter_hz,
-                 double stiffness) {
+double margin_of(const DesignProblem& r, double cutoff_hz, double ratio, double damping,
+                 double filter_hz, double stiffness) {
   CouplingSpec spec;
   spec.cutoff_hz = cutoff_hz, spec.damping_ratio = ratio, spec.injected_damping_ns_per_m = damping;
   spec.velocity_filter_hz = filter_hz, spec.gain = stiffness / r.contact.all_points;
@@ -23,8 +23,8 @@ TEST(PublishedExample, AFreeStylusWithoutInjectedDampingIsInfeasible) {
   const Design d = designed(r);
   EXPECT_EQ(d.status, DesignStatus::kInfeasible);
   EXPECT_NEAR(d.translation.shown_stiffness, 0.38, 0.005);
-  // The published 13 Ns/m scale this result to 1000 N/m: the limit for a linear contact. Rule P, which also covers contacts that
-  // only push, asks for more.
+  // The published 13 Ns/m scale this result to 1000 N/m: the limit for a linear contact. Rule P,
+  // which also covers contacts that only push, asks for more.
   EXPECT_NEAR(r.device.translation.damping * 1000.0 / d.translation.shown_stiffness, 13.0, 0.5);
   EXPECT_GT(d.translation.damping_required_any_cutoff, 13.0);
   EXPECT_LT(d.translation.damping_required_any_cutoff, 20.0);
@@ -35,8 +35,8 @@ TEST(PublishedExample, AFreeStylusWithInjectedDampingShowsPart) {
   const Design d = designed(r);
   EXPECT_EQ(d.status, DesignStatus::kStiffnessReduced);
   EXPECT_EQ(d.spec.cutoff_hz, 60.0);
-  // Published: 6.2 Ns/m and 288 N/m. Those are certified here too; but nine tenths of that damping are within a tenth of the
-  // best stiffness, and the gentler one of such is taken.
+  // Published: 6.2 Ns/m and 288 N/m. Those are certified here too; but nine tenths of that damping
+  // are within a tenth of the best stiffness, and the gentler one of such is taken.
   EXPECT_NEAR(margin_of(r, 60.0, 1.0, 6.18, 50.0, 288.0), 2.0, 0.04);
   EXPECT_NEAR(d.spec.injected_damping_ns_per_m, 0.9 * 6.18, 0.01);
   EXPECT_GT(d.translation.shown_stiffness, 0.9 * 288.0);
@@ -75,15 +75,16 @@ TEST(PublishedExample, ALightlyDampedRobotGetsDamping) {
   EXPECT_EQ(d.status, DesignStatus::kDampingAdded);
   EXPECT_EQ(d.spec.cutoff_hz, 80.0);
   EXPECT_EQ(d.spec.gain, 1.0);
-  // Published: 35 Ns/m, half of what the noise of 200 N allows behind 200 Hz. It is certified here too; three tenths of what is
-  // allowed behind 100 Hz, which is less, hold as well.
+  // Published: 35 Ns/m, half of what the noise of 200 N allows behind 200 Hz. It is certified here
+  // too; three tenths of what is allowed behind 100 Hz, which is less, hold as well.
   EXPECT_GE(margin_of(robot(2.0, 10.0, 10.0), 80.0, 0.577, 34.95, 200.0, 2000.0), 2.0);
   EXPECT_NEAR(d.spec.injected_damping_ns_per_m, 32.2, 0.1);
   EXPECT_EQ(d.spec.velocity_filter_hz, 100.0);
 }
 
-/// Of 45 g, with an encoder of 0.03 mm, 1 kHz and a delay of 1 ms: how much damping 0.05 N of noise leave decides. With the velocity of no first-order
-/// filter, however much damping, is it more than 500 N/m.
+/// Of 45 g, with an encoder of 0.03 mm, 1 kHz and a delay of 1 ms: how much damping 0.05 N of noise
+/// leave decides. With the velocity of no first-order filter, however much damping, is it more than
+/// 500 N/m.
 TEST(Stylus, OfFortyFiveGramsShowsMoreOnTheVelocityOfAWindow) {
   DesignProblem r = stylus();
   r.device.translation.inertia_min = r.device.translation.inertia_max = 0.045;
@@ -94,7 +95,9 @@ TEST(Stylus, OfFortyFiveGramsShowsMoreOnTheVelocityOfAWindow) {
   EXPECT_GE(d.translation.shown_stiffness, 650.0);
   EXPECT_GE(d.translation.gain_margin, 2.0 * (1.0 - 1e-9));
   ASSERT_GT(d.spec.velocity_window, 0U);
-  EXPECT_LE(d.spec.injected_damping_ns_per_m * 0.03 * window_step_share(static_cast<int>(d.spec.velocity_window)), 0.05 * (1.0 + 1e-9));
+  EXPECT_LE(d.spec.injected_damping_ns_per_m * 0.03 *
+                window_step_share(static_cast<int>(d.spec.velocity_window)),
+            0.05 * (1.0 + 1e-9));
   AxisProblem axis = axis_problems(r)[0];
   axis.damper_share = 0.0;
   LoopController law{.law = LoopController::Law::kDirect};
@@ -105,7 +108,8 @@ TEST(Stylus, OfFortyFiveGramsShowsMoreOnTheVelocityOfAWindow) {
       law.injected_damping = share * damping_limit(axis, {hz});
       most = std::max(most, certified_stiffness(axis, law, most));
     }
-  std::printf("%.1f N/m on a window of %u, at most %.1f N/m behind a filter\n", d.translation.shown_stiffness, d.spec.velocity_window, most);
+  std::printf("%.1f N/m on a window of %u, at most %.1f N/m behind a filter\n",
+              d.translation.shown_stiffness, d.spec.velocity_window, most);
   EXPECT_LT(most, 500.0);
   EXPECT_GT(most, 490.0);
 }

@@ -81,7 +81,8 @@ TEST(AnyPassiveHand, GetsNoInjectedDampingAndRuleP) {
   EXPECT_EQ(d.spec.injected_damping_ns_per_m, 0.0);
   EXPECT_TRUE(d.translation.passive);
   EXPECT_LE(2.0 * d.translation.shown_stiffness,
-            passive_stiffness_filter(cutoff_rad_per_s(d.spec), d.spec.damping_ratio, 50.0, r.device.timing, 3e-3) *
+            passive_stiffness_filter(cutoff_rad_per_s(d.spec), d.spec.damping_ratio, 50.0,
+                                     r.device.timing, 3e-3) *
                 (1 + 1e-9));
   r.device.translation.damping = 0.005;
   EXPECT_EQ(designed(r).spec.injected_damping_ns_per_m, 0.0);

@@ -1,4 +1,5 @@
-// The other kinds of coupling, the choice among them, limit cycles, and the table that the search looks up.
+// The other kinds of coupling, the choice among them, limit cycles, and the table that the search
+// looks up.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -22,14 +23,16 @@ TEST(LimitCycle, IsRemovedByFrictionOnly) {
   const double bound = designed(r).translation.limit_cycle_bound;
   EXPECT_GT(bound, 0.1 * r.device.translation.resolution);
   EXPECT_LT(bound, 20.0 * r.device.translation.resolution);
-  r.device.translation.coulomb_friction = 1.001 * limit_cycle_friction(0.577, 2000.0, r.device.translation.resolution);
+  r.device.translation.coulomb_friction =
+      1.001 * limit_cycle_friction(0.577, 2000.0, r.device.translation.resolution);
   EXPECT_EQ(designed(r).translation.limit_cycle_bound, 0.0);
   r.device.translation.coulomb_friction *= 0.99;
   EXPECT_GT(designed(r).translation.limit_cycle_bound, 0.0);
 }
 
 TEST(LimitCycle, TheNormIsReachedByTheWorstErrors) {
-  // A constant error q moves a held device by q K k / (k_h + K k) in the end: the sum of the response without its signs' help.
+  // A constant error q moves a held device by q K k / (k_h + K k) in the end: the sum of the
+  // response without its signs' help.
   LoopPlant p{.mass = 0.1,
               .damping = 0.5,
               .hand_mass = 0.05,
@@ -60,7 +63,9 @@ TEST(SpringDamper, ForAnyPassiveHandIsTheDiscreteLlewellynOptimum) {
   const LoopTiming slow = slowest(r.device.timing);
   const int n = whole_delay(slow, 3e-3);
   EXPECT_EQ(n, 6);  // (2 + 2.2 + 3) ms in periods of 1.2 ms
-  EXPECT_NEAR(2.0 * llewellyn_damping(d.spec.stiffness_n_per_m, d.spec.damping_ns_per_m, slow.period_s, n), 50.0, 1e-6);
+  EXPECT_NEAR(
+      2.0 * llewellyn_damping(d.spec.stiffness_n_per_m, d.spec.damping_ns_per_m, slow.period_s, n),
+      50.0, 1e-6);
   EXPECT_TRUE(d.translation.passive);
   EXPECT_NEAR(d.translation.gain_margin, 2.0, 1e-6);
   r.hand.translation.any_passive = false;
@@ -78,7 +83,8 @@ TEST(SpringDamper, HoldsForContactsOfEveryStiffness) {
     law.stiffness *= 1.99, law.damping *= 1.99;
     const AxisProblem problem = axis_problems(r)[0];
     for (const DesignCase& one : problem.cases)
-      for (double k = 1.0; k < 1e8; k *= 2.7) ASSERT_LT(spectral_radius(one.plant, law, k), 1.0) << k;
+      for (double k = 1.0; k < 1e8; k *= 2.7)
+        ASSERT_LT(spectral_radius(one.plant, law, k), 1.0) << k;
   }
 }
 
@@ -88,8 +94,8 @@ TEST(SpringDamper, OfForceAndTorqueDrawsOnBothDampings) {
   r.hand.translation.any_passive = r.hand.rotation.any_passive = true;
   const Design d = designed(r);
   const LoopTiming slow = slowest(r.device.timing);
-  const double needed =
-      llewellyn_damping(d.spec.stiffness_n_per_m, d.spec.damping_ns_per_m, slow.period_s, whole_delay(slow, 3e-3));
+  const double needed = llewellyn_damping(d.spec.stiffness_n_per_m, d.spec.damping_ns_per_m,
+                                          slow.period_s, whole_delay(slow, 3e-3));
   EXPECT_NEAR(needed * (1.0 / 30.0 + arm_squared(r) / 0.3), 0.5, 1e-6);
   EXPECT_NEAR(d.translation.gain_margin, d.rotation.gain_margin, 1e-6);
 }
@@ -106,8 +112,10 @@ TEST(Auto, KeepsTheFilterUnlessAnotherShowsATenthMore) {
   for (const char* kind : {"shaping_filter", "direct", "spring_damper"}) {
     r.goals.kind = kind;
     const Design d = designed(r);
-    const double shown = d.status == DesignStatus::kInfeasible ? 0.0 : d.translation.shown_stiffness;
-    if (std::string(kind) == "shaping_filter") filter = shown;
+    const double shown =
+        d.status == DesignStatus::kInfeasible ? 0.0 : d.translation.shown_stiffness;
+    if (std::string(kind) == "shaping_filter")
+      filter = shown;
     most = std::max(most, shown);
   }
   EXPECT_GT(most, 1.5 * filter);
@@ -115,7 +123,8 @@ TEST(Auto, KeepsTheFilterUnlessAnotherShowsATenthMore) {
   EXPECT_NE(best.spec.kind, "shaping_filter");
 }
 
-/// Between a tenth and half as much again: direct. The simulated stylus as a virtual tool asks for it, 518 N/m for 371.
+/// Between a tenth and half as much again: direct. The simulated stylus as a virtual tool asks for
+/// it, 518 N/m for 371.
 TEST(Auto, LeavesTheFilterOutForLessThanHalfAsMuchAgain) {
   DesignProblem r = sim_stylus();
   r.goals = DesignGoals{};
@@ -127,8 +136,10 @@ TEST(Auto, LeavesTheFilterOutForLessThanHalfAsMuchAgain) {
   const Design best = designed(r);
   EXPECT_EQ(best.spec.kind, "direct");
   EXPECT_GT(best.translation.shown_stiffness, 1.1 * filter);
-  EXPECT_LT(best.translation.shown_stiffness, 1.5 * filter) << "else this says nothing of what is enough";
-  EXPECT_EQ(best.reasons.front().find("Without the shaping filter"), std::string::npos) << "which is no limit: " << best.reasons.front();
+  EXPECT_LT(best.translation.shown_stiffness, 1.5 * filter)
+      << "else this says nothing of what is enough";
+  EXPECT_EQ(best.reasons.front().find("Without the shaping filter"), std::string::npos)
+      << "which is no limit: " << best.reasons.front();
 }
 
 TEST(LoopTable, IsWithinAPercentOfTheExactLimit) {
@@ -138,17 +149,21 @@ TEST(LoopTable, IsWithinAPercentOfTheExactLimit) {
     const DesignProblem r = random_request(random);
     const std::vector<DesignCase> cases = axis_problems(r)[0].cases;
     LoopController law = random_filter(random);
-    if (law.damping_ratio < 0.5) law.damping_ratio = 0.577;
+    if (law.damping_ratio < 0.5)
+      law.damping_ratio = 0.577;
     law.velocity_filter_rad_per_s = 2.0 * std::numbers::pi * 100.0;
     if (random.chance(0.5))
-      law.injected_damping = random.uniform(0.0, 0.5) * critical_damping(axis_problems(r)[0], {100.0});
-    if (law.w0_rad_per_s * slowest(r.device.timing).period_s > 0.7) continue;
+      law.injected_damping =
+          random.uniform(0.0, 0.5) * critical_damping(axis_problems(r)[0], {100.0});
+    if (law.w0_rad_per_s * slowest(r.device.timing).period_s > 0.7)
+      continue;
     LoopTable table(cases, std::array{VelocityEstimate{100.0}});
     table.use([&](const DecayingPhasor& at, double period) {
       return filter_response(0.5 * law.w0_rad_per_s * period, law.damping_ratio, at);
     });
     const double exact = critical_case(axis_problems(r)[0], law).stiffness;
-    if (exact < 0.1) continue;
+    if (exact < 0.1)
+      continue;
     const double off = std::abs(table.critical(0, law.injected_damping) / exact - 1.0);
     worst = std::max(worst, off);
     EXPECT_LT(off, 0.015) << i;
@@ -156,34 +171,46 @@ TEST(LoopTable, IsWithinAPercentOfTheExactLimit) {
   std::printf("worst %.2g\n", worst);
 }
 
-/// It looks only where a step may cross the real axis with the damping asked for. Damping that stands in the law instead is looked at in every step.
+/// It looks only where a step may cross the real axis with the damping asked for. Damping that
+/// stands in the law instead is looked at in every step.
 TEST(LoopTable, MissesNoCrossingThatDampingMoves) {
   Random random(6);
   int differ = 0;
   for (int i = 0; i < 200; ++i) {
     const DesignProblem r = random_request(random);
     const AxisProblem problem = axis_problems(r)[0];
-    const VelocityEstimate velocity = kVelocityEstimates[static_cast<std::size_t>(random.below(static_cast<int>(kVelocityEstimates.size())))];
+    const VelocityEstimate velocity = kVelocityEstimates[static_cast<std::size_t>(
+        random.below(static_cast<int>(kVelocityEstimates.size())))];
     const LoopController shape = random_filter(random);
-    const DesignCase& one = problem.cases[static_cast<std::size_t>(random.below(static_cast<int>(problem.cases.size())))];
-    const auto filter = [&](const DecayingPhasor& at, double period) { return filter_response(0.5 * shape.w0_rad_per_s * period, shape.damping_ratio, at); };
+    const DesignCase& one =
+        problem
+            .cases[static_cast<std::size_t>(random.below(static_cast<int>(problem.cases.size())))];
+    const auto filter = [&](const DecayingPhasor& at, double period) {
+      return filter_response(0.5 * shape.w0_rad_per_s * period, shape.damping_ratio, at);
+    };
     const LoopResponse plant(one.plant, {.law = LoopController::Law::kDirect});
     const VelocityResponse speed(one.plant.period_s, velocity.filter_rad_per_s(), velocity.window);
     LoopTable table({one}, std::array{velocity}), whole({one}, {});
     table.use(filter);
     for (const double share : {1.0, 0.03, 0.3, 0.003, 0.6, 0.1}) {
-      const double damping = share * critical_damping(one.plant, velocity.filter_rad_per_s(), velocity.window);
-      if (!std::isfinite(damping)) continue;
-      whole.use([&](const DecayingPhasor& at, double period) { return filter(at, period) / (1.0 + damping * plant.damped_plant(at) * speed(at)); });
+      const double damping =
+          share * critical_damping(one.plant, velocity.filter_rad_per_s(), velocity.window);
+      if (!std::isfinite(damping))
+        continue;
+      whole.use([&](const DecayingPhasor& at, double period) {
+        return filter(at, period) / (1.0 + damping * plant.damped_plant(at) * speed(at));
+      });
       const double expected = whole.critical(0, 0.0), found = table.critical(0, damping);
-      if (std::isinf(expected) && std::isinf(found)) continue;
+      if (std::isinf(expected) && std::isinf(found))
+        continue;
       differ += !(std::abs(found - expected) <= 1e-7 * expected);
     }
   }
   EXPECT_EQ(differ, 0);
 }
 
-/// What the searches of a design share answers as a table that remembers nothing, in whatever order they ask.
+/// What the searches of a design share answers as a table that remembers nothing, in whatever order
+/// they ask.
 TEST(FilterTable, AnswersEveryQuestionForItself) {
   DesignProblem r = stylus();
   r.goals.damper_share = kDamperShare;
@@ -191,17 +218,25 @@ TEST(FilterTable, AnswersEveryQuestionForItself) {
   FilterTable shared(problem.cases, kVelocityEstimates);
   LoopTable own(problem.cases, kVelocityEstimates);
   Random random(7);
-  const auto any = [&](const auto& of) { return of[static_cast<std::size_t>(random.below(static_cast<int>(of.size())))]; };
-  const std::array shapes{FilterSetting{20.0, 0.707}, FilterSetting{20.0, 1.0}, FilterSetting{60.0, 0.707}, FilterSetting{kInfinity, 1.0}};
+  const auto any = [&](const auto& of) {
+    return of[static_cast<std::size_t>(random.below(static_cast<int>(of.size())))];
+  };
+  const std::array shapes{FilterSetting{20.0, 0.707}, FilterSetting{20.0, 1.0},
+                          FilterSetting{60.0, 0.707}, FilterSetting{kInfinity, 1.0}};
   for (int i = 0; i < 1000; ++i) {
     const FilterSetting shape = any(shapes);
-    const std::size_t v = static_cast<std::size_t>(random.below(static_cast<int>(kVelocityEstimates.size())));
-    const double damping = any(std::array{0.0, 1.0, 2.0}), share = any(std::array{0.0, 0.35, 1.0}), swing = any(std::array{0.75, 1.0}),
-                 enough = any(std::array{0.0, 300.0, 1000.0});
+    const std::size_t v =
+        static_cast<std::size_t>(random.below(static_cast<int>(kVelocityEstimates.size())));
+    const double damping = any(std::array{0.0, 1.0, 2.0}), share = any(std::array{0.0, 0.35, 1.0}),
+                 swing = any(std::array{0.75, 1.0}), enough = any(std::array{0.0, 300.0, 1000.0});
     own.use([&](const DecayingPhasor& at, double period) {
-      return std::isinf(shape.cutoff_hz) ? Complex(1.0) : filter_response(std::numbers::pi * shape.cutoff_hz * period, shape.damping_ratio, at);
+      return std::isinf(shape.cutoff_hz)
+                 ? Complex(1.0)
+                 : filter_response(std::numbers::pi * shape.cutoff_hz * period, shape.damping_ratio,
+                                   at);
     });
-    const double expected = own.critical(v, damping, 0.0, share, swing), found = shared.critical(shape, v, damping, enough, share, swing);
+    const double expected = own.critical(v, damping, 0.0, share, swing),
+                 found = shared.critical(shape, v, damping, enough, share, swing);
     if (expected >= enough)
       ASSERT_EQ(found, expected) << i;
     else
@@ -209,29 +244,37 @@ TEST(FilterTable, AnswersEveryQuestionForItself) {
   }
 }
 
-/// Where the table says that the target is reached and the exact look denies it, the stiffest is looked for among the table's own numbers all the same, and
-/// none that is only known to be too little is taken for one: 627 N/m, where 556 N/m were taken.
+/// Where the table says that the target is reached and the exact look denies it, the stiffest is
+/// looked for among the table's own numbers all the same, and none that is only known to be too
+/// little is taken for one: 627 N/m, where 556 N/m were taken.
 TEST(FilterSearch, TakesNothingForMoreThanItShowsWhereTheTableIsDenied) {
   Random random(4712);
   DesignProblem r;
-  for (int i = 0; i < 72; ++i) r = random_request(random);
+  for (int i = 0; i < 72; ++i)
+    r = random_request(random);
   r.goals.floors = {}, r.goals.damper_share = kDamperShare, r.goals.velocity_windows = true;
   EXPECT_NEAR(designed(r).translation.shown_stiffness, 627.475, 0.001);
 }
 
-/// No setting that is tried, looked at exactly, shows more than a tenth more than the one that is taken, and the table's doubt.
+/// No setting that is tried, looked at exactly, shows more than a tenth more than the one that is
+/// taken, and the table's doubt.
 TEST(FilterSearch, TakesOneThatShowsNineTenthsOfTheBest) {
   Random random(31);
   int looked_at = 0;
   for (int i = 0; i < 40; ++i) {
     DesignProblem r = random_request(random);
-    r.goals.kind = "shaping_filter", r.goals.velocity_windows = true, r.goals.damper_share = i % 2 == 0 ? kDamperShare : 0.0;
+    r.goals.kind = "shaping_filter", r.goals.velocity_windows = true,
+    r.goals.damper_share = i % 2 == 0 ? kDamperShare : 0.0;
     const AxisProblem problem = axis_problems(r)[0];
-    if (problem.hand.any_passive) continue;
+    if (problem.hand.any_passive)
+      continue;
     Searched searched;
-    const FilterChoice choice = search_filter({problem}, filter_settings(r), r.goals.allow_injected_damping, true, searched);
-    if (choice.status != DesignStatus::kStiffnessReduced) continue;
-    const auto shows = [&](const FilterSetting& shape, const VelocityEstimate& velocity, double damping, double enough) {
+    const FilterChoice choice = search_filter({problem}, filter_settings(r),
+                                              r.goals.allow_injected_damping, true, searched);
+    if (choice.status != DesignStatus::kStiffnessReduced)
+      continue;
+    const auto shows = [&](const FilterSetting& shape, const VelocityEstimate& velocity,
+                           double damping, double enough) {
       LoopController law = law_of(shape);
       law.injected_damping = damping, law.use(velocity);
       return std::min(problem.target, certified_stiffness(problem, law, enough));
@@ -241,7 +284,8 @@ TEST(FilterSearch, TakesOneThatShowsNineTenthsOfTheBest) {
     for (const FilterSetting& shape : filter_settings(r))
       for (const VelocityEstimate& velocity : kVelocityEstimates)
         for (int level = 0; level <= (r.goals.allow_injected_damping ? 10 : 0); level += 2)
-          best = std::max(best, shows(shape, velocity, 0.1 * level * damping_limit(problem, velocity), best));
+          best = std::max(
+              best, shows(shape, velocity, 0.1 * level * damping_limit(problem, velocity), best));
     EXPECT_GE(taken, 0.9 * 0.97 * best) << i;
     ++looked_at;
   }
@@ -255,8 +299,10 @@ TEST(InnerLimits, KeepPlantsAndVelocitiesApart) {
   for (int again = 0; again < 2; ++again)
     for (const VelocityEstimate& v : kVelocityEstimates)
       for (const DesignCase& one : cases) {
-        ASSERT_EQ(cases[0].inner->of(one.plant, v.filter_rad_per_s(), v.window).damping, critical_damping(one.plant, v.filter_rad_per_s(), v.window));
-        ASSERT_EQ(one.inner->of(one.plant, v.filter_rad_per_s(), v.window).damping, critical_damping(one.plant, v.filter_rad_per_s(), v.window));
+        ASSERT_EQ(cases[0].inner->of(one.plant, v.filter_rad_per_s(), v.window).damping,
+                  critical_damping(one.plant, v.filter_rad_per_s(), v.window));
+        ASSERT_EQ(one.inner->of(one.plant, v.filter_rad_per_s(), v.window).damping,
+                  critical_damping(one.plant, v.filter_rad_per_s(), v.window));
       }
 }
 
@@ -266,7 +312,8 @@ TEST(KeepsFloors, WhicheverCaseIsAskedFirst) {
   std::vector<AxisProblem> problems = axis_problems(r);
   LoopController law = law_of({kInfinity, 1.0});
   law.injected_damping = 2.0, law.use({100.0});
-  for (DesignCase& one : problems[0].cases) one.least_damping_ratio = one.held ? 0.05 : 0.01;
+  for (DesignCase& one : problems[0].cases)
+    one.least_damping_ratio = one.held ? 0.05 : 0.01;
   int kept = 0, broken = 0;
   for (const double contact : {1.0, 5.0, 20.0, 50.0, 100.0, 200.0, 400.0, 800.0}) {
     const bool keeps = keeps_floors(problems[0], law, contact);

@@ -11,17 +11,21 @@
 namespace voxtouch::testing {
 
 inline constexpr coupling::design::HandRange kPen{false, true, 0.02, 0.2, 0.5, 8.0, 20.0, 800.0};
-inline constexpr coupling::design::HandRange kFirmPen{false, false, 0.1, 0.2, 3.0, 8.0, 200.0, 800.0};
+inline constexpr coupling::design::HandRange kFirmPen{false, false, 0.1,   0.2,
+                                                      3.0,   8.0,   200.0, 800.0};
 inline constexpr coupling::design::HandRange kArm{false, true, 0.3, 2.0, 3.0, 30.0, 50.0, 600.0};
 /// A wrist's turning: assumed, around the middle that the simulated arm has.
 inline constexpr coupling::design::HandRange kWrist{false, true, 0.003, 0.03, 0.1, 1.0, 1.0, 20.0};
 
-/// What the published tables assume: a damper that is not bounded, on the velocity of a filter, and no floors of the damping ratio.
+/// What the published tables assume: a damper that is not bounded, on the velocity of a filter, and
+/// no floors of the damping ratio.
 inline void as_published(coupling::design::DesignGoals& goals) {
-  goals.kind = "shaping_filter", goals.damper_share = 0.0, goals.velocity_windows = false, goals.floors = {0.0, 0.0};
+  goals.kind = "shaping_filter", goals.damper_share = 0.0, goals.velocity_windows = false,
+  goals.floors = {0.0, 0.0};
 }
 
-/// A stylus with hardly any damping, as in the published table: 1 ms of period and delay, two samples lost in a row.
+/// A stylus with hardly any damping, as in the published table: 1 ms of period and delay, two
+/// samples lost in a row.
 inline coupling::design::DesignProblem stylus() {
   coupling::design::DesignProblem r;
   r.device.name = "stylus";
@@ -68,8 +72,10 @@ inline coupling::design::DesignProblem sim_arm() {
   r.device.gives_torque = true;
   r.device.translation.max_effort = 150.0, r.device.translation.max_stiffness = 5000.0;
   coupling::design::AxisModel& o = r.device.rotation;
-  o.inertia_min = o.inertia_max = 0.1, o.damping = 0.3, o.coulomb_friction = 0.1, o.resolution = 1e-4;
-  o.max_effort = 15.0, o.max_stiffness = 300.0, o.effort_bandwidth_hz = r.device.translation.effort_bandwidth_hz;
+  o.inertia_min = o.inertia_max = 0.1, o.damping = 0.3, o.coulomb_friction = 0.1,
+  o.resolution = 1e-4;
+  o.max_effort = 15.0, o.max_stiffness = 300.0,
+  o.effort_bandwidth_hz = r.device.translation.effort_bandwidth_hz;
   r.device.timing.lost_in_a_row = 1;
   r.hand.rotation = kWrist;
   r.contact = {100.0, 4000.0};
@@ -96,15 +102,20 @@ inline coupling::design::DesignProblem random_request(Random& random) {
   r.contact.one_point = std::min(r.contact.all_points, 50.0);
   r.goals.free_cap = random.chance(0.3);
   r.goals.allow_injected_damping = random.chance(0.8);
-  constexpr const char* kKinds[] = {"shaping_filter", "shaping_filter", "spring_damper", "direct", "auto"};
+  constexpr const char* kKinds[] = {"shaping_filter", "shaping_filter", "spring_damper", "direct",
+                                    "auto"};
   r.goals.kind = kKinds[random.below(5)];
   return r;
 }
 
-inline coupling::design::LoopController law_of_translation(const coupling::design::DesignProblem& r, const coupling::CouplingSpec& spec) {
-  return voxtouch::coupling::design::controller_of(spec, coupling::design::axis_problems(r)[0], coupling::design::arm_squared(r));
+inline coupling::design::LoopController law_of_translation(const coupling::design::DesignProblem& r,
+                                                           const coupling::CouplingSpec& spec) {
+  return voxtouch::coupling::design::controller_of(spec, coupling::design::axis_problems(r)[0],
+                                                   coupling::design::arm_squared(r));
 }
 
-inline coupling::design::Design designed(const coupling::design::DesignProblem& request) { return design_coupling(request); }
+inline coupling::design::Design designed(const coupling::design::DesignProblem& request) {
+  return design_coupling(request);
+}
 
 }  // namespace voxtouch::testing

@@ -7,7 +7,8 @@
 namespace voxtouch::coupling::design {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN(),
+                 kInfinity = std::numeric_limits<double>::infinity();
 
 DeviceModel good_device() {
   DeviceModel d;
@@ -27,8 +28,8 @@ DeviceModel good_device() {
 
 HandRange good_hand() {
   HandRange h;
-  h.mass_min = 0.02, h.mass_max = 0.2, h.damping_min = 0.5, h.damping_max = 8.0, h.stiffness_min = 20.0,
-  h.stiffness_max = 800.0;
+  h.mass_min = 0.02, h.mass_max = 0.2, h.damping_min = 0.5, h.damping_max = 8.0,
+  h.stiffness_min = 20.0, h.stiffness_max = 800.0;
   return h;
 }
 
@@ -51,15 +52,16 @@ TEST(LoopParts, NameFieldValueAndRuleOfEveryImpossibleNumber) {
       {"translation.inertia_min is 0;", [](auto& d) { d.translation.inertia_min = 0.0; }},
       {"translation.inertia_min is nan;", [](auto& d) { d.translation.inertia_min = kNan; }},
       {"translation.inertia_max is inf;", [](auto& d) { d.translation.inertia_max = kInfinity; }},
-      {"translation.inertia_max is 0.03;",
-       [](auto& d) { d.translation.inertia_max = 0.03; }},
+      {"translation.inertia_max is 0.03;", [](auto& d) { d.translation.inertia_max = 0.03; }},
       {"translation.damping is -1;", [](auto& d) { d.translation.damping = -1.0; }},
       {"translation.damping is nan;", [](auto& d) { d.translation.damping = kNan; }},
-      {"translation.coulomb_friction is -0.1;", [](auto& d) { d.translation.coulomb_friction = -0.1; }},
+      {"translation.coulomb_friction is -0.1;",
+       [](auto& d) { d.translation.coulomb_friction = -0.1; }},
       {"translation.resolution is -1e-06;", [](auto& d) { d.translation.resolution = -1e-6; }},
       {"translation.max_effort is 0;", [](auto& d) { d.translation.max_effort = 0.0; }},
       {"translation.max_stiffness is nan;", [](auto& d) { d.translation.max_stiffness = kNan; }},
-      {"translation.effort_bandwidth_hz is 0;", [](auto& d) { d.translation.effort_bandwidth_hz = 0.0; }},
+      {"translation.effort_bandwidth_hz is 0;",
+       [](auto& d) { d.translation.effort_bandwidth_hz = 0.0; }},
       {"translation.inertia_min is 1e-100;", [](auto& d) { d.translation.inertia_min = 1e-100; }},
       {"translation.damping is 1e+100;", [](auto& d) { d.translation.damping = 1e100; }},
       {"translation.damping is 1e-100;", [](auto& d) { d.translation.damping = 1e-100; }},
@@ -107,7 +109,9 @@ TEST(LoopParts, NameEveryImpossibleNumberOfAHand) {
     if (std::string(begins).find("stiffness_min is 900") == std::string::npos) {
       EXPECT_EQ(found[0].substr(0, std::string(begins).size()), begins);
     } else {  // the pair is wrong: said of the larger one
-      EXPECT_TRUE(found[0].starts_with("stiffness_max is 800;") && found[0].contains("stiffness_min") && found[0].contains("900")) << found[0];
+      EXPECT_TRUE(found[0].starts_with("stiffness_max is 800;") &&
+                  found[0].contains("stiffness_min") && found[0].contains("900"))
+          << found[0];
     }
     hand.any_passive = true;
     EXPECT_TRUE(check(hand).empty()) << "not used";

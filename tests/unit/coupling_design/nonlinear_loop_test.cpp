@@ -37,7 +37,8 @@ std::vector<Row> rows() {
     row.loop.contact_stiffness = number("k");
     row.loop.wall = coupling_models::WallLaw::kBilateral;
     row.loop.start_speed = 1e-15;  // linear: any scale, and what grows by exp(32) stays a number
-    row.radius = number("spectral_radius"), row.critical = number("k_crit"), row.frequency = number("omega_crit");
+    row.radius = number("spectral_radius"), row.critical = number("k_crit"),
+    row.frequency = number("omega_crit");
     row.note = c.at("note").get<std::string>();
     out.push_back(row);
   }
@@ -45,7 +46,8 @@ std::vector<Row> rows() {
 }
 
 /// Runs for 4 quarters of `samples` each, exactly.
-coupling_models::NonlinearVerdict run_quarters(coupling_models::NonlinearLoop loop, double samples) {
+coupling_models::NonlinearVerdict run_quarters(coupling_models::NonlinearLoop loop,
+                                               double samples) {
   loop.duration_s = loop.longest_s = 4.0 * samples * loop.plant.period_s;
   return coupling_models::simulate(loop);
 }
@@ -60,7 +62,8 @@ TEST(NonlinearLoop, GrowsAndDecaysAsTheEigenvaluesSayWhereItIsLinear) {
     const double measured = std::log(v.late_amplitude / v.early_amplitude) / samples;
     // A quarter may begin anywhere in a swing, which is worth the growth of up to half a swing.
     const double half_swing = kPi / (row.frequency * row.loop.plant.period_s);
-    EXPECT_NEAR(measured / rate, 1.0, 0.002 + half_swing / samples) << row.note << ", k " << row.loop.contact_stiffness;
+    EXPECT_NEAR(measured / rate, 1.0, 0.002 + half_swing / samples)
+        << row.note << ", k " << row.loop.contact_stiffness;
     ++compared;
   }
   EXPECT_EQ(compared, 20);
@@ -68,13 +71,16 @@ TEST(NonlinearLoop, GrowsAndDecaysAsTheEigenvaluesSayWhereItIsLinear) {
 
 TEST(NonlinearLoop, BecomesUnstableAtTheCriticalStiffness) {
   std::map<double, Row> loops;  // one a loop: rows that differ only in k share it
-  for (const Row& row : rows()) loops[row.critical] = row;
+  for (const Row& row : rows())
+    loops[row.critical] = row;
   for (auto& [critical, row] : loops) {
-    if (critical < 2.0) continue;  // a released Phantom at 5 Hz changes by 1e-7 a sample there
+    if (critical < 2.0)
+      continue;  // a released Phantom at 5 Hz changes by 1e-7 a sample there
     for (const double factor : {0.98, 1.02}) {
       row.loop.contact_stiffness = factor * critical;
       const coupling_models::NonlinearVerdict v = run_quarters(row.loop, 50'000);
-      const bool grows = v.outcome == coupling_models::LoopOutcome::kRunaway || v.late_amplitude > v.early_amplitude;
+      const bool grows = v.outcome == coupling_models::LoopOutcome::kRunaway ||
+                         v.late_amplitude > v.early_amplitude;
       EXPECT_EQ(grows, factor > 1.0) << row.note << " at " << factor << " of " << critical;
     }
   }
@@ -87,7 +93,8 @@ TEST(NonlinearLoop, SpringDamperShowsTwoSpringsInARow) {
   loop.controller.stiffness = 300.0, loop.controller.damping = 1.0;
   loop.contact_stiffness = 600.0;
   loop.push = 1.0;
-  for (const coupling_models::WallLaw wall : {coupling_models::WallLaw::kBilateral, coupling_models::WallLaw::kUnilateral}) {
+  for (const coupling_models::WallLaw wall :
+       {coupling_models::WallLaw::kBilateral, coupling_models::WallLaw::kUnilateral}) {
     loop.wall = wall;
     const coupling_models::NonlinearVerdict v = coupling_models::simulate(loop);
     EXPECT_TRUE(v.stable);
@@ -124,7 +131,8 @@ TEST(NonlinearLoop, ThreeNewtonsOfFrictionMakeTheLiteralRecipeQuiet) {
 }
 
 TEST(NonlinearLoop, TellsASlowDecayFromAnOscillation) {
-  coupling_models::NonlinearLoop loop;  // a bilateral wall at 0.9 of the limit, first looked at for much less than it takes
+  coupling_models::NonlinearLoop
+      loop;  // a bilateral wall at 0.9 of the limit, first looked at for much less than it takes
   loop.plant = {0.1, 0.05, 0, 0, 0, 1e-3, 1e-3, 0};
   loop.controller.w0_rad_per_s = 10.0 * kPi, loop.controller.damping_ratio = 0.707;
   loop.wall = coupling_models::WallLaw::kUnilateral;
@@ -179,11 +187,13 @@ TEST(NonlinearLoop, DoesWithJitterLossAndDelayWhatIsAsked) {
   EXPECT_NEAR(s.period_mean, 1e-3, 2e-6);
   EXPECT_NEAR(s.period_min, 0.8e-3, 1e-8);
   EXPECT_NEAR(s.period_max, 1.2e-3, 1e-8);
-  EXPECT_NEAR(static_cast<double>(s.lost) / static_cast<double>(s.samples), 0.05 * (1 - 0.05 * 0.05), 0.0015);
+  EXPECT_NEAR(static_cast<double>(s.lost) / static_cast<double>(s.samples),
+              0.05 * (1 - 0.05 * 0.05), 0.0015);
   EXPECT_EQ(s.longest_loss, 2u);
   EXPECT_NEAR(s.delay_min, 2e-3, 1e-7);
   EXPECT_NEAR(s.delay_max, 4.5e-3, 1e-7);
-  EXPECT_GT(s.overtaken, 1000u);  // a delay jitter beyond the period makes newer efforts arrive first
+  EXPECT_GT(s.overtaken,
+            1000u);  // a delay jitter beyond the period makes newer efforts arrive first
 }
 
 TEST(NonlinearLoop, IsPunctualWithoutJitter) {
@@ -196,11 +206,16 @@ TEST(NonlinearLoop, IsPunctualWithoutJitter) {
 
 TEST(NonlinearLoop, GivesTheSameBitsForTheSameSeedOnly) {
   coupling_models::NonlinearLoop loop = literal_recipe();
-  loop.jitter = 0.2, loop.loss = 0.02, loop.delay_jitter_s = 1e-3, loop.coulomb_friction = 0.2, loop.seed = 9;
-  const coupling_models::NonlinearVerdict a = coupling_models::simulate(loop), b = coupling_models::simulate(loop);
-  EXPECT_EQ(std::bit_cast<std::uint64_t>(a.late_amplitude), std::bit_cast<std::uint64_t>(b.late_amplitude));
-  EXPECT_EQ(std::bit_cast<std::uint64_t>(a.energy_extracted_j), std::bit_cast<std::uint64_t>(b.energy_extracted_j));
-  EXPECT_EQ(std::bit_cast<std::uint64_t>(a.end_position), std::bit_cast<std::uint64_t>(b.end_position));
+  loop.jitter = 0.2, loop.loss = 0.02, loop.delay_jitter_s = 1e-3, loop.coulomb_friction = 0.2,
+  loop.seed = 9;
+  const coupling_models::NonlinearVerdict a = coupling_models::simulate(loop),
+                                          b = coupling_models::simulate(loop);
+  EXPECT_EQ(std::bit_cast<std::uint64_t>(a.late_amplitude),
+            std::bit_cast<std::uint64_t>(b.late_amplitude));
+  EXPECT_EQ(std::bit_cast<std::uint64_t>(a.energy_extracted_j),
+            std::bit_cast<std::uint64_t>(b.energy_extracted_j));
+  EXPECT_EQ(std::bit_cast<std::uint64_t>(a.end_position),
+            std::bit_cast<std::uint64_t>(b.end_position));
   loop.seed = 10;
   EXPECT_NE(coupling_models::simulate(loop).energy_extracted_j, a.energy_extracted_j);
 }
@@ -208,11 +223,13 @@ TEST(NonlinearLoop, GivesTheSameBitsForTheSameSeedOnly) {
 TEST(NonlinearLoop, WallsAreMonotoneWithSlopesUpToTheStiffnessAndOnlyPush) {
   const double k = 500.0, knee = 1e-3, step = 1e-5;
   for (const coupling_models::WallLaw law :
-       {coupling_models::WallLaw::kUnilateral, coupling_models::WallLaw::kSoftening, coupling_models::WallLaw::kHardening}) {
+       {coupling_models::WallLaw::kUnilateral, coupling_models::WallLaw::kSoftening,
+        coupling_models::WallLaw::kHardening}) {
     double steepest = 0.0;
     for (int i = -300; i < 300; ++i) {
       const double here = coupling_models::wall_effort(law, k, knee, step * i),
-                   slope = (coupling_models::wall_effort(law, k, knee, step * (i + 1)) - here) / step;
+                   slope =
+                       (coupling_models::wall_effort(law, k, knee, step * (i + 1)) - here) / step;
       EXPECT_GE(here, 0.0);
       EXPECT_GE(slope, i < 0 ? 0.0 : 0.299 * k);
       if (i < 0) {
@@ -222,9 +239,12 @@ TEST(NonlinearLoop, WallsAreMonotoneWithSlopesUpToTheStiffnessAndOnlyPush) {
     }
     EXPECT_NEAR(steepest, k, 1e-6 * k);
   }
-  EXPECT_NEAR(coupling_models::wall_effort(coupling_models::WallLaw::kSoftening, k, knee, 3e-3), k * 1.6e-3, 1e-12);
-  EXPECT_NEAR(coupling_models::wall_effort(coupling_models::WallLaw::kHardening, k, knee, 3e-3), k * 2.3e-3, 1e-12);
-  EXPECT_EQ(coupling_models::wall_effort(coupling_models::WallLaw::kBilateral, k, knee, -2e-3), -1.0);
+  EXPECT_NEAR(coupling_models::wall_effort(coupling_models::WallLaw::kSoftening, k, knee, 3e-3),
+              k * 1.6e-3, 1e-12);
+  EXPECT_NEAR(coupling_models::wall_effort(coupling_models::WallLaw::kHardening, k, knee, 3e-3),
+              k * 2.3e-3, 1e-12);
+  EXPECT_EQ(coupling_models::wall_effort(coupling_models::WallLaw::kBilateral, k, knee, -2e-3),
+            -1.0);
 }
 
 TEST(NonlinearLoop, DampingInContactNeverPulls) {
@@ -233,7 +253,8 @@ TEST(NonlinearLoop, DampingInContactNeverPulls) {
   loop.controller.w0_rad_per_s = 2.0 * kPi * 60.0, loop.controller.damping_ratio = 0.707;
   loop.controller.injected_damping = 5.0, loop.controller.velocity_filter_rad_per_s = 628.0;
   loop.contact_stiffness = 200.0;
-  loop.start_position = 0.005, loop.start_speed = -0.5;  // torn out of the wall: the damping would hold it back
+  loop.start_position = 0.005,
+  loop.start_speed = -0.5;  // torn out of the wall: the damping would hold it back
   loop.duration_s = loop.longest_s = 0.2;
   const coupling_models::NonlinearVerdict pulled = coupling_models::simulate(loop);
   loop.damping_only_in_contact = true;
@@ -251,34 +272,48 @@ TEST(NonlinearLoop, TheLawPushesOnlyHoweverFastTheDeviceIsTornOut) {
   loop.damping_only_in_contact = true;
   coupling_models::LoopLaw law(loop);
   double strongest = 0.0;
-  for (int i = 0; i < 100; ++i) strongest = std::min(strongest, law.step(0.01 * i / 100.0, 200.0, 1e-3));
+  for (int i = 0; i < 100; ++i)
+    strongest = std::min(strongest, law.step(0.01 * i / 100.0, 200.0, 1e-3));
   EXPECT_LT(strongest, -1.0);
-  for (int i = 0; i < 100; ++i) EXPECT_LE(law.step(0.01 - 0.0005 * i, 200.0, 1e-3), 0.0) << i;
+  for (int i = 0; i < 100; ++i)
+    EXPECT_LE(law.step(0.01 - 0.0005 * i, 200.0, 1e-3), 0.0) << i;
 }
 
-/// A design with a margin of 2 in its worst case, for a damper that is not bounded. One that adds no more than half of what the law gives is in a
-/// large swing less than the damper that was certified: the device goes on bouncing. So a design is certified for the damper as it will be.
+/// A design with a margin of 2 in its worst case, for a damper that is not bounded. One that adds
+/// no more than half of what the law gives is in a large swing less than the damper that was
+/// certified: the device goes on bouncing. So a design is certified for the damper as it will be.
 TEST(NonlinearLoop, ADamperThatIsBoundedNeedsACertificateOfItsOwn) {
   coupling_models::NonlinearLoop loop;
-  loop.plant = {.mass = 0.114234103822958, .damping = 0.17277056763042722, .period_s = 0.00055210490979943521, .delay_s = 0.00082707454482308076,
+  loop.plant = {.mass = 0.114234103822958,
+                .damping = 0.17277056763042722,
+                .period_s = 0.00055210490979943521,
+                .delay_s = 0.00082707454482308076,
                 .effort_lag_s = 0.0030998013752803412};
-  loop.controller = {.w0_rad_per_s = 125.66370614359172, .damping_ratio = 1.0, .gain = 0.58673166044757141, .injected_damping = 16.338800378759132,
+  loop.controller = {.w0_rad_per_s = 125.66370614359172,
+                     .damping_ratio = 1.0,
+                     .gain = 0.58673166044757141,
+                     .injected_damping = 16.338800378759132,
                      .velocity_filter_rad_per_s = 1256.6370614359173};
-  loop.contact_stiffness = 1249.842062665216, loop.wall = coupling_models::WallLaw::kHardening, loop.wall_knee = 0.001867933149760688;
+  loop.contact_stiffness = 1249.842062665216, loop.wall = coupling_models::WallLaw::kHardening,
+  loop.wall_knee = 0.001867933149760688;
   loop.resolution = 1.7558561949049544e-06;
-  loop.damping_only_in_contact = true, loop.push = 2.985384978940393, loop.start_speed = 0.092972250067355822;
+  loop.damping_only_in_contact = true, loop.push = 2.985384978940393,
+  loop.start_speed = 0.092972250067355822;
   loop.jitter = 0.2, loop.measured_period = true, loop.delay_jitter_s = 0.00011042098195988705;
   loop.loss = 0.026423134074208952, loop.most_lost_in_a_row = 3;
-  loop.duration_s = 10.579033722208118, loop.longest_s = 84.632269777664945, loop.seed = 10502131564318940975U;
+  loop.duration_s = 10.579033722208118, loop.longest_s = 84.632269777664945,
+  loop.seed = 10502131564318940975U;
   EXPECT_TRUE(coupling_models::simulate(loop).stable);
   loop.damping_share = 0.5;
   EXPECT_FALSE(coupling_models::simulate(loop).stable);
 }
 
-/// A stylus of 45 g as it is designed, on the velocity of a window: with the encoder, uneven periods and lost samples, in every corner of the hands.
+/// A stylus of 45 g as it is designed, on the velocity of a window: with the encoder, uneven
+/// periods and lost samples, in every corner of the hands.
 TEST(NonlinearLoop, AStylusOnTheVelocityOfAWindowIsStable) {
   coupling_models::NonlinearLoop loop;
-  loop.controller = {.law = LoopController::Law::kDirect, .injected_damping = 3.43, .velocity_window = 4};
+  loop.controller = {
+      .law = LoopController::Law::kDirect, .injected_damping = 3.43, .velocity_window = 4};
   const double shown = 684.0;
   double most = 0.0;
   int runs = 0;
@@ -287,16 +322,23 @@ TEST(NonlinearLoop, AStylusOnTheVelocityOfAWindowIsStable) {
       for (const double stiffness : {20.0, 800.0})
         for (const int lost : {0, 1}) {
           loop.plant = {.mass = 0.045, .damping = 0.005, .delay_s = 1e-3};
-          if (mass > 0.0) loop.plant.hand_mass = mass, loop.plant.hand_damping = damping, loop.plant.hand_stiffness = stiffness;
+          if (mass > 0.0)
+            loop.plant.hand_mass = mass, loop.plant.hand_damping = damping,
+            loop.plant.hand_stiffness = stiffness;
           loop.contact_stiffness = shown, loop.wall = coupling_models::WallLaw::kUnilateral;
-          loop.resolution = 3e-5, loop.jitter = 0.2, loop.loss = 0.03, loop.most_lost_in_a_row = lost;
+          loop.resolution = 3e-5, loop.jitter = 0.2, loop.loss = 0.03,
+          loop.most_lost_in_a_row = lost;
           loop.damping_only_in_contact = runs % 3 > 0, loop.measured_period = runs % 2 > 0;
-          loop.push = 0.3, loop.start_speed = 0.2, loop.duration_s = 4.0, loop.seed = 40U + static_cast<unsigned>(++runs);
+          loop.push = 0.3, loop.start_speed = 0.2, loop.duration_s = 4.0,
+          loop.seed = 40U + static_cast<unsigned>(++runs);
           const coupling_models::NonlinearVerdict verdict = coupling_models::simulate(loop);
-          EXPECT_TRUE(verdict.stable) << mass << " " << damping << " " << stiffness << " " << lost << ": " << verdict.late_amplitude;
+          EXPECT_TRUE(verdict.stable) << mass << " " << damping << " " << stiffness << " " << lost
+                                      << ": " << verdict.late_amplitude;
           most = std::max(most, verdict.late_effort);
-          loop.contact_stiffness = 1.9 * shown, loop.jitter = loop.loss = 0.0, loop.measured_period = false;
-          EXPECT_TRUE(coupling_models::simulate(loop).stable) << mass << " " << damping << " " << stiffness << " at 1.9 times";
+          loop.contact_stiffness = 1.9 * shown, loop.jitter = loop.loss = 0.0,
+          loop.measured_period = false;
+          EXPECT_TRUE(coupling_models::simulate(loop).stable)
+              << mass << " " << damping << " " << stiffness << " at 1.9 times";
         }
   std::printf("%d runs, command at rest at most %.3f N peak to peak\n", runs, most);
 }
@@ -305,10 +347,13 @@ TEST(NonlinearLoop, FindsTheLimitOfALoopOnTheVelocityOfAWindow) {
   for (int window = 1; window <= kMaxVelocityWindow; ++window) {
     coupling_models::NonlinearLoop loop;
     loop.plant = {.mass = 0.08, .damping = 0.1, .delay_s = 1e-3};
-    loop.controller = {.law = LoopController::Law::kDirect, .injected_damping = 2.0, .velocity_window = window};
-    loop.wall = coupling_models::WallLaw::kBilateral, loop.start_speed = 1e-3, loop.duration_s = 2.0;
+    loop.controller = {
+        .law = LoopController::Law::kDirect, .injected_damping = 2.0, .velocity_window = window};
+    loop.wall = coupling_models::WallLaw::kBilateral, loop.start_speed = 1e-3,
+    loop.duration_s = 2.0;
     const double limit = critical_stiffness(loop.plant, loop.controller).stiffness;
-    EXPECT_NEAR(coupling_models::simulated_limit(loop, 0.5 * limit, 1e5, 0.01), limit, 0.03 * limit) << window;
+    EXPECT_NEAR(coupling_models::simulated_limit(loop, 0.5 * limit, 1e5, 0.01), limit, 0.03 * limit)
+        << window;
   }
 }
 

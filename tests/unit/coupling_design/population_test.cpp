@@ -10,7 +10,8 @@ namespace voxtouch::coupling::design {
 namespace {
 
 TEST(Random, IsSplitMix64) {
-  coupling_models::Random random(1234567);  // the reference implementation's first numbers for this seed
+  coupling_models::Random random(
+      1234567);  // the reference implementation's first numbers for this seed
   EXPECT_EQ(random.next(), 6457827717110365317u);
   EXPECT_EQ(random.next(), 3203168211198807973u);
   EXPECT_EQ(random.next(), 9817491932198370423u);
@@ -25,11 +26,13 @@ TEST(Random, DrawsEveryDecadeEquallyOften) {
     ASSERT_LE(x, 10.0);
     ++decades[static_cast<int>(std::floor(std::log10(x) + 3.0 + 1e-9)) % 4];
   }
-  for (const int n : decades) EXPECT_NEAR(n, 10000, 400);
+  for (const int n : decades)
+    EXPECT_NEAR(n, 10000, 400);
 }
 
 TEST(Population, IsTheSameBitsEverywhere) {
-  const coupling_models::PopulationMember a = coupling_models::draw_member(1, 6), b = coupling_models::draw_member(1, 7);
+  const coupling_models::PopulationMember a = coupling_models::draw_member(1, 6),
+                                          b = coupling_models::draw_member(1, 7);
   // Written down once: a change of these bits is a change of every published seed.
   EXPECT_EQ(std::bit_cast<std::uint64_t>(a.device.translation.inertia_min), 4586075282217443234u);
   EXPECT_EQ(std::bit_cast<std::uint64_t>(a.contact.all_points), 4628185228813264517u);
@@ -60,7 +63,8 @@ TEST(Population, StaysWithinItsRangesAndCanBeDesignedFor) {
 
 TEST(Population, AMemberDoesNotDependOnThoseBeforeIt) {
   const coupling_models::PopulationMember late = coupling_models::draw_member(5, 1000);
-  for (std::uint64_t i = 0; i < 10; ++i) coupling_models::draw_member(5, i);
+  for (std::uint64_t i = 0; i < 10; ++i)
+    coupling_models::draw_member(5, i);
   const coupling_models::PopulationMember again = coupling_models::draw_member(5, 1000);
   EXPECT_EQ(late.device.translation.damping, again.device.translation.damping);
   EXPECT_EQ(late.contact.one_point, again.contact.one_point);
@@ -72,8 +76,8 @@ TEST(Population, HasEveryCornerOfTheRangesOnce) {
     std::set<std::tuple<double, double, double, double, double, double, double>> seen;
     for (const coupling_models::PopulationMember& m : coupling_models::corner_members(family)) {
       const AxisModel& a = m.device.translation;
-      seen.emplace(a.inertia_min, a.damping, a.resolution, a.effort_bandwidth_hz, m.device.timing.period_s,
-                   m.device.timing.delay_s, m.contact.all_points);
+      seen.emplace(a.inertia_min, a.damping, a.resolution, a.effort_bandwidth_hz,
+                   m.device.timing.period_s, m.device.timing.delay_s, m.contact.all_points);
     }
     EXPECT_EQ(seen.size(), 128u);
   }
@@ -86,8 +90,10 @@ TEST(Population, DrawsHandsOutOfTheRangeAndVerticesOnIt) {
   coupling_models::Random random(2);
   for (int i = 0; i < 200; ++i) {
     const LoopPlant p = coupling_models::draw_plant(m, random);
-    EXPECT_TRUE(p.hand_mass >= 0.3 && p.hand_mass <= 2.0 && p.hand_damping >= 3.0 && p.hand_stiffness <= 600.0);
-    EXPECT_TRUE(p.mass >= m.device.translation.inertia_min && p.mass <= m.device.translation.inertia_max);
+    EXPECT_TRUE(p.hand_mass >= 0.3 && p.hand_mass <= 2.0 && p.hand_damping >= 3.0 &&
+                p.hand_stiffness <= 600.0);
+    EXPECT_TRUE(p.mass >= m.device.translation.inertia_min &&
+                p.mass <= m.device.translation.inertia_max);
   }
   EXPECT_EQ(coupling_models::vertex_plants(m).size(), 18u);
   m.hand.may_release = true;

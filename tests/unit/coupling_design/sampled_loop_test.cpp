@@ -23,7 +23,8 @@ TEST(SampledLoop, RadiusEqualsTheReference) {
   double worst = 0.0;
   int rows = 0;
   for (const auto& c : loop_cases()) {
-    const double radius = spectral_radius(plant_of(c), controller_of(c), c["k"]), expected = c["spectral_radius"];
+    const double radius = spectral_radius(plant_of(c), controller_of(c), c["k"]),
+                 expected = c["spectral_radius"];
     EXPECT_NEAR(radius, expected, 1e-12) << c["note"] << " k " << c["k"];
     EXPECT_EQ(radius < 1.0, c["stable"].get<bool>()) << c["note"] << " k " << c["k"];
     worst = std::max(worst, std::abs(radius - expected));
@@ -52,8 +53,10 @@ TEST(SampledPlant, FractionalDelayIsAWholeDelayOfShorterPeriods) {
   for (const double lag : {0.0, 3e-3, 1e-6}) {
     for (const double stiffness : {0.0, 0.5, 900.0, 1e6}) {
       std::vector<double> slow(40), fast;
-      for (double& u : slow) u = random.uniform(-1.0, 1.0);
-      for (const double u : slow) fast.insert(fast.end(), 10, u);
+      for (double& u : slow)
+        u = random.uniform(-1.0, 1.0);
+      for (const double u : slow)
+        fast.insert(fast.end(), 10, u);
       const auto a = run(sample_plant(0.2, 1.5, stiffness, 1e-3, 2.3e-3, lag), slow);
       const auto b = run(sample_plant(0.2, 1.5, stiffness, 1e-4, 23e-4, lag), fast);
       EXPECT_NEAR(a[0], b[0], 1e-12 * std::abs(b[0]) + 1e-15) << lag << " " << stiffness;
@@ -74,7 +77,8 @@ TEST(SampledPlant, LagThatVanishesIsNone) {
 TEST(SampledPlant, FreeMassUnderAHeldForceIsKnownInClosedForm) {
   const double m = 0.075, period = 1e-3;
   const SampledPlant p = sample_plant(m, 0.0, 0.0, period, 0.25e-3, 0.0);
-  EXPECT_NEAR(p.newer[0], 0.5 * 0.75 * 0.75, 1e-16);  // x = t^2/2 over the 3/4 of the period that have the new force
+  EXPECT_NEAR(p.newer[0], 0.5 * 0.75 * 0.75,
+              1e-16);  // x = t^2/2 over the 3/4 of the period that have the new force
   EXPECT_NEAR(p.newer[1], 0.75, 1e-16);
   EXPECT_NEAR(p.older[0], 0.5 - 0.5 * 0.75 * 0.75, 1e-16);
   EXPECT_NEAR(p.older[1], 0.25, 1e-16);
@@ -86,8 +90,8 @@ TEST(SampledPlant, FreeMassUnderAHeldForceIsKnownInClosedForm) {
 /// Growth per sample of a simulated oscillation: from the peaks of two windows.
 template <class Law>
 double growth(const LoopPlant& p, double k, Law&& effort_of) {
-  const SampledPlant plant = sample_plant(p.mass + p.hand_mass, p.damping + p.hand_damping, p.hand_stiffness,
-                                          p.period_s, p.delay_s, p.effort_lag_s);
+  const SampledPlant plant = sample_plant(p.mass + p.hand_mass, p.damping + p.hand_damping,
+                                          p.hand_stiffness, p.period_s, p.delay_s, p.effort_lag_s);
   constexpr int kSteps = 60'000, kWindow = 20'000;
   std::vector<double> sent(static_cast<std::size_t>(plant.whole_delay) + 2, 0.0);
   Eigen::Vector3d x(1e-3, 0.0, 0.0);
@@ -96,30 +100,36 @@ double growth(const LoopPlant& p, double k, Law&& effort_of) {
   for (int n = 0; n < kSteps; ++n) {
     sent.pop_back();
     sent.insert(sent.begin(), -effort_of(k * x[0]) * plant.effort_unit);
-    x += (plant.step_less_one * x + plant.newer * sent[plant.whole_delay] + plant.older * sent[plant.whole_delay + 1])
+    x += (plant.step_less_one * x + plant.newer * sent[plant.whole_delay] +
+          plant.older * sent[plant.whole_delay + 1])
              .eval();
     if (n >= kSteps - 2 * kWindow && n < kSteps - kWindow && std::abs(x[0]) > early)
       early = std::abs(x[0]), early_at = n;
-    if (n >= kSteps - kWindow && std::abs(x[0]) > late) late = std::abs(x[0]), late_at = n;
+    if (n >= kSteps - kWindow && std::abs(x[0]) > late)
+      late = std::abs(x[0]), late_at = n;
   }
   return std::exp(std::log(late / early) / (late_at - early_at));
 }
 
 TEST(SampledLoop, RadiusIsTheGrowthOfALoopWithTheRingsOwnFilter) {
   for (const auto& c : loop_cases()) {
-    if (c["B_inj"] != 0.0) continue;
+    if (c["B_inj"] != 0.0)
+      continue;
     const LoopPlant p = plant_of(c);
-    for (const double share : {0.98, 1.02}) {  // near the limit one slow oscillation outlives the rest
+    for (const double share :
+         {0.98, 1.02}) {  // near the limit one slow oscillation outlives the rest
       const double k = share * c["k_crit"].get<double>();
       coupling_models::Pt2 filter(c["w0"], c["d"], c["K"]);
       const double grown = growth(p, k, [&](double f) { return filter.step(f, p.period_s); });
-      EXPECT_NEAR(grown, spectral_radius(p, controller_of(c), k), 3e-7) << c["note"] << " share " << share;
+      EXPECT_NEAR(grown, spectral_radius(p, controller_of(c), k), 3e-7)
+          << c["note"] << " share " << share;
     }
   }
 }
 
 TEST(SampledLoop, RadiusIsTheGrowthOfALoopWithASpringDamper) {
-  const LoopPlant p{.mass = 0.1, .damping = 0.05, .hand_stiffness = 300.0, .period_s = 1e-3, .delay_s = 1.4e-3};
+  const LoopPlant p{
+      .mass = 0.1, .damping = 0.05, .hand_stiffness = 300.0, .period_s = 1e-3, .delay_s = 1.4e-3};
   for (const double r : {0.0, 0.5, 5.0}) {
     const LoopController c{.law = Law::kSpringDamper, .stiffness = 700.0, .damping = r};
     const double k = 2000.0, damper = r / p.period_s;
@@ -133,8 +143,9 @@ TEST(SampledLoop, RadiusIsTheGrowthOfALoopWithASpringDamper) {
 }
 
 TEST(SampledLoop, InjectedDampingOfABareVelocityIsKnownInClosedForm) {
-  // A free mass with one sample's difference fed back at once: the velocity's share B T/m is taken off per sample, the position
-  // stays; m v+ = m v - B (x - x_prev)/T has the characteristic z^2 - (1 - c/2) z + c/2 over z - 1, c = B T/m.
+  // A free mass with one sample's difference fed back at once: the velocity's share B T/m is taken
+  // off per sample, the position stays; m v+ = m v - B (x - x_prev)/T has the characteristic z^2 -
+  // (1 - c/2) z + c/2 over z - 1, c = B T/m.
   const LoopPlant p{.mass = 0.1, .period_s = 1e-3};
   const LoopController c{.law = Law::kDirect, .gain = 1.0, .injected_damping = 20.0};
   EXPECT_DOUBLE_EQ(spectral_radius(p, c, 0.0), 1.0);    // the position
@@ -147,7 +158,8 @@ TEST(SampledLoop, InjectedDampingOfABareVelocityIsKnownInClosedForm) {
 TEST(SampledLoop, ReleasedDeviceWithoutContactKeepsItsPlaceExactly) {
   const LoopController filter{.w0_rad_per_s = 31.4, .damping_ratio = 1.0};
   for (const double b : {0.0, 0.005, 30.0}) {
-    const LoopPlant p{.mass = 0.075, .damping = b, .period_s = 1e-3, .delay_s = 2.3e-3, .effort_lag_s = 1e-3};
+    const LoopPlant p{
+        .mass = 0.075, .damping = b, .period_s = 1e-3, .delay_s = 2.3e-3, .effort_lag_s = 1e-3};
     EXPECT_EQ(spectral_radius(p, filter, 0.0), 1.0) << b;
     LoopController none = filter;
     none.gain = 0.0;
@@ -160,12 +172,14 @@ TEST(SampledLoop, SoftestContactTakesTheReleasedDevicesEigenvalueOffOne) {
   const LoopPlant p{.mass = 0.075, .damping = 0.05, .period_s = 1e-3, .delay_s = 1e-3};
   for (const double k : {1e-3, 1e-5, 1e-7}) {
     const double radius = spectral_radius(p, {.w0_rad_per_s = 31.4, .damping_ratio = 1.0}, k);
-    EXPECT_NEAR((1.0 - radius) / (k * p.period_s / p.damping), 1.0, 0.05 + 1e-15 / (k * p.period_s)) << k;
+    EXPECT_NEAR((1.0 - radius) / (k * p.period_s / p.damping), 1.0, 0.05 + 1e-15 / (k * p.period_s))
+        << k;
   }
 }
 
 TEST(SampledLoop, SlowFiltersLoseNoDigits) {
-  // With a millionth of a radian a sample the hold and the delay are nothing: the continuous limit is exact.
+  // With a millionth of a radian a sample the hold and the delay are nothing: the continuous limit
+  // is exact.
   const LoopPlant p{.mass = 2.0, .damping = 1e-3, .period_s = 1e-3, .delay_s = 1e-3};
   const LoopController c{.w0_rad_per_s = 1e-3, .damping_ratio = 0.8};
   const double limit = critical_stiffness(p, c).stiffness;
@@ -175,7 +189,8 @@ TEST(SampledLoop, SlowFiltersLoseNoDigits) {
 }
 
 TEST(SampledLoop, RefusesNumbersThatNoMatrixHolds) {
-  EXPECT_THROW(spectral_radius({.mass = 1e-300}, {.law = Law::kDirect}, 1e300), std::invalid_argument);
+  EXPECT_THROW(spectral_radius({.mass = 1e-300}, {.law = Law::kDirect}, 1e300),
+               std::invalid_argument);
 }
 
 }  // namespace sampled_loop_test

@@ -12,10 +12,12 @@
 
 namespace voxtouch::testing {
 
-/// tests/data/vectors/loop_cases.json: 20 loops with eigenvalues in 50 digits and the stiffness limits of an independent program.
+/// tests/data/vectors/loop_cases.json: 20 loops with eigenvalues in 50 digits and the stiffness
+/// limits of an independent program.
 inline nlohmann::json loop_cases() {
   std::ifstream in(VOXTOUCH_TEST_DATA "/vectors/loop_cases.json");
-  if (!in) throw std::runtime_error("no loop_cases.json");
+  if (!in)
+    throw std::runtime_error("no loop_cases.json");
   return nlohmann::json::parse(in)["cases"];
 }
 
@@ -62,7 +64,8 @@ inline coupling::design::LoopPlant random_plant(Random& random, bool released) {
   const double delay = random.uniform(0.0, 4.0);
   p.delay_s = p.period_s * (random.chance(0.5) ? std::round(delay) : delay);
   p.effort_lag_s = random.chance(0.5) ? 0.0 : random.uniform(0.0, 5e-3);
-  if (released) return p;
+  if (released)
+    return p;
   p.hand_mass = random.log(0.02, 2.0);
   p.hand_damping = random.log(0.05, 30.0);
   p.hand_stiffness = random.log(20.0, 800.0);

@@ -1,5 +1,5 @@
-/// Does the simulated device behave in a loop as theory says? The filter is written here: no rendering code
-/// takes part.
+/// Does the simulated device behave in a loop as theory says? The filter is written here: no
+/// rendering code takes part.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -23,7 +23,8 @@ struct Pt2 {
   double w0, damping, gain, period;
   double y = 0.0, v = 0.0, last = 0.0;
   double step(double u) {
-    const double g = 0.5 * w0 * period, c = 2.0 * (2.0 * damping + g), gd = g / (1.0 + g * (2.0 * damping + g));
+    const double g = 0.5 * w0 * period, c = 2.0 * (2.0 * damping + g),
+                 gd = g / (1.0 + g * (2.0 * damping + g));
     const double dv = gd * (gain * (u + last) - 2.0 * y - c * v);
     y += g * (2.0 * v + dv), v += dv, last = u;
     return y;
@@ -31,9 +32,9 @@ struct Pt2 {
 };
 
 // -----------------------------------------------------------------------------------------------------------
-// Linear loops whose limit stiffness is known from the eigenvalues of the exact sampled system (50 digits):
-// the simulation must decay just below it and grow just above. This checks mass, damping, hand, delay, lag
-// and hold at once.
+// Linear loops whose limit stiffness is known from the eigenvalues of the exact sampled system (50
+// digits): the simulation must decay just below it and grow just above. This checks mass, damping,
+// hand, delay, lag and hold at once.
 
 struct LinearCase {
   const char* what;
@@ -60,9 +61,12 @@ double growth(const LinearCase& c, double k, double run_s) {
   const int periods = static_cast<int>(run_s / c.period);
   for (int i = 0; i < periods; ++i) {
     const double x = device.read(microseconds(0))->pose.position.x();
-    if (std::abs(x) > 100.0) return kInf;  // before the device's limits end the linear loop
-    if (i > periods / 4 && i <= periods / 2) middle = std::max(middle, std::abs(x));
-    if (i > 3 * periods / 4) late = std::max(late, std::abs(x));
+    if (std::abs(x) > 100.0)
+      return kInf;  // before the device's limits end the linear loop
+    if (i > periods / 4 && i <= periods / 2)
+      middle = std::max(middle, std::abs(x));
+    if (i > 3 * periods / 4)
+      late = std::max(late, std::abs(x));
     (void)device.write({Vec3((i == 0 ? 1.0 : 0.0) - filter.step(k * x), 0, 0), Vec3::Zero()});
   }
   return late / middle;
@@ -87,43 +91,50 @@ TEST(ClosedLoop, LimitStiffnessIsThatOfTheExactSampledModel) {
 }
 
 // -----------------------------------------------------------------------------------------------------------
-// A wall, a filter, the guard and the whole device: quantised, with friction, saturating. The hand goes into
-// the wall and stays there.
+// A wall, a filter, the guard and the whole device: quantised, with friction, saturating. The hand
+// goes into the wall and stays there.
 
 struct WallResult {
   double ripple_n = 0.0;  ///< peak to peak of the force in the last second
   double mean_n = 0.0;
 };
 
-WallResult press_wall(const sim::SimParameters& p, const sim::OperatorConfig& hand, double k, double into_m, double seconds = 5.0) {
+WallResult press_wall(const sim::SimParameters& p, const sim::OperatorConfig& hand, double k,
+                      double into_m, double seconds = 5.0) {
   Motion motion;
   motion.path = {Vec3(0.02, 0, 0), Vec3(-into_m, 0, 0)};  // the wall fills x < 0
   sim::SimulatedDevice device(p, hand, motion);
   ForceGuard guard(guard_config(p.description));
   const double period = 1.0 / p.description.rate_hz;
   Pt2 filter{2 * std::numbers::pi * 100, std::numbers::sqrt2 / 2, 1.0, period};
-  const int periods = static_cast<int>(seconds / period), last_second = static_cast<int>(1.0 / period);
+  const int periods = static_cast<int>(seconds / period),
+            last_second = static_cast<int>(1.0 / period);
   double low = kInf, high = -kInf, sum = 0.0;
   for (int i = 0; i < periods; ++i) {
     const DeviceSample sample = *device.read(microseconds(0));
-    const double force = filter.step(std::min(k * std::max(0.0, -sample.pose.position.x()), p.description.max_force_n));
+    const double force = filter.step(
+        std::min(k * std::max(0.0, -sample.pose.position.x()), p.description.max_force_n));
     const GuardInput input{{Vec3(force, 0, 0), Vec3::Zero()}, sample.time_ns + 3'000'000};
     const Wrench out = guard.pass(input, sample.time_ns);
     EXPECT_TRUE(device.write(out));
-    if (i < periods - last_second) continue;
+    if (i < periods - last_second)
+      continue;
     low = std::min(low, out.force.x()), high = std::max(high, out.force.x()), sum += out.force.x();
   }
   return {high - low, sum / last_second};
 }
 
-bool quiet(const sim::SimParameters& p, const WallResult& r) { return r.ripple_n <= 0.02 * p.description.max_force_n; }
+bool quiet(const sim::SimParameters& p, const WallResult& r) {
+  return r.ripple_n <= 0.02 * p.description.max_force_n;
+}
 
 TEST(ClosedLoop, PhantomInAPenGripRestsOnAWall) {
   const sim::SimParameters p = sim::sim_phantom();
   for (double k : {300.0, 400.0}) {
     const WallResult r = press_wall(p, p.hand, k, 0.01);
     EXPECT_TRUE(quiet(p, r)) << k << " N/m ripples by " << r.ripple_n << " N";
-    EXPECT_NEAR(r.mean_n, k * 300.0 / (k + 300.0) * 0.01, 0.04 + k * 3e-5) << "springs in series, friction, one step";
+    EXPECT_NEAR(r.mean_n, k * 300.0 / (k + 300.0) * 0.01, 0.04 + k * 3e-5)
+        << "springs in series, friction, one step";
   }
 }
 

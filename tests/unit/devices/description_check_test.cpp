@@ -11,20 +11,31 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 TEST(Description, OfEveryDeviceThatIsKnownIsPossible) {
-  for (const std::string& name : device_names()) EXPECT_EQ(what_is_wrong(describe_device(name)), "") << name;
+  for (const std::string& name : device_names())
+    EXPECT_EQ(what_is_wrong(describe_device(name)), "") << name;
 }
 
 TEST(Description, IsRefusedForEachNumberThatCannotBe) {
-  double DeviceDescription::*const numbers[] = {
-      &DeviceDescription::rate_hz, &DeviceDescription::max_force_n, &DeviceDescription::max_torque_nm,
-      &DeviceDescription::max_force_rate_n_per_s, &DeviceDescription::max_torque_rate_nm_per_s,
-      &DeviceDescription::max_stiffness_n_per_m, &DeviceDescription::mass_min_kg, &DeviceDescription::mass_max_kg,
-      &DeviceDescription::damping_ns_per_m, &DeviceDescription::coulomb_friction_n,
-      &DeviceDescription::position_resolution_m, &DeviceDescription::delay_s, &DeviceDescription::force_bandwidth_hz,
-      &DeviceDescription::inertia_min_kg_m2, &DeviceDescription::inertia_max_kg_m2,
-      &DeviceDescription::damping_nms_per_rad, &DeviceDescription::coulomb_friction_nm,
-      &DeviceDescription::orientation_resolution_rad, &DeviceDescription::max_stiffness_nm_per_rad,
-      &DeviceDescription::jitter};
+  double DeviceDescription::*const numbers[] = {&DeviceDescription::rate_hz,
+                                                &DeviceDescription::max_force_n,
+                                                &DeviceDescription::max_torque_nm,
+                                                &DeviceDescription::max_force_rate_n_per_s,
+                                                &DeviceDescription::max_torque_rate_nm_per_s,
+                                                &DeviceDescription::max_stiffness_n_per_m,
+                                                &DeviceDescription::mass_min_kg,
+                                                &DeviceDescription::mass_max_kg,
+                                                &DeviceDescription::damping_ns_per_m,
+                                                &DeviceDescription::coulomb_friction_n,
+                                                &DeviceDescription::position_resolution_m,
+                                                &DeviceDescription::delay_s,
+                                                &DeviceDescription::force_bandwidth_hz,
+                                                &DeviceDescription::inertia_min_kg_m2,
+                                                &DeviceDescription::inertia_max_kg_m2,
+                                                &DeviceDescription::damping_nms_per_rad,
+                                                &DeviceDescription::coulomb_friction_nm,
+                                                &DeviceDescription::orientation_resolution_rad,
+                                                &DeviceDescription::max_stiffness_nm_per_rad,
+                                                &DeviceDescription::jitter};
   const DeviceDescription good = describe_device("sim-lwr");
   for (const auto number : numbers)
     for (const double impossible : {kNan, -1.0, -kInfinity}) {
@@ -34,7 +45,8 @@ TEST(Description, IsRefusedForEachNumberThatCannotBe) {
     }
   DeviceDescription swapped = good;
   std::swap(swapped.mass_min_kg, swapped.mass_max_kg);
-  EXPECT_NE(what_is_wrong(swapped).find("mass_max_kg is 3"), std::string::npos) << what_is_wrong(swapped);
+  EXPECT_NE(what_is_wrong(swapped).find("mass_max_kg is 3"), std::string::npos)
+      << what_is_wrong(swapped);
   DeviceDescription gripped = good;
   gripped.grip = "teeth";
   EXPECT_NE(what_is_wrong(gripped), "");

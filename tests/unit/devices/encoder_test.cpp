@@ -22,7 +22,8 @@ TEST(Encoder, RoundsPositionsToTheNearestMultiple) {
     const Vec3 x(any(random), any(random), any(random));
     const Vec3 q = sim::quantise(x, r);
     ASSERT_LE((q - x).cwiseAbs().maxCoeff(), 0.5 * r * (1 + 1e-9));
-    for (int axis = 0; axis < 3; ++axis) ASSERT_EQ(q[axis], std::round(q[axis] / r) * r);
+    for (int axis = 0; axis < 3; ++axis)
+      ASSERT_EQ(q[axis], std::round(q[axis] / r) * r);
     ASSERT_EQ(sim::quantise(q, r), q);
   }
 }
@@ -54,7 +55,8 @@ TEST(Encoder, VelocityLagsByHalfAPeriodAndTheFilter) {
   const double period = 1e-3, filter_hz = 50.0;
   sim::Encoder encoder(0.0, 0.0, filter_hz, period);
   const auto at = [](double t) { return Pose{Vec3(0.5 * 2.0 * t * t, 0, 0), Quat::Identity()}; };
-  for (int i = 0; i <= 1000; ++i) encoder.sample(at(i * period));
+  for (int i = 0; i <= 1000; ++i)
+    encoder.sample(at(i * period));
   const double lag = 0.5 * period + 1.0 / (2.0 * std::numbers::pi * filter_hz);
   EXPECT_NEAR(encoder.twist().linear.x(), 2.0 * (1.0 - lag), 1e-9);
 }
@@ -90,7 +92,8 @@ TEST(Tremor, HasTheStatedDeviationAndBandwidth) {
 }
 
 TEST(Tremor, IsTheSameForTheSameSeedAndAbsentByDefault) {
-  sim::Tremor a(0.5, 10.0, 1e-3, 7), b(0.5, 10.0, 1e-3, 7), c(0.5, 10.0, 1e-3, 8), none(0.0, 10.0, 1e-3, 7);
+  sim::Tremor a(0.5, 10.0, 1e-3, 7), b(0.5, 10.0, 1e-3, 7), c(0.5, 10.0, 1e-3, 8),
+      none(0.0, 10.0, 1e-3, 7);
   bool differs = false;
   for (int i = 0; i < 100; ++i) {
     const Vec3 x = a.next();
@@ -101,8 +104,8 @@ TEST(Tremor, IsTheSameForTheSameSeedAndAbsentByDefault) {
   EXPECT_TRUE(differs);
 }
 
-/// Computed by a separate implementation of the generator and the mapping: another library has to draw the
-/// same numbers.
+/// Computed by a separate implementation of the generator and the mapping: another library has to
+/// draw the same numbers.
 TEST(Tremor, DrawsTheRecordedNumbers) {
   sim::Tremor tremor(1.0, 10.0, 1e-3, 42);
   const Vec3 first = tremor.next();

@@ -25,7 +25,8 @@ GuardConfig quick() {  // no ramp, no slew limit: for the tests that look at som
   return config;
 }
 
-GuardInput push(double fx, double fy = 0.0, double fz = 0.0, std::int64_t valid_until_ns = kForever) {
+GuardInput push(double fx, double fy = 0.0, double fz = 0.0,
+                std::int64_t valid_until_ns = kForever) {
   return {{Vec3(fx, fy, fz), Vec3::Zero()}, valid_until_ns};
 }
 
@@ -41,7 +42,8 @@ TEST(Guard, PassesAGoodCommandUnchanged) {
 
 TEST(Guard, GivesZeroBeforeTheFirstCommand) {
   ForceGuard guard(quick());
-  for (int i = 0; i < 10; ++i) EXPECT_TRUE(guard.pass(std::nullopt, i * kMs).zero());
+  for (int i = 0; i < 10; ++i)
+    EXPECT_TRUE(guard.pass(std::nullopt, i * kMs).zero());
 }
 
 TEST(Guard, RefusesEveryCommandThatIsNotFiniteAndHoldsTheOneBefore) {
@@ -61,7 +63,8 @@ TEST(Guard, FadesWhenOnlyBadCommandsCome) {
   ForceGuard guard(quick());
   guard.pass(push(1.0), 0);
   Wrench out;
-  for (int i = 1; i <= 23; ++i) out = guard.pass(push(kNan), i * kMs);
+  for (int i = 1; i <= 23; ++i)
+    out = guard.pass(push(kNan), i * kMs);
   EXPECT_TRUE(out.zero());
   EXPECT_EQ(guard.counts().refused_not_finite, 23U);
 }
@@ -100,7 +103,8 @@ TEST(Guard, LimitsTheSlewOfForceAndTorqueAlongTheChange) {
   EXPECT_NEAR(out.force.y(), 0.8, 1e-12);
   EXPECT_NEAR(out.torque.z(), -0.05, 1e-12);
   Wrench later;
-  for (int i = 1; i < 5; ++i) later = guard.pass(in, i * kMs);
+  for (int i = 1; i < 5; ++i)
+    later = guard.pass(in, i * kMs);
   EXPECT_NEAR(later.force.y(), 4.0, 1e-9);
   EXPECT_EQ(guard.pass(in, 5 * kMs).force, in.wrench.force);
   EXPECT_GE(guard.counts().clamped_slew, 4U);
@@ -109,13 +113,15 @@ TEST(Guard, LimitsTheSlewOfForceAndTorqueAlongTheChange) {
 TEST(Guard, HoldsThreePeriodsThenFadesToZeroWithinTwentyMilliseconds) {
   ForceGuard guard(quick());
   guard.pass(push(2.0), 0);
-  for (int i = 1; i <= 3; ++i) ASSERT_EQ(guard.pass(std::nullopt, i * kMs).force.x(), 2.0);
+  for (int i = 1; i <= 3; ++i)
+    ASSERT_EQ(guard.pass(std::nullopt, i * kMs).force.x(), 2.0);
   EXPECT_EQ(guard.counts().faded, 0U);
   for (int i = 4; i < 23; ++i) {
     const double expected = 2.0 * (1.0 - (i - 3) / 20.0);
     ASSERT_NEAR(guard.pass(std::nullopt, i * kMs).force.x(), expected, 1e-12) << i;
   }
-  for (int i = 23; i < 40; ++i) ASSERT_TRUE(guard.pass(std::nullopt, i * kMs).zero()) << i;
+  for (int i = 23; i < 40; ++i)
+    ASSERT_TRUE(guard.pass(std::nullopt, i * kMs).zero()) << i;
   EXPECT_EQ(guard.counts().faded, 1U);
 }
 
@@ -135,7 +141,8 @@ TEST(Guard, RefusesACommandThatIsOverAndFadesOneThatRunsOut) {
   EXPECT_TRUE(guard.pass(push(1, 0, 0, 10 * kMs - 1), 10 * kMs).zero());
   EXPECT_EQ(guard.counts().refused_stale, 1U);
   EXPECT_EQ(guard.pass(push(1, 0, 0, 11 * kMs), 11 * kMs).force.x(), 1.0);
-  EXPECT_NEAR(guard.pass(std::nullopt, 12 * kMs).force.x(), 0.95, 1e-12);  // valid-until is before three periods
+  EXPECT_NEAR(guard.pass(std::nullopt, 12 * kMs).force.x(), 0.95,
+              1e-12);  // valid-until is before three periods
 }
 
 TEST(Guard, FadesFromWhatItGivesEvenWhereTheSlewLimitHoldsItBack) {
@@ -143,7 +150,8 @@ TEST(Guard, FadesFromWhatItGivesEvenWhereTheSlewLimitHoldsItBack) {
   config.max_force_rate_n_per_s = config.max_force_n / config.fade_s;  // the least that is allowed
   ForceGuard guard(config);
   std::int64_t now = 0;
-  for (; now < 30 * kMs; now += kMs) guard.pass(push(-8.5), now);
+  for (; now < 30 * kMs; now += kMs)
+    guard.pass(push(-8.5), now);
   double last = guard.pass(push(8.5), now).force.x();  // has only begun to turn round
   const std::int64_t heard = now;
   for (now += kMs; now <= heard + 23 * kMs; now += kMs) {
@@ -161,15 +169,19 @@ TEST(Guard, RampsInAtTheStartAndFasterAfterAFade) {
   ForceGuard guard(config);
   std::int64_t now = 0;
   EXPECT_TRUE(guard.pass(push(2.0), now).zero());
-  for (int i = 1; i <= 250; ++i) guard.pass(push(2.0), now = i * kMs);
+  for (int i = 1; i <= 250; ++i)
+    guard.pass(push(2.0), now = i * kMs);
   EXPECT_NEAR(guard.pass(push(2.0), now = 251 * kMs).force.x(), 2.0 * 0.502, 1e-9);
   EXPECT_TRUE(guard.ramping());
-  for (int i = 252; i <= 501; ++i) guard.pass(push(2.0), now = i * kMs);
+  for (int i = 252; i <= 501; ++i)
+    guard.pass(push(2.0), now = i * kMs);
   EXPECT_EQ(guard.pass(push(2.0), now += kMs).force.x(), 2.0);
   EXPECT_FALSE(guard.ramping());
-  for (int i = 0; i < 30; ++i) guard.pass(std::nullopt, now += kMs);
+  for (int i = 0; i < 30; ++i)
+    guard.pass(std::nullopt, now += kMs);
   EXPECT_TRUE(guard.pass(push(2.0), now += kMs).zero());
-  for (int i = 0; i < 50; ++i) guard.pass(push(2.0), now += kMs);
+  for (int i = 0; i < 50; ++i)
+    guard.pass(push(2.0), now += kMs);
   EXPECT_NEAR(guard.pass(push(2.0), now += kMs).force.x(), 2.0 * 0.51, 1e-9);
 }
 
@@ -181,7 +193,8 @@ TEST(Guard, AFadeBeforeTheStartRampIsOverDoesNotShortenIt) {
   guard.pass(push(2.0), 0);
   guard.pass(push(2.0), kMs);
   std::int64_t now = kMs;
-  for (int i = 0; i < 30; ++i) guard.pass(std::nullopt, now += kMs);
+  for (int i = 0; i < 30; ++i)
+    guard.pass(std::nullopt, now += kMs);
   guard.pass(push(2.0), now += kMs);
   EXPECT_NEAR(guard.pass(push(2.0), now += kMs).force.x(), 2.0 * 0.002, 1e-12);
 }
@@ -192,9 +205,11 @@ TEST(Guard, ACommandDuringAFadeTakesItUpWhereItIs) {
   ForceGuard guard(config);
   guard.pass(push(2.0), 0);
   std::int64_t now = 0;
-  for (int i = 1; i <= 13; ++i) guard.pass(std::nullopt, now = i * kMs);  // half faded
+  for (int i = 1; i <= 13; ++i)
+    guard.pass(std::nullopt, now = i * kMs);  // half faded
   EXPECT_NEAR(guard.fraction(), 0.5, 1e-12);
-  EXPECT_NEAR(guard.pass(push(2.0), now += kMs).force.x(), 0.9, 1e-9);  // aged one period more, then taken up
+  EXPECT_NEAR(guard.pass(push(2.0), now += kMs).force.x(), 0.9,
+              1e-9);  // aged one period more, then taken up
   EXPECT_NEAR(guard.pass(push(2.0), now += kMs).force.x(), 0.92, 1e-9);
 }
 
@@ -202,10 +217,12 @@ TEST(Guard, StopGivesZeroAtOnceUntilRestart) {
   GuardConfig config = quick();
   config.max_force_rate_n_per_s = 1000.0;
   ForceGuard guard(config);
-  for (int i = 0; i < 20; ++i) guard.pass(push(5.0), i * kMs);
+  for (int i = 0; i < 20; ++i)
+    guard.pass(push(5.0), i * kMs);
   guard.stop();
   guard.stop();
-  for (int i = 20; i < 40; ++i) ASSERT_TRUE(guard.pass(push(5.0), i * kMs).zero());
+  for (int i = 20; i < 40; ++i)
+    ASSERT_TRUE(guard.pass(push(5.0), i * kMs).zero());
   EXPECT_TRUE(guard.stopped());
   guard.restart();
   EXPECT_NEAR(guard.pass(push(5.0), 40 * kMs).force.x(), 1.0, 1e-9);
@@ -217,7 +234,8 @@ TEST(Guard, AClockThatStandsOrGoesBackCannotHoldAForce) {
     std::int64_t now = 5000 * kMs;
     guard.pass(push(2.0), now);
     Wrench out;
-    for (int i = 0; i < 23; ++i) out = guard.pass(std::nullopt, now += step);
+    for (int i = 0; i < 23; ++i)
+      out = guard.pass(std::nullopt, now += step);
     EXPECT_TRUE(out.zero()) << step;
     EXPECT_EQ(guard.counts().clock_faults, 23U);
   }
@@ -227,8 +245,10 @@ TEST(Guard, AShortGapDoesNotOpenTheSlewLimit) {
   GuardConfig config = quick();
   config.max_force_rate_n_per_s = 500.0;
   ForceGuard guard(config);
-  for (int i = 0; i < 30; ++i) guard.pass(push(8.0), i * kMs);
-  const double out = guard.pass(push(-8.0), 39 * kMs).force.x();  // ten periods on, while a fade is under way
+  for (int i = 0; i < 30; ++i)
+    guard.pass(push(8.0), i * kMs);
+  const double out =
+      guard.pass(push(-8.0), 39 * kMs).force.x();  // ten periods on, while a fade is under way
   EXPECT_NEAR(out, 8.0 - 500.0 * 3e-3, 1e-9) << "no more than the hold time's worth";
 }
 
@@ -236,7 +256,8 @@ TEST(Guard, AfterALongGapACommandSetsOutFromZero) {
   GuardConfig config = quick();
   config.max_force_rate_n_per_s = 500.0;
   ForceGuard guard(config);
-  for (int i = 0; i < 30; ++i) guard.pass(push(8.0), i * kMs);
+  for (int i = 0; i < 30; ++i)
+    guard.pass(push(8.0), i * kMs);
   EXPECT_TRUE(guard.pass(push(-8.0), 10'000 * kMs).zero());
   EXPECT_NEAR(guard.pass(push(-8.0), 10'001 * kMs).force.x(), -0.5, 1e-9);
   EXPECT_EQ(guard.counts().faded, 1U);
@@ -244,8 +265,9 @@ TEST(Guard, AfterALongGapACommandSetsOutFromZero) {
 
 TEST(Guard, CountsWhatTheGateRefused) {
   ForceGuard guard(quick());
-  for (GateVerdict v : {GateVerdict::kAccepted, GateVerdict::kForeignWriter, GateVerdict::kForeignSession,
-                        GateVerdict::kOldSequence, GateVerdict::kFutureSequence})
+  for (GateVerdict v :
+       {GateVerdict::kAccepted, GateVerdict::kForeignWriter, GateVerdict::kForeignSession,
+        GateVerdict::kOldSequence, GateVerdict::kFutureSequence})
     guard.count(v);
   EXPECT_EQ(guard.counts().refused_writer, 1U);
   EXPECT_EQ(guard.counts().refused_session, 1U);
@@ -255,8 +277,8 @@ TEST(Guard, CountsWhatTheGateRefused) {
 
 /// Anything at all, at any time: finite, within the limits, and never faster than the slew limit.
 TEST(Guard, OutputIsFiniteAndWithinLimitsWhateverComesIn) {
-  const std::vector<double> odd = {0.0,  -0.0, 5e-324, -5e-324, 1e-310, kHuge, -kHuge, 1e200, -1e-200,
-                                   kNan, kInf, -kInf,  1.0,     -8.5,   8.5,   20.0};
+  const std::vector<double> odd = {0.0,     -0.0, 5e-324, -5e-324, 1e-310, kHuge, -kHuge, 1e200,
+                                   -1e-200, kNan, kInf,   -kInf,   1.0,    -8.5,  8.5,    20.0};
   const std::vector<std::int64_t> steps = {
       kMs, kMs, kMs, kMs, 0, 1, -kMs, 7 * kMs, 30 * kMs, 400 * kMs, -3600'000 * kMs};
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
@@ -271,14 +293,16 @@ TEST(Guard, OutputIsFiniteAndWithinLimitsWhateverComesIn) {
     for (int i = 0; i < 5000; ++i) {
       const std::int64_t step = random() % 1000 ? any(steps) : static_cast<std::int64_t>(random());
       // Unsigned: the sum wraps and the difference of two far stamps still fits.
-      const std::uint64_t from = static_cast<std::uint64_t>(now), to = from + static_cast<std::uint64_t>(step);
+      const std::uint64_t from = static_cast<std::uint64_t>(now),
+                          to = from + static_cast<std::uint64_t>(step);
       const std::int64_t next = static_cast<std::int64_t>(to);
       const double dt_s = i > 0 && next > now ? 1e-9 * static_cast<double>(to - from) : 1e-3;
       now = next;
       std::optional<GuardInput> in;
       if (random() % 4) {
         in.emplace();
-        for (int axis = 0; axis < 3; ++axis) in->wrench.force[axis] = any(odd), in->wrench.torque[axis] = any(odd);
+        for (int axis = 0; axis < 3; ++axis)
+          in->wrench.force[axis] = any(odd), in->wrench.torque[axis] = any(odd);
         in->valid_until_ns = random() % 8 ? kForever : static_cast<std::int64_t>(random());
       }
       const Wrench out = guard.pass(in, now);
@@ -286,8 +310,10 @@ TEST(Guard, OutputIsFiniteAndWithinLimitsWhateverComesIn) {
       ASSERT_LE(length_of(out.force), 8.5) << "seed " << seed << " step " << i;
       ASSERT_LE(length_of(out.torque), 0.5) << "seed " << seed << " step " << i;
       const double most_s = dt_s * (1 + 1e-9) + 1e-12;
-      ASSERT_LE((out.force - last.force).norm(), 425.0 * most_s) << "seed " << seed << " step " << i;
-      ASSERT_LE((out.torque - last.torque).norm(), 25.0 * most_s) << "seed " << seed << " step " << i;
+      ASSERT_LE((out.force - last.force).norm(), 425.0 * most_s)
+          << "seed " << seed << " step " << i;
+      ASSERT_LE((out.torque - last.torque).norm(), 25.0 * most_s)
+          << "seed " << seed << " step " << i;
       last = out;
     }
   }
@@ -328,8 +354,10 @@ TEST(GuardConfig, NamesTheFieldThatIsWrong) {
     EXPECT_NE(with(&GuardConfig::start_ramp_s, bad).find("start_ramp_s"), std::string::npos);
     EXPECT_NE(with(&GuardConfig::return_ramp_s, bad).find("return_ramp_s"), std::string::npos);
   }
-  EXPECT_NE(with(&GuardConfig::max_force_rate_n_per_s, 100.0).find("max_force_n / fade_s = 425"), std::string::npos);
-  EXPECT_NE(with(&GuardConfig::max_torque_rate_nm_per_s, kNan).find("max_torque_rate_nm_per_s"), std::string::npos);
+  EXPECT_NE(with(&GuardConfig::max_force_rate_n_per_s, 100.0).find("max_force_n / fade_s = 425"),
+            std::string::npos);
+  EXPECT_NE(with(&GuardConfig::max_torque_rate_nm_per_s, kNan).find("max_torque_rate_nm_per_s"),
+            std::string::npos);
 }
 
 }  // namespace force_guard_test

@@ -27,7 +27,8 @@ TEST(ForcePath, DelaysByExactlyTheStatedSubsteps) {
     ASSERT_EQ(path.delay_substeps(), static_cast<std::size_t>(substeps));
     for (int i = 0; i < 600; ++i) {
       const Wrench out = path.step({Vec3(1.0 + i * 1e-3, 0, 0), Vec3::Zero()});
-      ASSERT_EQ(out.force.x(), i < substeps ? 0.0 : 1.0 + (i - substeps) * 1e-3) << substeps << " " << i;
+      ASSERT_EQ(out.force.x(), i < substeps ? 0.0 : 1.0 + (i - substeps) * 1e-3)
+          << substeps << " " << i;
     }
   }
 }
@@ -38,7 +39,9 @@ TEST(ForcePath, LagsLikeAFirstOrderSystem) {
   for (int i = 0; i < 200; ++i) {
     const Wrench out = path.step({Vec3(0, 2, 0), Vec3(0, 0, 0.5)});
     const double t = (i - 16) * kSubstep;  // at the start of the substep
-    const double mean = i < 16 ? 0.0 : 1.0 - std::exp(-t / lag) * lag / kSubstep * (1.0 - std::exp(-kSubstep / lag));
+    const double mean =
+        i < 16 ? 0.0
+               : 1.0 - std::exp(-t / lag) * lag / kSubstep * (1.0 - std::exp(-kSubstep / lag));
     ASSERT_NEAR(out.force.y(), 2.0 * mean, 2e-3) << i;
     ASSERT_NEAR(out.torque.z(), 0.5 * mean, 5e-4) << i;
   }
@@ -55,9 +58,11 @@ TEST(ForcePath, SaturatesInTheDirectionOfTheCommand) {
 
 TEST(ForcePath, ClearDropsWhatIsUnderWay) {
   sim::ForcePath path(device(0.002, 0.003), kSubstep);
-  for (int i = 0; i < 100; ++i) path.step({Vec3(1, 2, 3), Vec3(0.1, 0, 0)});
+  for (int i = 0; i < 100; ++i)
+    path.step({Vec3(1, 2, 3), Vec3(0.1, 0, 0)});
   path.clear();
-  for (int i = 0; i < 300; ++i) ASSERT_TRUE(path.step({}).zero());
+  for (int i = 0; i < 300; ++i)
+    ASSERT_TRUE(path.step({}).zero());
 }
 
 }  // namespace

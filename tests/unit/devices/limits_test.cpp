@@ -42,7 +42,8 @@ TEST(Limits, ClampLeavesWhatFitsUntouched) {
 }
 
 TEST(Limits, ClampMakesAnythingFinite) {
-  for (Vec3 v : {Vec3(kHuge, kHuge, -kHuge), Vec3(kNan, 1, 1), Vec3(kInf, 0, 0), Vec3(-kInf, kInf, kNan)}) {
+  for (Vec3 v :
+       {Vec3(kHuge, kHuge, -kHuge), Vec3(kNan, 1, 1), Vec3(kInf, 0, 0), Vec3(-kInf, kInf, kNan)}) {
     EXPECT_TRUE(clamp_length(v, 2.0));
     EXPECT_TRUE(v.allFinite());
     EXPECT_LE(length_of(v), 2.0);
@@ -86,8 +87,10 @@ TEST(Limits, CheckRefusesEachFieldThatIsNotFiniteOrOverItsLimit) {
       (axis < 3 ? command.force : command.torque)[axis % 3] = bad;
       ASSERT_TRUE(check_command(command, device) == std::unexpected(DeviceError::kNotFinite));
     }
-  EXPECT_TRUE(check_command({Vec3(6.1, 6.1, 0), Vec3::Zero()}, device) == std::unexpected(DeviceError::kLimit));
-  EXPECT_TRUE(check_command({Vec3::Zero(), Vec3(0.4, 0, 0.4)}, device) == std::unexpected(DeviceError::kLimit));
+  EXPECT_TRUE(check_command({Vec3(6.1, 6.1, 0), Vec3::Zero()}, device) ==
+              std::unexpected(DeviceError::kLimit));
+  EXPECT_TRUE(check_command({Vec3::Zero(), Vec3(0.4, 0, 0.4)}, device) ==
+              std::unexpected(DeviceError::kLimit));
 }
 
 TEST(Limits, EveryErrorHasItsOwnName) {

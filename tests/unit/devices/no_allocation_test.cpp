@@ -10,7 +10,8 @@ namespace voxtouch::devices {
 namespace {
 
 TEST(NoAllocation, ReadGuardWriteAndStopTakeNothingFromTheHeap) {
-  if (!test::heap_is_counted()) GTEST_SKIP() << "the sanitiser owns malloc";
+  if (!test::heap_is_counted())
+    GTEST_SKIP() << "the sanitiser owns malloc";
   for (const char* name : {"sim-phantom", "sim-lwr"}) {
     DeviceOptions options;
     options.hand = usual_hand(name);
@@ -23,10 +24,13 @@ TEST(NoAllocation, ReadGuardWriteAndStopTakeNothingFromTheHeap) {
                 for (std::uint64_t i = 0; i < 500; ++i) {
                   const auto sample = device->read(std::chrono::microseconds(0));
                   guard.count(gate.accept(1, 1, i / 2, i));
-                  const GuardInput input{{Vec3(i % 7 ? 1.0 : 1e9, 0, 0), Vec3::Zero()}, sample->time_ns + 3'000'000};
+                  const GuardInput input{{Vec3(i % 7 ? 1.0 : 1e9, 0, 0), Vec3::Zero()},
+                                         sample->time_ns + 3'000'000};
                   (void)device->write(guard.pass(input, sample->time_ns));
-                  if (i % 10 == 0) (void)device->read(std::chrono::microseconds(0));
-                  if (i % 11 == 0) (void)device->write({Vec3(std::nan(""), 0, 0), Vec3::Zero()});
+                  if (i % 10 == 0)
+                    (void)device->read(std::chrono::microseconds(0));
+                  if (i % 11 == 0)
+                    (void)device->write({Vec3(std::nan(""), 0, 0), Vec3::Zero()});
                 }
                 device->stop();
                 guard.stop();

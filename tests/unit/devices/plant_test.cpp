@@ -38,7 +38,8 @@ sim::OperatorConfig released() {
 }
 
 void run(sim::SimPlant& plant, const Wrench& push, int substeps, int from = 0) {
-  for (int i = 0; i < substeps; ++i) plant.step(push, Vec3::Zero(), (from + i) * kDt, kDt);
+  for (int i = 0; i < substeps; ++i)
+    plant.step(push, Vec3::Zero(), (from + i) * kDt, kDt);
 }
 
 TEST(Plant, UndampedSpringKeepsItsEnergy) {
@@ -71,8 +72,9 @@ TEST(Plant, FrictionOnlyTakesEnergy) {
     p.description.coulomb_friction_n = std::pow(10.0, 2.0 * any(random));
     p.coulomb_friction_nm = std::pow(10.0, 2.0 * any(random) - 3.0);
     sim::SimPlant plant(p, spring(0.1, 0.0, 2000.0), stay());
-    plant.set_state({0.02 * Vec3(any(random), any(random), any(random)), Quat::Identity()},
-                    {Vec3(any(random), any(random), any(random)), Vec3(any(random), any(random), any(random))});
+    plant.set_state(
+        {0.02 * Vec3(any(random), any(random), any(random)), Quat::Identity()},
+        {Vec3(any(random), any(random), any(random)), Vec3(any(random), any(random), any(random))});
     const double start = plant.energy(0.0);
     double energy = start;
     for (int i = 0; i < 4000; ++i) {
@@ -94,8 +96,9 @@ TEST(Plant, AtRestUnderLessThanTheFrictionStaysExactlyThere) {
   std::mt19937_64 random(4);
   std::uniform_real_distribution<double> any(-0.023, 0.023);
   for (int i = 0; i < 20'000; ++i)
-    plant.step({Vec3(any(random), any(random), any(random)), Vec3(any(random), any(random), any(random))}, Vec3::Zero(),
-               i * kDt, kDt);
+    plant.step(
+        {Vec3(any(random), any(random), any(random)), Vec3(any(random), any(random), any(random))},
+        Vec3::Zero(), i * kDt, kDt);
   EXPECT_EQ(plant.pose().position, at);
   EXPECT_EQ(plant.pose().orientation.coeffs(), Quat::Identity().coeffs());
   EXPECT_TRUE(plant.twist().linear.isZero(0.0));
@@ -138,11 +141,13 @@ TEST(Plant, ConstantForceOnADampedMassGivesTheClosedForm) {
 TEST(Plant, HandSpringRingsAndDecaysAsTheClosedFormSays) {
   sim::SimPlant plant(ideal(0.075), spring(0.1, 2.0, 300.0), stay());
   plant.set_state({Vec3(0.01, 0, 0), Quat::Identity()}, {});
-  const double mass = 0.175, sigma = 2.0 / (2.0 * mass), wd = std::sqrt(300.0 / mass - sigma * sigma);
+  const double mass = 0.175, sigma = 2.0 / (2.0 * mass),
+               wd = std::sqrt(300.0 / mass - sigma * sigma);
   for (int i = 1; i <= 4000; ++i) {
     plant.step({}, Vec3::Zero(), (i - 1) * kDt, kDt);
     const double t = i * kDt;
-    const double expected = 0.01 * std::exp(-sigma * t) * (std::cos(wd * t) + sigma / wd * std::sin(wd * t));
+    const double expected =
+        0.01 * std::exp(-sigma * t) * (std::cos(wd * t) + sigma / wd * std::sin(wd * t));
     ASSERT_NEAR(plant.pose().position.x(), expected, 1e-6) << i;
   }
 }
@@ -155,7 +160,8 @@ TEST(Plant, HandTurnsTheToolAtTheClosedFormsFrequency) {
   const double w = std::sqrt(0.5 / 2e-4);
   for (int i = 1; i <= 4000; ++i) {
     plant.step({}, Vec3::Zero(), (i - 1) * kDt, kDt);
-    ASSERT_NEAR(2.0 * std::asin(plant.pose().orientation.y()), 0.02 * std::cos(w * i * kDt), 2e-5) << i;
+    ASSERT_NEAR(2.0 * std::asin(plant.pose().orientation.y()), 0.02 * std::cos(w * i * kDt), 2e-5)
+        << i;
   }
 }
 
@@ -167,7 +173,8 @@ TEST(Plant, HandFollowsItsMotionAndTheToolKeepsItsOrientation) {
   sim::SimPlant plant(p, p.hand, motion);
   EXPECT_EQ(plant.pose().position, motion.path.front());
   run(plant, {}, 8 * 8000);
-  EXPECT_LT((plant.pose().position - motion.path.back()).norm(), 0.04 / 300.0 + 1e-9);  // friction over stiffness
+  EXPECT_LT((plant.pose().position - motion.path.back()).norm(),
+            0.04 / 300.0 + 1e-9);  // friction over stiffness
   EXPECT_EQ(plant.pose().orientation.coeffs(), motion.orientation.coeffs());
 }
 
@@ -188,7 +195,8 @@ TEST(Plant, AnyStepIsStable) {
   p.description.coulomb_friction_n = 0.04;
   sim::SimPlant plant(p, spring(0.0, 50.0, 1e7), stay());
   plant.set_state({Vec3(0.01, 0.01, 0.01), Quat::Identity()}, {});
-  for (int i = 0; i < 10'000; ++i) plant.step({}, Vec3::Zero(), i * 0.01, 0.01);
+  for (int i = 0; i < 10'000; ++i)
+    plant.step({}, Vec3::Zero(), i * 0.01, 0.01);
   EXPECT_LE(plant.pose().position.norm(), 0.0174);
 }
 

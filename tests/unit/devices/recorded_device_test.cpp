@@ -15,7 +15,8 @@ using recorded::RecordedDevice;
 using recorded::RecordedHand;
 using std::chrono::microseconds;
 
-/// Goes along x by 1 mm a sample and turns about z by 0.01 rad a sample, at 1 kHz, from a clock that does not start at 0.
+/// Goes along x by 1 mm a sample and turns about z by 0.01 rad a sample, at 1 kHz, from a clock
+/// that does not start at 0.
 RecordedHand straight(int samples) {
   RecordedHand hand{describe_device("sim-phantom"), {}};
   hand.description.max_force_n = 5.0;
@@ -39,7 +40,9 @@ void expect_same(const DeviceSample& played, const DeviceSample& recorded) {
   EXPECT_EQ(played.pose_valid, recorded.pose_valid);
 }
 
-double angle_of(const DeviceSample& sample) { return 2.0 * std::atan2(sample.pose.orientation.z(), sample.pose.orientation.w()); }
+double angle_of(const DeviceSample& sample) {
+  return 2.0 * std::atan2(sample.pose.orientation.z(), sample.pose.orientation.w());
+}
 
 TEST(RecordedDevice, GivesTheRecordedSamplesBitForBitAtTheirSpeedWithStampsFromZero) {
   const RecordedHand hand = straight(50);
@@ -51,7 +54,8 @@ TEST(RecordedDevice, GivesTheRecordedSamplesBitForBitAtTheirSpeedWithStampsFromZ
     ASSERT_TRUE(sample);
     EXPECT_EQ(sample->time_ns, i * 1'000'000);
     expect_same(*sample, hand.samples[static_cast<std::size_t>(i)]);
-    ASSERT_TRUE(device.write({Vec3(4.0, 0.0, 0.0), Vec3::Zero()})) << "it takes force as the device did";
+    ASSERT_TRUE(device.write({Vec3(4.0, 0.0, 0.0), Vec3::Zero()}))
+        << "it takes force as the device did";
   }
 }
 
@@ -107,18 +111,22 @@ TEST(RecordedDevice, RestsWhereTheRecordingEnds) {
 TEST(RecordedDevice, RefusesCommandsAsTheDeviceDid) {
   RecordedDevice device(straight(10), 1.0);
   EXPECT_EQ(device.write({Vec3(6.0, 0.0, 0.0), Vec3::Zero()}).error(), DeviceError::kLimit);
-  EXPECT_EQ(device.write({Vec3(std::numeric_limits<double>::quiet_NaN(), 0.0, 0.0), Vec3::Zero()}).error(), DeviceError::kNotFinite);
+  EXPECT_EQ(device.write({Vec3(std::numeric_limits<double>::quiet_NaN(), 0.0, 0.0), Vec3::Zero()})
+                .error(),
+            DeviceError::kNotFinite);
 }
 
 TEST(RecordedDevice, RefusesWhatCannotBePlayed) {
   EXPECT_THROW(HandPlayer(RecordedHand{}, 1.0), std::runtime_error);
-  for (const double speed : {0.0, -1.0, 11.0, std::numeric_limits<double>::quiet_NaN()}) EXPECT_THROW(HandPlayer(straight(3), speed), std::runtime_error) << speed;
+  for (const double speed : {0.0, -1.0, 11.0, std::numeric_limits<double>::quiet_NaN()})
+    EXPECT_THROW(HandPlayer(straight(3), speed), std::runtime_error) << speed;
   RecordedHand hand = straight(3);
   hand.samples[2].time_ns = hand.samples[1].time_ns;
   EXPECT_THROW(HandPlayer(hand, 1.0), std::runtime_error);
   hand = straight(3);
   hand.samples[0].time_ns = std::numeric_limits<std::int64_t>::min();
-  EXPECT_THROW(HandPlayer(hand, 1.0), std::runtime_error) << "a difference of such stamps is no number";
+  EXPECT_THROW(HandPlayer(hand, 1.0), std::runtime_error)
+      << "a difference of such stamps is no number";
   hand = straight(3);
   hand.samples[1].pose.position.y() = std::numeric_limits<double>::infinity();
   EXPECT_THROW(HandPlayer(hand, 1.0), std::runtime_error);

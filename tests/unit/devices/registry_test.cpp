@@ -32,7 +32,8 @@ TEST(Registry, OpensTheSimulatedDevicesByName) {
 // Before any test that loads the simulated library: a process keeps the one that it loaded first.
 TEST(Registry, SaysWhichLibrariesOfAPhantomItTriedAndWhatToInstall) {
   for (const char* name : {"libHD.so", "libHD.so.3.4", "libHD.so.3.0"})
-    if (dlopen(name, RTLD_LAZY) != nullptr) GTEST_SKIP() << "a test must not start a device that may be there";
+    if (dlopen(name, RTLD_LAZY) != nullptr)
+      GTEST_SKIP() << "a test must not start a device that may be there";
   const auto begin = std::chrono::steady_clock::now();
   const std::string said = refusal("phantom");
   EXPECT_EQ(said.find("device 'phantom': "), 0U) << said;
@@ -87,7 +88,8 @@ TEST(Registry, DescribesTheCounterpartsAsTheyDescribeThemselvesOnceOpen) {
   for (const char* name : {"wire-phantom", "wire-lwr", "wire-fr3"}) {
     DeviceOptions options;
     options.lockstep = true;
-    const DeviceDescription before = describe_device(name), open = open_device(name, options)->description();
+    const DeviceDescription before = describe_device(name),
+                            open = open_device(name, options)->description();
     EXPECT_EQ(before.model, open.model);
     EXPECT_NEAR(before.rate_hz, open.rate_hz, 1e-6);
     EXPECT_NEAR(before.max_force_n, open.max_force_n, 1e-9) << name;
@@ -137,7 +139,8 @@ TEST(Registry, RefusesSettingsThatADeviceHasNotGotAndNamesThoseThatItHas) {
     return std::ranges::all_of(all, [&](const char* name) { return said.contains(name); });
   };
   EXPECT_TRUE(names(with("sim-lwr", {{"port", "1"}}), {"'sim-lwr'", "'port'"}));
-  EXPECT_TRUE(names(with("wire-lwr", {{"prot", "1"}}), {"'wire-lwr'", "'prot'", "period_ms, rest, tool, capture, trace, fault"}));
+  EXPECT_TRUE(names(with("wire-lwr", {{"prot", "1"}}),
+                    {"'wire-lwr'", "'prot'", "period_ms, rest, tool, capture, trace, fault"}));
   EXPECT_NE(with("lwr", {{"port", "0"}}).find("port is '0'"), std::string::npos);
   EXPECT_NE(with("lwr", {{"port", "1"}, {"port", "2"}}).find("port"), std::string::npos);
   EXPECT_NE(with("lwr", {{"rest", "1,2"}}).find("X,Y,Z"), std::string::npos);
@@ -148,13 +151,16 @@ TEST(Registry, RefusesSettingsThatADeviceHasNotGotAndNamesThoseThatItHas) {
   EXPECT_NE(with("lwr", {{"controller", "krc"}}).find("IPv4"), std::string::npos);
   EXPECT_NE(with("wire-lwr", {{"period_ms", "0"}}).find("[1, 100]"), std::string::npos);
   EXPECT_NE(with("fr3", {{"address", "robot"}}).find("IPv4"), std::string::npos);
-  EXPECT_NE(with("wire-fr3", {{"address", "127.0.0.1"}}).find("rest, tool, server_version, fault"), std::string::npos);
+  EXPECT_NE(with("wire-fr3", {{"address", "127.0.0.1"}}).find("rest, tool, server_version, fault"),
+            std::string::npos);
   EXPECT_NE(with("phantom", {{"encoder_reset", "perhaps"}}).find("if_needed"), std::string::npos);
   EXPECT_NE(with("phantom", {{"max_force_n", "-1"}}).find("max_force_n"), std::string::npos);
   EXPECT_NE(with("phantom", {{"rate_hz", "7"}}).find("[100, 10000]"), std::string::npos);
   EXPECT_NE(with("phantom", {{"rest", "0,11,0"}}).find("within 10 m"), std::string::npos);
-  EXPECT_NE(with("wire-phantom", {{"fault", "earthquake@1"}}).find("comm_error"), std::string::npos);
-  EXPECT_NE(with("wire-phantom", {{"fault", "comm_error@soon"}}).find("KIND@SECONDS"), std::string::npos);
+  EXPECT_NE(with("wire-phantom", {{"fault", "earthquake@1"}}).find("comm_error"),
+            std::string::npos);
+  EXPECT_NE(with("wire-phantom", {{"fault", "comm_error@soon"}}).find("KIND@SECONDS"),
+            std::string::npos);
   EXPECT_NE(with("wire-phantom", {{"model", "novint"}}).find("omni"), std::string::npos);
   EXPECT_THROW(parse_settings({"port"}), DeviceOpenError);
   EXPECT_EQ(parse_settings({"name=a=b"}).front().second, "a=b");
@@ -183,13 +189,15 @@ TEST(Registry, HandsOnWhatTheSimulatedControllerSaysOfItsOptions) {
 
 TEST(Registry, InjectsTheFaultsOfACounterpartWhenTheyAreDue) {
   for (const auto& [name, fault] :
-       {std::pair{"wire-phantom", "comm_error@0.1"}, std::pair{"wire-lwr", "drive_error@0.3"}, std::pair{"wire-fr3", "reflex@0.2"}}) {
+       {std::pair{"wire-phantom", "comm_error@0.1"}, std::pair{"wire-lwr", "drive_error@0.3"},
+        std::pair{"wire-fr3", "reflex@0.2"}}) {
     DeviceOptions options;
     options.lockstep = true;
     options.settings = {{"fault", fault}};
     const auto device = open_device(name, options);
     int good = 0;
-    while (good < 1000 && device->read(std::chrono::milliseconds(10)) && device->write({})) ++good;
+    while (good < 1000 && device->read(std::chrono::milliseconds(10)) && device->write({}))
+      ++good;
     EXPECT_GT(good, 90) << name;
     EXPECT_LT(good, 400) << name;
     EXPECT_NE(device->trouble(), "") << name;
@@ -197,7 +205,9 @@ TEST(Registry, InjectsTheFaultsOfACounterpartWhenTheyAreDue) {
 }
 
 TEST(Registry, ListsTheKnownNamesForAnUnknownOne) {
-  for (const char* name : {"'omni'", "sim-phantom, sim-lwr, wire-phantom, wire-lwr, wire-fr3, phantom, lwr, fr3,", "sim:FILE", "replay:BAG"})
+  for (const char* name :
+       {"'omni'", "sim-phantom, sim-lwr, wire-phantom, wire-lwr, wire-fr3, phantom, lwr, fr3,",
+        "sim:FILE", "replay:BAG"})
     EXPECT_TRUE(refusal("omni").contains(name)) << name;
   EXPECT_EQ(device_names().size(), 8U);
 }
@@ -211,7 +221,8 @@ TEST(Registry, PassesHandMotionAndSeedOn) {
   const auto after = [&](std::uint64_t seed) {
     options.seed = seed;
     const auto device = open_device("sim-lwr", options);
-    for (int i = 0; i < 300; ++i) device->write({});
+    for (int i = 0; i < 300; ++i)
+      device->write({});
     return device->read(std::chrono::microseconds(0))->pose.position;
   };
   EXPECT_NEAR(after(1).z(), 0.3, 0.05);
@@ -223,7 +234,9 @@ TEST(Registry, TurnsBadOptionsIntoOneSentence) {
   DeviceOptions options;
   options.motion.emplace();
   const std::string said = refusal("sim-lwr", options);
-  EXPECT_TRUE(said.starts_with("device 'sim-lwr' ") && said.contains("way point") && !said.contains('\n')) << said;
+  EXPECT_TRUE(said.starts_with("device 'sim-lwr' ") && said.contains("way point") &&
+              !said.contains('\n'))
+      << said;
 }
 
 }  // namespace

@@ -92,12 +92,14 @@ TEST(SimulatedDevice, RefusesACommandOverItsLimitAndGivesZeroForThatPeriod) {
   EXPECT_TRUE(device.write({}));
   EXPECT_TRUE(device.applied().zero());
   const Wrench torque{Vec3::Zero(), Vec3(1e-9, 0, 0)};
-  EXPECT_TRUE(device.write(torque) == std::unexpected(DeviceError::kLimit)) << "it has no torque motors";
+  EXPECT_TRUE(device.write(torque) == std::unexpected(DeviceError::kLimit))
+      << "it has no torque motors";
 }
 
 TEST(SimulatedDevice, StopIsZeroAtOnceAndTwiceIsAsOnce) {
   sim::SimulatedDevice device(sim::sim_lwr(), released(), stay());
-  for (int i = 0; i < 50; ++i) device.write({Vec3(50, 0, 0), Vec3(0, 5, 0)});
+  for (int i = 0; i < 50; ++i)
+    device.write({Vec3(50, 0, 0), Vec3(0, 5, 0)});
   EXPECT_GT(device.applied().force.x(), 40.0);
   device.stop();
   device.stop();
@@ -138,9 +140,10 @@ std::vector<unsigned char> trace(std::uint64_t seed, double tremor_n) {
   std::vector<unsigned char> bytes;
   for (int i = 0; i < 2000; ++i) {
     const DeviceSample s = *device.read(microseconds(0));
-    const double row[13] = {s.pose.position.x(),    s.pose.position.y(),    s.pose.position.z(),    s.pose.orientation.w(),
-                            s.pose.orientation.x(), s.pose.orientation.y(), s.pose.orientation.z(), s.twist.linear.x(),
-                            s.twist.linear.y(),     s.twist.linear.z(),     s.twist.angular.x(),    s.twist.angular.y(),
+    const double row[13] = {s.pose.position.x(),    s.pose.position.y(),    s.pose.position.z(),
+                            s.pose.orientation.w(), s.pose.orientation.x(), s.pose.orientation.y(),
+                            s.pose.orientation.z(), s.twist.linear.x(),     s.twist.linear.y(),
+                            s.twist.linear.z(),     s.twist.angular.x(),    s.twist.angular.y(),
                             s.twist.angular.z()};
     const auto* raw = reinterpret_cast<const unsigned char*>(row);
     bytes.insert(bytes.end(), raw, raw + sizeof row);
@@ -160,13 +163,16 @@ TEST(SimulatedDevice, PhantomTurnsWithTheHandAndLwrWithTheTorque) {
   Motion motion = stay();
   motion.orientation = Quat(Eigen::AngleAxisd(0.4, Vec3::UnitZ()));
   sim::SimulatedDevice pen(phantom, phantom.hand, motion);
-  for (int i = 0; i < 500; ++i) pen.write(push_x(3.0));
+  for (int i = 0; i < 500; ++i)
+    pen.write(push_x(3.0));
   EXPECT_EQ(pen.plant().pose().orientation.coeffs(), motion.orientation.coeffs());
   EXPECT_LT(pen.read(microseconds(0))->pose.orientation.angularDistance(motion.orientation), 1e-3);
   sim::SimulatedDevice arm(lwr, lwr.hand, stay());
-  for (int i = 0; i < 3000; ++i) arm.write({Vec3::Zero(), Vec3(1.0, 0, 0)});
+  for (int i = 0; i < 3000; ++i)
+    arm.write({Vec3::Zero(), Vec3(1.0, 0, 0)});
   const double angle = 2.0 * std::asin(arm.plant().pose().orientation.x());
-  EXPECT_NEAR(angle, 1.0 / 5.0, (0.1 + 0.01) / 5.0);  // torque over the hand's stiffness, friction apart
+  EXPECT_NEAR(angle, 1.0 / 5.0,
+              (0.1 + 0.01) / 5.0);  // torque over the hand's stiffness, friction apart
 }
 
 TEST(SimulatedDevice, DefaultsAreThoseOfTheDocumentedDevices) {
@@ -197,14 +203,16 @@ TEST(SimulatedDevice, NamesWhatCannotBeSimulated) {
   const auto has = [](const std::string& text, const std::string& part) {
     return text.find(part) != std::string::npos;
   };
-  EXPECT_TRUE(has(sentence([](auto& p, auto&) { p.hand.stiffness_n_per_m = -1.0; }), "hand stiffness_n_per_m is -1"));
+  EXPECT_TRUE(has(sentence([](auto& p, auto&) { p.hand.stiffness_n_per_m = -1.0; }),
+                  "hand stiffness_n_per_m is -1"));
   EXPECT_TRUE(has(sentence([](auto& p, auto&) { p.hand.let_go_at_s = kNan; }), "let_go_at_s"));
   EXPECT_TRUE(has(sentence([](auto&, auto& m) { m.path.clear(); }), "way point"));
   EXPECT_TRUE(has(sentence([](auto&, auto& m) { m.path[0].z() = kNan; }), "finite"));
   EXPECT_TRUE(has(sentence([](auto&, auto& m) { m.speed_m_per_s = 0.0; }), "speed"));
   EXPECT_TRUE(has(sentence([](auto&, auto& m) { m.hold_s = -1.0; }), "hold"));
   EXPECT_TRUE(has(sentence([](auto&, auto& m) { m.repeat_from = 1; }), "way point"));
-  EXPECT_TRUE(has(sentence([](auto&, auto& m) { m.orientation.coeffs().setZero(); }), "no rotation"));
+  EXPECT_TRUE(
+      has(sentence([](auto&, auto& m) { m.orientation.coeffs().setZero(); }), "no rotation"));
 }
 
 }  // namespace simulated_device_test

@@ -1,4 +1,5 @@
-// A session of driver and controller as the driver's capture has it, read by a decoder that shares no code with either.
+// A session of driver and controller as the driver's capture has it, read by a decoder that shares
+// no code with either.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -35,17 +36,22 @@ Packets capture(const test::TemporaryFolder& folder, int periods) {
   std::istringstream lines(end.out);
   for (std::string line; std::getline(lines, line);) {
     const json packet = json::parse(line);
-    // In virtual time the controller says once more what is not answered soon, as where the machine has other work to do.
-    if (packet["kind"] == "MSR" && !packets.measurements.empty() && packet["sendSeqCount"] == packets.measurements.back()["sendSeqCount"]) continue;
+    // In virtual time the controller says once more what is not answered soon, as where the machine
+    // has other work to do.
+    if (packet["kind"] == "MSR" && !packets.measurements.empty() &&
+        packet["sendSeqCount"] == packets.measurements.back()["sendSeqCount"])
+      continue;
     packets.all.push_back(packet);
-    (packets.all.back()["kind"] == "MSR" ? packets.measurements : packets.commands).push_back(packets.all.back());
+    (packets.all.back()["kind"] == "MSR" ? packets.measurements : packets.commands)
+        .push_back(packets.all.back());
   }
   return packets;
 }
 
 double largest(const json& values) {
   double most = 0.0;
-  for (const json& v : values) most = std::max(most, std::abs(v.get<double>()));
+  for (const json& v : values)
+    most = std::max(most, std::abs(v.get<double>()));
   return most;
 }
 
@@ -62,7 +68,9 @@ TEST_F(FriSessionCapture, CountsWithoutAGapOnBothSides) {
   ASSERT_GT(packets->commands.size(), 400u);
   for (const auto* side : {&packets->measurements, &packets->commands})
     for (std::size_t i = 1; i < side->size(); ++i)
-      ASSERT_EQ((*side)[i]["sendSeqCount"].get<int>(), ((*side)[i - 1]["sendSeqCount"].get<int>() + 1) % 65536) << i;
+      ASSERT_EQ((*side)[i]["sendSeqCount"].get<int>(),
+                ((*side)[i - 1]["sendSeqCount"].get<int>() + 1) % 65536)
+          << i;
 }
 
 TEST_F(FriSessionCapture, EveryAnswerReflectsItsMeasurement) {
@@ -81,13 +89,15 @@ TEST_F(FriSessionCapture, EveryAnswerReflectsItsMeasurement) {
   EXPECT_GE(answered + 1, packets->measurements.size()) << "the last one may be friClose's";
   // And the controller tells in the next measurement that it took it.
   for (std::size_t i = 1; i < packets->commands.size() && i < packets->measurements.size(); ++i)
-    EXPECT_EQ(packets->measurements[i]["reflSeqCount"], packets->commands[i - 1]["sendSeqCount"]) << i;
+    EXPECT_EQ(packets->measurements[i]["reflSeqCount"], packets->commands[i - 1]["sendSeqCount"])
+        << i;
 }
 
 TEST_F(FriSessionCapture, WalksFromMonitorToCommandModeAndBack) {
   std::vector<int> states;
   for (const json& msr : packets->measurements)
-    if (states.empty() || states.back() != msr["state"]) states.push_back(msr["state"]);
+    if (states.empty() || states.back() != msr["state"])
+      states.push_back(msr["state"]);
   EXPECT_EQ(states, (std::vector<int>{1, 2, 1}));
   const json* msr = nullptr;
   int pushed = 0, mirrored = 0;
@@ -104,12 +114,15 @@ TEST_F(FriSessionCapture, WalksFromMonitorToCommandModeAndBack) {
     ++mirrored;
     EXPECT_EQ(largest(packet["addJntTrq"]), 0.0) << "no push outside command mode";
     for (int i = 0; i < 7; ++i)
-      EXPECT_NEAR(packet["jntPos"][i].get<double>(),
-                  (*msr)["cmdJntPos"][i].get<double>() + (*msr)["cmdJntPosFriOffset"][i].get<double>(), 1e-6);
+      EXPECT_NEAR(
+          packet["jntPos"][i].get<double>(),
+          (*msr)["cmdJntPos"][i].get<double>() + (*msr)["cmdJntPosFriOffset"][i].get<double>(),
+          1e-6);
   }
   EXPECT_GE(pushed, 399);
   EXPECT_GT(mirrored, 50);
-  EXPECT_EQ(packets->commands.back()["krlInt"][1], 0) << "it asks the program to stop before it goes";
+  EXPECT_EQ(packets->commands.back()["krlInt"][1], 0)
+      << "it asks the program to stop before it goes";
   EXPECT_EQ(largest(packets->commands.back()["addJntTrq"]), 0.0);
 }
 

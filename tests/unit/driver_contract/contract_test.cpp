@@ -1,5 +1,5 @@
-// What every driver has to do, whichever device it is for. "Within one period": whatever the plant receives over a period that
-// begins one period after the cause, or later.
+// What every driver has to do, whichever device it is for. "Within one period": whatever the plant
+// receives over a period that begins one period after the cause, or later.
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -42,21 +42,27 @@ class DriverContract : public testing::TestWithParam<Maker> {
   }
   Subject::Cycle cycle(const std::optional<Wrench>& command) { return subject->cycle(command); }
   void cycles(int n, const std::optional<Wrench>& command) {
-    for (int i = 0; i < n; ++i) cycle(command);
+    for (int i = 0; i < n; ++i)
+      cycle(command);
   }
-  /// Every period that begins within `for_s` from one period after `since_s` on was without force; there were some.
+  /// Every period that begins within `for_s` from one period after `since_s` on was without force;
+  /// there were some.
   void expect_zero_after(double since_s, double for_s, double periods = 1.0) {
     int seen = 0;
     for (const Received& r : subject->received()) {
-      if (r.begin_s < since_s + (periods - 0.01) * period_s + subject->slack_s() || r.begin_s > since_s + for_s)
+      if (r.begin_s < since_s + (periods - 0.01) * period_s + subject->slack_s() ||
+          r.begin_s > since_s + for_s)
         continue;
       ++seen;
-      EXPECT_TRUE(r.wrench.zero()) << "at " << 1e3 * (r.begin_s - since_s) << " ms: " << r.wrench.force.norm() << " N";
+      EXPECT_TRUE(r.wrench.zero())
+          << "at " << 1e3 * (r.begin_s - since_s) << " ms: " << r.wrench.force.norm() << " N";
     }
     EXPECT_GT(seen, 0);  // in real time a busy machine skips periods
   }
   /// Long enough for that.
-  int periods_of(double seconds) const { return static_cast<int>((seconds + subject->slack_s()) / period_s) + 5; }
+  int periods_of(double seconds) const {
+    return static_cast<int>((seconds + subject->slack_s()) / period_s) + 5;
+  }
 
   std::unique_ptr<Subject> subject;
   double period_s = 1e-3;
@@ -64,12 +70,13 @@ class DriverContract : public testing::TestWithParam<Maker> {
 };
 
 auto numbers_of(const DeviceDescription& d) {
-  return std::make_tuple(d.rate_hz, d.max_force_n, d.max_torque_nm, d.max_force_rate_n_per_s,
-                         d.max_torque_rate_nm_per_s, d.max_stiffness_n_per_m, d.mass_min_kg, d.mass_max_kg,
-                         d.damping_ns_per_m, d.coulomb_friction_n, d.position_resolution_m, d.delay_s,
-                         d.force_bandwidth_hz, d.inertia_min_kg_m2, d.inertia_max_kg_m2, d.damping_nms_per_rad,
-                         d.coulomb_friction_nm, d.orientation_resolution_rad, d.max_stiffness_nm_per_rad, d.jitter,
-                         d.lost_in_a_row, d.grip, d.input_dof, d.output_dof, d.model);
+  return std::make_tuple(
+      d.rate_hz, d.max_force_n, d.max_torque_nm, d.max_force_rate_n_per_s,
+      d.max_torque_rate_nm_per_s, d.max_stiffness_n_per_m, d.mass_min_kg, d.mass_max_kg,
+      d.damping_ns_per_m, d.coulomb_friction_n, d.position_resolution_m, d.delay_s,
+      d.force_bandwidth_hz, d.inertia_min_kg_m2, d.inertia_max_kg_m2, d.damping_nms_per_rad,
+      d.coulomb_friction_nm, d.orientation_resolution_rad, d.max_stiffness_nm_per_rad, d.jitter,
+      d.lost_in_a_row, d.grip, d.input_dof, d.output_dof, d.model);
 }
 
 TEST_P(DriverContract, OpensAndSaysWhatItIsTheSameBeforeAndAfter) {
@@ -82,8 +89,10 @@ TEST_P(DriverContract, OpensAndSaysWhatItIsTheSameBeforeAndAfter) {
   EXPECT_TRUE(d.max_torque_nm >= 0.0 && d.max_torque_nm < 1000.0);
   EXPECT_GT(d.max_force_rate_n_per_s, 0.0);
   EXPECT_TRUE(d.max_stiffness_n_per_m > 0.0 && std::isfinite(d.max_stiffness_n_per_m));
-  EXPECT_TRUE(d.mass_min_kg > 0.0 && d.mass_max_kg >= d.mass_min_kg && std::isfinite(d.mass_max_kg));
-  EXPECT_TRUE(d.damping_ns_per_m >= 0.0 && d.coulomb_friction_n >= 0.0 && d.position_resolution_m >= 0.0);
+  EXPECT_TRUE(d.mass_min_kg > 0.0 && d.mass_max_kg >= d.mass_min_kg &&
+              std::isfinite(d.mass_max_kg));
+  EXPECT_TRUE(d.damping_ns_per_m >= 0.0 && d.coulomb_friction_n >= 0.0 &&
+              d.position_resolution_m >= 0.0);
   EXPECT_TRUE(d.delay_s >= 0.0 && d.delay_s < 1.0);
   EXPECT_GT(d.force_bandwidth_hz, 0.0);
   EXPECT_EQ(d.max_torque_nm > 0.0, d.inertia_max_kg_m2 > 0.0 && d.max_stiffness_nm_per_rad > 0.0);
@@ -106,13 +115,15 @@ TEST_P(DriverContract, ReadGivesFiniteSamplesAndTimeGrows) {
   double way_s = 0.0;
   for (int i = 0; i < 300; ++i) {
     const auto t = cycle(push);
-    if (!t.sample) continue;
+    if (!t.sample)
+      continue;
     ++samples;
     EXPECT_TRUE(t.sample->pose.finite() && t.sample->twist.finite());
     EXPECT_NEAR(t.sample->pose.orientation.norm(), 1.0, 1e-9);
     EXPECT_TRUE(t.sample->pose_valid);
     EXPECT_GT(t.sample->time_ns, last);
-    if (last >= 0) way_s += 1e-9 * static_cast<double>(t.sample->time_ns - last);
+    if (last >= 0)
+      way_s += 1e-9 * static_cast<double>(t.sample->time_ns - last);
     last = t.sample->time_ns;
   }
   EXPECT_GT(samples, subject->virtual_time() ? 299 : 200);
@@ -121,7 +132,8 @@ TEST_P(DriverContract, ReadGivesFiniteSamplesAndTimeGrows) {
 
 TEST_P(DriverContract, ThePlantReceivesTheForceThatIsWritten) {
   open();
-  for (const Vec3& direction : {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1), Vec3(-0.5, 0.4, -0.3)}) {
+  for (const Vec3& direction :
+       {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1), Vec3(-0.5, 0.4, -0.3)}) {
     const Wrench command{push.force.norm() * direction, Vec3::Zero()};
     ASSERT_TRUE(subject->push_until_felt(command, 0.03)) << subject->driver().trouble();
   }
@@ -144,16 +156,20 @@ TEST_P(DriverContract, RefusedCommandsReachThePlantAsZero) {
       (axis < 3 ? bad.force : bad.torque)[axis % 3] = value;
       all.push_back({bad, devices::DeviceError::kNotFinite});
     }
-  all.push_back({{Vec3(0, d.max_force_n * (1 + 1e-9), 0), Vec3::Zero()}, devices::DeviceError::kLimit});
+  all.push_back(
+      {{Vec3(0, d.max_force_n * (1 + 1e-9), 0), Vec3::Zero()}, devices::DeviceError::kLimit});
   all.push_back({{Vec3(kHuge, kHuge, kHuge), Vec3::Zero()}, devices::DeviceError::kLimit});
-  all.push_back({{push.force, Vec3(0, d.max_torque_nm * (1 + 1e-9) + 1e-9, 0)}, devices::DeviceError::kLimit});
+  all.push_back({{push.force, Vec3(0, d.max_torque_nm * (1 + 1e-9) + 1e-9, 0)},
+                 devices::DeviceError::kLimit});
   for (const Bad& bad : all) {
     ASSERT_TRUE(subject->push_until_felt(push));
     Subject::Cycle first;
-    do first = cycle(bad.wrench);  // in real time a period may go by without a sample
+    do
+      first = cycle(bad.wrench);  // in real time a period may go by without a sample
     while (!first.sample && !subject->virtual_time());
     ASSERT_FALSE(first.written);
-    EXPECT_EQ(first.written.error(), bad.error) << bad.wrench.force.transpose() << " " << bad.wrench.torque.transpose();
+    EXPECT_EQ(first.written.error(), bad.error)
+        << bad.wrench.force.transpose() << " " << bad.wrench.torque.transpose();
     cycles(periods_of(8 * period_s), bad.wrench);
     expect_zero_after(first.time_s, 8 * period_s + subject->slack_s());
   }
@@ -190,10 +206,12 @@ TEST_P(DriverContract, AfterTheDriverHasGoneThePlantReceivesNothing) {
   cycle(push);
   subject->close();
   const double at_s = subject->now_s();
-  if (!subject->virtual_time()) std::this_thread::sleep_for(150ms);  // where time goes on by itself
+  if (!subject->virtual_time())
+    std::this_thread::sleep_for(150ms);  // where time goes on by itself
   EXPECT_GT(subject->received().size(), 0u);
   for (const Received& r : subject->received()) {
-    if (r.begin_s < at_s - 0.01 * period_s) continue;
+    if (r.begin_s < at_s - 0.01 * period_s)
+      continue;
     EXPECT_TRUE(r.wrench.zero()) << r.wrench.force.norm();
   }
   // The same plant, opened once more: the force of before has not waited in it.
@@ -237,16 +255,21 @@ TEST_P(DriverContract, TenThousandRandomCommandsKeepTheLimitsAtTheWire) {
     if (i % subject->periods_to_reach() == 0) {
       const int n = i / subject->periods_to_reach();
       command = {vector(d.max_force_n), vector(std::max(d.max_torque_nm, 1e-9))};
-      if (n % 3 == 0) command.torque.setZero();
-      if (n % 5 == 0) command.force[static_cast<int>(random() % 3)] = odd[random() % odd.size()];
-      if (n % 7 == 0) command.torque[static_cast<int>(random() % 3)] = odd[random() % odd.size()];
+      if (n % 3 == 0)
+        command.torque.setZero();
+      if (n % 5 == 0)
+        command.force[static_cast<int>(random() % 3)] = odd[random() % odd.size()];
+      if (n % 7 == 0)
+        command.torque[static_cast<int>(random() % 3)] = odd[random() % odd.size()];
     }
     const auto expected = devices::check_command(command, d);
     const auto t = cycle(command);
-    if (!t.sample) continue;
+    if (!t.sample)
+      continue;
     ++samples;
     accepted += t.written.has_value();
-    if (expected) continue;
+    if (expected)
+      continue;
     ++refused;
     ASSERT_FALSE(t.written);
     EXPECT_EQ(t.written.error(), expected.error());
@@ -267,7 +290,8 @@ TEST_P(DriverContract, TenThousandRandomCommandsKeepTheLimitsAtTheWire) {
 }
 
 TEST_P(DriverContract, AnOpenDriverTakesNothingFromTheHeap) {
-  if (!test::heap_is_counted()) GTEST_SKIP() << "the sanitiser owns malloc";
+  if (!test::heap_is_counted())
+    GTEST_SKIP() << "the sanitiser owns malloc";
   open_and_push();
   devices::Driver& driver = subject->driver();
   const auto timeout = std::chrono::microseconds(static_cast<std::int64_t>(4e6 * period_s));
@@ -275,10 +299,14 @@ TEST_P(DriverContract, AnOpenDriverTakesNothingFromTheHeap) {
   EXPECT_EQ(test::heap_count_of([&] {
               for (int i = 0; i < 300; ++i) {
                 good += driver.read(timeout).has_value();
-                if (i % 17) (void)driver.write(push);
-                if (i % 5 == 0) (void)driver.write({Vec3(kNaN, 0, 0), Vec3::Zero()});
-                if (i % 7 == 0) (void)driver.write({Vec3(1e9, 0, 0), Vec3::Zero()});
-                if (i % 11 == 0) driver.stop();
+                if (i % 17)
+                  (void)driver.write(push);
+                if (i % 5 == 0)
+                  (void)driver.write({Vec3(kNaN, 0, 0), Vec3::Zero()});
+                if (i % 7 == 0)
+                  (void)driver.write({Vec3(1e9, 0, 0), Vec3::Zero()});
+                if (i % 11 == 0)
+                  driver.stop();
                 (void)driver.description();
               }
             }),
@@ -287,7 +315,8 @@ TEST_P(DriverContract, AnOpenDriverTakesNothingFromTheHeap) {
 }
 
 TEST_P(DriverContract, InVirtualTimeTheSameCallsGiveTheSameBits) {
-  if (!subject->virtual_time()) GTEST_SKIP() << "real time is never the same";
+  if (!subject->virtual_time())
+    GTEST_SKIP() << "real time is never the same";
   const auto run = [&] {
     subject = nullptr;
     subject = GetParam().make();
@@ -295,20 +324,23 @@ TEST_P(DriverContract, InVirtualTimeTheSameCallsGiveTheSameBits) {
     std::mt19937_64 random(5);
     std::vector<double> all;
     for (int i = 0; i < 600; ++i) {
-      const Vec3 force =
-          push.force + Vec3(static_cast<double>(random() % 100), static_cast<double>(random() % 100), 0) *
-                           (0.002 * push.force.norm());
+      const Vec3 force = push.force + Vec3(static_cast<double>(random() % 100),
+                                           static_cast<double>(random() % 100), 0) *
+                                          (0.002 * push.force.norm());
       const auto t = cycle(Wrench{force, Vec3::Zero()});
       EXPECT_TRUE(t.sample);
-      if (!t.sample) break;
+      if (!t.sample)
+        break;
       all.push_back(static_cast<double>(t.sample->time_ns));
       const devices::DeviceSample& s = *t.sample;
-      for (const Vec3& v : {s.pose.position, Vec3(s.pose.orientation.vec()), s.twist.linear, s.twist.angular})
+      for (const Vec3& v :
+           {s.pose.position, Vec3(s.pose.orientation.vec()), s.twist.linear, s.twist.angular})
         all.insert(all.end(), v.data(), v.data() + 3);
       all.push_back(t.written.has_value());
     }
     for (std::size_t i = 0; i < 600 && i < subject->received().size(); ++i)
-      for (int axis = 0; axis < 3; ++axis) all.push_back(subject->received()[i].wrench.force[axis]);
+      for (int axis = 0; axis < 3; ++axis)
+        all.push_back(subject->received()[i].wrench.force[axis]);
     return all;
   };
   const auto first = run(), second = run();

@@ -1,4 +1,5 @@
-// Every fault that a counterpart offers: which error the driver tells, when the plant's force is zero, and what comes after.
+// Every fault that a counterpart offers: which error the driver tells, when the plant's force is
+// zero, and what comes after.
 #include <gtest/gtest.h>
 #include <signal.h>
 
@@ -14,7 +15,8 @@ namespace {
 using namespace std::chrono_literals;
 
 std::unique_ptr<Subject> subject_of(const FaultCase& fault, bool virtual_time) {
-  if (fault.plant == Plant::kPhantom) return phantom("premium", virtual_time);
+  if (fault.plant == Plant::kPhantom)
+    return phantom("premium", virtual_time);
   return fault.plant == Plant::kLwr ? lwr(virtual_time) : fr3(virtual_time);
 }
 
@@ -45,7 +47,8 @@ TEST_P(EveryFault, IsToldAndZeroInTimeAndEndsAsExpected) {
   EXPECT_EQ(devices::name_of(o.told.front()), devices::name_of(fault().told));
   ASSERT_TRUE(o.zero_after_s);
   EXPECT_LE(*o.zero_after_s, o.bound_s + 1e-9);
-  EXPECT_EQ(o.bound_s - subject->slack_s() > o.period_s + 1e-9, !fault().why.empty()) << "longer than a period only with a reason";
+  EXPECT_EQ(o.bound_s - subject->slack_s() > o.period_s + 1e-9, !fault().why.empty())
+      << "longer than a period only with a reason";
   // In virtual time nothing waits, so a driver that hears nothing has nothing to say yet.
   if (fault().told != devices::DeviceError::kTimeout) {
     EXPECT_GT(o.sentence.size(), 20u) << o.sentence;
@@ -54,17 +57,22 @@ TEST_P(EveryFault, IsToldAndZeroInTimeAndEndsAsExpected) {
 
 std::string fault_name(const testing::TestParamInfo<std::size_t>& i) {
   const FaultCase& fault = fault_cases()[i.param];
-  const char* plant = fault.plant == Plant::kPhantom ? "phantom_" : fault.plant == Plant::kLwr ? "lwr_" : "fr3_";
+  const char* plant = fault.plant == Plant::kPhantom ? "phantom_"
+                      : fault.plant == Plant::kLwr   ? "lwr_"
+                                                     : "fr3_";
   return plant + std::string(fault.name);
 }
-INSTANTIATE_TEST_SUITE_P(Each, EveryFault, testing::Range<std::size_t>(0, fault_cases().size()), fault_name);
+INSTANTIATE_TEST_SUITE_P(Each, EveryFault, testing::Range<std::size_t>(0, fault_cases().size()),
+                         fault_name);
 
 /// The ones whose detection is a matter of clocks.
 TEST(FaultInRealTime, IsZeroInTimeToo) {
   for (const FaultCase& fault : fault_cases()) {
     const bool one_of_them = fault.name == "comm_error" || fault.name == "timer_error" ||
-                             fault.name == "skipped_ticks" || fault.name == "silent" || fault.name == "estop";
-    if (!one_of_them) continue;
+                             fault.name == "skipped_ticks" || fault.name == "silent" ||
+                             fault.name == "estop";
+    if (!one_of_them)
+      continue;
     SCOPED_TRACE(fault.name);
     const FaultOutcome o = run_fault(*subject_of(fault, false), fault);
     EXPECT_TRUE(o.good()) << o.before_n << " N before, " << o.largest_n << " N after";
@@ -85,13 +93,15 @@ TEST(Fault, AKilledControllerIsATimeoutAndThenDisconnectedAndTheDriverStillClose
   std::optional<lwr::LwrDriver> driver(options);
   const Wrench push{Vec3(3, 0, 0), Vec3::Zero()};
   int accepted = 0;
-  for (int i = 0; i < 2000 && accepted < 20; ++i) accepted += driver->read(20ms) && driver->write(push);
+  for (int i = 0; i < 2000 && accepted < 20; ++i)
+    accepted += driver->read(20ms) && driver->write(push);
   ASSERT_EQ(accepted, 20) << driver->status_text();
   controller.signal(SIGKILL);
   std::vector<devices::DeviceError> errors;
   for (int i = 0; i < 30; ++i) {
     const auto sample = driver->read(20ms);
-    if (!sample) errors.push_back(sample.error());
+    if (!sample)
+      errors.push_back(sample.error());
     const auto written = driver->write(push);
     if (!sample) {
       EXPECT_FALSE(written);

@@ -12,30 +12,39 @@ namespace {
 using namespace std::chrono_literals;
 using enum devices::DeviceError;
 
-constexpr double kWatchdog = 0.012;  // the simulated amplifier's 10 ms, and the two ticks that it may lie between
-constexpr double kMisses = 0.006;    // the simulated controller's five misses in a row, and the period that they end in
-constexpr double kWindow = 0.03;     // its eleven misses of the last 100, which are every other answer
+constexpr double kWatchdog =
+    0.012;  // the simulated amplifier's 10 ms, and the two ticks that it may lie between
+constexpr double kMisses =
+    0.006;  // the simulated controller's five misses in a row, and the period that they end in
+constexpr double kWindow = 0.03;  // its eleven misses of the last 100, which are every other answer
 constexpr std::string_view kAmplifier = "nothing gets through: the amplifier's watchdog, 10 ms";
 constexpr std::string_view kLateTick = "no tick, no driver: the amplifier's watchdog, 10 ms";
-constexpr std::string_view kController = "no measurement, no answer: the controller bears five misses";
-constexpr std::string_view kHalf = "every other answer still comes: the controller bears ten misses of a hundred";
+constexpr std::string_view kController =
+    "no measurement, no answer: the controller bears five misses";
+constexpr std::string_view kHalf =
+    "every other answer still comes: the controller bears ten misses of a hundred";
 
-constexpr FaultCase hd(std::string_view name, int code, double amount, double end_amount, After after, devices::DeviceError told,
-                       double bound_s = 0.0, std::string_view why = {}) {
+constexpr FaultCase hd(std::string_view name, int code, double amount, double end_amount,
+                       After after, devices::DeviceError told, double bound_s = 0.0,
+                       std::string_view why = {}) {
   return {name, Plant::kPhantom, code, amount, end_amount, {}, false, after, told, bound_s, why};
 }
 constexpr FaultCase opening(std::string_view name, int code, double amount, After after) {
   return {name, Plant::kPhantom, code, amount, -1, {}, false, after, kFault, 0.0, {}, true};
 }
-constexpr FaultCase fri(std::string_view name, std::string_view text, After after, devices::DeviceError told,
-                        double bound_s = 0.0, std::string_view why = {}, bool short_one = false) {
+constexpr FaultCase fri(std::string_view name, std::string_view text, After after,
+                        devices::DeviceError told, double bound_s = 0.0, std::string_view why = {},
+                        bool short_one = false) {
   return {name, Plant::kLwr, 0, 0.0, 0.0, text, short_one, after, told, bound_s, why};
 }
 
-constexpr double kTwenty = 0.021;  // the simulated arm's twenty misses in a row, and the period that they end in
-constexpr std::string_view kRobot = "no state, no answer: the robot bears twenty misses, as the maker says";
-constexpr FaultCase fci(std::string_view name, std::string_view text, After after, devices::DeviceError told,
-                        double bound_s = 0.0, std::string_view why = {}, bool short_one = false) {
+constexpr double kTwenty =
+    0.021;  // the simulated arm's twenty misses in a row, and the period that they end in
+constexpr std::string_view kRobot =
+    "no state, no answer: the robot bears twenty misses, as the maker says";
+constexpr FaultCase fci(std::string_view name, std::string_view text, After after,
+                        devices::DeviceError told, double bound_s = 0.0, std::string_view why = {},
+                        bool short_one = false) {
   return {name, Plant::kFr3, 0, 0.0, 0.0, text, short_one, after, told, bound_s, why};
 }
 
@@ -43,10 +52,14 @@ constexpr FaultCase fci(std::string_view name, std::string_view text, After afte
 
 std::string_view name_of(After after) noexcept {
   switch (after) {
-    case After::kRidesThrough: return "rides through";
-    case After::kRecovers: return "recovers";
-    case After::kEnds: return "ends";
-    case After::kRefused: return "refused";
+    case After::kRidesThrough:
+      return "rides through";
+    case After::kRecovers:
+      return "recovers";
+    case After::kEnds:
+      return "ends";
+    case After::kRefused:
+      return "refused";
   }
   return "unknown";
 }
@@ -57,10 +70,12 @@ const std::vector<FaultCase>& fault_cases() {
       hd("device_fault", HDSIM_DEVICE_FAULT, -1, 0, After::kEnds, kFault),
       hd("timer_error", HDSIM_TIMER_ERROR, 0, -1, After::kEnds, kFault),
       hd("warm_motors", HDSIM_WARM_MOTORS, 1.5, 0.2, After::kRecovers, kRecoverable),
-      hd("late_tick", HDSIM_LATE_TICK, 0.05, -1, After::kRidesThrough, kTimeout, kWatchdog, kLateTick),
+      hd("late_tick", HDSIM_LATE_TICK, 0.05, -1, After::kRidesThrough, kTimeout, kWatchdog,
+         kLateTick),
       hd("skipped_ticks", HDSIM_SKIPPED_TICKS, 1e6, 0, After::kRecovers, kTimeout),
       hd("nan_position", HDSIM_NAN_POSITION, -1, 0, After::kRecovers, kProtocol),
-      opening("init_fails_once", HDSIM_FAIL_INIT, 0x0302, After::kRidesThrough),  // the next name is tried
+      opening("init_fails_once", HDSIM_FAIL_INIT, 0x0302,
+              After::kRidesThrough),  // the next name is tried
       opening("init_licence", HDSIM_FAIL_INIT, 0x0600, After::kRefused),
       opening("init_in_use", HDSIM_FAIL_INIT, 0x0301, After::kRefused),
       opening("start_fails", HDSIM_FAIL_START, 0, After::kRefused),
@@ -98,27 +113,34 @@ const std::vector<FaultCase>& fault_cases() {
 }
 
 bool FaultOutcome::good() const noexcept {
-  if (fault->after == After::kRefused) return after == After::kRefused && zero_in_time();
-  if (fault->after == After::kRidesThrough) return pushed;
+  if (fault->after == After::kRefused)
+    return after == After::kRefused && zero_in_time();
+  if (fault->after == After::kRidesThrough)
+    return pushed;
   return pushed && zero_in_time();
 }
 
 double fault_start_s(const Subject& subject) {
-  if (subject.virtual_time()) return 0.4;
+  if (subject.virtual_time())
+    return 0.4;
   return subject.name() == "lwr" || subject.name() == "fr3" ? 1.5 : 0.4;
 }
 
 double fault_lasts_s(const Subject& subject, const FaultCase& fault) {
-  if (fault.short_one) return 0.001;
+  if (fault.short_one)
+    return 0.001;
   return subject.virtual_time() ? 0.15 : 0.35;
 }
 
 namespace {
 
 void note(FaultOutcome& o, devices::DeviceError error, double after_s, const std::string& trouble) {
-  if (!o.told_after_s) o.told_after_s = after_s;
-  if (o.sentence.empty()) o.sentence = trouble;
-  if (std::find(o.told.begin(), o.told.end(), error) == o.told.end()) o.told.push_back(error);
+  if (!o.told_after_s)
+    o.told_after_s = after_s;
+  if (o.sentence.empty())
+    o.sentence = trouble;
+  if (std::find(o.told.begin(), o.told.end(), error) == o.told.end())
+    o.told.push_back(error);
 }
 
 /// What the plant got, against the bound.
@@ -129,10 +151,14 @@ void judge(FaultOutcome& o, const std::vector<Received>& received, double began_
     // The largest of the last 20 periods: on a busy machine a tick may go by without a command.
     if (r.end_s - began_s < tick && begin > -20.0 * o.period_s)
       o.before_n = std::max(o.before_n, r.wrench.force.norm());
-    if (begin < -tick || begin > o.bound_s + kWatched) continue;
-    if (r.wrench.zero() && !o.zero_after_s) o.zero_after_s = std::max(0.0, begin);
-    if (!r.wrench.zero()) o.zero_after_s.reset();
-    if (begin < o.bound_s - tick) continue;
+    if (begin < -tick || begin > o.bound_s + kWatched)
+      continue;
+    if (r.wrench.zero() && !o.zero_after_s)
+      o.zero_after_s = std::max(0.0, begin);
+    if (!r.wrench.zero())
+      o.zero_after_s.reset();
+    if (begin < o.bound_s - tick)
+      continue;
     o.largest_n = std::max(o.largest_n, r.wrench.force.norm());
     o.largest_nm = std::max(o.largest_nm, r.wrench.torque.norm());
   }
@@ -155,11 +181,13 @@ FaultOutcome run_fault(Subject& subject, const FaultCase& fault) {
   } catch (const devices::DeviceOpenError& error) {
     o.after = After::kRefused;
     o.sentence = error.what();
-    for (const Received& r : subject.received()) o.largest_n = std::max(o.largest_n, r.wrench.force.norm());
+    for (const Received& r : subject.received())
+      o.largest_n = std::max(o.largest_n, r.wrench.force.norm());
     return o;
   }
   o.period_s = 1.0 / subject.driver().description().rate_hz;
-  o.bound_s = std::max(o.period_s, fault.bound_s * std::max(1.0, o.period_s / 1e-3)) + subject.slack_s();
+  o.bound_s =
+      std::max(o.period_s, fault.bound_s * std::max(1.0, o.period_s / 1e-3)) + subject.slack_s();
   const Wrench push = subject.usual_push();
   const auto give_up = std::chrono::steady_clock::now() + 20s;
   const auto patient = [&] { return std::chrono::steady_clock::now() < give_up; };
@@ -168,11 +196,14 @@ FaultOutcome run_fault(Subject& subject, const FaultCase& fault) {
   while (patient() && subject.now_s() < end_s && !back) {
     const Subject::Cycle t = subject.cycle(push);
     const auto began = subject.fault_began_s();
-    if (!began) continue;
+    if (!began)
+      continue;
     const double over_s = *began + std::max(fault_lasts_s(subject, fault), o.bound_s + kWatched);
     end_s = over_s + (fault.plant == Plant::kPhantom ? 0.5 : 2.0);
-    if (!t.sample) note(o, t.sample.error(), t.time_s - *began, t.trouble);
-    if (t.sample && !t.written) note(o, t.written.error(), t.time_s - *began, t.trouble);
+    if (!t.sample)
+      note(o, t.sample.error(), t.time_s - *began, t.trouble);
+    if (t.sample && !t.written)
+      note(o, t.written.error(), t.time_s - *began, t.trouble);
     back = subject.now_s() > over_s && felt(subject.received(), push, over_s);
   }
   o.after = !back ? After::kEnds : o.told.empty() ? After::kRidesThrough : After::kRecovers;

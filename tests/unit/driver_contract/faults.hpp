@@ -1,5 +1,6 @@
 #pragma once
-/// Every fault that the two counterparts offer, what a driver has to make of it, and the measuring of what it made.
+/// Every fault that the two counterparts offer, what a driver has to make of it, and the measuring
+/// of what it made.
 #include <optional>
 #include <string>
 #include <string_view>
@@ -27,12 +28,13 @@ struct FaultCase {
   Plant plant;
   int code;                   ///< of hdsim_inject; the controller has `text`
   double amount, end_amount;  ///< of hdsim_inject at its begin and its end
-  std::string_view text;  ///< of the controller's schedule, without START:DURATION; a value may follow after a colon
-  bool short_one;         ///< lasts a millisecond; the others longer than anything is watched for
+  std::string_view text;      ///< of the controller's schedule, without START:DURATION; a value may
+                              ///< follow after a colon
+  bool short_one;  ///< lasts a millisecond; the others longer than anything is watched for
   After after;
-  devices::DeviceError told;      ///< means nothing for kRidesThrough and kRefused
-  double bound_s;        ///< longest until zero force; 0: one period
-  std::string_view why;  ///< the bound is longer than one period
+  devices::DeviceError told;  ///< means nothing for kRidesThrough and kRefused
+  double bound_s;             ///< longest until zero force; 0: one period
+  std::string_view why;       ///< the bound is longer than one period
   bool at_opening = false;
 };
 const std::vector<FaultCase>& fault_cases();
@@ -43,10 +45,11 @@ struct FaultOutcome {
   const FaultCase* fault = nullptr;
   bool virtual_time = true, pushed = false;  ///< pushed: the plant gave the push before the fault
   double period_s = 0.0, bound_s = 0.0;
-  double before_n = 0.0;          ///< force when it began
+  double before_n = 0.0;                   ///< force when it began
   std::vector<devices::DeviceError> told;  ///< each kind once, in order
   std::optional<double> told_after_s;
-  std::optional<double> zero_after_s;        ///< from the begin of the fault; absent: not zero for the 100 ms
+  std::optional<double>
+      zero_after_s;  ///< from the begin of the fault; absent: not zero for the 100 ms
   double largest_n = 0.0, largest_nm = 0.0;  ///< begun after the bound, within 100 ms
   After after = After::kEnds;
   std::string sentence;  ///< of the driver, when it first told
@@ -56,7 +59,8 @@ struct FaultOutcome {
   bool good() const noexcept;
 };
 
-/// Plans `fault`, opens, pushes, waits for it, goes on pushing for as long as the force may need to come back, and closes.
+/// Plans `fault`, opens, pushes, waits for it, goes on pushing for as long as the force may need to
+/// come back, and closes.
 FaultOutcome run_fault(Subject& subject, const FaultCase& fault);
 
 /// When a planned fault begins on the plant's clock, and for how long [s].

@@ -34,31 +34,37 @@ class Fr3Ears {
   }
   void hear(const void* data, std::size_t size) {
     const std::lock_guard lock(mutex_);
-    if (dialect_ == nullptr) return;
+    if (dialect_ == nullptr)
+      return;
     const std::span bytes(static_cast<const std::byte*>(data), size);
     fr3::fci::State state;
     if (fr3::fci::decode(*dialect_, bytes, state) == fr3::fci::PacketFault::kNone)
       measured_[state.message_id % measured_.size()] = state.q;
     fr3::fci::Command command;
     const fr3::fci::PacketFault fault = fr3::fci::decode(*dialect_, bytes, command);
-    if (fault != fr3::fci::PacketFault::kLength) judge(command, fault);
+    if (fault != fr3::fci::PacketFault::kLength)
+      judge(command, fault);
   }
 
  private:
   void judge(const fr3::fci::Command& command, fr3::fci::PacketFault fault) {
     ++wire_.orders;
-    if (fault == fr3::fci::PacketFault::kNotFinite) ++wire_.not_finite;
+    if (fault == fr3::fci::PacketFault::kNotFinite)
+      ++wire_.not_finite;
     const arm::Joints& torque = command.torque_nm;
-    if (torque.isZero(0.0) || !torque.allFinite()) return;
+    if (torque.isZero(0.0) || !torque.allFinite())
+      return;
     ++wire_.pushes;
-    // The posture's torque is at right angles to that of any wrench, so the wrench in it is found by least squares.
+    // The posture's torque is at right angles to that of any wrench, so the wrench in it is found
+    // by least squares.
     const fr3::Fr3Arm::State arm = arm_.at(measured_[command.message_id % measured_.size()]);
     const Mat6 square = arm.jacobian * arm.jacobian.transpose();
     const Vec6 wrench = square.ldlt().solve(arm.jacobian * torque);
     wire_.force_n = std::max(wire_.force_n, wrench.head<3>().norm());
     wire_.torque_nm = std::max(wire_.torque_nm, wrench.tail<3>().norm());
     const arm::Joints limit = fr3::Fr3Options().max_add_torque_nm;
-    wire_.drive_share = std::max(wire_.drive_share, (torque.array().abs() / limit.array()).maxCoeff());
+    wire_.drive_share =
+        std::max(wire_.drive_share, (torque.array().abs() / limit.array()).maxCoeff());
   }
 
   std::mutex mutex_;
@@ -82,13 +88,16 @@ hand::Hand somebody() {
 
 class Fr3Subject final : public Subject {
  public:
-  Fr3Subject(bool virtual_time, std::uint16_t version) : virtual_time_(virtual_time), version_(version) {
+  Fr3Subject(bool virtual_time, std::uint16_t version)
+      : virtual_time_(virtual_time),
+        version_(version) {
     Fr3Ears::instance().reset(fr3::fci::dialect_of(version));
   }
   ~Fr3Subject() override {
     close();
     stop_ = true;
-    if (thread_.joinable()) thread_.join();
+    if (thread_.joinable())
+      thread_.join();
     Fr3Ears::instance().reset(nullptr);
   }
 
@@ -103,13 +112,15 @@ class Fr3Subject final : public Subject {
 
  protected:
   std::unique_ptr<devices::Driver> make() override {
-    if (!server_) start_robot();
+    if (!server_)
+      start_robot();
     fr3::Fr3Options options;
     options.address = "127.0.0.1";
     options.port = server_->port();
     options.connect_timeout_s = 5.0;
     options.virtual_time = virtual_time_;
-    options.virtual_timeout_s = fault_ != nullptr && (fault_->text == "silent" || fault_->text == "closed") ? 0.04 : 2.0;
+    options.virtual_timeout_s =
+        fault_ != nullptr && (fault_->text == "silent" || fault_->text == "closed") ? 0.04 : 2.0;
     options.silence_s = 0.1;
     return std::make_unique<fr3::Fr3Driver>(options);
   }
@@ -124,22 +135,25 @@ class Fr3Subject final : public Subject {
   void start_robot() {
     std::vector<fr3_sim::Fault> faults;
     if (fault_) {
-      const std::string_view kind = fault_->text.substr(0, fault_->text.find(':')), value = fault_->text.substr(kind.size());
-      faults.push_back(
-          parse_fault(fmt::format("{}@{}:{}{}", kind, fault_start_s(*this), fault_lasts_s(*this, *fault_), value), fr3_sim::kFaults));
+      const std::string_view kind = fault_->text.substr(0, fault_->text.find(':')),
+                             value = fault_->text.substr(kind.size());
+      faults.push_back(parse_fault(fmt::format("{}@{}:{}{}", kind, fault_start_s(*this),
+                                               fault_lasts_s(*this, *fault_), value),
+                                   fr3_sim::kFaults));
     }
     fr3_sim::RobotConfig config;
     config.version = version_;
     config.torque_delay_ticks = 0;
     config.torque_lag_s = 0.0;
-    config.compensates_coriolis = false;  // which would be force that nobody asked for
+    config.compensates_coriolis = false;           // which would be force that nobody asked for
     config.limits.speed_rad_s.setConstant(100.0);  // random forces: the driver's own limit is asked
     const fr3_sim::FaultSchedule schedule(faults);
     robot_ = std::make_unique<fr3_sim::FciRobot>(config, somebody(), schedule);
     fr3_sim::ServerConfig network;
     network.virtual_time = virtual_time_;
     network.patience_s = 1.0;
-    server_ = std::make_unique<fr3_sim::FciServer>(network, *robot_, fr3_sim::Line(schedule, fr3_sim::kTick, 1));
+    server_ = std::make_unique<fr3_sim::FciServer>(network, *robot_,
+                                                   fr3_sim::Line(schedule, fr3_sim::kTick, 1));
     server_->after_period = [this](const fr3_sim::FciRobot& robot) {
       const double now = robot.time_s();
       now_s_ = now;

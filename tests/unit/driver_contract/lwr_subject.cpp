@@ -1,5 +1,5 @@
-// The light-weight robot's driver at the simulated controller, which runs on a thread of its own. Datagrams are seen where they go
-// to the system: this program is linked with sendto wrapped.
+// The light-weight robot's driver at the simulated controller, which runs on a thread of its own.
+// Datagrams are seen where they go to the system: this program is linked with sendto wrapped.
 #include <fmt/format.h>
 #include <sys/socket.h>
 
@@ -55,17 +55,21 @@ class Ears {
   void judge(const lwr::fri::CmdPacket& cmd) {
     ++wire_.orders;
     const lwr::LwrJoints torque = lwr::fri::from_wire(cmd.command.add_jnt_trq);
-    if (!lwr::fri::finite(cmd)) ++wire_.not_finite;
-    if (torque.isZero(0.0) || !torque.allFinite()) return;
+    if (!lwr::fri::finite(cmd))
+      ++wire_.not_finite;
+    if (torque.isZero(0.0) || !torque.allFinite())
+      return;
     ++wire_.pushes;
-    // The posture's torque is at right angles to that of any wrench, so the wrench in it is found by least squares.
+    // The posture's torque is at right angles to that of any wrench, so the wrench in it is found
+    // by least squares.
     const lwr::LwrArm::State arm = arm_.at(measured_[cmd.header.refl_seq % measured_.size()]);
     const Mat6 square = arm.jacobian * arm.jacobian.transpose();
     const Vec6 wrench = square.ldlt().solve(arm.jacobian * torque);
     wire_.force_n = std::max(wire_.force_n, wrench.head<3>().norm());
     wire_.torque_nm = std::max(wire_.torque_nm, wrench.tail<3>().norm());
     const lwr::LwrJoints limit = lwr::LwrOptions().max_add_torque_nm;
-    wire_.drive_share = std::max(wire_.drive_share, (torque.array().abs() / limit.array()).maxCoeff());
+    wire_.drive_share =
+        std::max(wire_.drive_share, (torque.array().abs() / limit.array()).maxCoeff());
   }
 
   std::mutex mutex_;
@@ -76,22 +80,28 @@ class Ears {
 
 /// Delays are those of the usual period of a millisecond, and longer where the period is.
 std::vector<Fault> schedule(const Subject& subject, const FaultCase& fault, double period_s) {
-  const std::string_view kind = fault.text.substr(0, fault.text.find(':')), value = fault.text.substr(kind.size());
-  Fault parsed =
-      parse_fault(fmt::format("{}@{}:{}{}", kind, fault_start_s(subject), fault_lasts_s(subject, fault), value), kFaults);
-  if (parsed.kind == FaultKind::kLate || parsed.kind == FaultKind::kJitter) parsed.value *= period_s / 1e-3;
+  const std::string_view kind = fault.text.substr(0, fault.text.find(':')),
+                         value = fault.text.substr(kind.size());
+  Fault parsed = parse_fault(
+      fmt::format("{}@{}:{}{}", kind, fault_start_s(subject), fault_lasts_s(subject, fault), value),
+      kFaults);
+  if (parsed.kind == FaultKind::kLate || parsed.kind == FaultKind::kJitter)
+    parsed.value *= period_s / 1e-3;
   return {parsed};
 }
 
 class LwrSubject final : public Subject {
  public:
-  LwrSubject(bool virtual_time, std::string capture) : virtual_time_(virtual_time), capture_(std::move(capture)) {
+  LwrSubject(bool virtual_time, std::string capture)
+      : virtual_time_(virtual_time),
+        capture_(std::move(capture)) {
     Ears::instance().reset();
   }
   ~LwrSubject() override {
     close();
     stop_ = true;
-    if (thread_.joinable()) thread_.join();
+    if (thread_.joinable())
+      thread_.join();
   }
 
   std::string name() const override { return "lwr"; }
@@ -106,7 +116,8 @@ class LwrSubject final : public Subject {
 
  protected:
   std::unique_ptr<devices::Driver> make() override {
-    if (!session_) start_controller();
+    if (!session_)
+      start_controller();
     lwr::LwrOptions options;
     options.address = "127.0.0.1";
     options.port = port_;
@@ -129,29 +140,36 @@ class LwrSubject final : public Subject {
     ControllerConfig config;
     config.virtual_time = virtual_time_;
     config.period_s = usual_period_s();
-    const FaultSchedule faults(fault_ ? schedule(*this, *fault_, config.period_s) : std::vector<Fault>());
+    const FaultSchedule faults(fault_ ? schedule(*this, *fault_, config.period_s)
+                                      : std::vector<Fault>());
     config.overlay_delay_ticks = 0;
     config.overlay_lag_s = 0.0;
     config.laws.compensates_coriolis = false;  // which would be force that nobody asked for
-    controller_ = std::make_unique<FriController>(config, lwr_sim::test::arm_at(Vec3::Zero(), 500.0, 60.0), faults);
+    controller_ = std::make_unique<FriController>(
+        config, lwr_sim::test::arm_at(Vec3::Zero(), 500.0, 60.0), faults);
     SessionConfig network;
     network.remote_port = port_;
     network.patience_s = 1.0;
     session_ = std::make_unique<Session>(network, *controller_, Line(faults, config.period_s, 1));
-    session_->after_period = [this, period = config.period_s](const FriController&) { note(period); };
+    session_->after_period = [this, period = config.period_s](const FriController&) {
+      note(period);
+    };
     thread_ = std::thread([this] { session_->run(stop_); });
   }
-  /// In other states than command mode the controller holds the arm by its own law, and up to the first answer in command mode
-  /// as well: no force of ours.
+  /// In other states than command mode the controller holds the arm by its own law, and up to the
+  /// first answer in command mode as well: no force of ours.
   void note(double period_s) {
     const TraceRow row = controller_->row();
     Received got{row.time_s - period_s, row.time_s, {}};
     ++periods_in_command_;
-    if (row.state == lwr::fri::State::kCmd && !row.braked && periods_in_command_ > 1) got.wrench = row.applied;
+    if (row.state == lwr::fri::State::kCmd && !row.braked && periods_in_command_ > 1)
+      got.wrench = row.applied;
     while (const auto event = controller_->take_event()) {
-      if (event->from != lwr::fri::State::kCmd && event->to == lwr::fri::State::kCmd) periods_in_command_ = 0, got.wrench = {};
+      if (event->from != lwr::fri::State::kCmd && event->to == lwr::fri::State::kCmd)
+        periods_in_command_ = 0, got.wrench = {};
       // Left at the period's end: until then force was as before.
-      if (event->from == lwr::fri::State::kCmd && event->time_s > row.time_s - 0.5 * period_s) got.wrench = last_.wrench;
+      if (event->from == lwr::fri::State::kCmd && event->time_s > row.time_s - 0.5 * period_s)
+        got.wrench = last_.wrench;
     }
     last_ = got;
     now_s_ = row.time_s;
@@ -184,9 +202,12 @@ void lwr_hears(const void* data, std::size_t size) { Ears::instance().hear(data,
 }  // namespace voxtouch::contract
 
 extern "C" {
-ssize_t __real_sendto(int file, const void* data, std::size_t size, int flags, const sockaddr* to, socklen_t length);
-ssize_t __wrap_sendto(int file, const void* data, std::size_t size, int flags, const sockaddr* to, socklen_t length);
-ssize_t __wrap_sendto(int file, const void* data, std::size_t size, int flags, const sockaddr* to, socklen_t length) {
+ssize_t __real_sendto(int file, const void* data, std::size_t size, int flags, const sockaddr* to,
+                      socklen_t length);
+ssize_t __wrap_sendto(int file, const void* data, std::size_t size, int flags, const sockaddr* to,
+                      socklen_t length);
+ssize_t __wrap_sendto(int file, const void* data, std::size_t size, int flags, const sockaddr* to,
+                      socklen_t length) {
   voxtouch::contract::lwr_hears(data, size);
   voxtouch::contract::fr3_hears(data, size);
   return __real_sendto(file, data, size, flags, to, length);

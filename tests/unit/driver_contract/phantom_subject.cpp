@@ -1,4 +1,5 @@
-// The Phantom's driver at the simulated vendor's library. What is set is seen by a function in the place of the vendor's.
+// The Phantom's driver at the simulated vendor's library. What is set is seen by a function in the
+// place of the vendor's.
 #include <dlfcn.h>
 
 #include <atomic>
@@ -21,13 +22,15 @@ void spied_set(phantom::hd::HDenum name, const phantom::hd::HDdouble* values);
 
 /// The library's functions and hooks, loaded once a process.
 struct Library {
-  static inline const std::string file = VOXTOUCH_HD_SIM_LIBRARY;  // GCC 13 and later take what is returned for a part of a temporary
+  static inline const std::string file =
+      VOXTOUCH_HD_SIM_LIBRARY;  // GCC 13 and later take what is returned for a part of a temporary
   const phantom::HdLibrary& library = phantom::HdLibrary::load(file);
   decltype(&hdsim_defaults) defaults = find<decltype(&hdsim_defaults)>("hdsim_defaults");
   decltype(&hdsim_use_virtual_time) use_virtual_time =
       find<decltype(&hdsim_use_virtual_time)>("hdsim_use_virtual_time");
   decltype(&hdsim_set_model) set_model = find<decltype(&hdsim_set_model)>("hdsim_set_model");
-  decltype(&hdsim_set_switches) set_switches = find<decltype(&hdsim_set_switches)>("hdsim_set_switches");
+  decltype(&hdsim_set_switches) set_switches =
+      find<decltype(&hdsim_set_switches)>("hdsim_set_switches");
   decltype(&hdsim_step) step = find<decltype(&hdsim_step)>("hdsim_step");
   decltype(&hdsim_inject) inject = find<decltype(&hdsim_inject)>("hdsim_inject");
   decltype(&hdsim_read_state) read_state = find<decltype(&hdsim_read_state)>("hdsim_read_state");
@@ -42,7 +45,8 @@ struct Library {
   static F find(const char* name) {
     void* const handle = dlopen(VOXTOUCH_HD_SIM_LIBRARY, RTLD_LAZY | RTLD_NOLOAD);
     const F function = reinterpret_cast<F>(handle != nullptr ? dlsym(handle, name) : nullptr);
-    if (function == nullptr) throw std::runtime_error(std::string("the simulated library has no ") + name);
+    if (function == nullptr)
+      throw std::runtime_error(std::string("the simulated library has no ") + name);
     return function;
   }
 };
@@ -57,9 +61,12 @@ void spied_set(phantom::hd::HDenum name, const phantom::hd::HDdouble* values) {
   if (name == phantom::hd::kCurrentForce || name == phantom::hd::kCurrentTorque) {
     const Vec3 v(values[0], values[1], values[2]);
     const std::lock_guard lock(g_mutex);
-    if (name == phantom::hd::kCurrentForce) ++g_wire.orders;
-    if (name == phantom::hd::kCurrentForce && !v.isZero(0.0)) ++g_wire.pushes;
-    if (!v.allFinite()) ++g_wire.not_finite;
+    if (name == phantom::hd::kCurrentForce)
+      ++g_wire.orders;
+    if (name == phantom::hd::kCurrentForce && !v.isZero(0.0))
+      ++g_wire.pushes;
+    if (!v.allFinite())
+      ++g_wire.not_finite;
     double& largest = name == phantom::hd::kCurrentForce ? g_wire.force_n : g_wire.torque_nm;
     largest = std::max(largest, (name == phantom::hd::kCurrentForce ? 1.0 : 1e-3) * v.norm());
   }
@@ -68,7 +75,9 @@ void spied_set(phantom::hd::HDenum name, const phantom::hd::HDdouble* values) {
 
 class PhantomSubject final : public Subject {
  public:
-  PhantomSubject(const std::string& model, bool virtual_time) : model_(model), virtual_time_(virtual_time) {
+  PhantomSubject(const std::string& model, bool virtual_time)
+      : model_(model),
+        virtual_time_(virtual_time) {
     sim().defaults();
     if (sim().use_virtual_time(virtual_time) != 0 || sim().set_model(model.c_str()) != 0)
       throw std::runtime_error("the simulated library cannot be set up: is a device open?");
@@ -93,7 +102,8 @@ class PhantomSubject final : public Subject {
 
  protected:
   std::unique_ptr<devices::Driver> make() override {
-    if (fault_ != nullptr && fault_->at_opening) sim().inject(fault_->code, fault_->amount);
+    if (fault_ != nullptr && fault_->at_opening)
+      sim().inject(fault_->code, fault_->amount);
     phantom::PhantomOptions options;
     options.library = VOXTOUCH_HD_SIM_LIBRARY;
     options.silence_s = 0.1;
@@ -101,17 +111,20 @@ class PhantomSubject final : public Subject {
   }
   void observe() override {
     const hdsim_state s = state();
-    if (s.time == last_s_) return;
+    if (s.time == last_s_)
+      return;
     const Vec3 force(s.motor_force[0], s.motor_force[1], s.motor_force[2]);
     received_.push_back({last_s_, s.time, {force, Vec3::Zero()}});
     last_s_ = s.time;
   }
   void pass_period() override {
-    if (virtual_time_) sim().step();
+    if (virtual_time_)
+      sim().step();
   }
   void begin_fault(const FaultCase& fault) override { sim().inject(fault.code, fault.amount); }
   void end_fault(const FaultCase& fault) override {
-    if (fault.end_amount >= 0.0) sim().inject(fault.code, fault.end_amount);
+    if (fault.end_amount >= 0.0)
+      sim().inject(fault.code, fault.end_amount);
   }
 
  private:

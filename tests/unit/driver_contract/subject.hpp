@@ -1,5 +1,6 @@
 #pragma once
-/// A driver, what stands behind it, and a look at what that received: all that the contract and its experiments need of a device.
+/// A driver, what stands behind it, and a look at what that received: all that the contract and its
+/// experiments need of a device.
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -12,8 +13,9 @@
 
 namespace voxtouch::contract {
 
-/// What the plant's motors gave over one period of the driver, on the plant's own clock. The plants of the contract add no delay
-/// and no lag of their own, so whatever is seen is the driver's and the protocol's.
+/// What the plant's motors gave over one period of the driver, on the plant's own clock. The plants
+/// of the contract add no delay and no lag of their own, so whatever is seen is the driver's and
+/// the protocol's.
 struct Received {
   double begin_s = 0.0, end_s = 0.0;
   Wrench wrench;  ///< at the tool, axes of D
@@ -25,10 +27,12 @@ struct Wire {
   std::uint64_t pushes = 0;               ///< that did
   std::uint64_t not_finite = 0;           ///< with any number that is none
   double force_n = 0.0, torque_nm = 0.0;  ///< the largest
-  double drive_share = 0.0;               ///< the largest torque of a joint, as a share of what one may be asked for
+  double drive_share =
+      0.0;  ///< the largest torque of a joint, as a share of what one may be asked for
 };
 
-/// One device, its clock and its ears. The thread that makes it owns it; the plant may run on another.
+/// One device, its clock and its ears. The thread that makes it owns it; the plant may run on
+/// another.
 class Subject {
  public:
   virtual ~Subject() = default;
@@ -46,9 +50,11 @@ class Subject {
     devices::DeviceResult<devices::DeviceSample> sample;
     devices::DeviceResult<void> written;
     double time_s = 0.0;  ///< of the plant, when the write came
-    std::string trouble;  ///< as another thread would hear it between the two; once a planned fault has begun
+    std::string trouble;  ///< as another thread would hear it between the two; once a planned fault
+                          ///< has begun
   };
-  /// One period of a loop that hears nothing: whatever `read` says, it writes, unless `command` is absent.
+  /// One period of a loop that hears nothing: whatever `read` says, it writes, unless `command` is
+  /// absent.
   Cycle cycle(const std::optional<Wrench>& command);
   /// Writes `command` until the plant gives it. False: it never did.
   bool push_until_felt(const Wrench& command, double tolerance = 0.1);
@@ -74,11 +80,13 @@ class Subject {
   virtual Wire wire() = 0;
   /// A push that the device can hold for seconds.
   virtual Wrench usual_push() const = 0;
-  /// How long the usual push takes to end: nothing, but where the device itself bears no steps of its torques.
+  /// How long the usual push takes to end: nothing, but where the device itself bears no steps of
+  /// its torques.
   virtual double fade_s() const { return 0.0; }
   /// How many periods a command has to last to be reached, likewise.
   virtual int periods_to_reach() const { return 1; }
-  /// What a machine that others use may take beside one period, and what the device does; in virtual time the latter alone.
+  /// What a machine that others use may take beside one period, and what the device does; in
+  /// virtual time the latter alone.
   double slack_s() const { return fade_s() + (virtual_time() ? 0.0 : 10.0 * usual_period_s()); }
   virtual double usual_period_s() const { return 1e-3; }
   /// An answer that has gone out cannot be taken back.
@@ -86,7 +94,8 @@ class Subject {
 
  protected:
   virtual std::unique_ptr<devices::Driver> make() = 0;
-  /// For plants whose time passes only in the driver's calls: what they received since the last time.
+  /// For plants whose time passes only in the driver's calls: what they received since the last
+  /// time.
   virtual void observe() {}
   /// One period without the driver, where it made none.
   virtual void pass_period() {}

@@ -11,16 +11,19 @@ namespace {
 
 /// A spring to the origin, U = k x^2 / 2: known in every place.
 enum : std::size_t { kStiffness };
-constexpr std::array kSpringParameters = {EffectParameter{.name = "stiffness_n_per_m", .high = 1000.0}};
+constexpr std::array kSpringParameters = {
+    EffectParameter{.name = "stiffness_n_per_m", .high = 1000.0}};
 bool broken = false;
 
 class Spring final : public Effect {
  public:
-  void apply(const EffectFrame& frame, const EffectValues& values, EffectPush& push) noexcept override {
+  void apply(const EffectFrame& frame, const EffectValues& values,
+             EffectPush& push) noexcept override {
     const double k = values.number(kStiffness);
     const Vec3& x = frame.tool.position;
     push.wrench.force -= k * x;
-    if (broken) push.wrench.force.x() = std::numeric_limits<double>::quiet_NaN();
+    if (broken)
+      push.wrench.force.x() = std::numeric_limits<double>::quiet_NaN();
     push.stiffness.topLeftCorner<3, 3>().diagonal().array() += k;
     push.stiffness_bound_n_per_m += k;
     push.potential_j += 0.5 * k * x.squaredNorm();
@@ -36,14 +39,16 @@ const EffectKind kSpring = {
     .bound =
         [](const EffectValues& v) {
           EffectBound bound;
-          bound.stiffness_n_per_m = v.number(kStiffness), bound.force_n = 40.0, bound.potential_j = 4.0;
+          bound.stiffness_n_per_m = v.number(kStiffness), bound.force_n = 40.0,
+          bound.potential_j = 4.0;
           return bound;
         },
     .make = [] { return std::unique_ptr<Effect>(std::make_unique<Spring>()); },
 };
 
 EffectSpec spring(double k) {
-  EffectSpec spec{.name = "spring", .kind = &kSpring, .values = EffectValues(kSpringParameters), .region = {}};
+  EffectSpec spec{
+      .name = "spring", .kind = &kSpring, .values = EffectValues(kSpringParameters), .region = {}};
   spec.values.at(kStiffness)[0] = k;
   return spec;
 }
@@ -88,12 +93,15 @@ TEST(EffectChain, ARegionKeepsAConservativeEffectConservative) {
   spec.gain = 0.5;
   EffectChain chain({spec});
   const auto potential = [&](const Vec3& x) { return chain.apply(at(x)).potential_j; };
-  for (const Vec3& x : {Vec3(0.1, 0.01, 0), Vec3(0.1, 0.038, 0.01), Vec3(0.06, 0.01, -0.01), Vec3(0.13, 0.02, 0.02)}) {
+  for (const Vec3& x : {Vec3(0.1, 0.01, 0), Vec3(0.1, 0.038, 0.01), Vec3(0.06, 0.01, -0.01),
+                        Vec3(0.13, 0.02, 0.02)}) {
     const EffectPush push = chain.apply(at(x));
     for (int axis = 0; axis < 3; ++axis) {
       const Vec3 step = 1e-6 * Vec3::Unit(axis);
-      EXPECT_NEAR(-(potential(x + step) - potential(x - step)) / 2e-6, push.wrench.force[axis], 1e-6);
-      const Vec3 change = (chain.apply(at(x + step)).wrench.force - chain.apply(at(x - step)).wrench.force) / 2e-6;
+      EXPECT_NEAR(-(potential(x + step) - potential(x - step)) / 2e-6, push.wrench.force[axis],
+                  1e-6);
+      const Vec3 change =
+          (chain.apply(at(x + step)).wrench.force - chain.apply(at(x - step)).wrench.force) / 2e-6;
       EXPECT_LE(change.norm(), push.stiffness_bound_n_per_m * (1 + 1e-6));
     }
   }
@@ -117,7 +125,10 @@ TEST(EffectChain, ChangesWhileRunningAreRampsAndNoSteps) {
   EXPECT_EQ(test::set_value(chain, "stiffness_n_per_m", {400, 0, 0}), "");
   settle(-40);
   const auto heads_for = [&](EffectAction action, double goal) {
-    EXPECT_EQ(test::change(chain, {.action = action, .effect = "spring", .parameter = {}, .value = {goal, 0, 0}}), "");
+    EXPECT_EQ(
+        test::change(
+            chain, {.action = action, .effect = "spring", .parameter = {}, .value = {goal, 0, 0}}),
+        "");
   };
   heads_for(EffectAction::kGain, 0.5);
   settle(-20);

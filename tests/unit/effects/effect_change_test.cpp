@@ -10,15 +10,20 @@
 namespace voxtouch::effects {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kInf = std::numeric_limits<double>::infinity();
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN(),
+                 kInf = std::numeric_limits<double>::infinity();
 
 enum : std::size_t { kForce, kAlong, kLow, kHigh, kWay, kTurning };
 constexpr std::array kPushParameters = {
     EffectParameter{.name = "force_n", .high = 2.0, .standard = {{1.0, 0.0, 0.0}}},
-    EffectParameter{.name = "along", .shape = ParameterShape::kDirection, .standard = {{1.0, 0.0, 0.0}}},
+    EffectParameter{
+        .name = "along", .shape = ParameterShape::kDirection, .standard = {{1.0, 0.0, 0.0}}},
     EffectParameter{.name = "low", .high = 10.0, .standard = {{1.0, 0.0, 0.0}}},
     EffectParameter{.name = "high", .high = 10.0, .standard = {{2.0, 0.0, 0.0}}},
-    EffectParameter{.name = "way", .shape = ParameterShape::kWord, .standard = {{0.0, 0.0, 0.0}}, .words = "up down"},
+    EffectParameter{.name = "way",
+                    .shape = ParameterShape::kWord,
+                    .standard = {{0.0, 0.0, 0.0}},
+                    .words = "up down"},
     EffectParameter{.name = "turning_nm", .high = 1.0, .standard = {{0.0, 0.0, 0.0}}},
 };
 
@@ -54,7 +59,8 @@ const EffectKind kPush = {
 };
 
 std::vector<EffectSpec> two_pushes() {
-  const EffectSpec one{.name = "push", .kind = &kPush, .values = EffectValues(kPushParameters), .region = {}};
+  const EffectSpec one{
+      .name = "push", .kind = &kPush, .values = EffectValues(kPushParameters), .region = {}};
   EffectSpec other = one;
   other.name = "push2";
   return {one, other};
@@ -67,16 +73,20 @@ std::string why_not(const EffectRequest& request) {
 EffectRequest value(std::string_view parameter, const std::array<double, 3>& v) {
   return {.action = EffectAction::kValue, .effect = "push", .parameter = parameter, .value = v};
 }
-EffectRequest gain(double g) { return {.action = EffectAction::kGain, .effect = "push", .parameter = {}, .value = {g}}; }
+EffectRequest gain(double g) {
+  return {.action = EffectAction::kGain, .effect = "push", .parameter = {}, .value = {g}};
+}
 
 TEST(EffectChange, FindsEffectAndParameterByName) {
-  const auto judged =
-      judge(two_pushes(),
-            {.action = EffectAction::kValue, .effect = "push2", .parameter = "high", .value = {3.0, kNan, 7.0}});
+  const auto judged = judge(two_pushes(), {.action = EffectAction::kValue,
+                                           .effect = "push2",
+                                           .parameter = "high",
+                                           .value = {3.0, kNan, 7.0}});
   ASSERT_TRUE(judged) << judged.error();
   EXPECT_EQ(judged->effect, 1U);
   EXPECT_EQ(judged->parameter, kHigh);
-  EXPECT_EQ(judged->value, (std::array{3.0, 0.0, 0.0})) << "what does not count must not reach the loop";
+  EXPECT_EQ(judged->value, (std::array{3.0, 0.0, 0.0}))
+      << "what does not count must not reach the loop";
 }
 
 TEST(EffectChange, BringsADirectionToUnitLength) {
@@ -87,25 +97,35 @@ TEST(EffectChange, BringsADirectionToUnitLength) {
 }
 
 TEST(EffectChange, RefusesWithASentenceWhateverCannotRun) {
-  for (const double bad : {kNan, kInf, -kInf, -0.1, 1.1}) EXPECT_NE(why_not(gain(bad)), "") << bad;
-  for (const double bad : {kNan, kInf, -1.0, 2.1}) EXPECT_NE(why_not(value("force_n", {bad, 0, 0})), "") << bad;
+  for (const double bad : {kNan, kInf, -kInf, -0.1, 1.1})
+    EXPECT_NE(why_not(gain(bad)), "") << bad;
+  for (const double bad : {kNan, kInf, -1.0, 2.1})
+    EXPECT_NE(why_not(value("force_n", {bad, 0, 0})), "") << bad;
   for (const double bad : {kNan, 0.5, 2.0})
-    EXPECT_NE(why_not({.action = EffectAction::kSwitch, .effect = "push", .parameter = {}, .value = {bad}}), "") << bad;
-  for (const auto& bad : {std::array{0.0, 0.0, 0.0}, std::array{kNan, 0.0, 1.0}, std::array{kInf, 0.0, 0.0}})
+    EXPECT_NE(
+        why_not(
+            {.action = EffectAction::kSwitch, .effect = "push", .parameter = {}, .value = {bad}}),
+        "")
+        << bad;
+  for (const auto& bad :
+       {std::array{0.0, 0.0, 0.0}, std::array{kNan, 0.0, 1.0}, std::array{kInf, 0.0, 0.0}})
     EXPECT_NE(why_not(value("along", bad)), "") << bad[0];
   EXPECT_NE(why_not(value("low", {3, 0, 0})).find("'low'"), std::string::npos);
   EXPECT_NE(why_not(value("way", {1, 0, 0})).find("'way'"), std::string::npos);
   EXPECT_NE(why_not(value("turning_nm", {0.5, 0, 0})).find("not built"), std::string::npos);
   EXPECT_NE(why_not(value("high", {9.5, 0, 0})).find("stiffness"), std::string::npos);
   EXPECT_NE(why_not(value("colour", {1, 0, 0})).find("force_n, along"), std::string::npos);
-  EXPECT_NE(why_not({.action = EffectAction::kGain, .effect = "pull", .parameter = {}, .value = {1}})
-                .find("push, push2"),
-            std::string::npos);
+  EXPECT_NE(
+      why_not({.action = EffectAction::kGain, .effect = "pull", .parameter = {}, .value = {1}})
+          .find("push, push2"),
+      std::string::npos);
   EXPECT_FALSE(judge({}, gain(1.0)).has_value());
 }
 
 TEST(EffectChange, JudgesWhatIsMadeTogetherByWhereItLeads) {
-  const auto together = [](const std::vector<EffectRequest>& requests) { return judge(two_pushes(), requests); };
+  const auto together = [](const std::vector<EffectRequest>& requests) {
+    return judge(two_pushes(), requests);
+  };
   const EffectRequest low = value("low", {5.0}), high = value("high", {6.0});
   EXPECT_NE(why_not(low), "") << "above the `high` of 2";
   for (const auto& both : {std::vector{low, high}, std::vector{high, low}}) {
@@ -115,7 +135,8 @@ TEST(EffectChange, JudgesWhatIsMadeTogetherByWhereItLeads) {
   }
   EXPECT_TRUE(together({low, value("high", {4.0})}).error().contains("'high'"));
   EXPECT_EQ(together({high, gain(1.5)}).error(), why_not(gain(1.5)));
-  EXPECT_EQ(together({gain(0.5), value("force_n", {kNan})}).error(), why_not(value("force_n", {kNan})));
+  EXPECT_EQ(together({gain(0.5), value("force_n", {kNan})}).error(),
+            why_not(value("force_n", {kNan})));
   EXPECT_FALSE(together({value("turning_nm", {0.5}), high})) << "torque was not built";
   EXPECT_FALSE(together({value("high", {9.5}), gain(0.5)})) << "nothing bounds the stiffness";
   EXPECT_TRUE(together({}));
@@ -130,7 +151,8 @@ TEST(EffectChange, QuotesNothingThatATerminalWouldObey) {
 TEST(EffectChange, DoesToTheSpecWhatTheChainComesTo) {
   std::vector<EffectSpec> specs = two_pushes();
   EffectChain chain(specs);
-  for (const EffectRequest& request : {value("force_n", {0.25, 0, 0}), value("along", {0, 0, 2}), gain(0.5)}) {
+  for (const EffectRequest& request :
+       {value("force_n", {0.25, 0, 0}), value("along", {0, 0, 2}), gain(0.5)}) {
     const auto judged = judge(specs, request);
     ASSERT_TRUE(judged) << judged.error();
     chain.carry_out(*judged);

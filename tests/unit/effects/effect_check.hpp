@@ -1,6 +1,6 @@
 #pragma once
-/// What every effect that acts in space is held to: force against potential, stiffness against finite differences, work on closed
-/// paths, and no step.
+/// What every effect that acts in space is held to: force against potential, stiffness against
+/// finite differences, work on closed paths, and no step.
 #include <initializer_list>
 #include <random>
 #include <string_view>
@@ -12,16 +12,21 @@
 namespace voxtouch::test {
 
 /// A scene's effect of that kind, its values by name.
-effects::EffectSpec effect(std::string_view kind,
-                  std::initializer_list<std::pair<std::string_view, std::array<double, 3>>> values,
-                  const effects::Region& region = {});
+effects::EffectSpec effect(
+    std::string_view kind,
+    std::initializer_list<std::pair<std::string_view, std::array<double, 3>>> values,
+    const effects::Region& region = {});
 
 class Random {
  public:
   explicit Random(unsigned seed) : engine_(seed) {}
-  double number(double low, double high) { return std::uniform_real_distribution<double>(low, high)(engine_); }
+  double number(double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(engine_);
+  }
   bool coin() { return number(0, 1) < 0.5; }
-  Vec3 vector(double size) { return {number(-size, size), number(-size, size), number(-size, size)}; }
+  Vec3 vector(double size) {
+    return {number(-size, size), number(-size, size), number(-size, size)};
+  }
   Vec3 direction();
   Quat orientation();
   std::array<double, 3> three(double size) { return as_array(vector(size)); }
@@ -36,7 +41,10 @@ class Bench {
  public:
   explicit Bench(const effects::EffectSpec& spec, const effects::Proximity* proximity = nullptr,
                  std::span<const effects::ToolPoint> points = {})
-      : spec_(spec), chain_({spec}), proximity_(proximity), points_(points) {}
+      : spec_(spec),
+        chain_({spec}),
+        proximity_(proximity),
+        points_(points) {}
   effects::EffectPush at(const Pose& pose) noexcept;
   const effects::EffectSpec& spec() const noexcept { return spec_; }
   effects::EffectChain& chain() noexcept { return chain_; }
@@ -48,28 +56,32 @@ class Bench {
   std::span<const effects::ToolPoint> points_;
 };
 
-/// Wrench = -grad U at `pose` by central differences over `step` metres; with `turning` also the torque, by `step` / 0.01 rad.
-void expect_force_of_potential(Bench& bench, const Pose& pose, double tolerance_n, bool turning = false,
-                               double step = 1e-6);
+/// Wrench = -grad U at `pose` by central differences over `step` metres; with `turning` also the
+/// torque, by `step` / 0.01 rad.
+void expect_force_of_potential(Bench& bench, const Pose& pose, double tolerance_n,
+                               bool turning = false, double step = 1e-6);
 
-/// At `pose`: -dF/dx by central differences is no larger than either bound; the matrix given is symmetric, semidefinite and no
-/// smaller than -dF/dx in any direction (its symmetric part), torque and rotation too where `turning`.
+/// At `pose`: -dF/dx by central differences is no larger than either bound; the matrix given is
+/// symmetric, semidefinite and no smaller than -dF/dx in any direction (its symmetric part), torque
+/// and rotation too where `turning`.
 void expect_stiffness_covers(Bench& bench, const Pose& pose, double tolerance, bool turning = false,
                              double step = 1e-7);
 
 /// A closed path: sums of sines round `centre`; straight between `steps` poses.
-std::vector<Pose> closed_path(Random& random, const Vec3& centre, double size_m, double turn_rad, std::size_t steps);
+std::vector<Pose> closed_path(Random& random, const Vec3& centre, double size_m, double turn_rad,
+                              std::size_t steps);
 
 struct Work {
   double net_j = 0.0;    ///< given to the hand
   double moved_j = 0.0;  ///< sum of all |F dx|
 };
-/// By the midpoint rule. Of a force with a Lipschitz constant K it misses at most K d^2 / 4 for a step d; where the force is
-/// smooth, a d^3-th.
+/// By the midpoint rule. Of a force with a Lipschitz constant K it misses at most K d^2 / 4 for a
+/// step d; where the force is smooth, a d^3-th.
 Work work_along(Bench& bench, const std::vector<Pose>& path, bool turning = false);
 
-/// Largest change of the wrench's force between neighbours on a straight sweep, over the sweep's step times the bound: 1 at most
-/// if there is no step.
-double steepest_on_sweep(Bench& bench, const Vec3& from, const Vec3& to, std::size_t steps, double bound_n_per_m);
+/// Largest change of the wrench's force between neighbours on a straight sweep, over the sweep's
+/// step times the bound: 1 at most if there is no step.
+double steepest_on_sweep(Bench& bench, const Vec3& from, const Vec3& to, std::size_t steps,
+                         double bound_n_per_m);
 
 }  // namespace voxtouch::test

@@ -15,7 +15,8 @@ namespace {
 
 EffectSpec oil(double damping) {
   const EffectKind* kind = find_effect_kind("viscosity");
-  EffectSpec spec{.name = "oil", .kind = kind, .values = EffectValues(kind->parameters), .region = {}};
+  EffectSpec spec{
+      .name = "oil", .kind = kind, .values = EffectValues(kind->parameters), .region = {}};
   spec.values.at(0)[0] = damping;
   return spec;
 }
@@ -30,10 +31,12 @@ TEST(EffectReach, CountsTheMostOfWhatItWasAndWhatItGoesTo) {
   EXPECT_EQ(reach.bound().damping_ns_per_m, 7.0);
 }
 
-/// Numbers that two changes move one after the other may meet in any combination: a magnet's stiffness goes with force / radius.
+/// Numbers that two changes move one after the other may meet in any combination: a magnet's
+/// stiffness goes with force / radius.
 TEST(EffectReach, CountsCombinationsThatNoStateHasHad) {
   const EffectKind* kind = find_effect_kind("magnet");
-  EffectSpec weak{.name = "m", .kind = kind, .values = EffectValues(kind->parameters), .region = {}};
+  EffectSpec weak{
+      .name = "m", .kind = kind, .values = EffectValues(kind->parameters), .region = {}};
   weak.values.at(0) = {0.0, 0.0, 0.0}, weak.values.at(1)[0] = 0.01, weak.values.at(2)[0] = 0.1;
   EffectSpec wide = weak;
   wide.values.at(1)[0] = 0.1, wide.values.at(2)[0] = 1.0;
@@ -56,16 +59,27 @@ bool draw(EffectSpec& spec, double word, std::mt19937_64& random) {
         case ParameterShape::kNumber: {
           const double number = within(parameter.low, high, random);
           const auto kind = random() % 4;
-          spec.values.at(p) = {kind == 0 ? parameter.low : kind == 1 ? std::round(number) : number, 0.0, 0.0};
+          spec.values.at(p) = {kind == 0   ? parameter.low
+                               : kind == 1 ? std::round(number)
+                                           : number,
+                               0.0, 0.0};
           break;
         }
-        case ParameterShape::kVector: spec.values.at(p) = {0.3 * high, 0.2 * high, 0.1 * high}; break;
-        case ParameterShape::kDirection: spec.values.at(p) = {0.0, 0.0, 1.0}; break;
-        case ParameterShape::kWord: spec.values.at(p) = {word, 0.0, 0.0}; break;
-        case ParameterShape::kText: break;
+        case ParameterShape::kVector:
+          spec.values.at(p) = {0.3 * high, 0.2 * high, 0.1 * high};
+          break;
+        case ParameterShape::kDirection:
+          spec.values.at(p) = {0.0, 0.0, 1.0};
+          break;
+        case ParameterShape::kWord:
+          spec.values.at(p) = {word, 0.0, 0.0};
+          break;
+        case ParameterShape::kText:
+          break;
       }
     }
-    if (check_values(*spec.kind, spec.values).empty()) return true;
+    if (check_values(*spec.kind, spec.values).empty())
+      return true;
   }
   return false;
 }
@@ -75,7 +89,9 @@ TEST(EffectReach, BoundsEveryStateOnTheWayForEveryKind) {
   SCOPED_TRACE(testing::seed_trace(seed));
   std::mt19937_64 random(seed);
   for (const EffectKind* kind : effect_kinds()) {
-    EffectSpec from{.name = "e", .kind = kind, .values = EffectValues(kind->parameters), .region = {}}, to = from;
+    EffectSpec from{
+        .name = "e", .kind = kind, .values = EffectValues(kind->parameters), .region = {}},
+        to = from;
     for (int pair = 0; pair < 200; ++pair) {
       const double word = pair % 2;
       ASSERT_TRUE(draw(from, word, random) && draw(to, word, random)) << kind->name;
@@ -86,7 +102,8 @@ TEST(EffectReach, BoundsEveryStateOnTheWayForEveryKind) {
         EffectSpec at = from;
         for (std::size_t p = 0; p < at.values.size(); ++p)
           if (kind->parameters[p].shape == ParameterShape::kNumber)
-            at.values.at(p)[0] += within(0.0, 1.0, random) * (to.values.number(p) - from.values.number(p));
+            at.values.at(p)[0] +=
+                within(0.0, 1.0, random) * (to.values.number(p) - from.values.number(p));
         const EffectBound now = bound_of(at);
         ASSERT_LE(now.stiffness_n_per_m, most.stiffness_n_per_m * (1 + 1e-9)) << kind->name;
         ASSERT_LE(now.stiffness_nm_per_rad, most.stiffness_nm_per_rad * (1 + 1e-9)) << kind->name;
@@ -106,7 +123,8 @@ TEST(EffectChainAtRest, IsSoWhenAllNumbersHaveCome) {
   EffectFrame frame;
   frame.dt_s = 0.001;
   int samples = 0;
-  for (; !chain.at_rest() && samples < 1000; ++samples) chain.apply(frame);
+  for (; !chain.at_rest() && samples < 1000; ++samples)
+    chain.apply(frame);
   EXPECT_NEAR(samples, 100, 1);
   EXPECT_EQ(chain.values(0).number(0), 1.0);
 }

@@ -15,8 +15,10 @@
 namespace voxtouch::effects {
 namespace external_test {
 
-constexpr double kInf = std::numeric_limits<double>::infinity(), kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kStepS = 0.001, kMax = 2.0, kMaxTorque = 0.05, kSlew = 100.0, kTurningSlew = 5.0, kTimeout = 0.05, kFade = 0.02;
+constexpr double kInf = std::numeric_limits<double>::infinity(),
+                 kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kStepS = 0.001, kMax = 2.0, kMaxTorque = 0.05, kSlew = 100.0, kTurningSlew = 5.0,
+                 kTimeout = 0.05, kFade = 0.02;
 constexpr int kTimeoutSamples = 50, kFadeSamples = 20;
 
 EffectSpec external(double energy_j = 1.0, double power_w = 0.0) {
@@ -39,26 +41,32 @@ class Felt {
   void falls_silent() { writes_.reset(); }
   const EffectPush& sample(const Vec3& way = Vec3::Zero()) {
     time_s += kStepS;
-    if (writes_) newest_ = ExternalWrench{*writes_, time_s};
+    if (writes_)
+      newest_ = ExternalWrench{*writes_, time_s};
     frame.tool.position += way;
     frame.dt_s = kStepS, frame.time_s = time_s;
     frame.external = newest_ ? &*newest_ : nullptr;
     const Wrench before = push.wrench;
     push = chain.apply(frame);
-    force_step = (push.wrench.force - before.force).norm(), torque_step = (push.wrench.torque - before.torque).norm();
-    most_step = std::max(most_step, force_step), most_torque_step = std::max(most_torque_step, torque_step);
-    most_force = std::max(most_force, push.wrench.force.norm()), most_torque = std::max(most_torque, push.wrench.torque.norm());
+    force_step = (push.wrench.force - before.force).norm(),
+    torque_step = (push.wrench.torque - before.torque).norm();
+    most_step = std::max(most_step, force_step),
+    most_torque_step = std::max(most_torque_step, torque_step);
+    most_force = std::max(most_force, push.wrench.force.norm()),
+    most_torque = std::max(most_torque, push.wrench.torque.norm());
     return push;
   }
   void samples(int count, const Vec3& way = Vec3::Zero()) {
-    for (int n = 0; n < count; ++n) sample(way);
+    for (int n = 0; n < count; ++n)
+      sample(way);
   }
   double force() const { return push.wrench.force.norm(); }
 
   EffectChain chain;
   EffectFrame frame;
   EffectPush push;
-  double time_s = 0.0, force_step = 0.0, torque_step = 0.0, most_step = 0.0, most_torque_step = 0.0, most_force = 0.0, most_torque = 0.0;
+  double time_s = 0.0, force_step = 0.0, torque_step = 0.0, most_step = 0.0, most_torque_step = 0.0,
+         most_force = 0.0, most_torque = 0.0;
 
  private:
   std::optional<Wrench> writes_;
@@ -141,7 +149,8 @@ TEST(External, AgeCountsInTheTimeOfSamplesSoThatAGapOfSamplesIsSilenceToo) {
   felt.time_s += 0.2;  // samples that were lost
   const double before = felt.force();
   felt.sample();
-  EXPECT_LT(felt.force(), before) << "the value is older than the timeout by the first sample after the gap";
+  EXPECT_LT(felt.force(), before)
+      << "the value is older than the timeout by the first sample after the gap";
   Felt backwards(external());
   backwards.writes(kPush);
   backwards.samples(200);
@@ -173,7 +182,10 @@ TEST(External, AnyBitsStayWithinForceTorqueAndSlew) {
   SCOPED_TRACE(testing::seed_trace(seed));
   std::mt19937_64 random(seed);
   const auto any = [&] {
-    const std::uint64_t bits = random() % 4 == 0 ? random() : random() & 0x40FFFFFFFFFFFFFFULL;  // half of them of a size that is felt
+    const std::uint64_t bits =
+        random() % 4 == 0
+            ? random()
+            : random() & 0x40FFFFFFFFFFFFFFULL;  // half of them of a size that is felt
     double value;
     std::memcpy(&value, &bits, sizeof value);
     return value;
@@ -204,7 +216,8 @@ TEST(External, GivesTheHandNoMoreThanItsBudgetHoweverFarItDrivesIt) {
       given_j += force.dot(way);
       told_j += felt.sample(way).given_j;
       ASSERT_LE(given_j, kEnergy + power_w * felt.time_s + 1e-6) << n;
-      ASSERT_LE(felt.force_step, 0.11) << "the budget's end is no step: 2 N over half of the store at 0.2 m/s, and the slew";
+      ASSERT_LE(felt.force_step, 0.11)
+          << "the budget's end is no step: 2 N over half of the store at 0.2 m/s, and the slew";
     }
     EXPECT_NEAR(told_j, given_j, 1e-9) << "what the observer is told is what was done, and no more";
     EXPECT_GT(given_j, 0.9 * kEnergy);
@@ -212,7 +225,8 @@ TEST(External, GivesTheHandNoMoreThanItsBudgetHoweverFarItDrivesIt) {
     // Pushed back, it has again what the hand put in; told as taken.
     double back_j = 0.0;
     felt.samples(50, Vec3(-0.0002, 0, 0));
-    for (int n = 0; n < 500; ++n) back_j += felt.sample(Vec3(-0.0002, 0, 0)).given_j;
+    for (int n = 0; n < 500; ++n)
+      back_j += felt.sample(Vec3(-0.0002, 0, 0)).given_j;
     if (power_w > 0.0) {
       EXPECT_LT(back_j, 0.0);
     }
@@ -233,7 +247,8 @@ TEST(External, ARegionThatIsLeftAndEnteredAgainGivesNoNewBudget) {
   felt.writes({Vec3(10, 0, 0), Vec3::Zero()});
   double given_j = 0.0;
   for (int round = 0; round < 10; ++round) {
-    felt.frame.tool.position = Vec3(-0.05, 0, 0);  // it comes in where it is pushed on and is carried out
+    felt.frame.tool.position =
+        Vec3(-0.05, 0, 0);  // it comes in where it is pushed on and is carried out
     for (int n = 0; n < 500; ++n) {
       const Vec3 way(0.0002, 0, 0);
       given_j += felt.push.wrench.force.dot(way);
@@ -309,8 +324,10 @@ TEST(External, NeedsAndBoundsSayWhatItIs) {
 }
 
 TEST(RosTopic, TakesAbsoluteNamesAloneAndSaysWhatIsWrong) {
-  for (const char* good : {"/sim/wrench", "/w", "/a_b/c9/_d"}) EXPECT_EQ(fault_of_ros_topic(good), "") << good;
-  for (const char* bad : {"", "/", "wrench", "sim/wrench", "/sim/", "//w", "/9a", "/a b", "/a-b", "/a/../b", "/a\n", "~/w", "/é"})
+  for (const char* good : {"/sim/wrench", "/w", "/a_b/c9/_d"})
+    EXPECT_EQ(fault_of_ros_topic(good), "") << good;
+  for (const char* bad : {"", "/", "wrench", "sim/wrench", "/sim/", "//w", "/9a", "/a b", "/a-b",
+                          "/a/../b", "/a\n", "~/w", "/é"})
     EXPECT_NE(fault_of_ros_topic(bad), "") << bad;
   EXPECT_NE(fault_of_ros_topic("/" + std::string(200, 'a')), "");
 }

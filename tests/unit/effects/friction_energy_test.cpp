@@ -21,16 +21,20 @@ struct Given {
   double moved_j = 0.0;              ///< sum of all |work|: what the others are judged against
 };
 
-/// The effect's own work on a closed way of `samples`, gone twice, against a plane and a ball that both rest.
-Given given_on(const ClosedPath& path, effects::EffectSpec spec, const BallTool& tool, int samples) {
+/// The effect's own work on a closed way of `samples`, gone twice, against a plane and a ball that
+/// both rest.
+Given given_on(const ClosedPath& path, effects::EffectSpec spec, const BallTool& tool,
+               int samples) {
   Asked asked(std::move(spec));
   Given given;
   Wrench last;
   Pose before = path.at(0.0);
   for (int n = 0; n <= 2 * samples; ++n) {
     const Pose pose = path.at(static_cast<double>(n) / samples);
-    const Wrench wrench =
-        asked.at(pose, {on_plane(pose, tool, kUp, 0, 800), on_ball(pose, tool, Vec3(0.015, 0, 0), 0.012, 1500)}).wrench;
+    const Wrench wrench = asked
+                              .at(pose, {on_plane(pose, tool, kUp, 0, 800),
+                                         on_ball(pose, tool, Vec3(0.015, 0, 0), 0.012, 1500)})
+                              .wrench;
     EXPECT_TRUE(wrench.finite());
     if (n > 0) {
       const double step = work(last, wrench, before, pose);
@@ -46,10 +50,11 @@ TEST(Friction, GivesNoEnergyOnAnyOf240RandomClosedPaths) {
   std::mt19937_64 random(20260101);
   int rubbed = 0;
   for (int trial = 0; trial < 240; ++trial) {
-    const BallTool tool{0.02 * Vec3(between(random, -1, 1), between(random, -1, 1), between(random, -1, 1)), 0.01};
+    const BallTool tool{
+        0.02 * Vec3(between(random, -1, 1), between(random, -1, 1), between(random, -1, 1)), 0.01};
     const double size = scale_between(random, 1e-4, 1e-2);
-    const ClosedPath path(random, {Vec3(0, 0, 0.0085) - tool.centre, Quat::Identity()}, size * Vec3(1, 1, 0.3),
-                          trial % 3 == 0 ? 0.0 : between(random, 0, 0.4));
+    const ClosedPath path(random, {Vec3(0, 0, 0.0085) - tool.centre, Quat::Identity()},
+                          size * Vec3(1, 1, 0.3), trial % 3 == 0 ? 0.0 : between(random, 0, 0.4));
     const Given given = given_on(path, any_friction(random), tool, 4000);
     EXPECT_LE(given.end_j, 2e-4 * given.moved_j) << trial;
     EXPECT_LE(given.most_j, 1e-3 * given.moved_j) << trial;
@@ -58,12 +63,15 @@ TEST(Friction, GivesNoEnergyOnAnyOf240RandomClosedPaths) {
   EXPECT_GT(rubbed, 100);
 }
 
-/// Bent at the rim, where little friction holds, carried in within the bristles' reach, let go inside, out again unbent: a force
-/// that the region scaled would come back larger than it was put in.
+/// Bent at the rim, where little friction holds, carried in within the bristles' reach, let go
+/// inside, out again unbent: a force that the region scaled would come back larger than it was put
+/// in.
 TEST(Friction, GivesNoEnergyAtTheRimOfARegionHoweverSharpItIs) {
   for (const double blend : {1e-5, 1e-4, 1e-3}) {
-    effects::EffectSpec spec = effect("friction", {{"coulomb", {1.0}}, {"stiffness_n_per_m", {300}}});
-    spec.region = {.shape = effects::BoxRegion{.pose = {}, .size_m = Vec3(0.02, 1.0, 1.0)}, .blend_m = blend};  // its face at x = 10 mm
+    effects::EffectSpec spec =
+        effect("friction", {{"coulomb", {1.0}}, {"stiffness_n_per_m", {300}}});
+    spec.region = {.shape = effects::BoxRegion{.pose = {}, .size_m = Vec3(0.02, 1.0, 1.0)},
+                   .blend_m = blend};  // its face at x = 10 mm
     Asked asked(std::move(spec));
     const BallTool tool;
     const double rim = 0.010 + 0.9 * blend, inside = 0.010, bend = 5e-4;
@@ -78,7 +86,8 @@ TEST(Friction, GivesNoEnergyAtTheRimOfARegionHoweverSharpItIs) {
           const Pose pose{at + Vec3(0, 0, 0.009), Quat::Identity()};
           const Wrench wrench = asked.at(pose, {on_plane(pose, tool, kUp, 0, 1000)}).wrench;
           if (loop + side + n > 0)
-            given += work(last, wrench, before, pose), moved += std::abs(work(last, wrench, before, pose));
+            given += work(last, wrench, before, pose),
+                moved += std::abs(work(last, wrench, before, pose));
           last = wrench, before = pose;
         }
     EXPECT_LE(given, 1e-3 * moved) << "blend " << blend;
@@ -87,8 +96,10 @@ TEST(Friction, GivesNoEnergyAtTheRimOfARegionHoweverSharpItIs) {
 }
 
 TEST(Friction, HoldsAToolOnATiltedPlaneForAMinuteWithoutCreepUnderEncoderNoise) {
-  constexpr double kMass = 0.1, kWall = 1000.0, kDamping = 2.0, kStep = 2e-5, kDt = 1e-3, kGravity = 9.81;
-  const Vec3 up = Eigen::AngleAxisd(0.3, Vec3::UnitX()) * Vec3::UnitZ();  // tan 0.3 = 0.31 of a cone of 0.5
+  constexpr double kMass = 0.1, kWall = 1000.0, kDamping = 2.0, kStep = 2e-5, kDt = 1e-3,
+                   kGravity = 9.81;
+  const Vec3 up =
+      Eigen::AngleAxisd(0.3, Vec3::UnitX()) * Vec3::UnitZ();  // tan 0.3 = 0.31 of a cone of 0.5
   const BallTool tool;
   Asked asked(effect("friction", {{"coulomb", {0.5}}}));
   std::mt19937_64 random(8);
@@ -98,18 +109,25 @@ TEST(Friction, HoldsAToolOnATiltedPlaneForAMinuteWithoutCreepUnderEncoderNoise) 
   double least = 1e9, most = 0.0;
   for (int n = 0; n < 60000; ++n) {
     Pose seen;
-    for (int a = 0; a < 3; ++a) seen.position[a] = kStep * (std::round(x[a] / kStep) + dither(random));
+    for (int a = 0; a < 3; ++a)
+      seen.position[a] = kStep * (std::round(x[a] / kStep) + dither(random));
     const contact::ContactResult contact = on_plane(seen, tool, up, 0, kWall);
     const effects::EffectPush push = asked.at(seen, {contact});
-    const Vec3 force = contact.wrench.force + push.wrench.force - kMass * kGravity * Vec3::UnitZ() - kDamping * v;
+    const Vec3 force =
+        contact.wrench.force + push.wrench.force - kMass * kGravity * Vec3::UnitZ() - kDamping * v;
     v += kDt / kMass * force, x += kDt * v;
-    if (n >= 1000 && n < 6000) early += x / 5000.0;
-    if (n >= 55000) late += x / 5000.0;
-    if (n >= 1000) least = std::min(least, push.wrench.force.norm()), most = std::max(most, push.wrench.force.norm());
+    if (n >= 1000 && n < 6000)
+      early += x / 5000.0;
+    if (n >= 55000)
+      late += x / 5000.0;
+    if (n >= 1000)
+      least = std::min(least, push.wrench.force.norm()),
+      most = std::max(most, push.wrench.force.norm());
   }
   EXPECT_LT((late - early).norm(), 0.2 * kStep) << "crept";
   EXPECT_NEAR(0.5 * (least + most), kMass * kGravity * std::sin(0.3), 0.02);
-  EXPECT_LT(most - least, 300.0 * 6.0 * kStep) << "no more than the bristles make of the noise itself";
+  EXPECT_LT(most - least, 300.0 * 6.0 * kStep)
+      << "no more than the bristles make of the noise itself";
 }
 
 TEST(Friction, IsConstantToTheLastBitForAToolAtRestHoweverItCameToRest) {
@@ -117,12 +135,15 @@ TEST(Friction, IsConstantToTheLastBitForAToolAtRestHoweverItCameToRest) {
   for (int trial = 0; trial < 50; ++trial) {
     Asked asked(any_friction(random));
     const BallTool tool{Vec3(0.01, 0.02, -0.01), 0.01};
-    const ClosedPath path(random, {Vec3(0, 0, 0.0085) - tool.centre, Quat::Identity()}, Vec3(2e-3, 2e-3, 5e-4), 0.3);
-    for (int n = 0; n < 300; ++n) asked.at(path.at(n / 400.0), {on_plane(path.at(n / 400.0), tool, kUp, 0, 800)});
+    const ClosedPath path(random, {Vec3(0, 0, 0.0085) - tool.centre, Quat::Identity()},
+                          Vec3(2e-3, 2e-3, 5e-4), 0.3);
+    for (int n = 0; n < 300; ++n)
+      asked.at(path.at(n / 400.0), {on_plane(path.at(n / 400.0), tool, kUp, 0, 800)});
     const Pose rest = path.at(0.75);
     const std::vector<contact::ContactResult> contact = {on_plane(rest, tool, kUp, 0, 800)};
     const Vec3 first = asked.at(rest, contact).wrench.force;
-    for (int n = 0; n < 100; ++n) ASSERT_LT((asked.at(rest, contact).wrench.force - first).norm(), 1e-14) << trial;
+    for (int n = 0; n < 100; ++n)
+      ASSERT_LT((asked.at(rest, contact).wrench.force - first).norm(), 1e-14) << trial;
   }
 }
 
@@ -159,17 +180,20 @@ TEST(Friction, GivesNoTorqueStepWhereTheDeepestPointJumps) {
   for (int n = 0; n < 4000; ++n) {
     const Pose pose{Vec3(1e-6 * n, 0, 0.009), Quat::Identity()};
     contact::ContactResult contact = on_plane(pose, BallTool{}, kUp, 0, 1000);
-    if (n / 100 % 2 == 1) contact.deepest_point.z() += 0.004;
+    if (n / 100 % 2 == 1)
+      contact.deepest_point.z() += 0.004;
     const Vec3 torque = asked.at(pose, {contact}).wrench.torque;
     largest = std::max(largest, (torque - last).norm());
     last = torque;
   }
   EXPECT_LT(largest,
-            1e-6 * (300 * 0.01 + 1.0) * 1.01);  // k times arm of a step, and the force times a step of the height
+            1e-6 * (300 * 0.01 + 1.0) *
+                1.01);  // k times arm of a step, and the force times a step of the height
 }
 
 TEST(Friction, StaysANumberThroughContactsThatHaveNoSense) {
-  Asked asked(effect("friction", {{"coulomb", {2.0}}, {"sticking", {2.0}}, {"stiffness_n_per_m", {5000}}}));
+  Asked asked(
+      effect("friction", {{"coulomb", {2.0}}, {"sticking", {2.0}}, {"stiffness_n_per_m", {5000}}}));
   std::mt19937_64 random(2);
   for (int n = 0; n < 5000; ++n) {
     contact::ContactResult contact;

@@ -16,7 +16,9 @@ Pose pressing(double push_n, double x, double y = 0.0) {
   return {Vec3(x, y, kBall.radius_m - push_n / kWall), Quat::Identity()};
 }
 
-effects::EffectPush slide_to(Asked& asked, const Pose& pose) { return asked.at(pose, {on_plane(pose, kBall, kUp, 0, kWall)}); }
+effects::EffectPush slide_to(Asked& asked, const Pose& pose) {
+  return asked.at(pose, {on_plane(pose, kBall, kUp, 0, kWall)});
+}
 
 TEST(Friction, IsASpringUntilTheFrictionConeAndThatConeBeyondIt) {
   Asked asked(effect("friction", {{"coulomb", {0.5}}, {"stiffness_n_per_m", {400}}}));
@@ -36,15 +38,19 @@ TEST(Friction, TurnsWithTheWayOfSlidingInTheTangentPlane) {
   Asked asked(effect("friction", {{"coulomb", {0.3}}}));
   const double heading = 0.7;
   Wrench last;
-  for (int n = 0; n < 3000; ++n) last = slide_to(asked, pressing(1.0, 1e-5 * n, 0)).wrench;
   for (int n = 0; n < 3000; ++n)
-    last = slide_to(asked, pressing(1.0, 0.03 + 1e-5 * n * std::cos(heading), 1e-5 * n * std::sin(heading))).wrench;
+    last = slide_to(asked, pressing(1.0, 1e-5 * n, 0)).wrench;
+  for (int n = 0; n < 3000; ++n)
+    last = slide_to(asked, pressing(1.0, 0.03 + 1e-5 * n * std::cos(heading),
+                                    1e-5 * n * std::sin(heading)))
+               .wrench;
   EXPECT_TRUE(last.force.isApprox(-0.3 * Vec3(std::cos(heading), std::sin(heading), 0), 1e-6))
       << last.force.transpose();
 }
 
 TEST(Friction, HoldsByTheStickingFactorAndLetsGoWithNoStep) {
-  Asked asked(effect("friction", {{"coulomb", {0.4}}, {"sticking", {1.5}}, {"stiffness_n_per_m", {500}}}));
+  Asked asked(
+      effect("friction", {{"coulomb", {0.4}}, {"sticking", {1.5}}, {"stiffness_n_per_m", {500}}}));
   double most = 0.0, last = 0.0;
   for (int n = 0; n <= 6000; ++n) {
     const double force = -slide_to(asked, pressing(2.0, 1e-6 * n)).wrench.force.x();
@@ -53,16 +59,20 @@ TEST(Friction, HoldsByTheStickingFactorAndLetsGoWithNoStep) {
   }
   EXPECT_NEAR(most, 1.5 * 0.4 * 2.0, 5e-4);
   EXPECT_NEAR(last, 0.4 * 2.0, 1e-9);
-  EXPECT_NEAR(-slide_to(asked, pressing(2.0, 0.006)).wrench.force.x(), last, 0.0) << "nothing moves, nothing changes";
-  for (int n = 1; n <= 4000; ++n) most = -slide_to(asked, pressing(2.0, 0.006 - 1e-6 * n)).wrench.force.x();
+  EXPECT_NEAR(-slide_to(asked, pressing(2.0, 0.006)).wrench.force.x(), last, 0.0)
+      << "nothing moves, nothing changes";
+  for (int n = 1; n <= 4000; ++n)
+    most = -slide_to(asked, pressing(2.0, 0.006 - 1e-6 * n)).wrench.force.x();
   EXPECT_NEAR(most, -1.2, 1e-9) << "mended on the way to the other side";
 }
 
 TEST(Friction, LetsGoInTheSameWayHoweverLongTheStepsAre) {
   const auto force_after = [](double way, int steps) {
-    Asked asked(effect("friction", {{"coulomb", {0.4}}, {"sticking", {1.5}}, {"stiffness_n_per_m", {500}}}));
+    Asked asked(effect("friction",
+                       {{"coulomb", {0.4}}, {"sticking", {1.5}}, {"stiffness_n_per_m", {500}}}));
     double force = 0.0;
-    for (int n = 0; n <= steps; ++n) force = -slide_to(asked, pressing(2.0, way * n / steps)).wrench.force.x();
+    for (int n = 0; n <= steps; ++n)
+      force = -slide_to(asked, pressing(2.0, way * n / steps)).wrench.force.x();
     return force;
   };
   for (const double way : {0.001, 0.0024, 0.0026, 0.0028, 0.003, 0.0034, 0.01})
@@ -72,7 +82,8 @@ TEST(Friction, LetsGoInTheSameWayHoweverLongTheStepsAre) {
 TEST(Friction, IsNeverMoreThanTheCapOfItsScene) {
   Asked asked(effect("friction", {{"coulomb", {1.0}}, {"most_n", {0.8}}}));
   double most = 0.0;
-  for (int n = 0; n < 2000; ++n) most = std::max(most, slide_to(asked, pressing(5.0, 1e-5 * n)).wrench.force.norm());
+  for (int n = 0; n < 2000; ++n)
+    most = std::max(most, slide_to(asked, pressing(5.0, 1e-5 * n)).wrench.force.norm());
   EXPECT_NEAR(most, 0.8, 1e-9);
   EXPECT_EQ(effects::bound_of(asked.chain.spec(0)).force_n, 0.8);
 }
@@ -86,7 +97,8 @@ TEST(Friction, WeakerPressureLetsTheBristlesSlipAndMorePressureDoesNotBendThem) 
   EXPECT_NEAR(slide_to(asked, pressing(4.0, 0.0018)).wrench.force.x(), -0.5, 1e-12);
   const Pose off{Vec3(0.0018, 0, 0.02), Quat::Identity()};
   EXPECT_TRUE(slide_to(asked, off).wrench.zero());
-  EXPECT_TRUE(slide_to(asked, pressing(4.0, 0.0018)).wrench.zero()) << "what was before the lift is forgotten";
+  EXPECT_TRUE(slide_to(asked, pressing(4.0, 0.0018)).wrench.zero())
+      << "what was before the lift is forgotten";
 }
 
 TEST(Friction, OfABallThatTurnsOnTheSpotIsATorqueAtItsDeepestPoint) {
@@ -97,7 +109,8 @@ TEST(Friction, OfABallThatTurnsOnTheSpotIsATorqueAtItsDeepestPoint) {
     pose.orientation = Quat(Eigen::AngleAxisd(1e-3 * n, Vec3::UnitY()));
     push = slide_to(asked, pose);
   }
-  const double way = 0.1 * 0.01;  // the lowest point of a ball turned by 0.1 rad about y went this far along -x
+  const double way =
+      0.1 * 0.01;  // the lowest point of a ball turned by 0.1 rad about y went this far along -x
   EXPECT_NEAR(push.wrench.force.x(), 400 * way, 2e-3);
   EXPECT_NEAR(push.wrench.torque.y(), -0.01 * 400 * way, 2e-5);
 }
@@ -115,12 +128,15 @@ TEST(Friction, OfAToolThatTouchesAsideOfItsOriginActsWhereItTouches) {
 }
 
 TEST(Friction, IsAgainstTheObjectsOwnMotion) {
-  Asked carried(effect("friction", {{"coulomb", {0.5}}})), dragged(effect("friction", {{"coulomb", {0.5}}}));
+  Asked carried(effect("friction", {{"coulomb", {0.5}}})),
+      dragged(effect("friction", {{"coulomb", {0.5}}}));
   const Twist belt{Vec3(0.1, 0, 0), Vec3::Zero()};
   effects::EffectPush push;
   for (int n = 0; n < 100; ++n) {  // the tool goes with the belt: nothing rubs
     const Pose pose = pressing(1.0, 1e-4 * n);
-    EXPECT_NEAR(carried.at(pose, {on_plane(pose, kBall, kUp, 0, kWall)}, {}, {belt}).wrench.force.norm(), 0.0, 1e-12);
+    EXPECT_NEAR(
+        carried.at(pose, {on_plane(pose, kBall, kUp, 0, kWall)}, {}, {belt}).wrench.force.norm(),
+        0.0, 1e-12);
     const Pose still = pressing(1.0, 0);
     push = dragged.at(still, {on_plane(still, kBall, kUp, 0, kWall)}, {}, {belt});
   }
@@ -128,11 +144,14 @@ TEST(Friction, IsAgainstTheObjectsOwnMotion) {
   // What sticks to an object that turns is turned with it.
   Asked asked(effect("friction", {{"coulomb", {0.5}}, {"stiffness_n_per_m", {400}}}));
   asked.at(pressing(2.0, 0), {on_plane(pressing(2.0, 0), kBall, kUp, 0, kWall)});
-  const Vec3 before = asked.at(pressing(2.0, 1e-3), {on_plane(pressing(2.0, 1e-3), kBall, kUp, 0, kWall)}).wrench.force;
+  const Vec3 before =
+      asked.at(pressing(2.0, 1e-3), {on_plane(pressing(2.0, 1e-3), kBall, kUp, 0, kWall)})
+          .wrench.force;
   const Twist spin{Vec3::Zero(), Vec3(0, 0, 100)};
   Pose pose = pressing(2.0, 1e-3);
   pose.orientation = Quat(Eigen::AngleAxisd(0.1, Vec3::UnitZ()));
-  const Vec3 after = asked.at(pose, {on_plane(pose, kBall, kUp, 0, kWall)}, {}, {spin}).wrench.force;
+  const Vec3 after =
+      asked.at(pose, {on_plane(pose, kBall, kUp, 0, kWall)}, {}, {spin}).wrench.force;
   EXPECT_TRUE(after.isApprox(Eigen::AngleAxisd(0.1, Vec3::UnitZ()) * before, 1e-9));
 }
 
@@ -140,9 +159,11 @@ TEST(Friction, GoesRoundACornerWithItsBendUnstretchedAndAcrossTheNormal) {
   const Vec3 middle = Vec3::Zero();
   Asked asked(effect("friction", {{"coulomb", {2.0}}, {"stiffness_n_per_m", {100}}}));
   double last = 0.0;
-  for (int n = 0; n <= 900; ++n) {  // pulled 1 mm along y, then carried round a ball in x and z: the pull stays as long
+  for (int n = 0; n <= 900;
+       ++n) {  // pulled 1 mm along y, then carried round a ball in x and z: the pull stays as long
     const double angle = 1e-3 * std::max(0, n - 100), y = 1e-5 * std::min(n, 100);
-    const Pose pose{0.019 * Vec3(std::sin(angle), 0, std::cos(angle)) + Vec3(0, y, 0), Quat::Identity()};
+    const Pose pose{0.019 * Vec3(std::sin(angle), 0, std::cos(angle)) + Vec3(0, y, 0),
+                    Quat::Identity()};
     const contact::ContactResult contact = on_ball(pose, kBall, middle + Vec3(0, y, 0), 0.01, 5000);
     const Wrench wrench = asked.at(pose, {contact}).wrench;
     EXPECT_NEAR(wrench.force.dot(contact.mean_normal), 0.0, 1e-12);
@@ -173,13 +194,17 @@ TEST(Friction, SumsOverObjectsInAnyOrderAndKeepsThemApart) {
   Asked forward(effect("friction", {{"coulomb", {0.7}}, {"sticking", {1.3}}}));
   Asked shuffled(forward.chain.spec(0));
   std::vector<Asked> alone;
-  for (int n = 0; n < 3; ++n) alone.emplace_back(forward.chain.spec(0));
-  const ClosedPath path(random, {Vec3(0.009, 0.009, 0.009), Quat::Identity()}, Vec3(2e-3, 2e-3, 2e-3), 0.2);
+  for (int n = 0; n < 3; ++n)
+    alone.emplace_back(forward.chain.spec(0));
+  const ClosedPath path(random, {Vec3(0.009, 0.009, 0.009), Quat::Identity()},
+                        Vec3(2e-3, 2e-3, 2e-3), 0.2);
   for (int n = 0; n <= 2000; ++n) {
     const Pose pose = path.at(n / 2000.0);
     std::vector<contact::ContactResult> contacts;
-    for (const Vec3& normal : normals) contacts.push_back(on_plane(pose, kBall, normal, 0, kWall));
-    std::vector<effects::ObjectContact> order = {{7, &contacts[0], {}}, {0, &contacts[1], {}}, {3, &contacts[2], {}}};
+    for (const Vec3& normal : normals)
+      contacts.push_back(on_plane(pose, kBall, normal, 0, kWall));
+    std::vector<effects::ObjectContact> order = {
+        {7, &contacts[0], {}}, {0, &contacts[1], {}}, {3, &contacts[2], {}}};
     Wrench sum;
     for (std::size_t a = 0; a < 3; ++a) {
       const Wrench one = alone[a].with(pose, std::span(&order[a], 1)).wrench;
@@ -198,7 +223,10 @@ TEST(Friction, OfMoreObjectsThanItHasRoomForLeavesTheRestOut) {
   double force = 0.0;
   for (int n = 0; n <= 10; ++n) {
     const Pose pose = pressing(2.0, 1e-4 * n);
-    force = asked.at(pose, std::vector<contact::ContactResult>(20, on_plane(pose, kBall, kUp, 0, kWall))).wrench.force.x();
+    force =
+        asked
+            .at(pose, std::vector<contact::ContactResult>(20, on_plane(pose, kBall, kUp, 0, kWall)))
+            .wrench.force.x();
   }
   EXPECT_NEAR(force, -16 * 0.1, 1e-12);
 }
@@ -216,7 +244,8 @@ TEST(Friction, KeepsItsForceWhereItsBristlesGetStiffer) {
   slide_to(asked, pressing(2.0, 0));
   slide_to(asked, pressing(2.0, 0.001));
   set_value(asked.chain, "stiffness_n_per_m", {1000, 0, 0});
-  for (int n = 0; n < 200; ++n) EXPECT_NEAR(slide_to(asked, pressing(2.0, 0.001)).wrench.force.x(), -0.2, 1e-9);
+  for (int n = 0; n < 200; ++n)
+    EXPECT_NEAR(slide_to(asked, pressing(2.0, 0.001)).wrench.force.x(), -0.2, 1e-9);
   EXPECT_NEAR(slide_to(asked, pressing(2.0, 0.0011)).wrench.force.x(), -0.3, 1e-9);
 }
 
@@ -242,14 +271,18 @@ TEST(Friction, ReportsAStiffnessThatIsNotLessThanItsOwn) {
     const effects::EffectPush after = asked.at(pose, {on_plane(pose, tool, kUp, 0, wall)});
     const Vec3 change = after.wrench.force - before.wrench.force;
     EXPECT_LE(change.norm(), before.stiffness_bound_n_per_m * way.norm() * (1 + 1e-3)) << trial;
-    EXPECT_LE(-change.dot(way), way.dot(s.topLeftCorner<3, 3>() * way) * (1 + 1e-3) + 1e-18) << trial;
+    EXPECT_LE(-change.dot(way), way.dot(s.topLeftCorner<3, 3>() * way) * (1 + 1e-3) + 1e-18)
+        << trial;
   }
 }
 
 TEST(Friction, ReportsAStiffnessThatCoversAPushThatEasesWhileItLetsGo) {
   const double wall = 3000, slides = 0.5, k = 100, push_n = 2.0;
-  Asked asked(effect("friction", {{"coulomb", {slides}}, {"sticking", {1.5}}, {"stiffness_n_per_m", {k}}}));
-  const auto contact = [&](const Pose& pose) { return std::vector{on_plane(pose, kBall, kUp, 0, wall)}; };
+  Asked asked(
+      effect("friction", {{"coulomb", {slides}}, {"sticking", {1.5}}, {"stiffness_n_per_m", {k}}}));
+  const auto contact = [&](const Pose& pose) {
+    return std::vector{on_plane(pose, kBall, kUp, 0, wall)};
+  };
   Pose pose{Vec3(0, 0, 0.01 - push_n / wall), Quat::Identity()};
   asked.at(pose, contact(pose));
   pose.position.x() = (1.5 * slides * push_n + 0.25 * slides * push_n) / k;  // half torn

@@ -48,17 +48,20 @@ effects::EffectSpec random_guide(Random& random, int which) {
   const double range = release ? limit / k * random.number(3.0, 12.0) : 0.0;
   const bool segment = random.coin(), one = random.coin();
   effects::EffectSpec spec = which == 0   ? point_guide()
-                    : which == 1 ? line_guide(segment ? random.number(0.002, 0.05) : 0.0)
-                                 : plane_guide(one);
-  spec.values.at(0) = just(k), spec.values.at(1) = just(limit), spec.values.at(2) = release ? kRelease : kHold;
+                             : which == 1 ? line_guide(segment ? random.number(0.002, 0.05) : 0.0)
+                                          : plane_guide(one);
+  spec.values.at(0) = just(k), spec.values.at(1) = just(limit),
+  spec.values.at(2) = release ? kRelease : kHold;
   spec.values.at(3) = just(range), spec.values.at(4) = random.three(0.02);
-  if (which > 0) spec.values.at(5) = Random::as_array(random.direction());
+  if (which > 0)
+    spec.values.at(5) = Random::as_array(random.direction());
   if (random.coin()) {
     spec.region.blend_m = random.number(0.005, 0.02);
     if (random.coin())
       spec.region.shape = effects::SphereRegion{random.vector(0.03), random.number(0.005, 0.04)};
     else
-      spec.region.shape = effects::BoxRegion{{random.vector(0.03), random.orientation()}, Vec3(0.02, 0.03, 0.04)};
+      spec.region.shape =
+          effects::BoxRegion{{random.vector(0.03), random.orientation()}, Vec3(0.02, 0.03, 0.04)};
   }
   spec.gain = random.number(0.2, 1.0);
   return spec;
@@ -102,9 +105,12 @@ TEST(GuideLine, HoldsAcrossAndLetsSlideAlong) {
 
 TEST(GuideLine, OfFiniteLengthHoldsAtItsEnds) {
   Bench bench(line_guide(0.02));
-  EXPECT_TRUE(bench.at(at({0.003, 0.004, 0.019})).wrench.force.isApprox(-200 * Vec3(0.003, 0.004, 0)));
-  EXPECT_TRUE(bench.at(at({0.0, 0.001, 0.022})).wrench.force.isApprox(-200 * Vec3(0, 0.001, 0.002)));
-  EXPECT_TRUE(bench.at(at({0.0, 0.001, -0.022})).wrench.force.isApprox(-200 * Vec3(0, 0.001, -0.002)));
+  EXPECT_TRUE(
+      bench.at(at({0.003, 0.004, 0.019})).wrench.force.isApprox(-200 * Vec3(0.003, 0.004, 0)));
+  EXPECT_TRUE(
+      bench.at(at({0.0, 0.001, 0.022})).wrench.force.isApprox(-200 * Vec3(0, 0.001, 0.002)));
+  EXPECT_TRUE(
+      bench.at(at({0.0, 0.001, -0.022})).wrench.force.isApprox(-200 * Vec3(0, 0.001, -0.002)));
   EXPECT_TRUE(bench.at(at({0, 0, -0.011})).wrench.zero());
 }
 
@@ -139,7 +145,8 @@ TEST(Guides, HaveAStiffnessAndBoundsThatCoverEveryFiniteDifference) {
 TEST(Guides, ReachTheirBoundSoThatItIsNoLargerThanNeeded) {
   Bench bench(point_guide(true));
   double most = 0.0;
-  for (int n = 0; n < 700; ++n) most = std::max(most, bench.at(at({0.1 + 1e-4 * n, 0.2, 0.3})).stiffness_bound_n_per_m);
+  for (int n = 0; n < 700; ++n)
+    most = std::max(most, bench.at(at({0.1 + 1e-4 * n, 0.2, 0.3})).stiffness_bound_n_per_m);
   EXPECT_DOUBLE_EQ(most, effects::bound_of(bench.spec()).stiffness_n_per_m);
 }
 
@@ -151,7 +158,8 @@ TEST(Guides, StepNowhereOnASweepThroughSidesLimitsEndsAndRims) {
     spec.region = {};
     Bench bench(spec);
     const Vec3 middle = spec.values.vector(4);
-    for (const Vec3& u : {random.direction(), trial % 3 > 0 ? spec.values.vector(5) : random.direction()})
+    for (const Vec3& u :
+         {random.direction(), trial % 3 > 0 ? spec.values.vector(5) : random.direction()})
       EXPECT_LE(steepest_on_sweep(bench, middle - 0.3 * u, middle + 0.3 * u, 20000, k), 1 + 1e-6);
   }
 }
@@ -163,7 +171,8 @@ TEST(Guides, GiveNoEnergyOnAnyClosedPath) {
     Bench bench(random_guide(random, trial % 3));
     const Work work = work_along(bench, closed_path(random, random.vector(0.01), 0.05, 0.0, 4000));
     EXPECT_LE(std::abs(work.net_j), 1e-3 * work.moved_j + 1e-12) << trial;
-    if (work.moved_j > 1e-6) most = std::max(most, std::abs(work.net_j) / work.moved_j);
+    if (work.moved_j > 1e-6)
+      most = std::max(most, std::abs(work.net_j) / work.moved_j);
   }
   RecordProperty("largest_share", std::to_string(most));
   EXPECT_GT(most, 0.0);
@@ -182,13 +191,14 @@ TEST(Guides, LeaveLessEnergyTheFinerAPathIsSampled) {
 }
 
 TEST(Guides, AreFiniteWhereTheToolIsOnThemFarOffAndWhereNothingPushes) {
-  for (effects::EffectSpec spec :
-       {point_guide(), point_guide(true), line_guide(0), line_guide(0.02), plane_guide(false), plane_guide(true)})
+  for (effects::EffectSpec spec : {point_guide(), point_guide(true), line_guide(0),
+                                   line_guide(0.02), plane_guide(false), plane_guide(true)})
     for (const double k : {0.0, 1e-300, 200.0})
       for (const double limit : {0.0, 1e-300, 2.0})
-        for (const Vec3& x :
-             {Vec3(0.1, 0.2, 0.3), Vec3(0, 0, 0), Vec3(0, 0, 0.02), Vec3(1e-320, 0, 0), Vec3(1e6, -1e6, 1e6)}) {
-          if (spec.values.number(2) > 0.0 && k < 200.0) continue;  // refused: see below
+        for (const Vec3& x : {Vec3(0.1, 0.2, 0.3), Vec3(0, 0, 0), Vec3(0, 0, 0.02),
+                              Vec3(1e-320, 0, 0), Vec3(1e6, -1e6, 1e6)}) {
+          if (spec.values.number(2) > 0.0 && k < 200.0)
+            continue;  // refused: see below
           spec.values.at(0) = just(k), spec.values.at(1) = just(limit);
           Bench bench(spec);
           const effects::EffectPush push = bench.at(at(x));
@@ -204,7 +214,8 @@ TEST(Guides, RefuseWhatContradictsItselfWithASentence) {
   };
   EXPECT_EQ(effects::check_values(*point_guide().kind, point_guide().values), "");
   EXPECT_NE(why(point_guide(), 3, just(0.1)).find("'beyond: release'"), std::string::npos);
-  EXPECT_NE(why(point_guide(true), 3, just(0.029)).find("at least 3 limit_n / stiffness_n_per_m = 0.03 m"),
+  EXPECT_NE(why(point_guide(true), 3, just(0.029))
+                .find("at least 3 limit_n / stiffness_n_per_m = 0.03 m"),
             std::string::npos);
   EXPECT_NE(why(point_guide(true), 3, just(0.0)), "");
   EXPECT_NE(why(point_guide(true), 0, just(0.0)), "");
@@ -227,7 +238,8 @@ TEST(Guides, StayWithinTheirStiffnessWhileAllTheirParametersChangeAtOnce) {
 }
 
 TEST(Guides, TurnedAndMovedWhileRunningMakeNoForceStep) {
-  for (effects::EffectSpec spec : {line_guide(0), line_guide(0.02), plane_guide(false), plane_guide(true)}) {
+  for (effects::EffectSpec spec :
+       {line_guide(0), line_guide(0.02), plane_guide(false), plane_guide(true)}) {
     Bench bench(spec);
     const Pose pose = at({0.004, -0.003, 0.012});
     Vec3 last = bench.at(pose).wrench.force;

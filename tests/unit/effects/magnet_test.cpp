@@ -8,14 +8,17 @@ namespace voxtouch::test {
 namespace magnet_test {
 
 effects::EffectSpec magnet(const Vec3& point, double radius, double force) {
-  return effect("magnet",
-                {{"point", Random::as_array(point)}, {"radius_m", {radius, 0, 0}}, {"force_n", {force, 0, 0}}});
+  return effect("magnet", {{"point", Random::as_array(point)},
+                           {"radius_m", {radius, 0, 0}},
+                           {"force_n", {force, 0, 0}}});
 }
 
 effects::EffectSpec random_magnet(Random& random) {
-  effects::EffectSpec spec = magnet(random.vector(0.01), random.number(0.005, 0.06), random.number(0.1, 8));
+  effects::EffectSpec spec =
+      magnet(random.vector(0.01), random.number(0.005, 0.06), random.number(0.1, 8));
   if (random.coin())
-    spec.region = {effects::SphereRegion{random.vector(0.02), random.number(0.005, 0.03)}, random.number(0.005, 0.02)};
+    spec.region = {effects::SphereRegion{random.vector(0.02), random.number(0.005, 0.03)},
+                   random.number(0.005, 0.02)};
   spec.gain = random.number(0.2, 1.0);
   return spec;
 }
@@ -30,7 +33,8 @@ TEST(Magnet, PullsTowardsItsPointMostAtARootOfAFifthOfItsRadius) {
     const Vec3 force = bench.at(at({0.1 + r, 0, 0})).wrench.force;
     EXPECT_LE(force.x(), 0.0);
     EXPECT_NEAR(force.y(), 0.0, 1e-15);
-    if (-force.x() > most) most = -force.x(), where = r;
+    if (-force.x() > most)
+      most = -force.x(), where = r;
   }
   EXPECT_NEAR(most, 3.0, 1e-5);
   EXPECT_NEAR(where, 0.02 / std::sqrt(5.0), 1e-5);
@@ -55,7 +59,8 @@ TEST(Magnet, HasAStiffnessAndBoundsThatCoverEveryFiniteDifference) {
     expect_stiffness_covers(bench, at(random.vector(0.04)), 1e-3);
   }
   Bench bench(magnet({0, 0, 0}, 0.02, 3));
-  EXPECT_NEAR(bench.at({}).stiffness_bound_n_per_m, effects::bound_of(bench.spec()).stiffness_n_per_m, 1e-9)
+  EXPECT_NEAR(bench.at({}).stiffness_bound_n_per_m,
+              effects::bound_of(bench.spec()).stiffness_n_per_m, 1e-9)
       << "reached at the point";
   EXPECT_NEAR(effects::bound_of(bench.spec()).stiffness_n_per_m, 3.4939 * 3 / 0.02, 0.02);
 }
@@ -66,9 +71,11 @@ TEST(Magnet, StepsNowhereOnASweepThroughRimAndPoint) {
     effects::EffectSpec spec = random_magnet(random);
     spec.region = {}, spec.gain = 1.0;
     Bench bench(spec);
-    const Vec3 u = random.direction(), off = trial % 2 == 0 ? Vec3(Vec3::Zero()) : random.vector(0.005);
+    const Vec3 u = random.direction(),
+               off = trial % 2 == 0 ? Vec3(Vec3::Zero()) : random.vector(0.005);
     const Vec3 middle = spec.values.vector(0) + off;
-    EXPECT_LE(steepest_on_sweep(bench, middle - 0.08 * u, middle + 0.08 * u, 20000, effects::bound_of(spec).stiffness_n_per_m),
+    EXPECT_LE(steepest_on_sweep(bench, middle - 0.08 * u, middle + 0.08 * u, 20000,
+                                effects::bound_of(spec).stiffness_n_per_m),
               1 + 1e-6);
   }
 }

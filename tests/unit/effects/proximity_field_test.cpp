@@ -34,7 +34,8 @@ TEST(ProximityField, IsOffByLessThanAQuarterOfTheSmoothingSquaredOverTheRadiusBe
       const Vec3 u = random.direction();
       const double d = random.number(0, range);
       const double off = field.at((radius + d) * u).distance_m - d;
-      EXPECT_GT(off, -1e-6);  // facets lie inside the ball, nothing else brings a convex body nearer
+      EXPECT_GT(off,
+                -1e-6);  // facets lie inside the ball, nothing else brings a convex body nearer
       EXPECT_LT(off, h * h / (4 * radius) + 4e-5);
       most = std::max(most, off);
     }
@@ -77,7 +78,8 @@ TEST(ProximityField, HasTheGradientAndCurvatureOfItsDistanceWithinTheirBounds) {
         const Vec3 step = 1e-7 * Vec3::Unit(axis);
         const effects::ProximitySample more = field.at(x + step), less = field.at(x - step);
         EXPECT_NEAR((more.distance_m - less.distance_m) / 2e-7, here.gradient[axis], 1e-5);
-        EXPECT_LT(((more.gradient - less.gradient) / 2e-7 - here.curvature.col(axis)).norm(), 1e-3 + 2e-3 / h);
+        EXPECT_LT(((more.gradient - less.gradient) / 2e-7 - here.curvature.col(axis)).norm(),
+                  1e-3 + 2e-3 / h);
       }
       steepest = std::max(steepest, here.gradient.norm());
       bent = std::max(bent, here.curvature.cwiseAbs().rowwise().sum().maxCoeff());
@@ -102,8 +104,8 @@ TEST(ProximityField, ContinuesWhereWhatIsStoredEndsAndStandsAnyPoint) {
     last = sample;
   }
   EXPECT_EQ(last.distance_m, field.reach_m());
-  for (const double far :
-       {1e5, 1e9, 1e300, std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
+  for (const double far : {1e5, 1e9, 1e300, std::numeric_limits<double>::infinity(),
+                           std::numeric_limits<double>::quiet_NaN()}) {
     EXPECT_EQ(field.at({far, 0, 0}).distance_m, field.reach_m());
     EXPECT_TRUE(field.at({0, -far, 0}).gradient.isZero(1e-12));
   }
@@ -121,13 +123,15 @@ TEST(ToolPoints, AreShellPointsThatStandForAllOfItsAreaAndLieNearAllOfIt) {
       share += point.share, farthest = std::max(farthest, point.position.norm());
     EXPECT_NEAR(share, 1.0, 1e-12);
     for (const effects::ToolPoint& point : tool.points) {
-      EXPECT_LT(point.share * static_cast<double>(tool.points.size()), 8.0) << "of a ball all shares are alike, nearly";
+      EXPECT_LT(point.share * static_cast<double>(tool.points.size()), 8.0)
+          << "of a ball all shares are alike, nearly";
     }
     EXPECT_EQ(tool.reach_m, farthest);
     double gap = 0.0;
     for (std::size_t p = 0; p < shell.size(); ++p) {
       double nearest = 1.0;
-      for (const effects::ToolPoint& point : tool.points) nearest = std::min(nearest, (shell.point(p) - point.position).norm());
+      for (const effects::ToolPoint& point : tool.points)
+        nearest = std::min(nearest, (shell.point(p) - point.position).norm());
       gap = std::max(gap, nearest);
     }
     EXPECT_EQ(tool.gap_m, gap);

@@ -19,11 +19,12 @@ bool any_has(const std::vector<std::string>& lines, const std::string& text) {
 std::string box_obj(double size, std::size_t faces = 12) {
   std::string text;
   for (int n = 0; n < 8; ++n)
-    text += "v " + std::to_string(n & 1 ? size : 0.0) + " " + std::to_string(n & 2 ? size : 0.0) + " " +
-            std::to_string(n & 4 ? size : 0.0) + "\n";
+    text += "v " + std::to_string(n & 1 ? size : 0.0) + " " + std::to_string(n & 2 ? size : 0.0) +
+            " " + std::to_string(n & 4 ? size : 0.0) + "\n";
   const char* const all[] = {"1 3 2", "2 3 4", "5 6 7", "6 8 7", "1 2 5", "2 6 5",
                              "3 7 4", "4 7 8", "1 5 3", "3 5 7", "2 4 6", "4 8 6"};
-  for (std::size_t n = 0; n < faces; ++n) text += "f " + std::string(all[n]) + "\n";
+  for (std::size_t n = 0; n < faces; ++n)
+    text += "f " + std::string(all[n]) + "\n";
   return text;
 }
 
@@ -35,11 +36,13 @@ class ProximityScene : public scene::SceneFolder {
     write("block.obj", box_obj(0.06));
     write("open.obj", box_obj(0.06, 11));
   }
-  std::unique_ptr<rendering::BuiltScene> built(const std::string& effects, const std::string& meshes = "{mesh: block.obj}",
-                                    const std::string& contact = "stiffness_n_per_m: 30") const {
+  std::unique_ptr<rendering::BuiltScene> built(
+      const std::string& effects, const std::string& meshes = "{mesh: block.obj}",
+      const std::string& contact = "stiffness_n_per_m: 30") const {
     return rendering::build_scene(parse("scene: s\nvoxel_size: 0.002\nstatic: [" + meshes +
-                             "]\ndynamic: {mesh: tool.obj}\ncontact: {" + contact + "}\neffects: [" + effects + "]\n"),
-                       serial_for());
+                                        "]\ndynamic: {mesh: tool.obj}\ncontact: {" + contact +
+                                        "}\neffects: [" + effects + "]\n"),
+                                  serial_for());
   }
   std::string refusal(const std::string& effects, const std::string& meshes) const {
     try {
@@ -49,8 +52,10 @@ class ProximityScene : public scene::SceneFolder {
     }
     return "no exception";
   }
-  static constexpr const char* kProximity = "{proximity: {limit_n: 3, range_m: 0.01, smoothing_m: 0.003}}";
-  static constexpr const char* kMagnet = "{magnet: {point: [0, 0, 0.1], radius_m: 0.02, force_n: 1}}";
+  static constexpr const char* kProximity =
+      "{proximity: {limit_n: 3, range_m: 0.01, smoothing_m: 0.003}}";
+  static constexpr const char* kMagnet =
+      "{magnet: {point: [0, 0, 0.1], radius_m: 0.02, force_n: 1}}";
 };
 
 TEST_F(ProximityScene, BuildsDistancesWhereAnEffectAsksForThemAndOnlyThere) {
@@ -68,15 +73,19 @@ TEST_F(ProximityScene, BuildsDistancesWhereAnEffectAsksForThemAndOnlyThere) {
   EXPECT_EQ(with->plan().bytes - none->plan().bytes,
             ground.proximity->bytes() + ground.tool.points.size() * sizeof(ToolPoint));
   EXPECT_EQ(ground.tool.points.size(), rendering::ToolPoints::kMaxPoints);
-  EXPECT_GT(with->plan().expected_ns_per_frame, 2.0 * magnet->plan().expected_ns_per_frame - none->plan().expected_ns_per_frame) << "128 points, not one";
-  for (const char* figure : {"out to 10 mm", "over 4 mm", "128 points", "25.6 us"}) EXPECT_TRUE(any_has(with->plan().built, figure)) << figure;
+  EXPECT_GT(with->plan().expected_ns_per_frame,
+            2.0 * magnet->plan().expected_ns_per_frame - none->plan().expected_ns_per_frame)
+      << "128 points, not one";
+  for (const char* figure : {"out to 10 mm", "over 4 mm", "128 points", "25.6 us"})
+    EXPECT_TRUE(any_has(with->plan().built, figure)) << figure;
   EXPECT_FALSE(any_has(with->plan().left_out, "Distances outside"));
   EXPECT_EQ(with->field(), nullptr) << "the contact model asks for none";
 }
 
 TEST_F(ProximityScene, TheModelFieldKeepsAFieldOfItsOwn) {
   const char* const kField = "model: field, stiffness_n_per_m3: 1.0e7";
-  const auto with = built(kProximity, "{mesh: block.obj}", kField), without = built("", "{mesh: block.obj}", kField);
+  const auto with = built(kProximity, "{mesh: block.obj}", kField),
+             without = built("", "{mesh: block.obj}", kField);
   ASSERT_NE(with->field(), nullptr);
   EXPECT_EQ(with->field()->bytes(), without->field()->bytes());
 }
@@ -85,7 +94,8 @@ TEST_F(ProximityScene, IsFeltBeforeTheToolTouchesAndThePlanBoundsIt) {
   const auto scene = built(kProximity), none = built("");
   rendering::ToolState tool;
   tool.pose = {Vec3(0.025, 0.025, 0.064), Quat::Identity()};
-  const rendering::SceneFrame frame = scene->scene_renderer().render(tool, 0.0), bare = none->scene_renderer().render(tool, 0.0);
+  const rendering::SceneFrame frame = scene->scene_renderer().render(tool, 0.0),
+                              bare = none->scene_renderer().render(tool, 0.0);
   EXPECT_TRUE(bare.wrench.zero());
   EXPECT_TRUE(frame.touch.contact.wrench.zero());
   EXPECT_GT(frame.wrench.force.z(), 0.2);
@@ -105,7 +115,9 @@ TEST_F(ProximityScene, RefusesOpenMeshesAndLeversThatAreTooShortWithASentence) {
   EXPECT_NE(refusal("{proximity: {limit_n: 3, range_m: 0.01, lever_m: 0.01}}", "{mesh: block.obj}")
                 .find("reaches 0.01"),
             std::string::npos);
-  EXPECT_EQ(refusal("{proximity: {limit_n: 3, range_m: 0.01, lever_m: 0.018}}", "{mesh: block.obj}"), "no exception");
+  EXPECT_EQ(
+      refusal("{proximity: {limit_n: 3, range_m: 0.01, lever_m: 0.018}}", "{mesh: block.obj}"),
+      "no exception");
 }
 
 }  // namespace

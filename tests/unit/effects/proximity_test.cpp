@@ -12,7 +12,7 @@ constexpr double kRange = 0.01;
 
 const rendering::ProximityField& block(double h) {
   static const rendering::ProximityField fine = ground_of(block_mesh(), kRange, 0.002),
-                              soft = ground_of(block_mesh(), kRange, 0.004);
+                                         soft = ground_of(block_mesh(), kRange, 0.004);
   return h > 0.003 ? soft : fine;
 }
 
@@ -21,8 +21,9 @@ Pose at(const Vec3& x) { return {x, Quat::Identity()}; }
 /// A pose whose tool of 10 mm is round the block, often near it.
 Pose near_block(Random& random) {
   const Vec3 x = random.vector(0.05);
-  return {Vec3(x.x(), x.y(), random.coin() ? x.z() : std::copysign(random.number(0.028, 0.04), x.z())),
-          random.orientation()};
+  return {
+      Vec3(x.x(), x.y(), random.coin() ? x.z() : std::copysign(random.number(0.028, 0.04), x.z())),
+      random.orientation()};
 }
 
 effects::EffectSpec random_proximity(Random& random, double h, double lever) {
@@ -30,7 +31,8 @@ effects::EffectSpec random_proximity(Random& random, double h, double lever) {
   effects::EffectSpec spec = proximity(random.number(0.1, 8), range, h, lever);
   spec.gain = random.number(0.2, 1.0);
   if (random.coin())
-    spec.region = {effects::SphereRegion{random.vector(0.04), random.number(0.01, 0.04)}, random.number(0.005, 0.02)};
+    spec.region = {effects::SphereRegion{random.vector(0.04), random.number(0.01, 0.04)},
+                   random.number(0.005, 0.02)};
   return spec;
 }
 
@@ -105,7 +107,8 @@ TEST(Proximity, HasAStiffnessAndBoundsThatCoverEveryFiniteDifference) {
     const double h = trial % 2 ? 0.002 : 0.004;
     const bool turning = trial % 3 > 0;
     effects::EffectSpec spec = random_proximity(random, h, turning ? 0.013 : 0.0);
-    if (turning) spec.region = {};
+    if (turning)
+      spec.region = {};
     Bench bench(spec, &block(h), points);
     expect_stiffness_covers(bench, near_block(random), 0.3, turning, 1e-8);
   }
@@ -124,7 +127,8 @@ TEST(Proximity, StepsNowhereOnASweepThroughRimEdgeAndInside) {
     const effects::EffectSpec spec = proximity(4.0, kRange, 0.002);
     Bench bench(spec, &block(0.002), trial % 2 ? points : point);
     const Vec3 u = random.direction(), middle = random.vector(0.03);
-    EXPECT_LE(steepest_on_sweep(bench, middle - 0.08 * u, middle + 0.08 * u, 4000, effects::bound_of(spec).stiffness_n_per_m),
+    EXPECT_LE(steepest_on_sweep(bench, middle - 0.08 * u, middle + 0.08 * u, 4000,
+                                effects::bound_of(spec).stiffness_n_per_m),
               1 + 1e-6);
   }
 }
@@ -138,7 +142,8 @@ TEST(Proximity, GivesNoEnergyOnAnyClosedPath) {
     const bool turning = trial % 4 < 2;
     Bench bench(random_proximity(random, h, turning ? 0.013 : 0.0), &block(h), points);
     const Pose start = near_block(random);
-    const Work work = work_along(bench, closed_path(random, start.position, 0.02, turning ? 1.0 : 0.0, 1000), turning);
+    const Work work = work_along(
+        bench, closed_path(random, start.position, 0.02, turning ? 1.0 : 0.0, 1000), turning);
     EXPECT_LE(std::abs(work.net_j), 2e-3 * work.moved_j + 1e-12) << trial;
     felt += work.moved_j;
   }
@@ -151,7 +156,8 @@ TEST(Proximity, LeavesLessEnergyTheFinerAPathIsSampled) {
   for (unsigned trial = 0; trial < 20; ++trial) {
     Bench bench(proximity(4.0, kRange, 0.002), &block(0.002), points);
     Random random(500 + trial), same = random;
-    coarse += std::abs(work_along(bench, closed_path(random, {0.02, 0, 0.025}, 0.02, 0.0, 500)).net_j);
+    coarse +=
+        std::abs(work_along(bench, closed_path(random, {0.02, 0, 0.025}, 0.02, 0.0, 500)).net_j);
     fine += std::abs(work_along(bench, closed_path(same, {0.02, 0, 0.025}, 0.02, 0.0, 4000)).net_j);
   }
   EXPECT_LT(fine, coarse / 16);
@@ -162,7 +168,8 @@ TEST(Proximity, OfNothingToLookUpGivesNothing) {
   EXPECT_TRUE(bench.at({}).wrench.zero());
   const std::vector<effects::ToolPoint> points = ball(0.008, 60);
   Bench far(proximity(4.0, kRange, 0.002), &block(0.002), points);
-  for (const double x : {1.0, 1e9, 1e200}) EXPECT_TRUE(far.at(at({x, 0, 0})).wrench.zero());
+  for (const double x : {1.0, 1e9, 1e200})
+    EXPECT_TRUE(far.at(at({x, 0, 0})).wrench.zero());
   EXPECT_EQ(far.chain().not_finite(), 0u);
 }
 
@@ -178,18 +185,23 @@ TEST(Proximity, MayNotBeChangedToWhatWasNotBuilt) {
 }
 
 TEST(SpaceEffects, AllocateNothingWhileTheyRun) {
-  if (!heap_is_counted()) GTEST_SKIP() << "the sanitizer owns malloc";
+  if (!heap_is_counted())
+    GTEST_SKIP() << "the sanitizer owns malloc";
   const std::vector<effects::ToolPoint> points = ball(0.008, 100);
   std::vector<effects::EffectSpec> specs = {
       proximity(4.0, kRange, 0.002, 0.02),
-      effect("magnet", {{"point", {0, 0, 0.03}}, {"radius_m", {0.02, 0, 0}}, {"force_n", {2, 0, 0}}}),
-      effect("guide_point", {{"stiffness_n_per_m", {200, 0, 0}}, {"limit_n", {2, 0, 0}}, {"point", {0, 0, 0}}}),
-      effect(
-          "guide_line",
-          {{"stiffness_n_per_m", {200, 0, 0}}, {"limit_n", {2, 0, 0}}, {"point", {0, 0, 0}}, {"direction", {0, 0, 1}}}),
-      effect(
-          "guide_plane",
-          {{"stiffness_n_per_m", {200, 0, 0}}, {"limit_n", {2, 0, 0}}, {"point", {0, 0, 0}}, {"normal", {0, 0, 1}}})};
+      effect("magnet",
+             {{"point", {0, 0, 0.03}}, {"radius_m", {0.02, 0, 0}}, {"force_n", {2, 0, 0}}}),
+      effect("guide_point",
+             {{"stiffness_n_per_m", {200, 0, 0}}, {"limit_n", {2, 0, 0}}, {"point", {0, 0, 0}}}),
+      effect("guide_line", {{"stiffness_n_per_m", {200, 0, 0}},
+                            {"limit_n", {2, 0, 0}},
+                            {"point", {0, 0, 0}},
+                            {"direction", {0, 0, 1}}}),
+      effect("guide_plane", {{"stiffness_n_per_m", {200, 0, 0}},
+                             {"limit_n", {2, 0, 0}},
+                             {"point", {0, 0, 0}},
+                             {"normal", {0, 0, 1}}})};
   const rendering::ProximityField& field = block(0.002);
   effects::EffectChain chain(std::move(specs));
   effects::EffectFrame frame;
@@ -197,7 +209,8 @@ TEST(SpaceEffects, AllocateNothingWhileTheyRun) {
   double felt = 0.0;
   EXPECT_EQ(heap_count_of([&] {
               for (int n = 0; n < 500; ++n) {
-                frame.tool = {Vec3(0.0001 * n, 0, 0.03), Quat(Eigen::AngleAxisd(0.01 * n, Vec3::UnitX()))};
+                frame.tool = {Vec3(0.0001 * n, 0, 0.03),
+                              Quat(Eigen::AngleAxisd(0.01 * n, Vec3::UnitX()))};
                 felt += chain.apply(frame).wrench.force.norm();
               }
             }),

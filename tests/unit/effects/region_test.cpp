@@ -9,7 +9,8 @@ namespace {
 
 Region sphere() { return {SphereRegion{Vec3(1, 2, 3), 0.05}, 0.02}; }
 Region box() {
-  return {BoxRegion{{Vec3(1, 2, 3), Quat(Eigen::AngleAxisd(0.7, Vec3(1, 2, -1).normalized()))}, Vec3(0.1, 0.04, 0.06)},
+  return {BoxRegion{{Vec3(1, 2, 3), Quat(Eigen::AngleAxisd(0.7, Vec3(1, 2, -1).normalized()))},
+                    Vec3(0.1, 0.04, 0.06)},
           0.02};
 }
 

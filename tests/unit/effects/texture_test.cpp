@@ -9,7 +9,8 @@ enum : int { kGrating, kNoise };
 const BallTool kBall;
 const Vec3 kUp = Vec3::UnitZ();
 
-effects::EffectSpec texture(int pattern, double wavelength_m, double force_n, const Vec3& direction = Vec3::UnitX()) {
+effects::EffectSpec texture(int pattern, double wavelength_m, double force_n,
+                            const Vec3& direction = Vec3::UnitX()) {
   return effect("texture", {{"pattern", {static_cast<double>(pattern)}},
                             {"wavelength_m", {wavelength_m}},
                             {"force_n", {force_n}},
@@ -21,8 +22,9 @@ Pose pressing(double push_n, double x, double y = 0.0) {
 contact::ContactResult plane(const Pose& pose) { return on_plane(pose, kBall, kUp, 0, 1000); }
 effects::EffectSpec any_texture(std::mt19937_64& random) {
   const double heading = between(random, 0, 2 * M_PI);
-  effects::EffectSpec spec = texture(random() % 2 == 0 ? kGrating : kNoise, scale_between(random, 0.0005, 0.05),
-                            scale_between(random, 0.05, 20), Vec3(std::cos(heading), std::sin(heading), 0));
+  effects::EffectSpec spec =
+      texture(random() % 2 == 0 ? kGrating : kNoise, scale_between(random, 0.0005, 0.05),
+              scale_between(random, 0.05, 20), Vec3(std::cos(heading), std::sin(heading), 0));
   spec.values.at(4)[0] = scale_between(random, 0.05, 5);
   return spec;
 }
@@ -33,16 +35,19 @@ TEST(TexturePattern, HasTheSlopeOfItsHeightWithinOneAndItsBendWithinItsBound) {
     const double wave = 0.002;
     const Vec3 direction = Vec3(1, 2, -1).normalized();
     const auto at = [&](const Vec3& x) {
-      return pattern == kGrating ? effects::grating_at(x, wave, direction) : effects::noise_at(x, wave);
+      return pattern == kGrating ? effects::grating_at(x, wave, direction)
+                                 : effects::noise_at(x, wave);
     };
     double steepest = 0.0, bent = 0.0, sum = 0.0;
     for (int n = 0; n < 60000; ++n) {
-      const Vec3 x(between(random, -0.1, 0.1), between(random, -0.1, 0.1), between(random, -0.1, 0.1));
+      const Vec3 x(between(random, -0.1, 0.1), between(random, -0.1, 0.1),
+                   between(random, -0.1, 0.1));
       const effects::PatternSample here = at(x);
       const double h = 1e-8;
       Mat3 bend;
       for (int a = 0; a < 3; ++a) {
-        const effects::PatternSample more = at(x + h * Vec3::Unit(a)), less = at(x - h * Vec3::Unit(a));
+        const effects::PatternSample more = at(x + h * Vec3::Unit(a)),
+                                     less = at(x - h * Vec3::Unit(a));
         ASSERT_NEAR((more.height_m - less.height_m) / (2 * h), here.slope[a], 2e-6);
         bend.col(a) = (more.slope - less.slope) / (2 * h);
       }
@@ -66,7 +71,8 @@ TEST(Texture, OfAGratingIsTheSlopeOfASineAcrossItsRidges) {
     const Pose pose = pressing(2.0, 1e-5 * n, -3e-6 * n);
     const double s = direction.dot(pose.position);
     EXPECT_TRUE(
-        asked.at(pose, {plane(pose)}).wrench.force.isApprox(-0.3 * std::cos(2 * M_PI * s / 0.004) * direction, 1e-6));
+        asked.at(pose, {plane(pose)})
+            .wrench.force.isApprox(-0.3 * std::cos(2 * M_PI * s / 0.004) * direction, 1e-6));
   }
 }
 
@@ -116,17 +122,18 @@ TEST(Texture, GivesNoMoreThanItsBoundForEachMetreOnAnyOf220RandomClosedPaths) {
   for (int trial = 0; trial < 220; ++trial) {
     effects::EffectSpec spec = any_texture(random);
     const double bound = effects::bound_of(spec).energy_per_metre_j, wave = spec.values.number(1);
-    const BallTool tool{0.02 * Vec3(between(random, -1, 1), between(random, -1, 1), between(random, -1, 1)), 0.01};
-    const ClosedPath path(random, {Vec3(0, 0, 0.009) - tool.centre, Quat::Identity()}, Vec3(wave, wave, 5e-4),
-                          between(random, 0, 0.2));
+    const BallTool tool{
+        0.02 * Vec3(between(random, -1, 1), between(random, -1, 1), between(random, -1, 1)), 0.01};
+    const ClosedPath path(random, {Vec3(0, 0, 0.009) - tool.centre, Quat::Identity()},
+                          Vec3(wave, wave, 5e-4), between(random, 0, 0.2));
     Asked asked(std::move(spec));
     double sum = 0.0, way = 0.0;
     Wrench last;
     Pose before;
     for (int n = 0; n <= 3000; ++n) {
       const Pose pose = path.at(n / 3000.0);
-      const std::vector<contact::ContactResult> contacts = {on_plane(pose, tool, kUp, 0, 800),
-                                                   on_ball(pose, tool, Vec3(0.015, 0, 0), 0.012, 1500)};
+      const std::vector<contact::ContactResult> contacts = {
+          on_plane(pose, tool, kUp, 0, 800), on_ball(pose, tool, Vec3(0.015, 0, 0), 0.012, 1500)};
       const Wrench wrench = asked.at(pose, contacts).wrench;
       ASSERT_LE(wrench.force.norm(), bound * (1 + 1e-12));
       if (n > 0) {
@@ -152,8 +159,10 @@ TEST(Texture, GivesEnergyToAHandThatPressesDownhillOnlyAndNoMoreThanTheBound) {
     const double t = n / 4000.0, x = 0.001 + 0.002 * (t < 0.5 ? 2 * t : 2 - 2 * t);
     const Pose pose = pressing(t < 0.5 ? 1.0 : 0.0, x);
     const Wrench wrench = asked.at(pose, {plane(pose)}).wrench;
-    if (n > 0 && n != 2000) sum += work(last, wrench, before, pose);
-    if (n > 0) way += std::abs(x - before.position.x());
+    if (n > 0 && n != 2000)
+      sum += work(last, wrench, before, pose);
+    if (n > 0)
+      way += std::abs(x - before.position.x());
     last = wrench, before = pose;
   }
   EXPECT_NEAR(sum, 0.5 * 0.004 / M_PI, 1e-5);
@@ -173,9 +182,10 @@ TEST(Texture, HasNoForceStepWithinItsReportedStiffness) {
       const effects::EffectPush push = asked.at(pose, {plane(pose)});
       ASSERT_GE(least_eigenvalue(push.stiffness), -1e-9 * push.stiffness.norm());
       if (n > 0) {
-        ASSERT_LE((push.wrench.force - last).norm(), std::max(bound_before, push.stiffness_bound_n_per_m) *
-                                                             (pose.position - before.position).norm() * (1 + 1e-6) +
-                                                         1e-12)
+        ASSERT_LE((push.wrench.force - last).norm(),
+                  std::max(bound_before, push.stiffness_bound_n_per_m) *
+                          (pose.position - before.position).norm() * (1 + 1e-6) +
+                      1e-12)
             << trial << " " << n;
       }
       bound_before = push.stiffness_bound_n_per_m, last = push.wrench.force, before = pose;
@@ -203,7 +213,8 @@ TEST(Texture, BelongsToThePlaceAndNotToTheTimeOrTheWayThere) {
     Asked wandering(texture(pattern, 0.003, 1.0)), fresh(texture(pattern, 0.003, 1.0));
     std::mt19937_64 random(12);
     const ClosedPath path(random, pressing(3.0, 0.01), Vec3(5e-3, 5e-3, 1e-3), 0.0);
-    for (int n = 0; n <= 700; ++n) wandering.at(path.at(n / 1000.0), {plane(path.at(n / 1000.0))});
+    for (int n = 0; n <= 700; ++n)
+      wandering.at(path.at(n / 1000.0), {plane(path.at(n / 1000.0))});
     const Pose place = path.at(0.7);
     const std::vector<contact::ContactResult> there = {plane(place)};
     EXPECT_EQ(wandering.at(place, there).wrench.force, fresh.at(place, there).wrench.force);
@@ -214,11 +225,14 @@ TEST(Texture, OfSeveralObjectsSumsInAnyOrderToNoMoreThanItsForce) {
   std::mt19937_64 random(3);
   Asked asked(texture(kNoise, 0.003, 1.0));
   for (int n = 0; n < 500; ++n) {
-    const Pose pose{Vec3(between(random, 0.007, 0.011), between(random, 0.007, 0.011), between(random, 0.007, 0.011)),
+    const Pose pose{Vec3(between(random, 0.007, 0.011), between(random, 0.007, 0.011),
+                         between(random, 0.007, 0.011)),
                     Quat::Identity()};
     const contact::ContactResult a = on_plane(pose, kBall, Vec3::UnitX(), 0, 800),
-                        b = on_plane(pose, kBall, Vec3::UnitY(), 0, 900), c = on_plane(pose, kBall, kUp, 0, 500);
-    const Vec3 forward = asked.at(pose, {a, b, c}).wrench.force, back = asked.at(pose, {c, a, b}).wrench.force;
+                                 b = on_plane(pose, kBall, Vec3::UnitY(), 0, 900),
+                                 c = on_plane(pose, kBall, kUp, 0, 500);
+    const Vec3 forward = asked.at(pose, {a, b, c}).wrench.force,
+               back = asked.at(pose, {c, a, b}).wrench.force;
     EXPECT_LT((forward - back).norm(), 1e-14);
     EXPECT_LE(forward.norm(), 1 + 1e-12);
   }
@@ -230,7 +244,8 @@ TEST(Texture, ActsAtTheFootOfTheContactForceButNoFartherOutThanItsReach) {
   for (const double reach : {0.02, 0.2}) {
     effects::EffectSpec spec = texture(kGrating, 0.004, 0.3);
     spec.values.at(5)[0] = reach;
-    const Wrench wrench = Asked(std::move(spec)).at(pose, {on_plane(pose, tool, kUp, 0, 1000)}).wrench;
+    const Wrench wrench =
+        Asked(std::move(spec)).at(pose, {on_plane(pose, tool, kUp, 0, 1000)}).wrench;
     EXPECT_NEAR(wrench.force.x(), -0.3, 1e-9);
     EXPECT_NEAR(wrench.torque.z(), 0.3 * std::min(reach, 0.05), 1e-9);
   }

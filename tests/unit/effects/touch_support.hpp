@@ -1,5 +1,6 @@
 #pragma once
-/// Objects of closed form for the effects that act where the tool touches: a ball on a tool against planes and balls.
+/// Objects of closed form for the effects that act where the tool touches: a ball on a tool against
+/// planes and balls.
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
@@ -20,10 +21,11 @@ struct BallTool {
 };
 
 /// Push of `n_per_m` for each metre of depth, along `normal`, at the ball's deepest point.
-inline contact::ContactResult pushed(const Pose& pose, const BallTool& tool, const Vec3& normal, double depth_m,
-                            double n_per_m) {
+inline contact::ContactResult pushed(const Pose& pose, const BallTool& tool, const Vec3& normal,
+                                     double depth_m, double n_per_m) {
   contact::ContactResult out;
-  if (!(depth_m > 0.0)) return out;
+  if (!(depth_m > 0.0))
+    return out;
   out.mean_normal = normal, out.coherence = 1.0, out.surface_hits = 1;
   out.deepest_point = pose * tool.centre - tool.radius_m * normal, out.deepest_depth_m = depth_m;
   const Vec3 arm = out.deepest_point - pose.position;
@@ -34,24 +36,30 @@ inline contact::ContactResult pushed(const Pose& pose, const BallTool& tool, con
   return out;
 }
 /// Against the half space below `level_m` along the unit vector `up`.
-inline contact::ContactResult on_plane(const Pose& pose, const BallTool& tool, const Vec3& up, double level_m, double n_per_m) {
+inline contact::ContactResult on_plane(const Pose& pose, const BallTool& tool, const Vec3& up,
+                                       double level_m, double n_per_m) {
   return pushed(pose, tool, up, tool.radius_m - (up.dot(pose * tool.centre) - level_m), n_per_m);
 }
 /// Against a ball.
-inline contact::ContactResult on_ball(const Pose& pose, const BallTool& tool, const Vec3& centre, double radius_m,
-                             double n_per_m) {
+inline contact::ContactResult on_ball(const Pose& pose, const BallTool& tool, const Vec3& centre,
+                                      double radius_m, double n_per_m) {
   const Vec3 away = pose * tool.centre - centre;
   return pushed(pose, tool, away.normalized(), tool.radius_m + radius_m - away.norm(), n_per_m);
 }
 
 /// An effect of `kind` with its standards and then `values`.
-inline effects::EffectSpec effect(std::string_view kind,
-                         const std::vector<std::pair<std::string_view, std::array<double, 3>>>& values) {
-  effects::EffectSpec spec{.name = std::string(kind), .kind = effects::find_effect_kind(kind), .values = {}, .region = {}};
+inline effects::EffectSpec effect(
+    std::string_view kind,
+    const std::vector<std::pair<std::string_view, std::array<double, 3>>>& values) {
+  effects::EffectSpec spec{.name = std::string(kind),
+                           .kind = effects::find_effect_kind(kind),
+                           .values = {},
+                           .region = {}};
   spec.values = effects::EffectValues(spec.kind->parameters);
   for (const auto& [name, value] : values)
     for (std::size_t n = 0; n < spec.values.size(); ++n)
-      if (spec.kind->parameters[n].name == name) spec.values.at(n) = value;
+      if (spec.kind->parameters[n].name == name)
+        spec.values.at(n) = value;
   return spec;
 }
 
@@ -60,14 +68,16 @@ class Asked {
  public:
   explicit Asked(effects::EffectSpec spec) : chain(std::vector{std::move(spec)}) {}
 
-  effects::EffectPush at(const Pose& pose, const std::vector<contact::ContactResult>& contacts, const Twist& twist = {},
-                const std::vector<Twist>& objects = {}) {
+  effects::EffectPush at(const Pose& pose, const std::vector<contact::ContactResult>& contacts,
+                         const Twist& twist = {}, const std::vector<Twist>& objects = {}) {
     std::vector<effects::ObjectContact> touched;
     for (std::size_t n = 0; n < contacts.size(); ++n)
-      touched.push_back({static_cast<std::uint32_t>(n), &contacts[n], n < objects.size() ? objects[n] : Twist{}});
+      touched.push_back(
+          {static_cast<std::uint32_t>(n), &contacts[n], n < objects.size() ? objects[n] : Twist{}});
     return with(pose, touched, twist);
   }
-  effects::EffectPush with(const Pose& pose, std::span<const effects::ObjectContact> touched, const Twist& twist = {}) {
+  effects::EffectPush with(const Pose& pose, std::span<const effects::ObjectContact> touched,
+                           const Twist& twist = {}) {
     effects::EffectFrame frame;
     frame.tool = pose, frame.twist = twist, frame.dt_s = 0.001, frame.time_s = time_s += 0.001,
     frame.contacts = touched;
@@ -89,10 +99,13 @@ inline double work(const Wrench& from, const Wrench& to, const Pose& start, cons
 class ClosedPath {
  public:
   ClosedPath(std::mt19937_64& random, const Pose& middle, const Vec3& way_m, double turn_rad)
-      : middle_(middle), way_m_(way_m), turn_rad_(turn_rad) {
+      : middle_(middle),
+        way_m_(way_m),
+        turn_rad_(turn_rad) {
     std::normal_distribution<double> number;
     for (int h = 0; h < 3; ++h)
-      for (int a = 0; a < 6; ++a) sine_[h][a] = number(random) / (1 + h), cosine_[h][a] = number(random) / (1 + h);
+      for (int a = 0; a < 6; ++a)
+        sine_[h][a] = number(random) / (1 + h), cosine_[h][a] = number(random) / (1 + h);
   }
   /// `t` from 0 to 1; both ends are one place.
   Pose at(double t) const {

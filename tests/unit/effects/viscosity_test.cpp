@@ -6,7 +6,8 @@ namespace voxtouch::effects {
 namespace {
 
 TEST(Viscosity, PushesAgainstTheVelocityAndTakesEnergyOnly) {
-  EffectSpec spec{.name = "viscosity", .kind = find_effect_kind("viscosity"), .values = {}, .region = {}};
+  EffectSpec spec{
+      .name = "viscosity", .kind = find_effect_kind("viscosity"), .values = {}, .region = {}};
   spec.values = EffectValues(spec.kind->parameters);
   spec.values.at(0)[0] = 3.0;
   spec.values.at(1)[0] = 0.1;
@@ -20,7 +21,8 @@ TEST(Viscosity, PushesAgainstTheVelocityAndTakesEnergyOnly) {
   const EffectPush push = chain.apply(frame);
   EXPECT_TRUE(push.wrench.force.isApprox(Vec3(-0.3, 0.6, -0.9)));
   EXPECT_TRUE(push.wrench.torque.isApprox(Vec3(-0.1, 0, 0.1)));
-  EXPECT_LT(push.wrench.force.dot(frame.twist.linear) + push.wrench.torque.dot(frame.twist.angular), 0.0);
+  EXPECT_LT(push.wrench.force.dot(frame.twist.linear) + push.wrench.torque.dot(frame.twist.angular),
+            0.0);
 }
 
 }  // namespace

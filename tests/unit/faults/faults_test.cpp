@@ -22,10 +22,12 @@ std::vector<int> taken(RecentRows<int>& rows) {
 TEST(RecentRows, AreTheNewestOldestFirst) {
   RecentRows<int> rows;
   rows.reserve(4);
-  for (int n = 1; n <= 3; ++n) rows.push(n);
+  for (int n = 1; n <= 3; ++n)
+    rows.push(n);
   EXPECT_TRUE(rows.keep(kReason));
   EXPECT_EQ(taken(rows), (std::vector{1, 2, 3}));
-  for (int n = 4; n <= 13; ++n) rows.push(n);
+  for (int n = 4; n <= 13; ++n)
+    rows.push(n);
   EXPECT_TRUE(rows.keep(kReason));
   EXPECT_EQ(taken(rows), (std::vector{10, 11, 12, 13}));
 }
@@ -35,7 +37,8 @@ TEST(RecentRows, AreKeptUntilTheyAreTakenWhateverComesMeanwhile) {
   rows.reserve(2);
   rows.push(1);
   EXPECT_TRUE(rows.keep(kReason));
-  for (int n = 2; n < 9; ++n) rows.push(n);
+  for (int n = 2; n < 9; ++n)
+    rows.push(n);
   EXPECT_FALSE(rows.keep("another test"));
   EXPECT_FALSE(rows.reserve(5));
   EXPECT_EQ(taken(rows), std::vector{1});
@@ -67,12 +70,15 @@ struct Row {
 };
 
 std::unique_ptr<FaultRecorder<Row>> recorder_in(const std::filesystem::path& folder) {
-  auto recorder = std::make_unique<FaultRecorder<Row>>(folder, FaultContext{"device", "left", {}}, std::vector{topic_of<msg::DeviceState>("/left/device/state")},
-                                                       [](const std::vector<Row>& rows) {
-                                                         std::vector<FaultMessage> messages;
-                                                         for (const Row& row : rows) messages.push_back(message_of(0, row.state.sample_time_ns, row.state));
-                                                         return messages;
-                                                       });
+  auto recorder = std::make_unique<FaultRecorder<Row>>(
+      folder, FaultContext{"device", "left", {}},
+      std::vector{topic_of<msg::DeviceState>("/left/device/state")},
+      [](const std::vector<Row>& rows) {
+        std::vector<FaultMessage> messages;
+        for (const Row& row : rows)
+          messages.push_back(message_of(0, row.state.sample_time_ns, row.state));
+        return messages;
+      });
   recorder->reserve(1000.0);
   return recorder;
 }
@@ -80,7 +86,8 @@ std::unique_ptr<FaultRecorder<Row>> recorder_in(const std::filesystem::path& fol
 void push(FaultRecorder<Row>& recorder, std::uint64_t first, std::uint64_t last) {
   for (std::uint64_t n = first; n < last; ++n) {
     Row row{};
-    row.state.sequence_number = n, row.state.sample_time_ns = static_cast<std::int64_t>(n) * 1'000'000;
+    row.state.sequence_number = n,
+    row.state.sample_time_ns = static_cast<std::int64_t>(n) * 1'000'000;
     recorder.push(row);
   }
 }
@@ -97,9 +104,11 @@ TEST(FaultRecorder, LeavesABagOfTheLastTwoSecondsForEachFaultAndNoMoreThanTheMos
     }
     runtime::NodeReport report;
     recorder->report_to(report);
-    EXPECT_GE(report.figures["fault_records"].value, 5.0) << "a slow disk misses some, and the loop does not wait";
+    EXPECT_GE(report.figures["fault_records"].value, 5.0)
+        << "a slow disk misses some, and the loop does not wait";
   }
-  const auto states = test::read_ring_topic<msg::DeviceState>(folder / "faults/device_1", "/left/device/state");
+  const auto states =
+      test::read_ring_topic<msg::DeviceState>(folder / "faults/device_1", "/left/device/state");
   ASSERT_EQ(states.size(), 2000U);
   EXPECT_EQ(states.front().sequence_number, 1000U);
   EXPECT_EQ(states.back().sequence_number, 2999U);

@@ -38,7 +38,8 @@ TEST(WallThickness, IgnoresASmallThinPart) {
 }
 
 TEST(WallThickness, IsNoneOfASheet) {
-  mesh::TriangleMesh sheet{.vertices = {{0, 0, 0}, {0.1, 0, 0}, {0, 0.1, 0}}, .triangles = {{0, 1, 2}}};
+  mesh::TriangleMesh sheet{.vertices = {{0, 0, 0}, {0.1, 0, 0}, {0, 0.1, 0}},
+                           .triangles = {{0, 1, 2}}};
   EXPECT_FALSE(wall_thickness_m(sheet));
   EXPECT_FALSE(wall_thickness_m({}));
 }

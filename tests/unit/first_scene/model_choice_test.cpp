@@ -15,25 +15,31 @@ class MeasuredModel : public testing::Test {
       accuracy::AccuracyRow& row = rows.emplace_back();
       row.setting = setting;
       row.contacts = kMeasuredContacts;
-      row.direction_mean_deg = setting.virtual_tool ? 2.0 : setting.model == ContactModelKind::kField ? 0.5 : 3.0;
+      row.direction_mean_deg = setting.virtual_tool                        ? 2.0
+                               : setting.model == ContactModelKind::kField ? 0.5
+                                                                           : 3.0;
       row.median_us = 3.0;
     }
   }
-  accuracy::AccuracyRow &adapted() { return rows[0]; }
-  accuracy::AccuracyRow &field() { return rows[1]; }
-  accuracy::AccuracyRow &tool() { return rows[2]; }
+  accuracy::AccuracyRow& adapted() { return rows[0]; }
+  accuracy::AccuracyRow& field() { return rows[1]; }
+  accuracy::AccuracyRow& tool() { return rows[2]; }
   static void refuse(accuracy::AccuracyRow& row) {
     const accuracy::AccuracySetting setting = row.setting;
     row = {};
     row.setting = setting;
     row.refused = "it cannot be built";
   }
-  ModelChoice choice() const { return measured_model(rows, {ContactModelKind::kField, true, "Usual."}); }
+  ModelChoice choice() const {
+    return measured_model(rows, {ContactModelKind::kField, true, "Usual."});
+  }
 
   std::vector<accuracy::AccuracyRow> rows;
 };
 
-TEST_F(MeasuredModel, IsTheVirtualToolThoughFieldPointsBetter) { EXPECT_TRUE(choice().virtual_tool); }
+TEST_F(MeasuredModel, IsTheVirtualToolThoughFieldPointsBetter) {
+  EXPECT_TRUE(choice().virtual_tool);
+}
 
 TEST_F(MeasuredModel, IsFieldWhereTheVirtualToolMissesContacts) {
   tool().missed = 1;
@@ -62,14 +68,16 @@ TEST_F(MeasuredModel, LetsFieldSpeakForAVirtualToolWhoseTruthIsNotKnown) {
 }
 
 TEST_F(MeasuredModel, IsTheUsualOneWhereNothingCouldBeMeasured) {
-  for (accuracy::AccuracyRow& row : rows) refuse(row);
+  for (accuracy::AccuracyRow& row : rows)
+    refuse(row);
   EXPECT_TRUE(choice().virtual_tool);
   EXPECT_NE(choice().reason.find("No contact"), std::string::npos);
 }
 
 TEST_F(MeasuredModel, TellsWhatWasMeasured) {
   const std::string reason = choice().reason;
-  for (const char* figure : {"2.0 degrees", "0.5 degrees", "3.0 degrees"}) EXPECT_NE(reason.find(figure), std::string::npos) << reason;
+  for (const char* figure : {"2.0 degrees", "0.5 degrees", "3.0 degrees"})
+    EXPECT_NE(reason.find(figure), std::string::npos) << reason;
 }
 
 }  // namespace

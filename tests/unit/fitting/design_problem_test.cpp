@@ -22,7 +22,8 @@ scene::Scene scaled_scene() {
 coupling::design::DeviceModel device() {
   coupling::design::DeviceModel d;
   d.name = "third";
-  d.translation.max_effort = 22, d.translation.max_stiffness = 1000, d.translation.inertia_max = 0.2;
+  d.translation.max_effort = 22, d.translation.max_stiffness = 1000,
+  d.translation.inertia_max = 0.2;
   d.rotation.max_effort = 0.5;
   d.gives_torque = true;
   d.timing.delay_s = 0.002;
@@ -31,7 +32,8 @@ coupling::design::DeviceModel device() {
 
 coupling::design::DeviceModel giving(double force_n, double torque_nm) {
   coupling::design::DeviceModel d;
-  d.translation.max_effort = force_n, d.rotation.max_effort = torque_nm, d.gives_torque = torque_nm > 0.0;
+  d.translation.max_effort = force_n, d.rotation.max_effort = torque_nm,
+  d.gives_torque = torque_nm > 0.0;
   return d;
 }
 coupling::design::DeviceModel arm() {
@@ -50,24 +52,28 @@ TEST(HandScales, AreWhatTheDeviceMappingDoes) {
   const Pose rest = mapping.update({}, {}, 0).pose;
   const double translation_w = 300, rotation_w = 7, step = 1e-3, turn = 1e-4;
   const Pose pulled = mapping.update({Vec3(step, 0, 0), Quat::Identity()}, {}, 0).pose;
-  const Wrench force =
-      rendering::wrench_to_device(spec, {-translation_w * (pulled.position - rest.position), Vec3::Zero()}, pulled.orientation);
+  const Wrench force = rendering::wrench_to_device(
+      spec, {-translation_w * (pulled.position - rest.position), Vec3::Zero()}, pulled.orientation);
   EXPECT_NEAR(-force.force.x() / step, translation_w * scales.translation, 1e-9);
-  const Pose turned = mapping.update({Vec3::Zero(), Quat(Eigen::AngleAxisd(turn, Vec3::UnitX()))}, {}, 0).pose;
+  const Pose turned =
+      mapping.update({Vec3::Zero(), Quat(Eigen::AngleAxisd(turn, Vec3::UnitX()))}, {}, 0).pose;
   const Eigen::AngleAxisd angle(turned.orientation * rest.orientation.conjugate());
-  const Wrench torque = rendering::wrench_to_device(spec, {Vec3::Zero(), -rotation_w * angle.angle() * angle.axis()}, turned.orientation);
+  const Wrench torque = rendering::wrench_to_device(
+      spec, {Vec3::Zero(), -rotation_w * angle.angle() * angle.axis()}, turned.orientation);
   EXPECT_NEAR(-torque.torque.x() / turn, rotation_w * scales.rotation, 1e-6);
   EXPECT_DOUBLE_EQ(scales.translation, 2.0);
   EXPECT_DOUBLE_EQ(scales.rotation, 0.125);
 }
 
 TEST(DesignProblem, IsAllAtTheHand) {
-  const coupling::design::DesignProblem r = design_problem(scaled_scene(), arm(), {10, 4000}, {0.01, 8});
+  const coupling::design::DesignProblem r =
+      design_problem(scaled_scene(), arm(), {10, 4000}, {0.01, 8});
   EXPECT_DOUBLE_EQ(r.contact.one_point, 20);
   EXPECT_DOUBLE_EQ(r.contact.all_points, 8000);
   EXPECT_DOUBLE_EQ(r.contact_rotation.one_point, 0.00125);
   EXPECT_DOUBLE_EQ(r.contact_rotation.all_points, 1);
-  EXPECT_DOUBLE_EQ(r.goals.force_layer_depth_m, 0.00025) << "half a voxel is a quarter as long in the hand";
+  EXPECT_DOUBLE_EQ(r.goals.force_layer_depth_m, 0.00025)
+      << "half a voxel is a quarter as long in the hand";
   EXPECT_EQ(r.device.name, "third");
   EXPECT_EQ(r.device.translation.max_effort, 22) << "the device is at the hand already";
   EXPECT_EQ(r.device.translation.max_stiffness, 1000);
@@ -85,8 +91,10 @@ TEST(DesignProblem, IsAllAtTheHand) {
 
 TEST(DesignProblem, CarriesEveryWishOfTheScene) {
   scene::Scene s = scaled_scene();
-  s.design->kind = "direct", s.design->cutoff_hz = 300, s.design->gain_margin = 1.5, s.design->inject_damping = false, s.design->velocity_windows = false;
-  s.design->damping_floor = 0.15, s.design->rotation_damping_floor = 0.06, s.design->damper_share = 0.2;
+  s.design->kind = "direct", s.design->cutoff_hz = 300, s.design->gain_margin = 1.5,
+  s.design->inject_damping = false, s.design->velocity_windows = false;
+  s.design->damping_floor = 0.15, s.design->rotation_damping_floor = 0.06,
+  s.design->damper_share = 0.2;
   s.design->hand = scene::HandOption::kAnyPassive;
   const coupling::design::DesignProblem r = design_problem(s, device(), {10, 4000}, {0.01, 8});
   EXPECT_EQ(r.goals.kind, "direct");
@@ -154,7 +162,8 @@ TEST(SpecInWorld, BringsTheDesignFromTheHandToTheWorld) {
   EXPECT_EQ(spec.damper_share, 0.3);
   EXPECT_DOUBLE_EQ(spec.damper_free_n, 0.2 / scene.device.force_scale);
   EXPECT_EQ(spec.slow_velocity_hz, 8);
-  EXPECT_DOUBLE_EQ(spec.velocity_band_m_per_s, 0.003 * scene.device.position_scale) << "a speed of the tool";
+  EXPECT_DOUBLE_EQ(spec.velocity_band_m_per_s, 0.003 * scene.device.position_scale)
+      << "a speed of the tool";
   const coupling::CouplingSpec back = spec_D(spec, scene.device);
   EXPECT_DOUBLE_EQ(back.damper_free_n, 0.2);
   EXPECT_DOUBLE_EQ(back.velocity_band_m_per_s, 0.003);
@@ -183,7 +192,8 @@ TEST(LimitsInWorld, AreTheDevicesThroughTheScales) {
   EXPECT_EQ(none.max_torque_nm, 0);
   // At the limit in W the device gets just its own.
   const Wrench at_limit = rendering::wrench_to_device(
-      scaled_scene().device, {Vec3(limits.max_force_n, 0, 0), Vec3(0, limits.max_torque_nm, 0)}, Quat::Identity());
+      scaled_scene().device, {Vec3(limits.max_force_n, 0, 0), Vec3(0, limits.max_torque_nm, 0)},
+      Quat::Identity());
   EXPECT_DOUBLE_EQ(at_limit.force.norm(), 20);
   EXPECT_DOUBLE_EQ(at_limit.torque.norm(), 0.5);
 }

@@ -13,13 +13,16 @@ scene::Scene scene_with(double cutoff_hz = 20) {
   s.coupling.cutoff_hz = cutoff_hz;
   return s;
 }
-coupling::design::DeviceModel device_with(double max_stiffness, double period_s, double max_effort) {
+coupling::design::DeviceModel device_with(double max_stiffness, double period_s,
+                                          double max_effort) {
   coupling::design::DeviceModel device;
-  device.translation.max_stiffness = max_stiffness, device.translation.max_effort = max_effort, device.timing.period_s = period_s;
+  device.translation.max_stiffness = max_stiffness, device.translation.max_effort = max_effort,
+  device.timing.period_s = period_s;
   return device;
 }
 coupling::design::DeviceModel phantom() { return device_with(1000, 1e-3, 3.3); }
-/// Its force comes this long after the sample, counted to the middle of the period that it is held for.
+/// Its force comes this long after the sample, counted to the middle of the period that it is held
+/// for.
 coupling::design::DeviceModel late(double mass_kg, double delay_s) {
   coupling::design::DeviceModel device = phantom();
   device.translation.inertia_min = mass_kg;
@@ -32,14 +35,17 @@ TEST(DeviceCheck, ComparesTheTotalStiffnessAndNotOnePoint) {
   const DeviceCheck stiff = check_device(scene_with(), phantom(), 2000);
   ASSERT_EQ(stiff.errors.size(), 1U);
   EXPECT_NE(stiff.errors[0].find("2000 N/m"), std::string::npos) << stiff.errors[0];
-  EXPECT_NE(stiff.errors[0].find("contact.stiffness_n_per_m"), std::string::npos) << stiff.errors[0];
+  EXPECT_NE(stiff.errors[0].find("contact.stiffness_n_per_m"), std::string::npos)
+      << stiff.errors[0];
 }
 
 effects::EffectSpec effect(const char* kind, std::initializer_list<double> first) {
-  effects::EffectSpec spec{.name = kind, .kind = effects::find_effect_kind(kind), .values = {}, .region = {}};
+  effects::EffectSpec spec{
+      .name = kind, .kind = effects::find_effect_kind(kind), .values = {}, .region = {}};
   spec.values = effects::EffectValues(spec.kind->parameters);
   std::size_t n = 0;
-  for (const double value : first) spec.values.at(n++)[0] = value;
+  for (const double value : first)
+    spec.values.at(n++)[0] = value;
   spec.place = "a.yaml:7:5";
   return spec;
 }
@@ -48,14 +54,17 @@ TEST(DeviceCheck, CountsWhatTheEffectsMayShowAndNamesTheStiffestWithItsPlace) {
   scene::Scene s = scene_with();
   effects::EffectSpec guide = effect("guide_point", {});
   for (std::size_t n = 0; n < guide.kind->parameters.size(); ++n) {
-    if (guide.kind->parameters[n].name == "stiffness_n_per_m") guide.values.at(n)[0] = 3000;
-    if (guide.kind->parameters[n].name == "limit_n") guide.values.at(n)[0] = 2;
+    if (guide.kind->parameters[n].name == "stiffness_n_per_m")
+      guide.values.at(n)[0] = 3000;
+    if (guide.kind->parameters[n].name == "limit_n")
+      guide.values.at(n)[0] = 2;
   }
   s.effects = {guide};
   EXPECT_DOUBLE_EQ(least_stiffness_n_per_m(s), 10 + 3000);
   const DeviceCheck stiff = check_device(s, phantom(), least_stiffness_n_per_m(s));
   ASSERT_EQ(stiff.errors.size(), 1U);
-  EXPECT_NE(stiff.errors[0].find("'guide_point' (a.yaml:7:5) (3000 N/m)"), std::string::npos) << stiff.errors[0];
+  EXPECT_NE(stiff.errors[0].find("'guide_point' (a.yaml:7:5) (3000 N/m)"), std::string::npos)
+      << stiff.errors[0];
 }
 
 TEST(DeviceCheck, SeesTheGripAloneWhereTheObjectIsABody) {
@@ -74,7 +83,8 @@ TEST(DeviceCheck, RefusesDampingThatComesTooLateForTheDevice) {
   const std::string why = effects_damp_too_much(demand_of(s), s.device, s.coupling, device);
   EXPECT_EQ(why.find("a.yaml:7:5:"), 0U) << why;
   s.device.force_scale = 0.5;
-  EXPECT_EQ(effects_damp_too_much(demand_of(s), s.device, s.coupling, device), "") << "the hand feels half of it";
+  EXPECT_EQ(effects_damp_too_much(demand_of(s), s.device, s.coupling, device), "")
+      << "the hand feels half of it";
 }
 
 TEST(DeviceCheck, RefusesDampingOfTurningThatComesTooLateForADeviceThatGivesTorque) {
@@ -89,9 +99,11 @@ TEST(DeviceCheck, RefusesDampingOfTurningThatComesTooLateForADeviceThatGivesTorq
   EXPECT_EQ(why.find("a.yaml:7:5:"), 0U) << why;
   EXPECT_NE(why.find("0.001 kg m^2 let go"), std::string::npos) << why;
   s.device.position_scale = 2.0;
-  EXPECT_EQ(effects_damp_too_much(demand_of(s), s.device, s.coupling, device), "") << "the hand feels half of it";
+  EXPECT_EQ(effects_damp_too_much(demand_of(s), s.device, s.coupling, device), "")
+      << "the hand feels half of it";
   s.device.position_scale = 1.0, device.gives_torque = false;
-  EXPECT_EQ(effects_damp_too_much(demand_of(s), s.device, s.coupling, device), "") << "nothing of it is felt";
+  EXPECT_EQ(effects_damp_too_much(demand_of(s), s.device, s.coupling, device), "")
+      << "nothing of it is felt";
 }
 
 TEST(DeviceCheck, CountsTheScalesAndTheCoupling) {
@@ -127,17 +139,23 @@ TEST(DeviceCheck, JudgesTheFilterForTheDevicesOwnPeriod) {
 }
 
 TEST(DeviceCheck, LetsNothingPassThatIsNoNumber) {
-  const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
-  for (const double bad : {nan, inf, -1.0}) EXPECT_FALSE(check_device(scene_with(), phantom(), bad).fits());
-  for (const double bad : {nan, 0.0, -1.0}) EXPECT_FALSE(check_device(scene_with(), device_with(bad, 1e-3, 3.3), 10).fits());
-  for (const double bad : {nan, 0.0, -1.0, inf}) EXPECT_FALSE(check_device(scene_with(), device_with(1000, bad, 3.3), 10).fits());
+  const double nan = std::numeric_limits<double>::quiet_NaN(),
+               inf = std::numeric_limits<double>::infinity();
+  for (const double bad : {nan, inf, -1.0})
+    EXPECT_FALSE(check_device(scene_with(), phantom(), bad).fits());
+  for (const double bad : {nan, 0.0, -1.0})
+    EXPECT_FALSE(check_device(scene_with(), device_with(bad, 1e-3, 3.3), 10).fits());
+  for (const double bad : {nan, 0.0, -1.0, inf})
+    EXPECT_FALSE(check_device(scene_with(), device_with(1000, bad, 3.3), 10).fits());
   EXPECT_FALSE(check_device(scene_with(), device_with(1000, 1e-3, nan), 10).fits());
-  EXPECT_TRUE(check_device(scene_with(), device_with(inf, 1e-3, inf), 1e6).fits()) << "infinity is no limit";
+  EXPECT_TRUE(check_device(scene_with(), device_with(inf, 1e-3, inf), 1e6).fits())
+      << "infinity is no limit";
 }
 
 TEST(DeviceCheck, NamesAnEffectWhoseTorqueADeviceWithoutTorqueCannotShow) {
   scene::Scene s = scene_with();
-  effects::EffectSpec oil{.name = "oil", .kind = effects::find_effect_kind("viscosity"), .values = {}, .region = {}};
+  effects::EffectSpec oil{
+      .name = "oil", .kind = effects::find_effect_kind("viscosity"), .values = {}, .region = {}};
   oil.values = effects::EffectValues(oil.kind->parameters);
   oil.values.at(0)[0] = 1.0;
   s.effects = {oil};

@@ -15,7 +15,12 @@ constexpr rendering::StiffnessBounds kContact = {{30.0, 3000.0}, {0.003, 0.3}};
 coupling::design::DeviceModel stylus(double mass_kg = 0.1) {
   coupling::design::DeviceModel model;
   model.name = "stylus";
-  model.translation = {.inertia_min = mass_kg, .inertia_max = 2.0 * mass_kg, .damping = 2.0, .resolution = 3e-5, .max_effort = 8.5, .max_stiffness = 800.0};
+  model.translation = {.inertia_min = mass_kg,
+                       .inertia_max = 2.0 * mass_kg,
+                       .damping = 2.0,
+                       .resolution = 3e-5,
+                       .max_effort = 8.5,
+                       .max_stiffness = 800.0};
   model.timing.delay_s = 1e-3;
   return model;
 }
@@ -23,19 +28,28 @@ coupling::design::DeviceModel arm() {
   coupling::design::DeviceModel model = stylus(2.0);
   model.name = "arm";
   model.gives_torque = true;
-  model.rotation = {.inertia_min = 0.01, .inertia_max = 0.02, .damping = 0.05, .resolution = 1e-5, .max_effort = 5.0, .max_stiffness = 50.0};
+  model.rotation = {.inertia_min = 0.01,
+                    .inertia_max = 0.02,
+                    .damping = 0.05,
+                    .resolution = 1e-5,
+                    .max_effort = 5.0,
+                    .max_stiffness = 50.0};
   return model;
 }
 
 effects::EffectSpec effect(const char* kind, std::initializer_list<double> first) {
-  effects::EffectSpec spec{.name = kind, .kind = effects::find_effect_kind(kind), .values = {}, .region = {}};
+  effects::EffectSpec spec{
+      .name = kind, .kind = effects::find_effect_kind(kind), .values = {}, .region = {}};
   spec.values = effects::EffectValues(spec.kind->parameters);
   std::size_t n = 0;
-  for (const double value : first) spec.values.at(n++)[0] = value;
+  for (const double value : first)
+    spec.values.at(n++)[0] = value;
   spec.place = "a.yaml:7:5";
   return spec;
 }
-effects::EffectSpec oil(double damping, double turning = 0.0) { return effect("viscosity", {damping, turning}); }
+effects::EffectSpec oil(double damping, double turning = 0.0) {
+  return effect("viscosity", {damping, turning});
+}
 
 scene::Scene scene_with(std::vector<effects::EffectSpec> effects) {
   scene::Scene scene = scene::load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml");
@@ -47,7 +61,9 @@ scene::Scene by_hand(std::vector<effects::EffectSpec> effects) {
   scene.design.reset();
   return scene;
 }
-rendering::StiffnessBounds bounds(const scene::Scene& scene) { return rendering::with_effects(kContact, scene.effects); }
+rendering::StiffnessBounds bounds(const scene::Scene& scene) {
+  return rendering::with_effects(kContact, scene.effects);
+}
 
 /// What the start says of it.
 std::string at_start(const scene::Scene& scene, const coupling::design::DeviceModel& device) {
@@ -59,12 +75,16 @@ SceneOnDevice running(const scene::Scene& scene, const coupling::design::DeviceM
   on.runs(scene, bounds(scene), demand_of(scene));
   return on;
 }
-std::string asked(SceneOnDevice& on, const scene::Scene& next) { return on.why_not(next, kContact, effects::at_rest(next.effects)); }
+std::string asked(SceneOnDevice& on, const scene::Scene& next) {
+  return on.why_not(next, kContact, effects::at_rest(next.effects));
+}
 
 /// The damping that this device stands with this contact, by what the start takes.
 double most_damping(const coupling::design::DeviceModel& device) {
   double low = 0.0, high = 100.0;
-  while (high - low > 1e-6) (at_start(scene_with({oil(0.5 * (low + high))}), device).empty() ? low : high) = 0.5 * (low + high);
+  while (high - low > 1e-6)
+    (at_start(scene_with({oil(0.5 * (low + high))}), device).empty() ? low : high) =
+        0.5 * (low + high);
   return low;
 }
 
@@ -109,7 +129,8 @@ TEST(SceneOnDevice, CountsEffectsAtFullGainSoThatNoGainAndNoSwitchBringsOutMore)
   EXPECT_EQ(asked(on, now), "");
 }
 
-/// The first effect is on its way down from nearly all that may be felt when the second one is to rise.
+/// The first effect is on its way down from nearly all that may be felt when the second one is to
+/// rise.
 TEST(SceneOnDevice, JudgesWhatIsStillOnItsWay) {
   const double most = most_damping(stylus());
   const scene::Scene now = scene_with({oil(0.9 * most), effect("surface_damping", {0.05 * most})});
@@ -125,7 +146,8 @@ TEST(SceneOnDevice, JudgesWhatIsStillOnItsWay) {
   EXPECT_EQ(asked(on, next), "") << "once the first one has come to rest";
 }
 
-/// A coupling is fitted anew some tenths of a second after the contact has changed: what damps must be good with both.
+/// A coupling is fitted anew some tenths of a second after the contact has changed: what damps must
+/// be good with both.
 TEST(SceneOnDevice, JudgesDampingOnTheCouplingThatRunsAndOnTheOneThatFollows) {
   const auto lag = [](const rendering::StiffnessBounds& bounds) {
     return coupling::lag_s(fit_coupling(scene_with({}), stylus(), bounds, {}).spec);
@@ -137,21 +159,26 @@ TEST(SceneOnDevice, JudgesDampingOnTheCouplingThatRunsAndOnTheOneThatFollows) {
   const scene::Scene scene = scene_with({oil(0.95 * most)});
   SceneOnDevice on = running(scene, stylus());
   ASSERT_EQ(on.refusal(), "");
-  EXPECT_NE(on.why_not(scene, soft, effects::at_rest(scene.effects)), "") << "the coupling that follows lags more";
+  EXPECT_NE(on.why_not(scene, soft, effects::at_rest(scene.effects)), "")
+      << "the coupling that follows lags more";
   const scene::Scene thin = scene_with({});
   on.runs(thin, soft, demand_of(thin));
-  EXPECT_NE(on.why_not(scene, kContact, effects::at_rest(scene.effects)), "") << "the one that runs still lags more";
+  EXPECT_NE(on.why_not(scene, kContact, effects::at_rest(scene.effects)), "")
+      << "the one that runs still lags more";
 }
 
 /// Damping that goes down is felt until it is down; the coupling that follows may be there before.
 TEST(SceneOnDevice, JudgesTheWayOnTheCouplingThatFollows) {
   rendering::StiffnessBounds soft = kContact;
   soft.translation = {0.3, 30.0};
-  const scene::Scene scene = scene_with({oil(0.95 * most_damping(stylus()))}), thin = scene_with({oil(0.1)});
+  const scene::Scene scene = scene_with({oil(0.95 * most_damping(stylus()))}),
+                     thin = scene_with({oil(0.1)});
   SceneOnDevice on = running(scene, stylus());
   ASSERT_EQ(on.refusal(), "");
-  ASSERT_EQ(on.why_not(thin, kContact, effects::at_rest(thin.effects)), "") << "with the lag as it is";
-  EXPECT_NE(on.why_not(thin, soft, effects::at_rest(thin.effects)), "") << "the one that follows lags more";
+  ASSERT_EQ(on.why_not(thin, kContact, effects::at_rest(thin.effects)), "")
+      << "with the lag as it is";
+  EXPECT_NE(on.why_not(thin, soft, effects::at_rest(thin.effects)), "")
+      << "the one that follows lags more";
   on.runs(thin, kContact, demand_of(thin));
   EXPECT_EQ(on.why_not(thin, soft, effects::at_rest(thin.effects)), "") << "once it has settled";
 }
@@ -167,11 +194,15 @@ TEST(SceneOnDevice, RefusesAnEffectThatGivesTorqueWhereTheDeviceGivesNone) {
 }
 
 TEST(SceneOnDevice, JudgesDampingOfTurningAsDampingOfMotion) {
-  const auto turning = [](double a, double b = 0.0) { return scene_with({oil(0.5, a), oil(0.5, b)}); };
+  const auto turning = [](double a, double b = 0.0) {
+    return scene_with({oil(0.5, a), oil(0.5, b)});
+  };
   double most = 0.0, high = 100.0;
-  while (high - most > 1e-6) (at_start(turning(0.5 * (most + high)), arm()).empty() ? most : high) = 0.5 * (most + high);
+  while (high - most > 1e-6)
+    (at_start(turning(0.5 * (most + high)), arm()).empty() ? most : high) = 0.5 * (most + high);
   ASSERT_GT(most, 0.01);
-  const scene::Scene now = turning(0.9 * most), next = turning(0.6 * most, 0.5 * most), other = turning(0.05 * most, 0.9 * most);
+  const scene::Scene now = turning(0.9 * most), next = turning(0.6 * most, 0.5 * most),
+                     other = turning(0.05 * most, 0.9 * most);
   SceneOnDevice on = running(now, arm());
   ASSERT_EQ(on.refusal(), "");
   EXPECT_NE(asked(on, next), "");
@@ -182,15 +213,18 @@ TEST(SceneOnDevice, JudgesDampingOfTurningAsDampingOfMotion) {
   EXPECT_NE(on.why_not(other, kContact, reach), "");
   SceneOnDevice still = running(next, arm());
   EXPECT_EQ(still.refusal(), at_start(next, arm()));
-  EXPECT_NE(asked(still, turning(0.7 * most, 0.6 * most)), "") << "it demands more of what is too much already";
+  EXPECT_NE(asked(still, turning(0.7 * most, 0.6 * most)), "")
+      << "it demands more of what is too much already";
 }
 
 TEST(SceneOnDevice, RefusesStiffnessThatADeviceCannotShowWhereTheCouplingIsSetByHand) {
   const auto guide = [](double stiffness) {
     effects::EffectSpec spec = effect("guide_point", {});
     for (std::size_t n = 0; n < spec.kind->parameters.size(); ++n) {
-      if (spec.kind->parameters[n].name == "stiffness_n_per_m") spec.values.at(n)[0] = stiffness;
-      if (spec.kind->parameters[n].name == "limit_n") spec.values.at(n)[0] = 2;
+      if (spec.kind->parameters[n].name == "stiffness_n_per_m")
+        spec.values.at(n)[0] = stiffness;
+      if (spec.kind->parameters[n].name == "limit_n")
+        spec.values.at(n)[0] = 2;
     }
     return spec;
   };
@@ -201,7 +235,8 @@ TEST(SceneOnDevice, RefusesStiffnessThatADeviceCannotShowWhereTheCouplingIsSetBy
   EXPECT_EQ(asked(on, next), at_start(next, stylus()));
   scene::Scene stiffer = now;
   stiffer.contact.stiffness_n_per_m = 900.0;
-  EXPECT_NE(asked(on, stiffer).find("contact.stiffness_n_per_m"), std::string::npos) << asked(on, stiffer);
+  EXPECT_NE(asked(on, stiffer).find("contact.stiffness_n_per_m"), std::string::npos)
+      << asked(on, stiffer);
 }
 
 TEST(SceneOnDevice, JudgesAnewWhenTheDeviceIsAnother) {
@@ -270,7 +305,8 @@ TEST(SceneOnDevice, LetsNothingPassThatIsNoNumber) {
 }
 
 TEST(DeviceDemand, OfTwoScenesThatFadeIsTheLargerOfEachFigure) {
-  const DeviceDemand a = demand_of(by_hand({oil(5.0)})), b = demand_of(by_hand({oil(1.0, 0.1), effect("magnet", {0, 0.001, 3})}));
+  const DeviceDemand a = demand_of(by_hand({oil(5.0)})),
+                     b = demand_of(by_hand({oil(1.0, 0.1), effect("magnet", {0, 0.001, 3})}));
   const DeviceDemand both = larger_of(a, b);
   EXPECT_EQ(both.damping.all, 5.0);
   EXPECT_EQ(both.damping.largest, 5.0);

@@ -1,4 +1,5 @@
-// The codec against bytes written by hand from the layout: offsets are counted here, once more, and not taken from the codec.
+// The codec against bytes written by hand from the layout: offsets are counted here, once more, and
+// not taken from the codec.
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -42,14 +43,16 @@ TEST(FciCodec, MoveAsksForExternalTorquesWithoutAGeneratorOrWithOneOfZeroVelocit
             (Bytes{1, 0, 0, 0, 4, 3, 2, 1, 68, 0, 0, 0, 2, 0, 0, 0, 4, 0, 0, 0}));
   // 10 m as a double: 0x4024000000000000
   EXPECT_EQ(Bytes(newest.begin() + 20, newest.begin() + 28), (Bytes{0, 0, 0, 0, 0, 0, 0x24, 0x40}));
-  EXPECT_EQ(Bytes(newest.begin() + 20, newest.begin() + 44), Bytes(newest.begin() + 44, newest.end()));
+  EXPECT_EQ(Bytes(newest.begin() + 20, newest.begin() + 44),
+            Bytes(newest.begin() + 44, newest.end()));
   for (const std::uint16_t version : std::initializer_list<std::uint16_t>{9, 6, 5})
     EXPECT_EQ(bytes_of(move_request(*dialect_of(version), 1))[16], 1) << version;
 }
 
 TEST(FciCodec, RequestsHaveTheNumbersOfTheirVersion) {
   const Dialect &fr3 = *dialect_of(10), &panda = *dialect_of(5);
-  EXPECT_EQ(bytes_of(bare_request(fr3, Request::kStopMove, 1)), (Bytes{2, 0, 0, 0, 1, 0, 0, 0, 12, 0, 0, 0}));
+  EXPECT_EQ(bytes_of(bare_request(fr3, Request::kStopMove, 1)),
+            (Bytes{2, 0, 0, 0, 1, 0, 0, 0, 12, 0, 0, 0}));
   EXPECT_EQ(bytes_of(bare_request(panda, Request::kStopMove, 1))[0], 2);
   EXPECT_EQ(bytes_of(bare_request(fr3, Request::kErrorRecovery, 1))[0], 10);
   EXPECT_EQ(bytes_of(bare_request(panda, Request::kErrorRecovery, 1))[0], 12);
@@ -61,9 +64,12 @@ TEST(FciCodec, RequestsHaveTheNumbersOfTheirVersion) {
   EXPECT_EQ(load.size(), 116U);
   EXPECT_EQ(load[0], 9);
   EXPECT_EQ(bytes_of(load_request(panda, 1, {}))[0], 10);
-  EXPECT_EQ(Bytes(load.begin() + 12, load.begin() + 20), (Bytes{0, 0, 0, 0, 0, 0, 0, 0x40}));  // 2 kg
-  EXPECT_EQ(Bytes(load.begin() + 36, load.begin() + 44), (Bytes{0, 0, 0, 0, 0, 0, 0xF0, 0x3F}));  // z of the centre
-  EXPECT_EQ(Bytes(load.begin() + 76, load.begin() + 84), (Bytes{0, 0, 0, 0, 0, 0, 0, 0x40}));  // the middle of nine
+  EXPECT_EQ(Bytes(load.begin() + 12, load.begin() + 20),
+            (Bytes{0, 0, 0, 0, 0, 0, 0, 0x40}));  // 2 kg
+  EXPECT_EQ(Bytes(load.begin() + 36, load.begin() + 44),
+            (Bytes{0, 0, 0, 0, 0, 0, 0xF0, 0x3F}));  // z of the centre
+  EXPECT_EQ(Bytes(load.begin() + 76, load.begin() + 84),
+            (Bytes{0, 0, 0, 0, 0, 0, 0, 0x40}));  // the middle of nine
 }
 
 TEST(FciCodec, AnswersMeanWhatTheirVersionSays) {
@@ -88,7 +94,8 @@ TEST(FciCodec, AnswersMeanWhatTheirVersionSays) {
 }
 
 TEST(FciCodec, VersionsAreThoseThatWereRead) {
-  for (const std::uint16_t version : std::initializer_list<std::uint16_t>{10, 9, 6, 5}) EXPECT_NE(dialect_of(version), nullptr) << version;
+  for (const std::uint16_t version : std::initializer_list<std::uint16_t>{10, 9, 6, 5})
+    EXPECT_NE(dialect_of(version), nullptr) << version;
   for (const std::uint16_t version : std::initializer_list<std::uint16_t>{0, 1, 4, 7, 8, 11, 65535})
     EXPECT_EQ(dialect_of(version), nullptr) << version;
   EXPECT_EQ(dialect_of(10)->state_size, 1377U);
@@ -107,8 +114,10 @@ TEST(FciCodec, ReadsAStateOfFloatsWhereItsFieldsStand) {
     set(bytes, dq + 4 * i, -0.25F * static_cast<float>(i));
     set(bytes, tau_d + 4 * i, 2.0F * static_cast<float>(i));
   }
-  set(bytes, 8 + 4 * 12, 0.25F), set(bytes, 8 + 4 * 13, 0.5F), set(bytes, 8 + 4 * 14, 0.75F);  // O_T_EE
-  const std::size_t modes = 8 + 4 * (284 + 36);  // accelerometers, twice six of three, before the modes
+  set(bytes, 8 + 4 * 12, 0.25F), set(bytes, 8 + 4 * 13, 0.5F),
+      set(bytes, 8 + 4 * 14, 0.75F);  // O_T_EE
+  const std::size_t modes =
+      8 + 4 * (284 + 36);  // accelerometers, twice six of three, before the modes
   bytes[modes] = 5, bytes[modes + 1] = 2;
   bytes[modes + 2 + 25] = 1;
   bytes[modes + 2 + 41 + 6] = 1;
@@ -126,7 +135,8 @@ TEST(FciCodec, ReadsAStateOfFloatsWhereItsFieldsStand) {
   EXPECT_EQ(state.controller, ControllerMode::kExternal);
   EXPECT_EQ(state.mode, RobotMode::kReflex);
   EXPECT_EQ(state.errors, kLostPacketsError);
-  EXPECT_EQ(words_of(state.errors | state.reflex), "joint reflex, communication constraints violation");
+  EXPECT_EQ(words_of(state.errors | state.reflex),
+            "joint reflex, communication constraints violation");
   EXPECT_EQ(state.success_rate, 0.75);
 }
 
@@ -154,9 +164,11 @@ TEST(FciCodec, RefusesOtherLengthsModesThatThereAreNotAndNumbersThatAreNone) {
   State state;
   EXPECT_EQ(decode(*dialect_of(10), span_of(good), state), PacketFault::kNone);
   for (const std::size_t size : {0U, 8U, 1233U, 1376U, 1378U, 2373U})
-    EXPECT_EQ(decode(*dialect_of(10), span_of(Bytes(size, 0)), state), PacketFault::kLength) << size;
+    EXPECT_EQ(decode(*dialect_of(10), span_of(Bytes(size, 0)), state), PacketFault::kLength)
+        << size;
   const std::size_t modes = 1377 - 89;
-  for (const auto& [at, value] : {std::pair{modes, 6}, std::pair{modes + 1, 4}, std::pair{modes + 84, 7}}) {
+  for (const auto& [at, value] :
+       {std::pair{modes, 6}, std::pair{modes + 1, 4}, std::pair{modes + 84, 7}}) {
     Bytes bad = good;
     bad[at] = static_cast<std::uint8_t>(value);
     EXPECT_EQ(decode(*dialect_of(10), span_of(bad), state), PacketFault::kEnum) << at;
@@ -179,11 +191,13 @@ TEST(FciCodec, ACommandIsACountSevenTorquesAndItsEnd) {
     EXPECT_EQ(value_at<std::uint64_t>(out, 0), command.message_id);
     EXPECT_EQ(out[312], std::byte{0}) << "no elbow";
     EXPECT_EQ(out[313], std::byte{1}) << "the motion is over";
-    for (std::size_t i = 0; i < 7; ++i) EXPECT_EQ(value_at<double>(out, 314 + 8 * i), 1.0 + static_cast<double>(i));
+    for (std::size_t i = 0; i < 7; ++i)
+      EXPECT_EQ(value_at<double>(out, 314 + 8 * i), 1.0 + static_cast<double>(i));
     if (version >= 9) {
       EXPECT_EQ(out[370], std::byte{1});
     }
-    for (std::size_t at = 8; at < 312; ++at) EXPECT_EQ(out[at], std::byte{0}) << at;
+    for (std::size_t at = 8; at < 312; ++at)
+      EXPECT_EQ(out[at], std::byte{0}) << at;
     Command back;
     ASSERT_EQ(decode(dialect, std::span(out).first(size), back), PacketFault::kNone);
     EXPECT_EQ(back.torque_nm, command.torque_nm);
@@ -217,10 +231,13 @@ TEST(FciCodec, WhatASimulatedRobotWritesIsReadBack) {
 
 TEST(FciStream, CutsMessagesWhereverTheStreamIsCutAndDropsLongBodies) {
   Bytes stream;
-  const auto append = [&](const Bytes& more) { stream.insert(stream.end(), more.begin(), more.end()); };
+  const auto append = [&](const Bytes& more) {
+    stream.insert(stream.end(), more.begin(), more.end());
+  };
   append(bytes_of(connect_answer(1, true, 10)));
   Bytes model(20000, 'x');  // a robot model, which nobody here asked for
-  set(model, 0, std::uint32_t{12}), set(model, 4, std::uint32_t{2}), set(model, 8, std::uint32_t{20000});
+  set(model, 0, std::uint32_t{12}), set(model, 4, std::uint32_t{2}),
+      set(model, 8, std::uint32_t{20000});
   append(model);
   append(bytes_of(answer(*dialect_of(10), Request::kMove, 3, Outcome::kStarted)));
   for (const std::size_t piece : {1U, 7U, 13U, 500U, 4000U}) {
@@ -233,7 +250,8 @@ TEST(FciStream, CutsMessagesWhereverTheStreamIsCutAndDropsLongBodies) {
       std::memcpy(room.data(), &stream[at], n);
       reader.took(n);
       at += n;
-      while (const auto message = reader.next()) ids.push_back(message->id);
+      while (const auto message = reader.next())
+        ids.push_back(message->id);
     }
     EXPECT_EQ(ids, (std::vector<std::uint32_t>{1, 2, 3})) << piece;
     EXPECT_FALSE(reader.broken());

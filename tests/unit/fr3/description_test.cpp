@@ -1,4 +1,5 @@
-// The driver's figures and those of the device file are one source in two places: this holds them together.
+// The driver's figures and those of the device file are one source in two places: this holds them
+// together.
 #include <gtest/gtest.h>
 
 #include "core/scene/device_file.hpp"
@@ -8,7 +9,9 @@ namespace voxtouch::fr3 {
 namespace description_test {
 
 TEST(Fr3Description, IsThatOfTheDeviceFile) {
-  const DeviceDescription file = scene::load_device_file(VOXTOUCH_DEPLOY "/devices/fr3.yaml").description, d = describe_fr3();
+  const DeviceDescription file = scene::load_device_file(VOXTOUCH_DEPLOY "/devices/fr3.yaml")
+                                     .description,
+                          d = describe_fr3();
   EXPECT_EQ(d.model, file.model);
   EXPECT_EQ(d.rate_hz, file.rate_hz);
   EXPECT_EQ(d.max_force_n, file.max_force_n);

@@ -1,4 +1,5 @@
-// Opening over the network: who is there, what it speaks, and the sentence where it is not what was hoped for.
+// Opening over the network: who is there, what it speaks, and the sentence where it is not what was
+// hoped for.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -17,9 +18,11 @@ using namespace std::chrono_literals;
 /// A robot in real time on a thread of its own.
 class Robot {
  public:
-  explicit Robot(std::uint16_t version = 10, std::vector<std::string> faults = {}, const Vec3& ee_in_flange = Vec3::Zero()) {
+  explicit Robot(std::uint16_t version = 10, std::vector<std::string> faults = {},
+                 const Vec3& ee_in_flange = Vec3::Zero()) {
     std::vector<fr3_sim::Fault> parsed;
-    for (const std::string& text : faults) parsed.push_back(parse_fault(text, fr3_sim::kFaults));
+    for (const std::string& text : faults)
+      parsed.push_back(parse_fault(text, fr3_sim::kFaults));
     fr3_sim::RobotConfig config;
     config.version = version;
     config.ee_in_flange = ee_in_flange;
@@ -64,7 +67,8 @@ TEST(Fr3Open, SpeaksTheVersionThatTheRobotHas) {
     const Robot robot(version);
     Fr3Driver driver(robot.options());
     EXPECT_EQ(driver.version(), version);
-    for (int i = 0; i < 2000 && !driver.session().force_allowed(); ++i) (void)driver.read(20ms), (void)driver.write({});
+    for (int i = 0; i < 2000 && !driver.session().force_allowed(); ++i)
+      (void)driver.read(20ms), (void)driver.write({});
     EXPECT_TRUE(driver.session().force_allowed()) << version << ": " << driver.trouble();
   }
 }
@@ -104,7 +108,8 @@ TEST(Fr3Open, AChannelThatClosesInTheMiddleIsDisconnectedAtOnceAndSaidSo) {
   devices::DeviceError last = devices::DeviceError::kTimeout;
   for (int i = 0; i < 3000 && last != devices::DeviceError::kDisconnected; ++i) {
     const auto sample = driver.read(20ms);
-    if (!sample) last = sample.error();
+    if (!sample)
+      last = sample.error();
     (void)driver.write({Vec3(3, 0, 0), Vec3::Zero()});
   }
   EXPECT_EQ(last, devices::DeviceError::kDisconnected);

@@ -29,7 +29,8 @@ TEST(TorqueRamp, GoesAlongAStraightLineInStepsAndArrivesExactly) {
     ramp.told(last);
     const Joints torque = ramp.next(kJacobian, wanted, Joints::Zero());
     EXPECT_LE((torque - last).cwiseAbs().maxCoeff(), kStep + 1e-12);
-    EXPECT_LE(wrench_of(torque).head<3>().norm(), wanted.force.norm() * (1 + 1e-9)) << "never more than both ends";
+    EXPECT_LE(wrench_of(torque).head<3>().norm(), wanted.force.norm() * (1 + 1e-9))
+        << "never more than both ends";
     last = torque;
     arrived = (torque - arm::joint_torque(kJacobian, wanted)).norm() < 1e-12;
   }
@@ -53,8 +54,10 @@ TEST(TorqueRamp, ACommandThatWasLostIsNotCountedAsGiven) {
   for (int n = 0; n < 500; ++n) {
     ramp.told(robot);
     const Joints torque = ramp.next(kJacobian, n / 50 % 2 ? Wrench{} : wanted, Joints::Zero());
-    if (random() % 3 == 0) continue;
-    EXPECT_LE((torque - robot).cwiseAbs().maxCoeff(), 1.0) << "the robot sees no jump, whatever was lost";
+    if (random() % 3 == 0)
+      continue;
+    EXPECT_LE((torque - robot).cwiseAbs().maxCoeff(), 1.0)
+        << "the robot sees no jump, whatever was lost";
     robot = torque;
   }
 }
@@ -71,8 +74,11 @@ TEST(TorqueRamp, WhatARobotClaimsBeyondTheLastCommandsIsNotBelieved) {
 TEST(TorqueRamp, EndsAtZeroEvenIfTheRobotsWordNeverChanges) {
   for (const double word : {0.5, std::numeric_limits<double>::quiet_NaN()}) {
     TorqueRamp ramp(kStep, kMax);
-    for (int n = 0; n < 200; ++n) ramp.told(Joints::Constant(word)), ramp.next(kJacobian, {Vec3(20, 0, 0), Vec3::Zero()}, Joints::Zero());
-    for (int n = 0; n < 400; ++n) ramp.told(Joints::Constant(word)), ramp.next(kJacobian, {}, Joints::Zero());
+    for (int n = 0; n < 200; ++n)
+      ramp.told(Joints::Constant(word)),
+          ramp.next(kJacobian, {Vec3(20, 0, 0), Vec3::Zero()}, Joints::Zero());
+    for (int n = 0; n < 400; ++n)
+      ramp.told(Joints::Constant(word)), ramp.next(kJacobian, {}, Joints::Zero());
     EXPECT_TRUE(ramp.at_rest()) << word;
   }
 }

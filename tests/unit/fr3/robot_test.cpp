@@ -1,4 +1,5 @@
-// The test double tested: the simulated robot refuses and stops where the real one does, by what its maker says.
+// The test double tested: the simulated robot refuses and stops where the real one does, by what
+// its maker says.
 #include <gtest/gtest.h>
 
 #include "devices/fr3/simulated/fci_robot.hpp"
@@ -19,7 +20,8 @@ hand::Hand nobody() {
 }
 
 struct Rig {
-  explicit Rig(std::vector<Fault> faults = {}) : robot(RobotConfig{}, nobody(), FaultSchedule(std::move(faults))) {}
+  explicit Rig(std::vector<Fault> faults = {})
+      : robot(RobotConfig{}, nobody(), FaultSchedule(std::move(faults))) {}
   Outcome move() {
     fr3::fci::Received body;
     const fr3::fci::Message message = fr3::fci::move_request(robot.dialect(), 1);
@@ -31,7 +33,8 @@ struct Rig {
     const fr3::fci::State state = robot.measure();
     if (torque) {
       std::array<std::byte, fr3::fci::kMaxCommandBytes> bytes;
-      const std::size_t size = fr3::fci::encode(robot.dialect(), {state.message_id, *torque, finished}, bytes);
+      const std::size_t size =
+          fr3::fci::encode(robot.dialect(), {state.message_id, *torque, finished}, bytes);
       robot.receive(std::span(bytes).first(size));
     }
     robot.advance();
@@ -51,10 +54,12 @@ TEST(Faults, AreThoseOfThisRobot) {
 
 TEST(FciRobot, HoldsTheArmStillWithoutAMotionAndFloatsInOne) {
   Rig rig;
-  for (int i = 0; i < 100; ++i) rig.period(std::nullopt);
+  for (int i = 0; i < 100; ++i)
+    rig.period(std::nullopt);
   EXPECT_EQ(rig.robot.plant().q(), fr3::fr3_rest_posture());
   EXPECT_EQ(rig.move(), Outcome::kStarted);
-  for (int i = 0; i < 100; ++i) rig.period(kZero);
+  for (int i = 0; i < 100; ++i)
+    rig.period(kZero);
   EXPECT_EQ(rig.robot.plant().q(), fr3::fr3_rest_posture()) << "gravity is its own matter";
   EXPECT_EQ(rig.robot.mode(), RobotMode::kMove);
   EXPECT_EQ(rig.robot.measure().success_rate, 1.0);
@@ -64,10 +69,12 @@ TEST(FciRobot, BearsNineteenLostCommandsAndNotTwenty) {
   Rig rig;
   rig.move();
   rig.period(kZero);
-  for (int i = 0; i < 19; ++i) rig.period(std::nullopt);
+  for (int i = 0; i < 19; ++i)
+    rig.period(std::nullopt);
   EXPECT_EQ(rig.robot.mode(), RobotMode::kMove);
   rig.period(kZero);
-  for (int i = 0; i < 20; ++i) rig.period(std::nullopt);
+  for (int i = 0; i < 20; ++i)
+    rig.period(std::nullopt);
   EXPECT_EQ(rig.robot.mode(), RobotMode::kReflex);
   EXPECT_EQ(rig.robot.measure().errors, fr3::fci::kLostPacketsError);
   EXPECT_EQ(rig.robot.motion_ended(), Outcome::kReflex);
@@ -80,7 +87,8 @@ TEST(FciRobot, StopsWhereTorquesJumpAndNotWhereTheyStep) {
   Rig rig;
   rig.move();
   arm::Joints torque = kZero;
-  for (int i = 0; i < 5; ++i) rig.period(torque += 0.99 * arm::Joints::Unit(1));
+  for (int i = 0; i < 5; ++i)
+    rig.period(torque += 0.99 * arm::Joints::Unit(1));
   EXPECT_EQ(rig.robot.mode(), RobotMode::kMove);
   rig.period(torque + 1.1 * arm::Joints::Unit(3));
   EXPECT_EQ(rig.robot.measure().errors, fr3::fci::kTorqueJumpError);
@@ -94,7 +102,8 @@ TEST(FciRobot, TakesACommandForItsOwnMillisecondOnly) {
   rig.robot.advance();
   rig.robot.measure();
   std::array<std::byte, fr3::fci::kMaxCommandBytes> bytes;
-  const std::size_t size = fr3::fci::encode(rig.robot.dialect(), {old.message_id, kZero, false}, bytes);
+  const std::size_t size =
+      fr3::fci::encode(rig.robot.dialect(), {old.message_id, kZero, false}, bytes);
   rig.robot.receive(std::span(bytes).first(size));
   EXPECT_EQ(rig.robot.counts().stale, 1U);
 }
@@ -115,11 +124,13 @@ TEST(FciRobot, EndsAMotionWhenItIsToldInTheCommandOrOverTheChannel) {
 TEST(FciRobot, AUserStopIsAStopAndRefusesAMotion) {
   Rig rig({parse_fault("user_stop@0.01:0.01", kFaults)});
   rig.move();
-  for (int i = 0; i < 12; ++i) rig.period(kZero);
+  for (int i = 0; i < 12; ++i)
+    rig.period(kZero);
   EXPECT_EQ(rig.robot.mode(), RobotMode::kUserStopped);
   EXPECT_EQ(rig.robot.motion_ended(), Outcome::kEmergency);
   EXPECT_EQ(rig.move(), Outcome::kEmergency);
-  for (int i = 0; i < 10; ++i) rig.period(std::nullopt);
+  for (int i = 0; i < 10; ++i)
+    rig.period(std::nullopt);
   EXPECT_EQ(rig.move(), Outcome::kStarted);
 }
 

@@ -29,7 +29,8 @@ struct Rig {
     std::optional<Request> asked;
     for (double t = 0.0; t < seconds - 1e-9; t += 1e-3) {
       session.see(state, 1e-3, false);
-      if (const auto due = session.due()) asked = due;
+      if (const auto due = session.due())
+        asked = due;
     }
     return asked;
   }

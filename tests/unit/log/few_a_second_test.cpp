@@ -20,7 +20,8 @@ TEST(FewASecond, SaysTheFirstOfEachSecondAndCountsTheOthersOnce) {
     const auto verdict = few.take(ms * kMs);
     said += verdict.say;
     left_out += verdict.left_out;
-    if (verdict.left_out > 0) told_ms.push_back(ms);
+    if (verdict.left_out > 0)
+      told_ms.push_back(ms);
   }
   EXPECT_EQ(said, 30);
   EXPECT_EQ(left_out, 9U * 997U) << "of the last second is told when there is a later one";
@@ -35,9 +36,11 @@ TEST(FewASecond, LosesNoCountBetweenThreads) {
   std::vector<std::thread> threads;
   for (int n = 0; n < 4; ++n)
     threads.emplace_back([&] {
-      for (int i = 0; i < 10'000; ++i) said += few.take(7 * kMs).say;
+      for (int i = 0; i < 10'000; ++i)
+        said += few.take(7 * kMs).say;
     });
-  for (std::thread& thread : threads) thread.join();
+  for (std::thread& thread : threads)
+    thread.join();
   EXPECT_EQ(said, 2);
   EXPECT_EQ(few.take(2000 * kMs).left_out, 39'998U);
 }

@@ -21,7 +21,8 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
-/// What `told` leaves in a process of its own, whose stderr is `fd` (-1: closed). The log is one for a process and lives as long.
+/// What `told` leaves in a process of its own, whose stderr is `fd` (-1: closed). The log is one
+/// for a process and lives as long.
 int in_a_process_with_stderr(int fd, const std::function<void()>& told) {
   test::Forked child([&]() -> int {
     alarm(20);  // a call that blocks is a death by signal 14
@@ -30,7 +31,9 @@ int in_a_process_with_stderr(int fd, const std::function<void()>& told) {
     else
       close(STDERR_FILENO);
     told();
-    std::exit(testing::Test::HasFailure() ? 99 : 7);  // not _exit: the log writes its last lines at the end
+    std::exit(testing::Test::HasFailure()
+                  ? 99
+                  : 7);  // not _exit: the log writes its last lines at the end
   });
   return child.wait().status;
 }
@@ -39,7 +42,8 @@ std::string drain(int fd) {
   fcntl(fd, F_SETFL, O_NONBLOCK);
   std::string all;
   char part[65536];
-  for (ssize_t n; (n = read(fd, part, sizeof part)) > 0;) all.append(part, static_cast<std::size_t>(n));
+  for (ssize_t n; (n = read(fd, part, sizeof part)) > 0;)
+    all.append(part, static_cast<std::size_t>(n));
   return all;
 }
 
@@ -64,7 +68,11 @@ TEST(Tell, WritesWhatItIsGivenToTheLetterAndInOrderByTheEndOfTheProcess) {
 TEST(Tell, MakesStringsPrintableAndLeavesItsFormatAlone) {
   const Pipe pipe;
   const std::string foreign = "\x1b]0;owned\a";
-  EXPECT_EQ(in_a_process_with_stderr(pipe.end[1], [&] { tell("\x1b[1m{}|{}|{}\n", foreign, foreign.c_str(), std::string_view(foreign)); }), 7);
+  EXPECT_EQ(
+      in_a_process_with_stderr(
+          pipe.end[1],
+          [&] { tell("\x1b[1m{}|{}|{}\n", foreign, foreign.c_str(), std::string_view(foreign)); }),
+      7);
   EXPECT_EQ(drain(pipe.end[0]), "\x1b[1m?]0;owned?|?]0;owned?|?]0;owned?\n");
 }
 
@@ -83,13 +91,15 @@ TEST(Tell, KnowsTheJournalByItsStreamAndNotByTheVariableAlone) {
 
 TEST(Tell, CutsATextThatNobodyCouldRead) {
   const Pipe pipe;
-  EXPECT_EQ(in_a_process_with_stderr(pipe.end[1], [] { tell("{}\n", std::string(50'000, 'x')); }), 7);
+  EXPECT_EQ(in_a_process_with_stderr(pipe.end[1], [] { tell("{}\n", std::string(50'000, 'x')); }),
+            7);
   EXPECT_EQ(drain(pipe.end[0]), std::string(kMaxTextBytes, 'x') + "...\n");
 }
 
 void tell_much_and_expect_no_wait() {
   const auto begin = steady_clock::now();
-  for (int i = 0; i < 20'000; ++i) tell("line {} that nobody reads, of some sixty characters and a bit\n", i);
+  for (int i = 0; i < 20'000; ++i)
+    tell("line {} that nobody reads, of some sixty characters and a bit\n", i);
   finish_telling();
   EXPECT_LT(steady_clock::now() - begin, milliseconds(10'000));
 }
@@ -138,20 +148,21 @@ TEST(Tell, DoesNotWaitForAPipeThatNobodyReadsNorDoesTheEndOfTheProcess) {
 TEST(Tell, KeepsTheNewestTextsForASlowReaderAndSaysHowManyAreMissing) {
   const Pipe pipe;
   std::string all = "\n";
-  EXPECT_EQ(in_a_process_with_stderr(pipe.end[1],
-                                     [&] {
-                                       tell_much_and_expect_no_wait();
-                                       for (int i = 0; i < 200 && all.find("line 19999 ") == std::string::npos; ++i) {
-                                         all += drain(pipe.end[0]);
-                                         std::this_thread::sleep_for(milliseconds(10));
-                                       }
-                                       EXPECT_NE(all.find("line 19999 "), std::string::npos);
-                                       std::uint64_t missing = 0;  // one gap or several
-                                       for (std::size_t at = 0; (at = all.find("\n(", at)) != std::string::npos; ++at)
-                                         missing += std::strtoull(all.c_str() + at + 2, nullptr, 10);
-                                       EXPECT_NE(all.find(" lines are missing"), std::string::npos);
-                                       EXPECT_EQ(missing, texts_lost());
-                                     }),
+  EXPECT_EQ(in_a_process_with_stderr(
+                pipe.end[1],
+                [&] {
+                  tell_much_and_expect_no_wait();
+                  for (int i = 0; i < 200 && all.find("line 19999 ") == std::string::npos; ++i) {
+                    all += drain(pipe.end[0]);
+                    std::this_thread::sleep_for(milliseconds(10));
+                  }
+                  EXPECT_NE(all.find("line 19999 "), std::string::npos);
+                  std::uint64_t missing = 0;  // one gap or several
+                  for (std::size_t at = 0; (at = all.find("\n(", at)) != std::string::npos; ++at)
+                    missing += std::strtoull(all.c_str() + at + 2, nullptr, 10);
+                  EXPECT_NE(all.find(" lines are missing"), std::string::npos);
+                  EXPECT_EQ(missing, texts_lost());
+                }),
             7);
 }
 
@@ -161,10 +172,12 @@ TEST(Tell, IsNotSharedWithAFileThatIsOpenedAfterStderrWasClosed) {
                                        close(STDIN_FILENO), close(STDOUT_FILENO);
                                        guard_standard_streams();
                                        const int file = memfd_create("bag", 0);
-                                       if (file <= STDERR_FILENO) std::exit(98);
+                                       if (file <= STDERR_FILENO)
+                                         std::exit(98);
                                        tell("into a bag?\n");
                                        finish_telling();
-                                       if (lseek(file, 0, SEEK_END) != 0) std::exit(97);
+                                       if (lseek(file, 0, SEEK_END) != 0)
+                                         std::exit(97);
                                      }),
             7);
 }
@@ -175,7 +188,8 @@ TEST(Progress, IsToldOnceASecondAtMostAndNotInTheFirst) {
                                      [] {
                                        const auto step = tell_each_second("rendering");
                                        const auto begin = steady_clock::now();
-                                       while (steady_clock::now() - begin < milliseconds(1200)) step("reading mesh 2 of 3");
+                                       while (steady_clock::now() - begin < milliseconds(1200))
+                                         step("reading mesh 2 of 3");
                                      }),
             7);
   EXPECT_EQ(drain(pipe.end[0]), "rendering: reading mesh 2 of 3\n");

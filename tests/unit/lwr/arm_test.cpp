@@ -13,7 +13,8 @@ constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 LwrJoints degrees(std::initializer_list<double> values) {
   LwrJoints q;
   int i = 0;
-  for (const double value : values) q[i++] = value * kRadPerDeg;
+  for (const double value : values)
+    q[i++] = value * kRadPerDeg;
   return q;
 }
 
@@ -23,7 +24,8 @@ Pose odd_tool() { return {Vec3(0.02, -0.03, 0.11), Quat(0.5, -0.1, 0.7, 0.3).nor
 LwrJoints random_posture(std::mt19937& random) {
   const LwrLimits limits = lwr_limits();
   LwrJoints q;
-  for (int i = 0; i < 7; ++i) q[i] = std::uniform_real_distribution(-0.95, 0.95)(random) * limits.position_rad[i];
+  for (int i = 0; i < 7; ++i)
+    q[i] = std::uniform_real_distribution(-0.95, 0.95)(random) * limits.position_rad[i];
   return q;
 }
 
@@ -35,14 +37,16 @@ TEST(LwrArm, StandsUprightAtZeroWithTheSumOfItsLengths) {
 
 TEST(LwrArm, ReachesThePublishedPointWithTheElbowBent) {
   const Pose flange = LwrArm().flange(lwr_rest_posture());
-  EXPECT_NEAR((flange.position - Vec3(-0.538, 0.0, 0.384)).norm(), 0.0, 5e-4) << flange.position.transpose();
+  EXPECT_NEAR((flange.position - Vec3(-0.538, 0.0, 0.384)).norm(), 0.0, 5e-4)
+      << flange.position.transpose();
 }
 
 TEST(LwrArm, PutsTheToolWhereTheFlangeCarriesIt) {
   const LwrJoints q = degrees({10, -20, 30, 40, -50, 60, 70});
   const Pose flange = LwrArm().flange(q), tool = LwrArm(odd_tool()).tool(q);
   EXPECT_NEAR((tool.position - flange * odd_tool().position).norm(), 0.0, 1e-12);
-  EXPECT_NEAR(tool.orientation.angularDistance(flange.orientation * odd_tool().orientation), 0.0, 1e-7);
+  EXPECT_NEAR(tool.orientation.angularDistance(flange.orientation * odd_tool().orientation), 0.0,
+              1e-7);
 }
 
 TEST(LwrArm, HasTheJacobianOfItsOwnKinematics) {
@@ -81,7 +85,8 @@ TEST(LwrArm, HasTheSmallerOfThePublishedLimits) {
   EXPECT_DOUBLE_EQ(limits.position_rad[1], 120 * kRadPerDeg);
   EXPECT_DOUBLE_EQ(limits.velocity_rad_s[0], 110 * kRadPerDeg);
   EXPECT_DOUBLE_EQ(limits.velocity_rad_s[3], 112.5 * kRadPerDeg);
-  EXPECT_DOUBLE_EQ(limits.velocity_rad_s[4], 180 * kRadPerDeg) << "A4 of the controller is the fifth joint";
+  EXPECT_DOUBLE_EQ(limits.velocity_rad_s[4], 180 * kRadPerDeg)
+      << "A4 of the controller is the fifth joint";
   EXPECT_DOUBLE_EQ(limits.torque_nm[0], 176);
   EXPECT_DOUBLE_EQ(limits.torque_nm[6], 30);
 }

@@ -18,7 +18,8 @@ std::vector<std::byte> read_file(const std::string& name) {
   std::ifstream file(std::string(VOXTOUCH_TEST_DATA) + "/fri/" + name, std::ios::binary);
   const std::vector<char> chars{std::istreambuf_iterator<char>(file), {}};
   std::vector<std::byte> bytes(chars.size());
-  if (!chars.empty()) std::memcpy(bytes.data(), chars.data(), chars.size());
+  if (!chars.empty())
+    std::memcpy(bytes.data(), chars.data(), chars.size());
   return bytes;
 }
 
@@ -34,7 +35,8 @@ TEST(FriCodec, ReadsTheGoldenMeasurement) {
   ASSERT_EQ(decode(bytes, packet), PacketFault::kNone);
   EXPECT_EQ(packet.interface.state, State::kCmd);
   EXPECT_EQ(packet.header.packet_size, 916);
-  EXPECT_EQ(bytes_of(packet), bytes_of(test::named_msr())) << "a field holds another field's numbers";
+  EXPECT_EQ(bytes_of(packet), bytes_of(test::named_msr()))
+      << "a field holds another field's numbers";
   EXPECT_EQ(bytes, bytes_of(test::named_msr()));
 }
 
@@ -68,14 +70,15 @@ TEST(FriCodec, RefusesStatesQualitiesAndModesThatAreNotDefined) {
   EXPECT_EQ(decode(bytes_of(packet), out), PacketFault::kEnum);
   packet = test::named_msr(), packet.robot.control = static_cast<Control>(4);
   EXPECT_EQ(decode(bytes_of(packet), out), PacketFault::kEnum);
-  packet = test::named_msr(), packet.interface.state = State::kInvalid, packet.interface.quality = Quality::kInvalid;
+  packet = test::named_msr(), packet.interface.state = State::kInvalid,
+  packet.interface.quality = Quality::kInvalid;
   EXPECT_EQ(decode(bytes_of(packet), out), PacketFault::kNone) << "-1 is defined";
 }
 
 TEST(FriCodec, RefusesAMeasurementWithoutTimeOrAPositionToMirror) {
   MsrPacket out;
-  for (float* field : {&out.interface.timestamp_s, &out.interface.msr_period_s, &out.data.cmd_jnt_pos[6],
-                       &out.data.cmd_jnt_pos_fri_offset[0]})
+  for (float* field : {&out.interface.timestamp_s, &out.interface.msr_period_s,
+                       &out.data.cmd_jnt_pos[6], &out.data.cmd_jnt_pos_fri_offset[0]})
     for (const float bad : {kNaN, std::numeric_limits<float>::infinity()}) {
       out = test::named_msr();
       *field = bad;
@@ -84,7 +87,8 @@ TEST(FriCodec, RefusesAMeasurementWithoutTimeOrAPositionToMirror) {
     }
   MsrPacket packet = test::named_msr();
   packet.data.cmd_jnt_pos[3] = packet.data.cmd_jnt_pos_fri_offset[3] = 3e38F;
-  EXPECT_EQ(decode(bytes_of(packet), out), PacketFault::kNotFinite) << "their sum is what is mirrored";
+  EXPECT_EQ(decode(bytes_of(packet), out), PacketFault::kNotFinite)
+      << "their sum is what is mirrored";
 }
 
 TEST(FriCodec, TellsAMeasuredPositionThatIsNoNumber) {
@@ -110,7 +114,8 @@ TEST(FriCodec, TransposesTheRotationsBetweenTheWireAndOurs) {
   EXPECT_EQ(to_wire(ours), wire);
   LwrJacobian jacobian;
   for (int row = 0; row < 6; ++row)
-    for (int col = 0; col < 7; ++col) jacobian(row, col) = 10 * row + col;
+    for (int col = 0; col < 7; ++col)
+      jacobian(row, col) = 10 * row + col;
   const JacobianRows rows = to_wire(jacobian);
   EXPECT_EQ(rows[0 * 7 + 2], 2.0F);
   EXPECT_EQ(rows[3 * 7 + 2], 52.0F) << "the fourth row on the wire is about z";

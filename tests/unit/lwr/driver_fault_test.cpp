@@ -50,9 +50,11 @@ TEST_F(LwrDriverFault, RefusesACommandThatIsNoNumber) {
 }
 
 TEST_F(LwrDriverFault, RefusesACommandOverTheLimits) {
-  EXPECT_EQ(without_push({Vec3(0, 0, 150.1), Vec3::Zero()}).written.error(), devices::DeviceError::kLimit);
+  EXPECT_EQ(without_push({Vec3(0, 0, 150.1), Vec3::Zero()}).written.error(),
+            devices::DeviceError::kLimit);
   push();
-  EXPECT_EQ(without_push({Vec3::Zero(), Vec3(15.1, 0, 0)}).written.error(), devices::DeviceError::kLimit);
+  EXPECT_EQ(without_push({Vec3::Zero(), Vec3(15.1, 0, 0)}).written.error(),
+            devices::DeviceError::kLimit);
   EXPECT_EQ(driver->counts().refused, 2U);
   push();
 }
@@ -134,7 +136,9 @@ TEST_F(LwrDriverFault, TakesDuplicatesAndOldPacketsForNothingNew) {
 
 TEST_F(LwrDriverFault, TakesTheNewestOfSeveralWhateverTheirOrder) {
   const lwr::fri::MsrPacket first = krc->next(), second = krc->next(), third = krc->next();
-  const auto before = driver->counts().superseded;  // while it opened, a busy machine may have let some come together
+  const auto before =
+      driver->counts()
+          .superseded;  // while it opened, a busy machine may have let some come together
   krc->send(first);
   krc->send(third);
   krc->send(second);
@@ -149,7 +153,8 @@ TEST_F(LwrDriverFault, TakesTheNewestOfSeveralWhateverTheirOrder) {
 
 TEST_F(LwrDriverFault, CountsLostPacketsAcrossTheWrap) {
   msr().header.send_seq = 65500;
-  for (int n = 0; n < 20; ++n) cycle(*krc, *driver);  // the driver takes the jump for a controller that counts anew
+  for (int n = 0; n < 20; ++n)
+    cycle(*krc, *driver);  // the driver takes the jump for a controller that counts anew
   const auto before = driver->sequence().lost;
   for (int n = 0; n < 20; ++n) {
     (void)krc->next();  // every second one is lost
@@ -226,14 +231,16 @@ TEST_F(LwrDriverFault, SaysThatTheDrivesWentOffAndWhichOnes) {
   krc->program_runs = false;
   EXPECT_EQ(without_push().written.error(), devices::DeviceError::kRecoverable);
   EXPECT_EQ(driver->session().trouble(), lwr::fri::Trouble::kDrivesWentOff);
-  EXPECT_NE(driver->status_text().find("[drives off: E1]"), std::string::npos) << driver->status_text();
+  EXPECT_NE(driver->status_text().find("[drives off: E1]"), std::string::npos)
+      << driver->status_text();
 }
 
 TEST_F(LwrDriverFault, EndsWithAFaultWhereADriveReportsAnError) {
   msr().robot.error = 0x41;
   const Cycle t = without_push();
   EXPECT_EQ(t.sample.error(), devices::DeviceError::kFault);
-  EXPECT_NE(driver->status_text().find("[errors of A1 A6]"), std::string::npos) << driver->status_text();
+  EXPECT_NE(driver->status_text().find("[errors of A1 A6]"), std::string::npos)
+      << driver->status_text();
 }
 
 TEST_F(LwrDriverFault, IsGoneWhenTheControllerClosesTheInterface) {
@@ -254,7 +261,8 @@ TEST_F(LwrDriverFault, DropsTheForceWhileAJointIsTooFast) {
   }
   EXPECT_TRUE(refused);
   EXPECT_EQ(driver->session().trouble(), lwr::fri::Trouble::kTooFast);
-  for (int n = 0; n < 40; ++n) cycle(*krc, *driver, kPush);
+  for (int n = 0; n < 40; ++n)
+    cycle(*krc, *driver, kPush);
   push();
 }
 
@@ -272,7 +280,8 @@ TEST_F(LwrDriverFault, SendsNothingThatIsNoNumberWhateverComesIn) {
     std::memcpy(reinterpret_cast<char*>(&msr()) + 4 * word, &bits, 4);
     const std::size_t before = krc->heard.size();
     const Cycle t = cycle(*krc, *driver, kPush);
-    EXPECT_EQ(krc->heard.size(), before + 1) << "answered, and the fake refuses what is not finite; word " << word;
+    EXPECT_EQ(krc->heard.size(), before + 1)
+        << "answered, and the fake refuses what is not finite; word " << word;
     if (t.sample) {
       EXPECT_TRUE(t.sample->pose.finite() && t.sample->twist.finite());
     }

@@ -28,8 +28,9 @@ TEST(LwrOpen, SaysThatNothingCameAndWhatToCheck) {
   lwr::LwrOptions options = quick_options();
   options.connect_timeout_s = 0.02;
   const std::string sentence = refusal(options);
-  for (const std::string& part : {std::string("0.02 s"), "127.0.0.1:" + std::to_string(options.port),
-                                  std::string("friOpen"), std::string("friSetup")})
+  for (const std::string& part :
+       {std::string("0.02 s"), "127.0.0.1:" + std::to_string(options.port), std::string("friOpen"),
+        std::string("friSetup")})
     EXPECT_TRUE(tells(sentence, part)) << part << " is not in: " << sentence;
 }
 
@@ -68,11 +69,15 @@ TEST(LwrOpen, SaysWhatCameInsteadOfAMeasurement) {
   std::string sentence;
   krc.msr.header.datagram_id = 0x2007;
   krc.serve_while([&] { sentence = refusal(options); });
-  EXPECT_TRUE(tells(sentence, "916 bytes from 127.0.0.1:") && tells(sentence, name_of(lwr::fri::PacketFault::kId))) << sentence;
+  EXPECT_TRUE(tells(sentence, "916 bytes from 127.0.0.1:") &&
+              tells(sentence, name_of(lwr::fri::PacketFault::kId)))
+      << sentence;
   krc.msr.header.datagram_id = lwr::fri::kMsrId;
   krc.msr.data.cmd_jnt_pos[0] = std::numeric_limits<float>::quiet_NaN();
   krc.serve_while([&] { sentence = refusal(options); });
-  EXPECT_TRUE(tells(sentence, name_of(lwr::fri::PacketFault::kNotFinite)) && !tells(sentence, "bytes")) << sentence;
+  EXPECT_TRUE(tells(sentence, name_of(lwr::fri::PacketFault::kNotFinite)) &&
+              !tells(sentence, "bytes"))
+      << sentence;
 }
 
 TEST(LwrOpen, SaysThatTheInterfaceIsClosed) {
@@ -92,7 +97,8 @@ TEST(LwrOpen, TakesAFirstMeasurementThatHadToWait) {
   lwr::LwrOptions options = quick_options();
   options.max_age_s = 1e-6;  // every packet is older than that
   krc.port = options.port;
-  const lwr::fri::MsrPacket first = krc.next();  // sent again and again, as a controller in virtual time does
+  const lwr::fri::MsrPacket first =
+      krc.next();  // sent again and again, as a controller in virtual time does
   std::atomic<bool> done{false};
   std::thread sender([&] {
     while (!done) {
@@ -133,7 +139,8 @@ TEST(LwrOpen, RefusesAnArmWithADriveError) {
   krc.msr.robot.error = 0x08;
   std::string sentence;
   krc.serve_while([&] { sentence = refusal(options); });
-  EXPECT_TRUE(tells(sentence, " A3") && !tells(sentence, "A2") && !tells(sentence, "A4")) << sentence;
+  EXPECT_TRUE(tells(sentence, " A3") && !tells(sentence, "A2") && !tells(sentence, "A4"))
+      << sentence;
 }
 
 TEST(LwrOpen, OpensWithDrivesOffAndWaitsForThem) {
@@ -153,7 +160,8 @@ TEST(LwrOpen, RefusesOptionsThatCannotBe) {
     const std::string sentence = refusal(options);
     EXPECT_TRUE(tells(sentence, field)) << field << ": " << sentence;
   };
-  refused([](lwr::LwrOptions& o) { o.capture_file = "/nowhere/at/all.pcap"; }, "/nowhere/at/all.pcap");
+  refused([](lwr::LwrOptions& o) { o.capture_file = "/nowhere/at/all.pcap"; },
+          "/nowhere/at/all.pcap");
 }
 
 TEST(LwrOpen, OpensAgainOnTheSamePortAfterItWent) {
@@ -177,7 +185,8 @@ TEST(LwrOpen, WritesWhatItHeardAndSaid) {
   options.capture_packets = 100;
   {
     auto driver = krc.open(options);
-    for (int n = 0; n < 200; ++n) cycle(krc, *driver);
+    for (int n = 0; n < 200; ++n)
+      cycle(krc, *driver);
     krc.close(std::move(driver));
   }
   const auto size = std::filesystem::file_size(file);

@@ -21,7 +21,9 @@ lwr::LwrOptions plain_options() {
   return options;
 }
 
-double difference(const lwr::fri::Joints& a, const lwr::LwrJoints& b) { return (lwr::fri::from_wire(a) - b).cwiseAbs().maxCoeff(); }
+double difference(const lwr::fri::Joints& a, const lwr::LwrJoints& b) {
+  return (lwr::fri::from_wire(a) - b).cwiseAbs().maxCoeff();
+}
 
 TEST(LwrDriver, MirrorsTheControllersPositionUntilCommandMode) {
   FakeController krc;
@@ -35,8 +37,9 @@ TEST(LwrDriver, MirrorsTheControllersPositionUntilCommandMode) {
     EXPECT_TRUE(t.sample->pose_valid) << "the arm can be followed all the same";
     EXPECT_EQ(t.written.error(), devices::DeviceError::kRecoverable);
     ASSERT_EQ(t.answers, 1U);
-    EXPECT_LT(difference(t.command.command.jnt_pos, lwr::fri::from_wire(krc.msr.data.cmd_jnt_pos) +
-                                                        lwr::fri::from_wire(krc.msr.data.cmd_jnt_pos_fri_offset)),
+    EXPECT_LT(difference(t.command.command.jnt_pos,
+                         lwr::fri::from_wire(krc.msr.data.cmd_jnt_pos) +
+                             lwr::fri::from_wire(krc.msr.data.cmd_jnt_pos_fri_offset)),
               1e-6);
     EXPECT_EQ(torque_of(t.command), 0.0);
     EXPECT_EQ(t.command.krl.integer[lwr::fri::kFrmIntRun], lwr::fri::kHalt);
@@ -54,7 +57,9 @@ TEST(LwrDriver, GivesTheWrenchAsJointTorqueAtTheMeasuredPosition) {
     krc.msr.data.jnt_pos = lwr::fri::to_wire(q);
     const Cycle t = cycle(krc, *driver, kPush);
     ASSERT_TRUE(t.written);
-    EXPECT_LT(difference(t.command.command.add_jnt_trq, lwr::joint_torque(lwr::LwrArm().jacobian(q), kPush)), 1e-4);
+    EXPECT_LT(difference(t.command.command.add_jnt_trq,
+                         lwr::joint_torque(lwr::LwrArm().jacobian(q), kPush)),
+              1e-4);
     EXPECT_LT(difference(t.command.command.jnt_pos, q), 1e-6);
     EXPECT_EQ(t.command.command.jnt_stiffness, lwr::fri::Joints{});
     EXPECT_EQ(t.command.command.cmd_flags, 0x35U);
@@ -97,10 +102,12 @@ TEST(LwrDriver, EntersCommandModeWithoutAJumpOfTheCommandedPosition) {
   krc.msr.data.jnt_pos[1] += 0.1F;  // sagged away from what is commanded
   const auto driver = krc.open();
   ASSERT_TRUE(run_to_command(krc, *driver));
-  for (int n = 0; n < 200; ++n) cycle(krc, *driver);
+  for (int n = 0; n < 200; ++n)
+    cycle(krc, *driver);
   float last = krc.msr.data.cmd_jnt_pos[1];
   for (const lwr::fri::CmdPacket& answer : krc.heard) {
-    EXPECT_LE(std::abs(answer.command.jnt_pos[1] - last), 0.001 * lwr::lwr_limits().velocity_rad_s[1]);
+    EXPECT_LE(std::abs(answer.command.jnt_pos[1] - last),
+              0.001 * lwr::lwr_limits().velocity_rad_s[1]);
     last = answer.command.jnt_pos[1];
   }
   EXPECT_NEAR(last, krc.msr.data.jnt_pos[1], 1e-6);
@@ -134,12 +141,15 @@ TEST(LwrDriver, TakesTheWrenchInDAboutTheTool) {
   FakeController krc;
   lwr::LwrOptions options = plain_options();
   options.pose_FT.position = Vec3(0.02, 0.05, 0.1);
-  options.pose_BD = {Vec3(-0.5, 0.1, 0.3), Quat(Eigen::AngleAxisd(1.0, Vec3(1, 2, 3).normalized()))};
+  options.pose_BD = {Vec3(-0.5, 0.1, 0.3),
+                     Quat(Eigen::AngleAxisd(1.0, Vec3(1, 2, 3).normalized()))};
   const auto driver = krc.open(options);
   ASSERT_TRUE(run_to_command(krc, *driver));
   const Cycle t = cycle(krc, *driver, kPush);
-  const Wrench wrench_B{options.pose_BD.orientation * kPush.force, options.pose_BD.orientation * kPush.torque};
-  const lwr::LwrJoints expected = lwr::joint_torque(lwr::LwrArm(options.pose_FT).jacobian(lwr::lwr_rest_posture()), wrench_B);
+  const Wrench wrench_B{options.pose_BD.orientation * kPush.force,
+                        options.pose_BD.orientation * kPush.torque};
+  const lwr::LwrJoints expected =
+      lwr::joint_torque(lwr::LwrArm(options.pose_FT).jacobian(lwr::lwr_rest_posture()), wrench_B);
   EXPECT_LT(difference(t.command.command.add_jnt_trq, expected), 1e-4);
 }
 
@@ -153,9 +163,11 @@ TEST(LwrDriver, GivesForceAndPoseThatDoTheSameWork) {
   const lwr::LwrJoints step = 1e-4 * lwr::LwrJoints::Random();
   krc.msr.data.jnt_pos = lwr::fri::to_wire(lwr::LwrJoints(lwr::lwr_rest_posture() + step));
   const Cycle second = cycle(krc, *driver, kPush);
-  const Eigen::AngleAxisd turned(second.sample->pose.orientation * first.sample->pose.orientation.conjugate());
-  const double at_tool = kPush.force.dot(second.sample->pose.position - first.sample->pose.position) +
-                         kPush.torque.dot(turned.angle() * turned.axis());
+  const Eigen::AngleAxisd turned(second.sample->pose.orientation *
+                                 first.sample->pose.orientation.conjugate());
+  const double at_tool =
+      kPush.force.dot(second.sample->pose.position - first.sample->pose.position) +
+      kPush.torque.dot(turned.angle() * turned.axis());
   EXPECT_NEAR(at_tool, lwr::fri::from_wire(first.command.command.add_jnt_trq).dot(step), 2e-5 * 8);
 }
 
@@ -170,7 +182,8 @@ TEST(LwrDriver, KeepsTheElbowInPostureWithoutTheToolFeelingIt) {
   double first = 0.0, last = 0.0;
   for (int i = 0; i < 600; ++i) {
     last = torque_of(cycle(krc, *driver).command);
-    if (i == 0) first = last;
+    if (i == 0)
+      first = last;
   }
   EXPECT_LT(first, 0.02) << "ramped in";
   EXPECT_GT(last, 0.1);
@@ -189,7 +202,8 @@ TEST(LwrDriver, MakesATorqueThatTheJointsCannotGiveSmallerInProportion) {
   const Cycle t = cycle(krc, *driver, strong);
   ASSERT_TRUE(t.written);
   EXPECT_NEAR(torque_of(t.command), 20.0, 1e-4);
-  const lwr::LwrJoints wanted = lwr::joint_torque(lwr::LwrArm().jacobian(lwr::lwr_rest_posture()), strong);
+  const lwr::LwrJoints wanted =
+      lwr::joint_torque(lwr::LwrArm().jacobian(lwr::lwr_rest_posture()), strong);
   const lwr::LwrJoints got = lwr::fri::from_wire(t.command.command.add_jnt_trq);
   EXPECT_NEAR(got.normalized().dot(wanted.normalized()), 1.0, 1e-9);
   EXPECT_EQ(driver->counts().scaled, 1U);
@@ -203,8 +217,12 @@ TEST(LwrDriver, GivesItsWholeForceInEveryDirectionAtTheRestPosture) {
   int scaled = 0;
   for (int axis = 0; axis < 3; ++axis)
     for (const double sign : {1.0, -1.0}) {
-      ASSERT_TRUE(cycle(krc, *driver, {sign * 0.99 * d.max_force_n * Vec3::Unit(axis), Vec3::Zero()}).written);
-      ASSERT_TRUE(cycle(krc, *driver, {Vec3::Zero(), sign * 0.99 * d.max_torque_nm * Vec3::Unit(axis)}).written);
+      ASSERT_TRUE(
+          cycle(krc, *driver, {sign * 0.99 * d.max_force_n * Vec3::Unit(axis), Vec3::Zero()})
+              .written);
+      ASSERT_TRUE(
+          cycle(krc, *driver, {Vec3::Zero(), sign * 0.99 * d.max_torque_nm * Vec3::Unit(axis)})
+              .written);
     }
   scaled = static_cast<int>(driver->counts().scaled);
   EXPECT_EQ(scaled, 0);
@@ -250,7 +268,8 @@ TEST(LwrDriver, AnswersOnStopAndTakesAnAnswerBackThatHasGoneOut) {
   answers = krc.receive();
   ASSERT_EQ(answers.size(), 1U);
   EXPECT_EQ(torque_of(answers[0]), 0.0);
-  EXPECT_EQ(driver->write(kPush).error(), devices::DeviceError::kTimeout) << "the measurement is answered";
+  EXPECT_EQ(driver->write(kPush).error(), devices::DeviceError::kTimeout)
+      << "the measurement is answered";
 }
 
 TEST(LwrDriver, LeavesCommandModeBeforeItGoes) {
@@ -293,20 +312,23 @@ TEST(LwrDriver, WaitsForAControllerInVirtualTime) {
   options.port = krc.port;
   std::atomic<bool> done{false};
   std::atomic<int> pushes{0};
-  std::thread controller(
-      [&] {  // the next measurement only after the answer; the first again and again until there is one
-        while (!done && krc.heard.empty()) {
-          krc.send();
-          std::this_thread::sleep_for(2ms);
-          krc.receive();
-        }
-        while (!done) {
-          krc.send();
-          if (krc.msr.header.send_seq % 16 == 0) std::this_thread::sleep_for(5ms);  // busy elsewhere
-          while (!done && krc.receive().empty()) std::this_thread::sleep_for(20us);
-          if (torque_of(krc.heard.back()) > 1.0) ++pushes;
-        }
-      });
+  std::thread controller([&] {  // the next measurement only after the answer; the first again and
+                                // again until there is one
+    while (!done && krc.heard.empty()) {
+      krc.send();
+      std::this_thread::sleep_for(2ms);
+      krc.receive();
+    }
+    while (!done) {
+      krc.send();
+      if (krc.msr.header.send_seq % 16 == 0)
+        std::this_thread::sleep_for(5ms);  // busy elsewhere
+      while (!done && krc.receive().empty())
+        std::this_thread::sleep_for(20us);
+      if (torque_of(krc.heard.back()) > 1.0)
+        ++pushes;
+    }
+  });
   {
     lwr::LwrDriver driver(options);
     EXPECT_TRUE(driver.simulated());

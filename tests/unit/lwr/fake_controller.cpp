@@ -27,18 +27,25 @@ lwr::fri::MsrPacket FakeController::next() {
 }
 
 void FakeController::send() { send(next()); }
-void FakeController::send(const lwr::fri::MsrPacket& packet) { send_bytes(std::as_bytes(std::span(&packet, 1))); }
-void FakeController::send_bytes(std::span<const std::byte> bytes) { socket_.send(bytes, {0x7F000001, port}); }
+void FakeController::send(const lwr::fri::MsrPacket& packet) {
+  send_bytes(std::as_bytes(std::span(&packet, 1)));
+}
+void FakeController::send_bytes(std::span<const std::byte> bytes) {
+  socket_.send(bytes, {0x7F000001, port});
+}
 
 std::vector<lwr::fri::CmdPacket> FakeController::receive() {
   std::vector<lwr::fri::CmdPacket> answers;
   std::array<std::byte, 2048> buffer;
   while (const auto datagram = socket_.receive(buffer)) {
     lwr::fri::CmdPacket command;
-    if (lwr::fri::decode(std::span(buffer).first(datagram->size), command) != lwr::fri::PacketFault::kNone) continue;
+    if (lwr::fri::decode(std::span(buffer).first(datagram->size), command) !=
+        lwr::fri::PacketFault::kNone)
+      continue;
     answers.push_back(command);
     heard.push_back(command);
-    if (program_runs) follow(command);
+    if (program_runs)
+      follow(command);
   }
   return answers;
 }
@@ -67,11 +74,13 @@ void FakeController::serve_while(const std::function<void()>& body) {
   }
   done = true;
   server.join();
-  if (thrown) std::rethrow_exception(thrown);
+  if (thrown)
+    std::rethrow_exception(thrown);
 }
 
 std::unique_ptr<lwr::LwrDriver> FakeController::open(lwr::LwrOptions options) {
-  if (options.port == lwr::fri::kDefaultPort) options = quick_options();
+  if (options.port == lwr::fri::kDefaultPort)
+    options = quick_options();
   port = options.port;
   std::unique_ptr<lwr::LwrDriver> driver;
   serve_while([&] { driver = std::make_unique<lwr::LwrDriver>(options); });
@@ -100,16 +109,19 @@ Cycle cycle(FakeController& controller, lwr::LwrDriver& driver, const Wrench& co
   controller.send();
   Cycle result;
   result.sample = driver.read(20ms);
-  if (result.sample) result.written = driver.write(command);
+  if (result.sample)
+    result.written = driver.write(command);
   const auto answers = controller.receive();
   result.answers = answers.size();
-  if (!answers.empty()) result.command = answers.back();
+  if (!answers.empty())
+    result.command = answers.back();
   return result;
 }
 
 bool run_to_command(FakeController& controller, lwr::LwrDriver& driver) {
   for (int n = 0; n < 200; ++n)
-    if (const Cycle t = cycle(controller, driver); t.sample && t.written) return true;
+    if (const Cycle t = cycle(controller, driver); t.sample && t.written)
+      return true;
   return false;
 }
 

@@ -1,14 +1,15 @@
 #pragma once
-/// A scripted KRC on the loopback: what it sends is whatever the test puts into `msr`; its KRL program follows the handshake.
+/// A scripted KRC on the loopback: what it sends is whatever the test puts into `msr`; its KRL
+/// program follows the handshake.
 #include <deque>
 #include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
 
+#include "devices/arm/udp_socket.hpp"
 #include "devices/lwr/fri_codec.hpp"
 #include "devices/lwr/lwr_driver.hpp"
-#include "devices/arm/udp_socket.hpp"
 
 namespace voxtouch::test {
 
@@ -16,12 +17,14 @@ class FakeController {
  public:
   explicit FakeController(const std::string& address = "127.0.0.1");
 
-  /// Stamps, counts on and sends `msr`. The two halves apart for tests that lose, hold back or double packets.
+  /// Stamps, counts on and sends `msr`. The two halves apart for tests that lose, hold back or
+  /// double packets.
   void send();
   lwr::fri::MsrPacket next();
   void send(const lwr::fri::MsrPacket& packet);
   void send_bytes(std::span<const std::byte> bytes);
-  /// All answers that have come since; the program follows the last one's request if `program_runs`.
+  /// All answers that have come since; the program follows the last one's request if
+  /// `program_runs`.
   std::vector<lwr::fri::CmdPacket> receive();
 
   /// Opens a driver that listens on a free port, sending until it has opened (or thrown).
@@ -32,9 +35,9 @@ class FakeController {
   void serve_while(const std::function<void()>& body);
 
   lwr::fri::MsrPacket msr = lwr::fri::empty_msr();  ///< what is sent next
-  bool program_runs = true;               ///< state and echo follow the requests
-  std::uint16_t port = 0;                 ///< of the driver
-  std::vector<lwr::fri::CmdPacket> heard;      ///< every answer so far
+  bool program_runs = true;                         ///< state and echo follow the requests
+  std::uint16_t port = 0;                           ///< of the driver
+  std::vector<lwr::fri::CmdPacket> heard;           ///< every answer so far
 
  private:
   void follow(const lwr::fri::CmdPacket& command);

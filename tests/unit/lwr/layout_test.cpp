@@ -6,7 +6,8 @@
 namespace voxtouch::lwr::fri {
 namespace {
 
-#define VOXTOUCH_FRI_AT(packet, field, offset) static_assert(offsetof(packet, field) == (offset), #field)
+#define VOXTOUCH_FRI_AT(packet, field, offset) \
+  static_assert(offsetof(packet, field) == (offset), #field)
 VOXTOUCH_FRI_AT(MsrPacket, header.send_seq, 0);
 VOXTOUCH_FRI_AT(MsrPacket, header.refl_seq, 2);
 VOXTOUCH_FRI_AT(MsrPacket, header.packet_size, 4);

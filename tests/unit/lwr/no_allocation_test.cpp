@@ -12,7 +12,8 @@ namespace voxtouch::test {
 namespace {
 
 TEST(LwrNoAllocation, NothingIsTakenFromTheHeapWhateverHappens) {
-  if (!heap_is_counted()) GTEST_SKIP() << "the sanitiser owns malloc";
+  if (!heap_is_counted())
+    GTEST_SKIP() << "the sanitiser owns malloc";
   FakeController krc;
   lwr::LwrOptions options = quick_options();
   options.capture_file = testing::TempDir() + "voxtouch_lwr_no_allocation.pcap";
@@ -26,17 +27,23 @@ TEST(LwrNoAllocation, NothingIsTakenFromTheHeapWhateverHappens) {
     const std::uint16_t sequence = krc.msr.header.send_seq;
     krc.msr = good;
     krc.msr.header.send_seq = sequence;
-    if (n % 7 == 1) krc.msr.data.jnt_pos[0] = std::nanf("");
-    if (n % 7 == 2) krc.msr.data.cmd_jnt_pos[0] = std::nanf("");
-    if (n % 7 == 3) krc.msr.interface.quality = lwr::fri::Quality::kBad;
-    if (n % 7 != 4) krc.send();
-    if (n % 11 == 5) krc.send_bytes(std::as_bytes(std::span("no packet")));
+    if (n % 7 == 1)
+      krc.msr.data.jnt_pos[0] = std::nanf("");
+    if (n % 7 == 2)
+      krc.msr.data.cmd_jnt_pos[0] = std::nanf("");
+    if (n % 7 == 3)
+      krc.msr.interface.quality = lwr::fri::Quality::kBad;
+    if (n % 7 != 4)
+      krc.send();
+    if (n % 11 == 5)
+      krc.send_bytes(std::as_bytes(std::span("no packet")));
     allocated += heap_count_of([&] {
       const auto sample = driver->read(std::chrono::microseconds(500));
       const Wrench wrench{Vec3(n % 13 ? 10.0 : 1e6, 0, 0), Vec3::Zero()};
       const bool written = sample && driver->write(wrench);
       (written ? pushed : failed) += 1;
-      if (!written) driver->stop();
+      if (!written)
+        driver->stop();
     });
     krc.receive();
   }

@@ -16,7 +16,8 @@ using arm::PostureRules;
 LwrJoints random_posture(std::mt19937& random) {
   const LwrLimits limits = lwr_limits();
   LwrJoints q;
-  for (int i = 0; i < 7; ++i) q[i] = std::uniform_real_distribution(-0.95, 0.95)(random) * limits.position_rad[i];
+  for (int i = 0; i < 7; ++i)
+    q[i] = std::uniform_real_distribution(-0.95, 0.95)(random) * limits.position_rad[i];
   return q;
 }
 
@@ -28,7 +29,8 @@ TEST(PostureTorque, MovesAlongTheDirectionThatLeavesTheToolWhereItIs) {
     const LwrJoints motion = free_motion(jacobian);
     EXPECT_LT((jacobian * motion).norm(), 1e-12);
     const Eigen::JacobiSVD<Eigen::MatrixXd> svd(jacobian);
-    EXPECT_NEAR(motion.norm(), svd.singularValues().prod(), 1e-9) << "its length is the manipulability";
+    EXPECT_NEAR(motion.norm(), svd.singularValues().prod(), 1e-9)
+        << "its length is the manipulability";
   }
 }
 
@@ -55,7 +57,8 @@ TEST(PostureTorque, DrawsTheElbowBackAndTakesItsSpeed) {
   const LwrJoints pull = posture_torque(rules, arm.jacobian(q), q, LwrJoints::Zero());
   EXPECT_LT(pull.dot(q - rules.posture), 0.0);
   EXPECT_NEAR(pull.norm(), 0.05 * rules.stiffness_nm_per_rad, 0.01);
-  const LwrJoints brake = posture_torque(rules, arm.jacobian(rules.posture), rules.posture, 0.2 * n);
+  const LwrJoints brake =
+      posture_torque(rules, arm.jacobian(rules.posture), rules.posture, 0.2 * n);
   EXPECT_NEAR(brake.dot(n), -0.2 * rules.damping_nms_per_rad, 1e-9);
 }
 
@@ -63,15 +66,18 @@ TEST(PostureTorque, FadesAtASingularityAndForWhatIsNoNumber) {
   const PostureRules rules{.posture = lwr_rest_posture()};
   const LwrArm arm;
   const LwrJoints away = LwrJoints::Constant(0.5);
-  EXPECT_EQ(posture_torque(rules, arm.jacobian(LwrJoints::Zero()), away, LwrJoints::Zero()).norm(), 0.0)
+  EXPECT_EQ(posture_torque(rules, arm.jacobian(LwrJoints::Zero()), away, LwrJoints::Zero()).norm(),
+            0.0)
       << "arm stretched";
   LwrJoints near = LwrJoints::Zero();
   near[3] = near[5] = near[1] = 0.05;
   EXPECT_LT(posture_torque(rules, arm.jacobian(near), near + away, LwrJoints::Zero()).norm(), 0.3);
   LwrJoints bad = LwrJoints::Zero();
   bad[2] = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_EQ(posture_torque(rules, arm.jacobian(rules.posture), bad, LwrJoints::Zero()), LwrJoints::Zero());
-  EXPECT_EQ(posture_torque(rules, arm.jacobian(bad), rules.posture, LwrJoints::Zero()), LwrJoints::Zero());
+  EXPECT_EQ(posture_torque(rules, arm.jacobian(rules.posture), bad, LwrJoints::Zero()),
+            LwrJoints::Zero());
+  EXPECT_EQ(posture_torque(rules, arm.jacobian(bad), rules.posture, LwrJoints::Zero()),
+            LwrJoints::Zero());
 }
 
 }  // namespace posture_test

@@ -1,9 +1,9 @@
 #include <gtest/gtest.h>
 
+#include "devices/arm/joint_rates.hpp"
 #include "devices/lwr/fri_capture.hpp"
 #include "devices/lwr/fri_clock.hpp"
 #include "devices/lwr/fri_sequence.hpp"
-#include "devices/arm/joint_rates.hpp"
 
 namespace voxtouch::lwr::fri {
 namespace {
@@ -38,7 +38,8 @@ TEST(FriSequence, FollowsAControllerThatCountsAnew) {
   SequenceTracker tracker;
   tracker.see(20000);
   std::uint16_t n = 1;
-  while (tracker.see(n) == Verdict::kOld) ASSERT_LT(n++, 100);
+  while (tracker.see(n) == Verdict::kOld)
+    ASSERT_LT(n++, 100);
   EXPECT_EQ(n, SequenceTracker::kRestartRun);
   EXPECT_EQ(tracker.see(static_cast<std::uint16_t>(n + 1)), Verdict::kNew);
   EXPECT_EQ(tracker.counts().restarts, 1U);
@@ -47,7 +48,8 @@ TEST(FriSequence, FollowsAControllerThatCountsAnew) {
 TEST(FriSequence, DoesNotTakeScatteredOldPacketsForARestart) {
   SequenceTracker tracker;
   tracker.see(20000);
-  for (int n = 0; n < 100; ++n) EXPECT_EQ(tracker.see(static_cast<std::uint16_t>(19000 + 7 * n % 500)), Verdict::kOld);
+  for (int n = 0; n < 100; ++n)
+    EXPECT_EQ(tracker.see(static_cast<std::uint16_t>(19000 + 7 * n % 500)), Verdict::kOld);
 }
 
 TEST(FriSequence, TakesAnyCountAfterItForgot) {
@@ -61,7 +63,8 @@ TEST(FriSequence, TakesAnyCountAfterItForgot) {
 TEST(FriClock, CountsPeriodsWhereTheStampIsTooCoarse) {
   FriClock clock(1'000'000, false);
   std::int64_t sum = 0;
-  for (int n = 0; n < 1000; ++n) sum += clock.see(static_cast<float>(9000.0 + 0.001 * n), 1);
+  for (int n = 0; n < 1000; ++n)
+    sum += clock.see(static_cast<float>(9000.0 + 0.001 * n), 1);
   EXPECT_EQ(clock.time_ns(), 999'000'000);
   EXPECT_EQ(sum, clock.time_ns());
   EXPECT_EQ(clock.disagreements(), 0U);
@@ -88,7 +91,8 @@ TEST(JointRates, LagsARampBehindByItsStatedTime) {
   arm::JointRates rates(50.0);
   const LwrJoints acceleration = LwrJoints::Constant(2.0);
   double t = 0.0;
-  for (int n = 0; n < 500; ++n, t = n * kDt) rates.see(0.5 * t * t * acceleration, kDt);
+  for (int n = 0; n < 500; ++n, t = n * kDt)
+    rates.see(0.5 * t * t * acceleration, kDt);
   const double true_rate = 2.0 * (t - kDt);
   EXPECT_NEAR((true_rate - rates.rate()[3]) / 2.0, 3.68e-3, kDt);
 }
@@ -105,7 +109,8 @@ TEST(JointRates, StartsAnewAtRestAfterAGap) {
 TEST(FriCapture, KeepsTheNewestAndSaysWhereItCannotWrite) {
   FriCapture capture(3);
   const std::array<std::byte, 10> bytes{};
-  for (int n = 0; n < 5; ++n) capture.note(bytes, {1, 2}, {3, 4}, n);
+  for (int n = 0; n < 5; ++n)
+    capture.note(bytes, {1, 2}, {3, 4}, n);
   EXPECT_EQ(capture.size(), 3U);
   EXPECT_THROW(capture.write("/nowhere/at/all.pcap"), std::runtime_error);
   FriCapture none;

@@ -20,7 +20,8 @@ struct Scene {
     msr.robot.control = Control::kJointImpedance;
   }
   Trouble see(double seconds = kDt, Trouble arm = Trouble::kNone) {
-    for (double t = 0.0; t < seconds - kDt / 2; t += kDt) session.see(msr, kDt, arm);
+    for (double t = 0.0; t < seconds - kDt / 2; t += kDt)
+      session.see(msr, kDt, arm);
     return session.trouble();
   }
   void command() { msr.interface.state = State::kCmd, msr.krl.integer[kToIntEcho] = kRun; }
@@ -44,7 +45,8 @@ TEST(FriSession, AsksForTheStrategyAndStartsAtPerfectQualityOnly) {
   Krl krl{};
   s.session.fill(krl);
   EXPECT_EQ(krl.integer[kFrmIntStrategy], 30);
-  for (const Quality quality : {Quality::kInvalid, Quality::kUnacceptable, Quality::kBad, Quality::kOk}) {
+  for (const Quality quality :
+       {Quality::kInvalid, Quality::kUnacceptable, Quality::kBad, Quality::kOk}) {
     s.msr.interface.quality = quality;
     EXPECT_EQ(s.see(0.1), Trouble::kQualityTooLowToStart);
     EXPECT_EQ(s.request(), kHalt);
@@ -131,12 +133,14 @@ TEST(FriSession, TellsDrivesThatAreNotOnYetFromDrivesThatWentOff) {
   Scene s({.pause_s = 0.0, .drives_off_grace_s = 0.5});
   s.msr.robot.power = 0x3F;
   EXPECT_EQ(s.see(10.0), Trouble::kDrivesNotOn);
-  EXPECT_EQ(s.session.error(), devices::DeviceError::kRecoverable) << "a person has not switched them on yet";
+  EXPECT_EQ(s.session.error(), devices::DeviceError::kRecoverable)
+      << "a person has not switched them on yet";
   s.msr.robot.power = kAllDrives;
   s.run();
   s.msr.robot.power = 0;
   EXPECT_EQ(s.see(), Trouble::kDrivesWentOff);
-  EXPECT_FALSE(s.session.in_command()) << "drives off: the position must mirror, whatever the state says";
+  EXPECT_FALSE(s.session.in_command())
+      << "drives off: the position must mirror, whatever the state says";
   EXPECT_EQ(s.session.error(), devices::DeviceError::kRecoverable);
   s.see(0.6);
   EXPECT_EQ(s.session.error(), devices::DeviceError::kFault);

@@ -13,11 +13,13 @@ namespace {
 
 constexpr int kPostures = 40;
 const TipLoad kHand{1.3, 0.01};
-const Pose kTool{Vec3(0.03, -0.02, 0.1), Quat(Eigen::AngleAxisd(0.4, Vec3(1.0, 2.0, -1.0).normalized()))};
+const Pose kTool{Vec3(0.03, -0.02, 0.1),
+                 Quat(Eigen::AngleAxisd(0.4, Vec3(1.0, 2.0, -1.0).normalized()))};
 
 lwr::LwrJoints random_joints(std::mt19937_64& random, double scale) {
   lwr::LwrJoints q;
-  for (int i = 0; i < 7; ++i) q[i] = scale * (2.0 * std::generate_canonical<double, 53>(random) - 1.0);
+  for (int i = 0; i < 7; ++i)
+    q[i] = scale * (2.0 * std::generate_canonical<double, 53>(random) - 1.0);
   return q;
 }
 
@@ -48,9 +50,12 @@ TEST(ArmDynamics, TheMassMatrixIsTheSecondDerivativeOfTheKineticEnergy) {
   for (int n = 0; n < kPostures; ++n) {
     const lwr::LwrJoints q = random_joints(random, 2.5);
     const LwrMatrix mass = dynamics.at(q, lwr::LwrJoints::Zero(), kHand).mass;
-    const auto energy = [&](const lwr::LwrJoints& v) { return kinetic_energy(dynamics, q, v, kHand); };
+    const auto energy = [&](const lwr::LwrJoints& v) {
+      return kinetic_energy(dynamics, q, v, kHand);
+    };
     for (int i = 0; i < 7; ++i)
-      for (int j = 0; j < 7; ++j) {  // quadratic in the rates: the difference quotient is exact at any step
+      for (int j = 0; j < 7;
+           ++j) {  // quadratic in the rates: the difference quotient is exact at any step
         const lwr::LwrJoints a = lwr::LwrJoints::Unit(i), b = lwr::LwrJoints::Unit(j);
         EXPECT_NEAR(mass(i, j), 0.5 * (energy(a + b) - energy(a - b)), 1e-12);
       }
@@ -59,7 +64,8 @@ TEST(ArmDynamics, TheMassMatrixIsTheSecondDerivativeOfTheKineticEnergy) {
 }
 
 TEST(ArmDynamics, TheKineticEnergyIsThatOfPointsThatMoveWithTheLinks) {
-  // Each link as six point masses on its axes with the link's mass, centre and inertia; their speeds by differences in time.
+  // Each link as six point masses on its axes with the link's mass, centre and inertia; their
+  // speeds by differences in time.
   std::mt19937_64 random(3);
   const ArmBodies inertia = lwr_bodies();
   const ArmDynamics dynamics(inertia);
@@ -76,7 +82,8 @@ TEST(ArmDynamics, TheKineticEnergyIsThatOfPointsThatMoveWithTheLinks) {
         const double arm = std::sqrt(3.0 * second_moment / link.mass_kg);
         for (const double side : {-1.0, 1.0}) {
           const Vec3 point = link.centre_m + side * arm * Vec3::Unit(axis);
-          const Vec3 way = after[i].rotation * point + after[i].origin - before[i].rotation * point - before[i].origin;
+          const Vec3 way = after[i].rotation * point + after[i].origin -
+                           before[i].rotation * point - before[i].origin;
           energy += 0.5 * link.mass_kg / 6.0 * (way / (2.0 * kH)).squaredNorm();
         }
       }
@@ -94,15 +101,17 @@ TEST(ArmDynamics, GravityIsTheGradientOfThePotentialEnergyAndTheHandCarriesItsel
     for (int i = 0; i < 7; ++i) {
       const double h = 1e-6;
       const lwr::LwrJoints way = h * lwr::LwrJoints::Unit(i);
-      const double slope = (potential_energy(dynamics, q + way) - potential_energy(dynamics, q - way)) / (2.0 * h);
+      const double slope =
+          (potential_energy(dynamics, q + way) - potential_energy(dynamics, q - way)) / (2.0 * h);
       EXPECT_NEAR(gravity[i], slope, 1e-7);
     }
   }
 }
 
-/// The Coriolis matrix of Christoffel's symbols, from c alone: c is a quadratic form of the rates, and its polar form with one
-/// argument filled is that matrix.
-LwrMatrix coriolis_matrix(const ArmDynamics& dynamics, const lwr::LwrJoints& q, const lwr::LwrJoints& rate) {
+/// The Coriolis matrix of Christoffel's symbols, from c alone: c is a quadratic form of the rates,
+/// and its polar form with one argument filled is that matrix.
+LwrMatrix coriolis_matrix(const ArmDynamics& dynamics, const lwr::LwrJoints& q,
+                          const lwr::LwrJoints& rate) {
   const auto c = [&](const lwr::LwrJoints& v) { return dynamics.at(q, v, kHand).coriolis; };
   LwrMatrix matrix;
   for (int j = 0; j < 7; ++j) {
@@ -118,7 +127,9 @@ TEST(ArmDynamics, TheMassMatrixsRateLessTwiceTheCoriolisMatrixIsSkew) {
   for (int n = 0; n < kPostures; ++n) {
     const lwr::LwrJoints q = random_joints(random, 2.5), rate = random_joints(random, 2.0);
     const LwrMatrix coriolis = 2.0 * coriolis_matrix(dynamics, q, rate);
-    const auto mass = [&](const lwr::LwrJoints& at) -> LwrMatrix { return dynamics.at(at, rate, kHand).mass; };
+    const auto mass = [&](const lwr::LwrJoints& at) -> LwrMatrix {
+      return dynamics.at(at, rate, kHand).mass;
+    };
     const LwrMatrix skew = derivative(mass, q, rate) - coriolis;
     EXPECT_NEAR((skew + skew.transpose()).cwiseAbs().maxCoeff(), 0.0, 1e-7);
     EXPECT_GT(skew.cwiseAbs().maxCoeff(), 1e-3);  // not because both are nothing
@@ -142,14 +153,17 @@ TEST(ArmDynamics, TheMassAtTheToolIsThatOfPublishedEstimates) {
   q << 0, 30, 0, -90, 0, 60, 0;
   q *= deg;
   const ArmDynamics::Terms terms = ArmDynamics(lwr_bodies()).at(q, lwr::LwrJoints::Zero());
-  const Mat3 mobility = (terms.jacobian * terms.mass.inverse() * terms.jacobian.transpose()).topLeftCorner<3, 3>();
+  const Mat3 mobility =
+      (terms.jacobian * terms.mass.inverse() * terms.jacobian.transpose()).topLeftCorner<3, 3>();
   for (int axis = 0; axis < 3; ++axis) {
     EXPECT_GT(1.0 / mobility(axis, axis), 2.5);
     EXPECT_LT(1.0 / mobility(axis, axis), 8.0);
   }
 }
 
-TEST(ArmDynamics, RefusesAGainThatNoTorqueLoopHas) { EXPECT_THROW(lwr_bodies(0.0), std::runtime_error); }
+TEST(ArmDynamics, RefusesAGainThatNoTorqueLoopHas) {
+  EXPECT_THROW(lwr_bodies(0.0), std::runtime_error);
+}
 
 }  // namespace
 }  // namespace voxtouch::lwr_sim

@@ -5,7 +5,8 @@
 namespace voxtouch::lwr_sim {
 
 /// Sum over links, rotors and load [J]; made from the links' velocities, not from M.
-inline double kinetic_energy(const ArmDynamics& arm, const lwr::LwrJoints& q, const lwr::LwrJoints& rate, const TipLoad& load = {}) {
+inline double kinetic_energy(const ArmDynamics& arm, const lwr::LwrJoints& q,
+                             const lwr::LwrJoints& rate, const TipLoad& load = {}) {
   const std::array<ArmDynamics::Frame, 7> frames = arm.links(q);
   const auto speed_of = [&](const Vec3& point, std::size_t last) {
     Vec3 v = Vec3::Zero();
@@ -18,11 +19,13 @@ inline double kinetic_energy(const ArmDynamics& arm, const lwr::LwrJoints& q, co
   for (std::size_t i = 0; i < 7; ++i) {
     const Link& link = arm.bodies().links[i];
     angular += rate[static_cast<Eigen::Index>(i)] * frames[i].axis;
-    twice += link.mass_kg * speed_of(frames[i].rotation * link.centre_m + frames[i].origin, i).squaredNorm();
+    twice += link.mass_kg *
+             speed_of(frames[i].rotation * link.centre_m + frames[i].origin, i).squaredNorm();
     twice += (frames[i].rotation.transpose() * angular).cwiseAbs2().dot(link.inertia_kg_m2);
   }
   const Vec3 tip = frames[6].rotation * arm.pose_FT().position + frames[6].origin;
-  twice += load.mass_kg * speed_of(tip, 6).squaredNorm() + load.inertia_kg_m2 * angular.squaredNorm();
+  twice +=
+      load.mass_kg * speed_of(tip, 6).squaredNorm() + load.inertia_kg_m2 * angular.squaredNorm();
   return 0.5 * twice;
 }
 
@@ -31,8 +34,8 @@ inline double potential_energy(const ArmDynamics& arm, const lwr::LwrJoints& q) 
   const std::array<ArmDynamics::Frame, 7> frames = arm.links(q);
   double sum = 0.0;
   for (std::size_t i = 0; i < 7; ++i)
-    sum +=
-        arm.bodies().links[i].mass_kg * kGravity * (frames[i].rotation * arm.bodies().links[i].centre_m + frames[i].origin).z();
+    sum += arm.bodies().links[i].mass_kg * kGravity *
+           (frames[i].rotation * arm.bodies().links[i].centre_m + frames[i].origin).z();
   return sum;
 }
 

@@ -40,7 +40,9 @@ double largest_drift(ArmPlant& plant, const TipLoad& load, double seconds, doubl
   for (int i = 0; i < steps; ++i) {
     plant.step(lwr::LwrJoints::Zero(), Drives::kTorque, push(Vec3::Zero(), load), dt_s);
     if (i % 40 == 0)
-      worst = std::max(std::abs(kinetic_energy(plant.dynamics(), plant.q(), plant.rate(), load) / start - 1.0), worst);
+      worst = std::max(
+          std::abs(kinetic_energy(plant.dynamics(), plant.q(), plant.rate(), load) / start - 1.0),
+          worst);
   }
   return worst;
 }
@@ -68,16 +70,19 @@ TEST(ArmPlant, AHandsPushDoesTheWorkThatTheArmGains) {
   const hand::HandAction hand = push(Vec3(3.0, -5.0, 2.0), {1.0, 0.0});
   ArmPlant plant(p, kBent);
   const Vec3 start = plant.terms().tool.position;
-  for (int i = 0; i < 2000; ++i) plant.step(lwr::LwrJoints::Zero(), Drives::kTorque, hand, kDt);
+  for (int i = 0; i < 2000; ++i)
+    plant.step(lwr::LwrJoints::Zero(), Drives::kTorque, hand, kDt);
   const double work = hand.steady_force.dot(plant.terms().tool.position - start);
   EXPECT_GT(work, 0.01);
-  EXPECT_NEAR(kinetic_energy(plant.dynamics(), plant.q(), plant.rate(), {1.0, 0.0}), work, 1e-6 * work);
+  EXPECT_NEAR(kinetic_energy(plant.dynamics(), plant.q(), plant.rate(), {1.0, 0.0}), work,
+              1e-6 * work);
 }
 
 TEST(ArmPlant, UnderLessThanItsFrictionItStaysExactlyWhereItIs) {
   ArmPlant plant(lwr_plant(), kBent);
   const hand::HandAction hand = push(Vec3(0.05, 0.05, 0.05));
-  for (int i = 0; i < 4000; ++i) plant.step(lwr::LwrJoints::Zero(), Drives::kTorque, hand, kDt);
+  for (int i = 0; i < 4000; ++i)
+    plant.step(lwr::LwrJoints::Zero(), Drives::kTorque, hand, kDt);
   EXPECT_EQ(plant.q(), kBent);
   EXPECT_EQ(plant.rate(), lwr::LwrJoints::Zero());
 }
@@ -87,7 +92,8 @@ TEST(ArmPlant, AJointThatFrictionHoldsDoesNotChatterWhileOthersMove) {
   p.coulomb_nm[2] = 50.0;  // held, whatever the others do
   ArmPlant plant(p, kBent);
   const hand::HandAction hand = push(Vec3(10.0, 10.0, 0.0));
-  for (int i = 0; i < 800; ++i) plant.step(lwr::LwrJoints::Zero(), Drives::kTorque, hand, kDt);
+  for (int i = 0; i < 800; ++i)
+    plant.step(lwr::LwrJoints::Zero(), Drives::kTorque, hand, kDt);
   EXPECT_EQ(plant.rate()[2], 0.0);
   EXPECT_EQ(plant.q()[2], kBent[2]);
   EXPECT_GT(plant.rate().norm(), 0.1);
@@ -134,19 +140,23 @@ TEST(ArmPlant, StopsAtItsJointLimitsAndComesOffThem) {
   }
   EXPECT_TRUE(stopped);
   const lwr::LwrJoints back = joints(0, 0, 0, 5.0, 0, 0, 0);
-  for (int i = 0; i < 400; ++i) plant.step(back, Drives::kTorque, {}, kDt);
+  for (int i = 0; i < 400; ++i)
+    plant.step(back, Drives::kTorque, {}, kDt);
   EXPECT_GT(plant.q()[3], -limit + 1e-3);
 }
 
 TEST(ArmPlant, DrivesGiveNoMoreThanTheyCan) {
   ArmPlant plant(lwr_plant(), kBent);
   plant.step(lwr::LwrJoints::Constant(1e6), Drives::kTorque, {}, kDt);
-  EXPECT_LE((plant.sensed_torque() - lwr_plant().coulomb_nm - lwr::lwr_limits().torque_nm).maxCoeff(), 1e-9);
+  EXPECT_LE(
+      (plant.sensed_torque() - lwr_plant().coulomb_nm - lwr::lwr_limits().torque_nm).maxCoeff(),
+      1e-9);
 }
 
 TEST(ArmPlant, GravityIsCarriedUpToTheDrivesLimit) {
   ArmPlant plant(lwr_plant(), joints(0, 1.5, 0, 0.1, 0, 0, 0));
-  for (int i = 0; i < 4000; ++i) plant.step(lwr::LwrJoints::Zero(), Drives::kTorque, {}, kDt);
+  for (int i = 0; i < 4000; ++i)
+    plant.step(lwr::LwrJoints::Zero(), Drives::kTorque, {}, kDt);
   EXPECT_EQ(plant.q(), joints(0, 1.5, 0, 0.1, 0, 0, 0));
   EXPECT_NEAR((plant.sensed_torque() - plant.terms().gravity).norm(), 0.0, 1e-9);
 }

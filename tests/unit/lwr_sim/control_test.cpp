@@ -25,8 +25,10 @@ Vec3 tip_of(const Rig& rig) { return rig.controller.plant().terms().tool.positio
 
 /// Sets the remote side's torques to J^T F at the arm's posture.
 void push(Rig& rig, const Vec3& force) {
-  const lwr::LwrJoints torque = lwr::joint_torque(lwr::LwrArm().jacobian(rig.controller.plant().q()), {force, Vec3::Zero()});
-  for (std::size_t i = 0; i < 7; ++i) rig.remote.torque[i] = static_cast<float>(torque[static_cast<Eigen::Index>(i)]);
+  const lwr::LwrJoints torque =
+      lwr::joint_torque(lwr::LwrArm().jacobian(rig.controller.plant().q()), {force, Vec3::Zero()});
+  for (std::size_t i = 0; i < 7; ++i)
+    rig.remote.torque[i] = static_cast<float>(torque[static_cast<Eigen::Index>(i)]);
 }
 
 TEST(Control, InMonTheArmStandsStiffAgainstTheHand) {
@@ -73,7 +75,8 @@ TEST(Control, ATorqueOnTopIsAForceAtTheToolThatTheHandHolds) {
   }
   EXPECT_LT((500.0 * (tip_of(rig) - start) - force).norm(), 0.1);
   EXPECT_LT((rig.controller.row().applied.force - force).norm(), 0.1);
-  EXPECT_LT((rig.controller.row().hand.force + force).norm(), 0.2);  // the elbow still swings a little
+  EXPECT_LT((rig.controller.row().hand.force + force).norm(),
+            0.2);  // the elbow still swings a little
 }
 
 TEST(Control, ATorqueComesAfterItsPeriodAndItsDelayAndThroughItsLag) {
@@ -108,7 +111,8 @@ TEST(Control, JointStiffnessHoldsAgainstTheHandAsMuchAsItSays) {
   rig.periods(4000);
   const lwr::LwrJoints off = rig.controller.plant().q() - quick().start_rad;
   const ArmDynamics::Terms terms = rig.controller.plant().terms();
-  const lwr::LwrJoints hand = lwr::joint_torque(terms.jacobian, rig.controller.plant().hand_wrench());
+  const lwr::LwrJoints hand =
+      lwr::joint_torque(terms.jacobian, rig.controller.plant().hand_wrench());
   EXPECT_LT((300.0 * off - hand).norm(), 0.05);
   EXPECT_GT(off.norm(), 0.005);
 }
@@ -185,7 +189,8 @@ TEST(Control, TheSameSeedAndAnswersGiveTheSameBits) {
     motion.orientation = tool.orientation;
     Rig rig(config, hand::Hand(hand, motion, kSubstep, seed));
     std::vector<test::MsrBytes> all;
-    for (int i = 0; i < 400; ++i) all.push_back(rig.period());
+    for (int i = 0; i < 400; ++i)
+      all.push_back(rig.period());
     return all;
   };
   const auto first = run(3);
@@ -204,7 +209,9 @@ TEST(Control, AClosedControllerSaysOff) {
 
 lwr::LwrJoints start(const lwr::LwrArm& arm, const Pose& wanted) {
   const lwr::LwrJoints limit = lwr::lwr_limits().position_rad;
-  const auto reach = [&arm](const lwr::LwrJoints& q) { return arm_sim::Reach{arm.at(q).pose_BT, arm.at(q).jacobian}; };
+  const auto reach = [&arm](const lwr::LwrJoints& q) {
+    return arm_sim::Reach{arm.at(q).pose_BT, arm.at(q).jacobian};
+  };
   return arm_sim::start_posture(reach, wanted, lwr::lwr_rest_posture(), -limit, limit);
 }
 

@@ -18,24 +18,28 @@ std::uint16_t free_port() { return arm::UdpSocket("127.0.0.1", 0).local().port; 
 /// A controller on a thread of its own; rows of its trace are to be read after `end`.
 class RunningController {
  public:
-  RunningController(std::uint16_t remote_port, hand::Hand hand, const std::vector<std::string>& faults = {},
+  RunningController(std::uint16_t remote_port, hand::Hand hand,
+                    const std::vector<std::string>& faults = {},
                     bool first_start_keeps_strategy = false) {
     std::vector<Fault> parsed;
-    for (const std::string& text : faults) parsed.push_back(parse_fault(text, kFaults));
+    for (const std::string& text : faults)
+      parsed.push_back(parse_fault(text, kFaults));
     ControllerConfig config;
     config.virtual_time = true;
     config.first_start_keeps_strategy = first_start_keeps_strategy;
     controller_ = std::make_unique<FriController>(config, std::move(hand), FaultSchedule(parsed));
     SessionConfig network;
     network.remote_port = remote_port;
-    session_ = std::make_unique<Session>(network, *controller_, Line(FaultSchedule(parsed), config.period_s, 1));
+    session_ = std::make_unique<Session>(network, *controller_,
+                                         Line(FaultSchedule(parsed), config.period_s, 1));
     session_->after_period = [this](const FriController& c) { rows.push_back(c.row()); };
     thread_ = std::thread([this] { session_->run(stop_); });
   }
   ~RunningController() { end(); }
   void end() {
     stop_ = true;
-    if (thread_.joinable()) thread_.join();
+    if (thread_.joinable())
+      thread_.join();
   }
   const FriController& controller() const { return *controller_; }
   std::vector<TraceRow> rows;
@@ -68,7 +72,8 @@ TEST(DriverAtTheController, ItsForceIsFeltByTheHandAndNothingIsRefused) {
       ASSERT_TRUE(sample) << driver.status_text();
       EXPECT_EQ(sample->time_ns, i * 1'000'000LL);
       at = sample->pose.position;
-      if (i == 0) start = at;
+      if (i == 0)
+        start = at;
       ASSERT_TRUE(driver.write({Vec3(10.0, 0.0, -5.0), Vec3::Zero()})) << driver.status_text();
     }
     // Friction leaves up to a newton or two of it.
@@ -94,12 +99,13 @@ TEST(DriverAtTheController, FindsItsModeWhereTheFirstStartKeepsPositionControl) 
 TEST(DriverAtTheController, BearsAnUncleanNetwork) {
   const std::uint16_t port = free_port();
   RunningController krc(port, test::arm_at(Vec3::Zero()),
-                        {"loss@0:inf:0.02", "answer_loss@0:inf:0.01", "duplicate@0:inf:0.05", "reorder@0:inf:0.01",
-                         "jitter@0:inf:0.0005"});
+                        {"loss@0:inf:0.02", "answer_loss@0:inf:0.01", "duplicate@0:inf:0.05",
+                         "reorder@0:inf:0.01", "jitter@0:inf:0.0005"});
   lwr::LwrDriver driver(options(port));
   int good = 0;
   for (int i = 0; i < 2000; ++i) {
-    if (!driver.read(1s)) continue;
+    if (!driver.read(1s))
+      continue;
     good += driver.write({Vec3(2.0, 0.0, 0.0), Vec3::Zero()}).has_value();
   }
   EXPECT_GT(good, 1900);
@@ -107,7 +113,8 @@ TEST(DriverAtTheController, BearsAnUncleanNetwork) {
 }
 
 TEST(DriverAtTheController, AfterAFaultNoForceReachesTheArm) {
-  for (const char* fault : {"estop@1.5:0.2", "drives_off@1.5:0.2", "quality@1.5:0.2:1", "loss@1.5:0.01"}) {
+  for (const char* fault :
+       {"estop@1.5:0.2", "drives_off@1.5:0.2", "quality@1.5:0.2:1", "loss@1.5:0.01"}) {
     const std::uint16_t port = free_port();
     RunningController krc(port, test::arm_at(Vec3::Zero(), 500.0, 60.0), {fault});
     {
@@ -122,8 +129,10 @@ TEST(DriverAtTheController, AfterAFaultNoForceReachesTheArm) {
     krc.end();
     int pushed_before = 0, after = 0;
     for (const TraceRow& row : krc.rows) {
-      if (row.time_s < 1.5) pushed_before += row.applied.force.norm() > 5.0;
-      if (row.time_s < 1.5065 || row.time_s > 1.6065) continue;  // five misses take as long
+      if (row.time_s < 1.5)
+        pushed_before += row.applied.force.norm() > 5.0;
+      if (row.time_s < 1.5065 || row.time_s > 1.6065)
+        continue;  // five misses take as long
       ++after;
       EXPECT_TRUE(row.applied.zero()) << fault << " at " << row.time_s;
     }

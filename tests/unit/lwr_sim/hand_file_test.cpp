@@ -54,10 +54,12 @@ TEST(HandFile, EveryFieldOfTheOperatorIsWritten) {
   static_assert(sizeof(sim::OperatorConfig) == 13 * sizeof(double));
   const std::string plain = hand::to_text(sample());
   for (double sim::OperatorConfig::*field :
-       {&sim::OperatorConfig::let_go_at_s, &sim::OperatorConfig::grip_harder_at_s, &sim::OperatorConfig::grip_factor,
-        &sim::OperatorConfig::mass_kg, &sim::OperatorConfig::damping_ns_per_m, &sim::OperatorConfig::stiffness_n_per_m,
-        &sim::OperatorConfig::inertia_kg_m2, &sim::OperatorConfig::damping_nms_per_rad, &sim::OperatorConfig::stiffness_nm_per_rad,
-        &sim::OperatorConfig::tremor_n, &sim::OperatorConfig::tremor_bandwidth_hz}) {
+       {&sim::OperatorConfig::let_go_at_s, &sim::OperatorConfig::grip_harder_at_s,
+        &sim::OperatorConfig::grip_factor, &sim::OperatorConfig::mass_kg,
+        &sim::OperatorConfig::damping_ns_per_m, &sim::OperatorConfig::stiffness_n_per_m,
+        &sim::OperatorConfig::inertia_kg_m2, &sim::OperatorConfig::damping_nms_per_rad,
+        &sim::OperatorConfig::stiffness_nm_per_rad, &sim::OperatorConfig::tremor_n,
+        &sim::OperatorConfig::tremor_bandwidth_hz}) {
     hand::HandFile changed = sample();
     changed.hand.*field = 0.375;
     EXPECT_NE(hand::to_text(changed), plain);
@@ -77,7 +79,8 @@ TEST(HandFile, DoesNotDependOnTheLocale) {
   const std::string text = hand::to_text(sample());
   EXPECT_EQ(text, plain);
   EXPECT_EQ(hand::to_text(hand::parse_hand(text, "test")), plain);
-  if (c_locale) std::setlocale(LC_ALL, "C");
+  if (c_locale)
+    std::setlocale(LC_ALL, "C");
   std::locale::global(before);
 }
 
@@ -87,7 +90,8 @@ TEST(HandFile, WhatIsLeftOutKeepsItsDefaultAndCommentsAreNoKeys) {
   EXPECT_EQ(f.motion.speed_m_per_s, Motion{}.speed_m_per_s);
   EXPECT_FALSE(f.motion.repeat_from);
   EXPECT_TRUE(f.posture_rad.empty());
-  EXPECT_EQ(hand::parse_hand("path_m:\n  - [0, 0, 0]\nlet_go_at_s: .inf\nreleased: true\n", "test").hand.let_go_at_s,
+  EXPECT_EQ(hand::parse_hand("path_m:\n  - [0, 0, 0]\nlet_go_at_s: .inf\nreleased: true\n", "test")
+                .hand.let_go_at_s,
             std::numeric_limits<double>::infinity());
 }
 
@@ -102,20 +106,46 @@ TEST(HandFile, RefusesWhatIsWrongAndSaysWhere) {
     return "taken";
   };
   EXPECT_EQ(message(head), "taken");
-  for (const char* line :
-       {"speed: 1", "speed_m_per_s", "speed_m_per_s:", "speed_m_per_s: [1, 2]", "speed_m_per_s: 1x", "speed_m_per_s: 1,5",
-        "speed_m_per_s: nan", "speed_m_per_s: .nan", "speed_m_per_s: {a: 1}", "circle_centre_m: [1, 2]",
-        "circle_centre_m: [[1], 2, 3]", "orientation_wxyz: [1, 1, 0, 0]", "released: yes", "released: [true]",
-        "repeat_from: -1", "repeat_from: 1.5", "seed: 18446744073709551616", "seed: -1", "hold_s: 1\nhold_s: 1",
-        "format: voxtouch-hand-1", "posture_rad: [1, a]", "posture_rad: 1", "? [1]\n: 2", "hold_s: 'x", "hold_s: *none"})
-    EXPECT_TRUE(message(head + line).starts_with("file:2:") || message(head + line).starts_with("file:3:")) << line << ": " << message(head + line);
+  for (const char* line : {"speed: 1",
+                           "speed_m_per_s",
+                           "speed_m_per_s:",
+                           "speed_m_per_s: [1, 2]",
+                           "speed_m_per_s: 1x",
+                           "speed_m_per_s: 1,5",
+                           "speed_m_per_s: nan",
+                           "speed_m_per_s: .nan",
+                           "speed_m_per_s: {a: 1}",
+                           "circle_centre_m: [1, 2]",
+                           "circle_centre_m: [[1], 2, 3]",
+                           "orientation_wxyz: [1, 1, 0, 0]",
+                           "released: yes",
+                           "released: [true]",
+                           "repeat_from: -1",
+                           "repeat_from: 1.5",
+                           "seed: 18446744073709551616",
+                           "seed: -1",
+                           "hold_s: 1\nhold_s: 1",
+                           "format: voxtouch-hand-1",
+                           "posture_rad: [1, a]",
+                           "posture_rad: 1",
+                           "? [1]\n: 2",
+                           "hold_s: 'x",
+                           "hold_s: *none"})
+    EXPECT_TRUE(message(head + line).starts_with("file:2:") ||
+                message(head + line).starts_with("file:3:"))
+        << line << ": " << message(head + line);
   EXPECT_TRUE(message(head + "hold_s:  x").starts_with("file:2:10: 'x'"));
-  EXPECT_TRUE(message(head + "hold_s: 1\nspeed: 1").starts_with("file:3:1: ") && message(head + "hold_s: 1\nspeed: 1").contains("'speed'"));
+  EXPECT_TRUE(message(head + "hold_s: 1\nspeed: 1").starts_with("file:3:1: ") &&
+              message(head + "hold_s: 1\nspeed: 1").contains("'speed'"));
   EXPECT_NE(message("hold_s: 1").find("path_m"), std::string::npos);
-  for (const char* text : {"", "path_m", "- path_m", "path_m: [[0, 0, 0]]\n---\nspeed: 1\n", "path_m: [[0, 0, 0]]\n...\nspeed: 1\n",
-                           "{path_m: [[0, 0, 0]]}\n{speed: 1}\n"})
+  for (const char* text :
+       {"", "path_m", "- path_m", "path_m: [[0, 0, 0]]\n---\nspeed: 1\n",
+        "path_m: [[0, 0, 0]]\n...\nspeed: 1\n", "{path_m: [[0, 0, 0]]}\n{speed: 1}\n"})
     EXPECT_NE(message(text).find("one map"), std::string::npos) << text;
-  EXPECT_NE(message(",\x9a\nv=0,n\xcbn,\x9a" "1"), "taken") << "what yaml-cpp takes for documents without end";
+  EXPECT_NE(message(",\x9a\nv=0,n\xcbn,\x9a"
+                    "1"),
+            "taken")
+      << "what yaml-cpp takes for documents without end";
   EXPECT_NE(message(head + "mass_kg: -1").find("mass_kg"), std::string::npos);
   EXPECT_THROW(hand::read_hand("/nonexistent/hand"), std::runtime_error);
 }

@@ -13,7 +13,8 @@ namespace {
 using lwr::fri::Quality;
 
 void answers(LinkQuality& link, int n) {
-  for (int i = 0; i < n; ++i) link.answered(1e-4);
+  for (int i = 0; i < n; ++i)
+    link.answered(1e-4);
 }
 
 TEST(LinkQuality, RisesWithARunOfAnswers) {
@@ -40,7 +41,8 @@ TEST(LinkQuality, FallsThroughMissesAndHasHysteresis) {
   EXPECT_EQ(link.quality(), Quality::kOk);  // not up again as easily as down
   answers(link, 1);
   EXPECT_EQ(link.quality(), Quality::kPerfect);
-  for (int i = 0; i < 5; ++i) link.missed();
+  for (int i = 0; i < 5; ++i)
+    link.missed();
   EXPECT_EQ(link.quality(), Quality::kUnacceptable);
 }
 
@@ -62,12 +64,14 @@ TEST(LinkQuality, ScatteredMissesAddUpOverAHundred) {
 
 TEST(LinkQuality, ReportsTheLastHundred) {
   LinkQuality link;
-  for (int i = 0; i < 50; ++i) link.answered(1e-4), link.answered(3e-4);
+  for (int i = 0; i < 50; ++i)
+    link.answered(1e-4), link.answered(3e-4);
   lwr::fri::Statistics s = link.statistics();
   EXPECT_FLOAT_EQ(s.answer_rate, 1.0F);
   EXPECT_NEAR(s.latency_s, 2e-4F, 1e-9F);
   EXPECT_NEAR(s.jitter_s, 2e-4F, 1e-9F);
-  for (int i = 0; i < 25; ++i) link.missed();
+  for (int i = 0; i < 25; ++i)
+    link.missed();
   s = link.statistics();
   EXPECT_FLOAT_EQ(s.miss_rate, 0.25F);
   EXPECT_EQ(s.miss_counter, 25u);
@@ -87,16 +91,34 @@ TEST(Faults, AreReadFromTheirText) {
 }
 
 TEST(Faults, RefuseWhatIsNone) {
-  for (const char* text :
-       {"",          "late",        "late@",     "late@x",        "late@-1",        "late@nan",     "late@inf",
-        "lat@1",     "late@1:0",    "late@1:-1", "late@1:x",      "late@1:1:2",     "loss@1:1:1.5", "nan@1:1:0",
-        "nan@1:1:9", "nan@1:1:1.5", "late@1:",   "quality@1:1:3", "late@1:1:0.1:3", "late@1 ",
-        "reflex@1",  "loss late@1"})
+  for (const char* text : {"",
+                           "late",
+                           "late@",
+                           "late@x",
+                           "late@-1",
+                           "late@nan",
+                           "late@inf",
+                           "lat@1",
+                           "late@1:0",
+                           "late@1:-1",
+                           "late@1:x",
+                           "late@1:1:2",
+                           "loss@1:1:1.5",
+                           "nan@1:1:0",
+                           "nan@1:1:9",
+                           "nan@1:1:1.5",
+                           "late@1:",
+                           "quality@1:1:3",
+                           "late@1:1:0.1:3",
+                           "late@1 ",
+                           "reflex@1",
+                           "loss late@1"})
     EXPECT_THROW(parse_fault(text, kFaults), std::runtime_error) << text;
 }
 
 TEST(Faults, ActFromTheirStartToTheirEnd) {
-  const FaultSchedule schedule({parse_fault("late@1:0.5:0.01", kFaults), parse_fault("late@2:0.5:0.02", kFaults)});
+  const FaultSchedule schedule(
+      {parse_fault("late@1:0.5:0.01", kFaults), parse_fault("late@2:0.5:0.02", kFaults)});
   EXPECT_FALSE(schedule.active(FaultKind::kLate, 0.999));
   EXPECT_EQ(schedule.active(FaultKind::kLate, 1.0), 0.01);
   EXPECT_EQ(schedule.active(FaultKind::kLate, 1.499), 0.01);
@@ -105,8 +127,10 @@ TEST(Faults, ActFromTheirStartToTheirEnd) {
   EXPECT_FALSE(schedule.active(FaultKind::kLoss, 1.2));
 }
 
-/// What leaves a line in `n` periods of a millisecond, as sequence numbers with the period that they leave in.
-std::vector<std::pair<int, int>> leaves(const std::vector<Fault>& faults, int n, std::uint64_t seed = 1) {
+/// What leaves a line in `n` periods of a millisecond, as sequence numbers with the period that
+/// they leave in.
+std::vector<std::pair<int, int>> leaves(const std::vector<Fault>& faults, int n,
+                                        std::uint64_t seed = 1) {
   Line line(FaultSchedule(faults), 1e-3, seed);
   std::vector<std::pair<int, int>> out;
   lwr::fri::MsrPacket msr = lwr::fri::empty_msr();
@@ -122,7 +146,8 @@ std::vector<std::pair<int, int>> leaves(const std::vector<Fault>& faults, int n,
 TEST(Line, WithoutFaultsEverythingLeavesAtOnce) {
   const auto out = leaves({}, 10);
   ASSERT_EQ(out.size(), 10u);
-  for (int i = 0; i < 10; ++i) EXPECT_EQ(out[static_cast<std::size_t>(i)], std::make_pair(i, i));
+  for (int i = 0; i < 10; ++i)
+    EXPECT_EQ(out[static_cast<std::size_t>(i)], std::make_pair(i, i));
 }
 
 TEST(Line, LosesItsShareAndTheSameWithTheSameSeed) {
@@ -131,18 +156,22 @@ TEST(Line, LosesItsShareAndTheSameWithTheSameSeed) {
   EXPECT_EQ(out, leaves({parse_fault("loss@0:inf:0.2", kFaults)}, 5000));
   EXPECT_NE(out, leaves({parse_fault("loss@0:inf:0.2", kFaults)}, 5000, 2));
   // Another fault's random numbers do not change which are lost.
-  EXPECT_EQ(out, leaves({parse_fault("loss@0:inf:0.2", kFaults), parse_fault("jitter@0:inf:0.0005", kFaults)}, 5000));
+  EXPECT_EQ(out, leaves({parse_fault("loss@0:inf:0.2", kFaults),
+                         parse_fault("jitter@0:inf:0.0005", kFaults)},
+                        5000));
 }
 
 TEST(Line, LatePacketsLeaveThatMuchLater) {
   const auto out = leaves({parse_fault("late@0.003:0.002:0.0035", kFaults)}, 12);
   ASSERT_EQ(out.size(), 12u);
-  for (const auto& [sequence, period] : out) EXPECT_EQ(period - sequence, sequence == 3 || sequence == 4 ? 3 : 0);
+  for (const auto& [sequence, period] : out)
+    EXPECT_EQ(period - sequence, sequence == 3 || sequence == 4 ? 3 : 0);
 }
 
 TEST(Line, ReorderedPacketsLeaveAfterTheirSuccessors) {
   const auto out = leaves({parse_fault("reorder@0.002:0.004", kFaults)}, 8);
-  const std::vector<std::pair<int, int>> expected = {{0, 0}, {1, 1}, {3, 3}, {2, 3}, {5, 5}, {4, 5}, {6, 6}, {7, 7}};
+  const std::vector<std::pair<int, int>> expected = {{0, 0}, {1, 1}, {3, 3}, {2, 3},
+                                                     {5, 5}, {4, 5}, {6, 6}, {7, 7}};
   EXPECT_EQ(out, expected);
 }
 

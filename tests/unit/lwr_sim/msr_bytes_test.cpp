@@ -1,4 +1,5 @@
-// The measurement against the table of offsets, read at literal offsets: nothing of the packets' declaration is used.
+// The measurement against the table of offsets, read at literal offsets: nothing of the packets'
+// declaration is used.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -74,7 +75,8 @@ TEST(MsrBytes, GeometryAndDynamicsOfTheArm) {
   rig.remote.run = 0;
   const MsrBytes msr = rig.periods(3);
   const lwr::LwrArm::State arm = lwr::LwrArm().at(config.start_rad);
-  const ArmDynamics::Terms terms = ArmDynamics(config.plant.bodies).at(config.start_rad, lwr::LwrJoints::Zero());
+  const ArmDynamics::Terms terms =
+      ArmDynamics(config.plant.bodies).at(config.start_rad, lwr::LwrJoints::Zero());
   for (std::size_t i = 0; i < 7; ++i) {
     const auto n = static_cast<Eigen::Index>(i);
     EXPECT_NEAR(get<float>(msr, 216 + 4 * i), config.start_rad[n], 1e-3);  // the hand pulls at it
@@ -82,20 +84,23 @@ TEST(MsrBytes, GeometryAndDynamicsOfTheArm) {
     EXPECT_EQ(get<float>(msr, 320 + 4 * i), 0.0F);
     EXPECT_NEAR(get<float>(msr, 888 + 4 * i), terms.gravity[n], 0.05);
     for (std::size_t k = 0; k < 7; ++k)
-      EXPECT_NEAR(get<float>(msr, 692 + 4 * (7 * i + k)), terms.mass(n, static_cast<Eigen::Index>(k)), 0.01);
+      EXPECT_NEAR(get<float>(msr, 692 + 4 * (7 * i + k)),
+                  terms.mass(n, static_cast<Eigen::Index>(k)), 0.01);
   }
   // Position in the fourth column of three rows.
   for (int axis = 0; axis < 3; ++axis) {
-    EXPECT_NEAR(get<float>(msr, 244 + 16 * static_cast<std::size_t>(axis) + 12), arm.pose_BT.position[axis], 1e-3);
-    EXPECT_NEAR(get<float>(msr, 348 + 16 * static_cast<std::size_t>(axis) + 12), arm.pose_BT.position[axis], 1e-5);
+    EXPECT_NEAR(get<float>(msr, 244 + 16 * static_cast<std::size_t>(axis) + 12),
+                arm.pose_BT.position[axis], 1e-3);
+    EXPECT_NEAR(get<float>(msr, 348 + 16 * static_cast<std::size_t>(axis) + 12),
+                arm.pose_BT.position[axis], 1e-5);
   }
   EXPECT_NEAR(get<float>(msr, 244 + 4), arm.pose_BT.orientation.toRotationMatrix()(0, 1), 1e-3);
   // Rows of the Jacobian: x, y, z, then about z, y, x.
   const int rows[6] = {0, 1, 2, 5, 4, 3};
   for (int row = 0; row < 6; ++row)
     for (int col = 0; col < 7; ++col)
-      EXPECT_NEAR(get<float>(msr, 524 + 4 * static_cast<std::size_t>(7 * row + col)), arm.jacobian(rows[row], col),
-                  2e-3);
+      EXPECT_NEAR(get<float>(msr, 524 + 4 * static_cast<std::size_t>(7 * row + col)),
+                  arm.jacobian(rows[row], col), 2e-3);
 }
 
 TEST(MsrBytes, TheHandShowsInTheJointsAndAtTheTool) {
@@ -109,7 +114,8 @@ TEST(MsrBytes, TheHandShowsInTheJointsAndAtTheTool) {
   motion.orientation = tool.orientation * Quat(Eigen::AngleAxisd(0.2, Vec3::UnitZ()));
   Rig rig(config, hand::Hand(hand, motion, kSubstep));
   rig.remote.run = 0;
-  const MsrBytes msr = rig.periods(1500);  // position control holds; the hand pulls with 10 N and 1 Nm
+  const MsrBytes msr =
+      rig.periods(1500);  // position control holds; the hand pulls with 10 N and 1 Nm
   EXPECT_NEAR(get<float>(msr, 500), 10.0F, 0.05F);
   EXPECT_NEAR(get<float>(msr, 504), 0.0F, 0.05F);
   EXPECT_NEAR(get<float>(msr, 512), -1.0F, 0.05F);  // about z comes first; the tool points down
@@ -120,7 +126,8 @@ TEST(MsrBytes, TheHandShowsInTheJointsAndAtTheTool) {
   for (std::size_t i = 0; i < 7; ++i) {
     const auto n = static_cast<Eigen::Index>(i);
     EXPECT_NEAR(get<float>(msr, 472 + 4 * i), outer[n], 0.02);
-    EXPECT_NEAR(get<float>(msr, 444 + 4 * i), gravity[n] - outer[n], 0.3);  // what the sensors feel; friction beside it
+    EXPECT_NEAR(get<float>(msr, 444 + 4 * i), gravity[n] - outer[n],
+                0.3);  // what the sensors feel; friction beside it
   }
 }
 

@@ -6,8 +6,8 @@
 #include <fstream>
 #include <sstream>
 
-#include "devices/lwr/lwr_arm.hpp"
 #include "devices/arm/udp_socket.hpp"
+#include "devices/lwr/lwr_arm.hpp"
 #include "devices/operator/hand.hpp"
 #include "devices/operator/hand_file.hpp"
 #include "tests/support/process/process.hpp"
@@ -24,18 +24,23 @@ const std::string kProgram = std::string(VOXTOUCH_BIN) + "/voxtouch_fri_controll
 
 std::string remote_of(const arm::UdpSocket& socket) { return arm::text_of(socket.local()); }
 
-/// Answers until the controller says OFF or nothing comes for `patience`; returns the last measurement.
-lwr_sim::test::MsrBytes serve(arm::UdpSocket& socket, std::chrono::nanoseconds patience, int most = 1 << 30) {
+/// Answers until the controller says OFF or nothing comes for `patience`; returns the last
+/// measurement.
+lwr_sim::test::MsrBytes serve(arm::UdpSocket& socket, std::chrono::nanoseconds patience,
+                              int most = 1 << 30) {
   lwr_sim::test::ScriptedRemote remote;
   lwr_sim::test::MsrBytes msr{};
   std::array<std::byte, 2048> buffer;
   int newest = -1;
   while (most > 0 && socket.wait(patience)) {
     const auto datagram = socket.receive(buffer);
-    if (!datagram || datagram->size != 916) continue;
+    if (!datagram || datagram->size != 916)
+      continue;
     std::memcpy(msr.data(), buffer.data(), msr.size());
-    if (lwr_sim::test::state(msr) == 0) break;
-    if (lwr_sim::test::sequence(msr) <= newest) continue;
+    if (lwr_sim::test::state(msr) == 0)
+      break;
+    if (lwr_sim::test::sequence(msr) <= newest)
+      continue;
     newest = lwr_sim::test::sequence(msr);
     socket.send(remote.answer(msr), datagram->from);
     --most;
@@ -76,14 +81,15 @@ TEST(ControllerProgram, SaysInASentenceThatThePortIsTakenAndThatNobodyAnswers) {
 }
 
 TEST(ControllerProgram, RefusesOptionsThatMakeNoSense) {
-  for (const std::vector<std::string>& options : {std::vector<std::string>{"--fault", "lat@1"},
-                                                  {"--remote", "here"},
-                                                  {"--remote", "127.0.0.1:70000"},
-                                                  {"--period-ms", "0"},
-                                                  {"--hand", "/nonexistent"},
-                                                  {"--trace", "/nonexistent/t.csv"},
-                                                  {"--torque-feedback-gain", "0"},
-                                                  {"--posture-deg", "200", "0", "0", "0", "0", "0", "0"}}) {
+  for (const std::vector<std::string>& options :
+       {std::vector<std::string>{"--fault", "lat@1"},
+        {"--remote", "here"},
+        {"--remote", "127.0.0.1:70000"},
+        {"--period-ms", "0"},
+        {"--hand", "/nonexistent"},
+        {"--trace", "/nonexistent/t.csv"},
+        {"--torque-feedback-gain", "0"},
+        {"--posture-deg", "200", "0", "0", "0", "0", "0", "0"}}) {
     std::vector<std::string> all = {kProgram};
     all.insert(all.end(), options.begin(), options.end());
     Process program(all);
@@ -103,8 +109,8 @@ TEST(ControllerProgram, LeadsTheArmAlongAHandFilesMotionAndTracesWhatItFeltAfter
   std::ofstream(folder / "hand") << hand::to_text(file);
   arm::UdpSocket socket("127.0.0.1", 0);
   const std::string trace = (folder / "trace.csv").string();
-  Process program({kProgram, "--remote", remote_of(socket), "--virtual-time", "--duration", "2.6", "--hand",
-                   (folder / "hand").string(), "--trace", trace, "--fault", "estop@2.5"});
+  Process program({kProgram, "--remote", remote_of(socket), "--virtual-time", "--duration", "2.6",
+                   "--hand", (folder / "hand").string(), "--trace", trace, "--fault", "estop@2.5"});
   serve(socket, 5s);
   const auto end = program.wait(10s);
   ASSERT_EQ(end.status, 0) << end.err;
@@ -119,7 +125,8 @@ TEST(ControllerProgram, LeadsTheArmAlongAHandFilesMotionAndTracesWhatItFeltAfter
     ++rows;
     std::stringstream cells(line);
     std::vector<std::string> cell;
-    for (std::string c; std::getline(cells, c, ',');) cell.push_back(c);
+    for (std::string c; std::getline(cells, c, ',');)
+      cell.push_back(c);
     ASSERT_EQ(cell.size(), 22u);
     if (cell[3] == "1") {
       ++braked;

@@ -16,7 +16,8 @@ inline hand::Hand nobody() {
 }
 
 /// An arm's grip that wants to be `offset` away from where the tool starts.
-inline hand::Hand arm_at(const Vec3& offset, double stiffness_n_per_m = 200.0, double damping_ns_per_m = 15.0) {
+inline hand::Hand arm_at(const Vec3& offset, double stiffness_n_per_m = 200.0,
+                         double damping_ns_per_m = 15.0) {
   sim::OperatorConfig config = *hand::grip("arm");
   config.carries_tool = false;
   config.stiffness_n_per_m = stiffness_n_per_m;
@@ -29,7 +30,8 @@ inline hand::Hand arm_at(const Vec3& offset, double stiffness_n_per_m = 200.0, d
 }
 
 struct Rig {
-  explicit Rig(const ControllerConfig& config = {}, hand::Hand hand = nobody(), std::vector<Fault> faults = {})
+  explicit Rig(const ControllerConfig& config = {}, hand::Hand hand = nobody(),
+               std::vector<Fault> faults = {})
       : controller(config, std::move(hand), FaultSchedule(std::move(faults))) {}
 
   /// One period; the answer is delivered unless `answers` is false.
@@ -38,7 +40,8 @@ struct Rig {
     std::memcpy(msr.data(), &controller.measure(), msr.size());
     if (answers) {
       CmdBytes cmd = remote.answer(msr);
-      if (tamper) tamper(cmd);
+      if (tamper)
+        tamper(cmd);
       controller.receive(cmd, 0.0);
     }
     controller.advance();
@@ -46,18 +49,21 @@ struct Rig {
   }
   MsrBytes periods(int n, bool answers = true) {
     MsrBytes msr{};
-    for (int i = 0; i < n; ++i) msr = period(answers);
+    for (int i = 0; i < n; ++i)
+      msr = period(answers);
     return msr;
   }
   /// Until command mode; false if it does not come within `most` periods.
   bool start(int most = 300) {
-    for (int i = 0; i < most && controller.state() != lwr::fri::State::kCmd; ++i) period();
+    for (int i = 0; i < most && controller.state() != lwr::fri::State::kCmd; ++i)
+      period();
     return controller.state() == lwr::fri::State::kCmd;
   }
   /// The last thing that happened, all taken.
   Reason reason() {
     Reason last = Reason::kNone;
-    while (const auto event = controller.take_event()) last = event->why.reason;
+    while (const auto event = controller.take_event())
+      last = event->why.reason;
     return last;
   }
 

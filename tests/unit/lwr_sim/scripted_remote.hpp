@@ -1,5 +1,6 @@
 #pragma once
-/// A remote side that knows the protocol by its table of offsets only: it shares no declaration with the code under test.
+/// A remote side that knows the protocol by its table of offsets only: it shares no declaration
+/// with the code under test.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -34,21 +35,25 @@ inline int control(std::span<const std::byte> msr) { return get<std::uint16_t>(m
 inline int error(std::span<const std::byte> msr) { return get<std::uint16_t>(msr, 184); }
 inline int warning(std::span<const std::byte> msr) { return get<std::uint16_t>(msr, 186); }
 inline int echo(std::span<const std::byte> msr) { return get<std::int32_t>(msr, 76); }
-inline float joint(std::span<const std::byte> msr, std::size_t i) { return get<float>(msr, 216 + 4 * i); }
+inline float joint(std::span<const std::byte> msr, std::size_t i) {
+  return get<float>(msr, 216 + 4 * i);
+}
 inline Vec3 tip(std::span<const std::byte> msr) {
   return {get<float>(msr, 256), get<float>(msr, 272), get<float>(msr, 288)};
 }
 
-/// Answers as a haptic device does: mirrors the position in MON; in CMD stiffness zero, position as measured, torque on top.
+/// Answers as a haptic device does: mirrors the position in MON; in CMD stiffness zero, position as
+/// measured, torque on top.
 struct ScriptedRemote {
   std::int32_t strategy = 30, run = 1;
   std::uint32_t flags = 0x35;  // joint position, torque, stiffness, damping
   float torque[7] = {};
   float joint_stiffness = 0.0F;
   float mirror_error = 0.0F;  // added to joint 2
-  bool follows = true;        // the position follows the measured one in CMD; otherwise it stays at the mirrored
-  float step = 0.0F;          // added to the position of joint 1 with every answer in CMD
-  float offset = 0.0F;        // sum of these
+  bool follows =
+      true;  // the position follows the measured one in CMD; otherwise it stays at the mirrored
+  float step = 0.0F;    // added to the position of joint 1 with every answer in CMD
+  float offset = 0.0F;  // sum of these
   std::uint16_t count = 0;
 
   CmdBytes answer(std::span<const std::byte> msr) {
@@ -61,18 +66,23 @@ struct ScriptedRemote {
     put<std::int32_t>(cmd, 76, run);
     put<std::uint32_t>(cmd, 140, flags);
     const bool command = state(msr) == 2;
-    if (command) offset += step;
+    if (command)
+      offset += step;
     for (std::size_t i = 0; i < 7; ++i) {
-      const float mirrored = get<float>(msr, 292 + 4 * i) + (command ? 0.0F : get<float>(msr, 320 + 4 * i));
+      const float mirrored =
+          get<float>(msr, 292 + 4 * i) + (command ? 0.0F : get<float>(msr, 320 + 4 * i));
       float q = command && follows ? joint(msr, i) : mirrored;
-      if (i == 1 && !command) q += mirror_error;
-      if (i == 0 && command) q += offset;
+      if (i == 1 && !command)
+        q += mirror_error;
+      if (i == 0 && command)
+        q += offset;
       put<float>(cmd, 144 + 4 * i, q);
       put<float>(cmd, 220 + 4 * i, command ? torque[i] : 0.0F);
       put<float>(cmd, 272 + 4 * i, joint_stiffness);
       put<float>(cmd, 300 + 4 * i, 0.7F);
     }
-    for (std::size_t i = 0; i < 12; ++i) put<float>(cmd, 172 + 4 * i, get<float>(msr, 348 + 4 * i));
+    for (std::size_t i = 0; i < 12; ++i)
+      put<float>(cmd, 172 + 4 * i, get<float>(msr, 348 + 4 * i));
     return cmd;
   }
 };

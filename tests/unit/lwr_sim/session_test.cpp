@@ -1,4 +1,5 @@
-// The controller on a real socket, with a scripted remote side at the other end: what arrives there under each fault.
+// The controller on a real socket, with a scripted remote side at the other end: what arrives there
+// under each fault.
 #include "devices/lwr/simulated/session.hpp"
 
 #include <gtest/gtest.h>
@@ -16,14 +17,16 @@ namespace {
 using namespace std::chrono_literals;
 using test::MsrBytes;
 
-/// Answers everything that is newer than what it had, as a driver does, on a thread of its own; keeps what came.
+/// Answers everything that is newer than what it had, as a driver does, on a thread of its own;
+/// keeps what came.
 class Client {
  public:
   Client() : socket_("127.0.0.1", 0), thread_([this] { run(); }) {}
   ~Client() { stop(); }
   void stop() {
     stop_ = true;
-    if (thread_.joinable()) thread_.join();
+    if (thread_.joinable())
+      thread_.join();
   }
   std::uint16_t port() const { return socket_.local().port; }
   /// To be looked at after `stop`.
@@ -36,9 +39,11 @@ class Client {
     std::array<std::byte, 2048> buffer;
     int newest = -1;
     while (!stop_) {
-      if (!socket_.wait(20ms)) continue;
+      if (!socket_.wait(20ms))
+        continue;
       const auto datagram = socket_.receive(buffer);
-      if (!datagram) continue;
+      if (!datagram)
+        continue;
       if (datagram->size != 916) {
         ++strays;
         continue;
@@ -46,9 +51,11 @@ class Client {
       MsrBytes msr;
       std::memcpy(msr.data(), buffer.data(), msr.size());
       seen.push_back(msr);
-      if (test::sequence(msr) <= newest || test::state(msr) == 0) continue;
+      if (test::sequence(msr) <= newest || test::state(msr) == 0)
+        continue;
       newest = test::sequence(msr);
-      if (answers_left-- > 0) socket_.send(remote_.answer(msr), datagram->from);
+      if (answers_left-- > 0)
+        socket_.send(remote_.answer(msr), datagram->from);
     }
   }
   arm::UdpSocket socket_;
@@ -66,12 +73,13 @@ struct Outcome {
   std::uint32_t misses = 0;
 };
 
-Outcome virtual_run(const std::vector<std::string>& faults, double duration_s, std::uint64_t seed = 1,
-                    int answers = 1 << 30, double patience_s = 5.0) {
+Outcome virtual_run(const std::vector<std::string>& faults, double duration_s,
+                    std::uint64_t seed = 1, int answers = 1 << 30, double patience_s = 5.0) {
   Client client;
   client.answers_left = answers;
   std::vector<Fault> parsed;
-  for (const std::string& text : faults) parsed.push_back(parse_fault(text, kFaults));
+  for (const std::string& text : faults)
+    parsed.push_back(parse_fault(text, kFaults));
   ControllerConfig config;
   config.script_pause_s = 0.002;
   config.virtual_time = true;
@@ -99,14 +107,16 @@ Outcome virtual_run(const std::vector<std::string>& faults, double duration_s, s
 std::vector<int> sequences(const Outcome& out, double from_s, double to_s) {
   std::vector<int> all;
   for (const MsrBytes& msr : out.seen)
-    if (test::timestamp(msr) > from_s - 1e-5 && test::timestamp(msr) < to_s - 1e-5 && test::state(msr) != 0)
+    if (test::timestamp(msr) > from_s - 1e-5 && test::timestamp(msr) < to_s - 1e-5 &&
+        test::state(msr) != 0)
       all.push_back(test::sequence(msr));
   return all;
 }
 
 bool dropped_after(const Outcome& out, double time_s) {
   for (const MsrBytes& msr : out.seen)
-    if (test::timestamp(msr) > time_s && test::state(msr) == 1) return true;
+    if (test::timestamp(msr) > time_s && test::state(msr) == 1)
+      return true;
   return false;
 }
 
@@ -123,12 +133,13 @@ TEST(Session, InVirtualTimeEveryMeasurementIsAnsweredAndTheLastSaysOff) {
 }
 
 TEST(Session, InVirtualTimeTheSameSeedAndAnswersGiveTheSameBits) {
-  const std::vector<std::string> faults = {"loss@0.1:0.1:0.05", "duplicate@0.2:0.02", "reorder@0.25:0.02:0.2",
-                                           "jitter@0.1:0.1"};
+  const std::vector<std::string> faults = {"loss@0.1:0.1:0.05", "duplicate@0.2:0.02",
+                                           "reorder@0.25:0.02:0.2", "jitter@0.1:0.1"};
   const auto tidy = [](const Outcome& out) {
     std::vector<MsrBytes> all = out.seen;
     // The first may have been repeated before the remote side was there.
-    while (all.size() > 1 && test::sequence(all[0]) == test::sequence(all[1])) all.erase(all.begin());
+    while (all.size() > 1 && test::sequence(all[0]) == test::sequence(all[1]))
+      all.erase(all.begin());
     return all;
   };
   const auto first = tidy(virtual_run(faults, 0.4)), second = tidy(virtual_run(faults, 0.4));
@@ -155,12 +166,14 @@ TEST(Session, LostAnswersShowAsMissesOnly) {
 }
 
 TEST(Session, LateMeasurementsArriveInABunchAndTheirAnswersAreStale) {
-  const Outcome out = virtual_run({"late@0.2:0.001:0.0025"}, 0.3);  // one of them, two periods and a half
+  const Outcome out =
+      virtual_run({"late@0.2:0.001:0.0025"}, 0.3);  // one of them, two periods and a half
   EXPECT_EQ(out.line.delayed, 1u);
   EXPECT_EQ(out.misses, 1u);
   std::vector<int> order;
   for (const MsrBytes& msr : out.seen)
-    if (test::sequence(msr) >= 199 && test::sequence(msr) <= 205) order.push_back(test::sequence(msr));
+    if (test::sequence(msr) >= 199 && test::sequence(msr) <= 205)
+      order.push_back(test::sequence(msr));
   EXPECT_EQ(order, (std::vector<int>{199, 200, 202, 203, 201, 204, 205}));
   const Outcome all = virtual_run({"late@0.2:0.02:0.0025"}, 0.3);
   EXPECT_GT(all.answers.stale, 10u);
@@ -178,7 +191,8 @@ TEST(Session, ReorderedMeasurementsComeAfterTheirSuccessors) {
   const Outcome out = virtual_run({"reorder@0.2:0.001"}, 0.3);
   std::vector<int> order;
   for (const MsrBytes& msr : out.seen)
-    if (test::sequence(msr) >= 200 && test::sequence(msr) <= 204) order.push_back(test::sequence(msr));
+    if (test::sequence(msr) >= 200 && test::sequence(msr) <= 204)
+      order.push_back(test::sequence(msr));
   EXPECT_EQ(order, (std::vector<int>{200, 202, 201, 203, 204}));
   EXPECT_EQ(out.misses, 1u);
 }
@@ -194,7 +208,8 @@ TEST(Session, DuplicatesComeTwiceAndAreAnsweredOnce) {
 TEST(Session, AMeasurementWithoutANumberArrivesAsItIs) {
   const Outcome out = virtual_run({"nan@0.2:0.001:4"}, 0.3);
   int bad = 0;
-  for (const MsrBytes& msr : out.seen) bad += std::isnan(test::joint(msr, 3));
+  for (const MsrBytes& msr : out.seen)
+    bad += std::isnan(test::joint(msr, 3));
   EXPECT_EQ(bad, 1);
 }
 
@@ -204,7 +219,8 @@ TEST(Session, EmergencyStopDrivesAndQualityArrive) {
   const Outcome quality = virtual_run({"quality@0.2:0.05:0"}, 0.3);
   const auto at = [](const Outcome& out, int sequence) {
     for (const MsrBytes& msr : out.seen)
-      if (test::sequence(msr) == sequence) return msr;
+      if (test::sequence(msr) == sequence)
+        return msr;
     return MsrBytes{};
   };
   EXPECT_EQ(test::state(at(stop, 200)), 2);
@@ -248,7 +264,8 @@ TEST(Session, InRealTimeMeasurementsLeaveByTheClock) {
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   EXPECT_GE(elapsed.count(), 0.599);
   client.stop();
-  EXPECT_GT(controller.counts().accepted, 0u);  // how many come in time is the machine's matter, not the protocol's
+  EXPECT_GT(controller.counts().accepted,
+            0u);  // how many come in time is the machine's matter, not the protocol's
   EXPECT_GT(client.seen.size(), 10u);
   EXPECT_EQ(controller.counts().accepted + controller.counts().stale, session.counts().received);
 }
@@ -291,7 +308,8 @@ TEST(Session, ASilentControllerHearsNothing) {
   for (const bool silent : {false, true}) {
     arm::UdpSocket remote("127.0.0.1", 0);
     std::vector<Fault> faults;
-    if (silent) faults = {parse_fault("silent@0", kFaults)};
+    if (silent)
+      faults = {parse_fault("silent@0", kFaults)};
     ControllerConfig config;
     FriController controller(config, test::nobody(), FaultSchedule(faults));
     SessionConfig network;
@@ -319,7 +337,8 @@ TEST(Session, APortThatIsTakenGivesASentence) {
   }
   network.port = 0;
   network.remote_address = "nowhere";
-  EXPECT_THROW(Session(network, controller, Line(FaultSchedule(), 1e-3, 0)), devices::DeviceOpenError);
+  EXPECT_THROW(Session(network, controller, Line(FaultSchedule(), 1e-3, 0)),
+               devices::DeviceOpenError);
 }
 
 }  // namespace

@@ -21,7 +21,8 @@ ControllerConfig quick() {
 
 TEST(StateMachine, CommandModeBeginsOnlyAtQualityPerfect) {
   Rig rig(quick());
-  for (int i = 0; i < 19; ++i) EXPECT_EQ(test::state(rig.period()), 1);
+  for (int i = 0; i < 19; ++i)
+    EXPECT_EQ(test::state(rig.period()), 1);
   EXPECT_EQ(rig.controller.quality(), lwr::fri::Quality::kOk);
   EXPECT_EQ(rig.controller.state(), lwr::fri::State::kMon);
   EXPECT_TRUE(rig.start(10));
@@ -61,7 +62,8 @@ TEST(StateMachine, TheProgramsPauseIsThatOfAPublishedOne) {
   rig.periods(60);
   rig.remote.run = 1;
   int periods = 0;
-  while (rig.controller.state() != lwr::fri::State::kCmd && periods < 200) rig.period(), ++periods;
+  while (rig.controller.state() != lwr::fri::State::kCmd && periods < 200)
+    rig.period(), ++periods;
   EXPECT_GT(periods, 1);
   EXPECT_LE(periods, 51);
 }
@@ -138,7 +140,8 @@ TEST(StateMachine, CommandModeThatEndedByItselfNeedsAStopBeforeItBeginsAgain) {
   EXPECT_FALSE(rig.controller.braked());
 }
 
-/// Each violation in turn ends command mode, closes the brakes and leaves error bits until the stop is asked for.
+/// Each violation in turn ends command mode, closes the brakes and leaves error bits until the stop
+/// is asked for.
 void expect_drop(Rig& rig, Reason reason, int bits) {
   EXPECT_EQ(rig.controller.state(), lwr::fri::State::kMon);
   EXPECT_TRUE(rig.controller.braked());
@@ -161,7 +164,8 @@ TEST(StateMachine, AChangeOfFlagsEndsCommandMode) {
 
 TEST(StateMachine, ANumberThatIsNoneEndsCommandMode) {
   for (const std::size_t offset : {8u, 144u, 172u, 220u, 248u, 272u, 300u, 328u, 372u}) {
-    for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+    for (const float bad :
+         {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
       Rig rig(quick());
       ASSERT_TRUE(rig.start());
       rig.tamper = [&](CmdBytes& cmd) { put<float>(cmd, offset, bad); };
@@ -210,9 +214,11 @@ TEST(StateMachine, AJointThatIsTooFastEndsCommandMode) {
   ASSERT_TRUE(rig.start());
   rig.remote.torque[6] = 3.0F;
   int periods = 0;
-  while (rig.controller.state() == lwr::fri::State::kCmd && periods < 500) rig.period(), ++periods;
+  while (rig.controller.state() == lwr::fri::State::kCmd && periods < 500)
+    rig.period(), ++periods;
   EXPECT_EQ(rig.reason(), Reason::kJointSpeed);
-  EXPECT_LT(rig.controller.plant().rate().cwiseAbs().maxCoeff(), 0.2 * lwr::lwr_limits().velocity_rad_s[6]);
+  EXPECT_LT(rig.controller.plant().rate().cwiseAbs().maxCoeff(),
+            0.2 * lwr::lwr_limits().velocity_rad_s[6]);
 }
 
 TEST(StateMachine, WithoutMirroringCommandModeIsRefusedAndAsksForAcknowledgement) {
@@ -280,7 +286,8 @@ TEST(StateMachine, ASecondAnswerWithANewerCountTakesTheFirstOnesPlace) {
 TEST(StateMachine, AnEmergencyStopTakesThePowerAndTheBrakesStayUntilTheNextStart) {
   Rig rig(quick(), test::arm_at(Vec3(0.1, 0.0, 0.0)), {parse_fault("estop@0.5:0.2", kFaults)});
   ASSERT_TRUE(rig.start());
-  while (rig.controller.time_s() < 0.4995) rig.period();
+  while (rig.controller.time_s() < 0.4995)
+    rig.period();
   EXPECT_EQ(rig.controller.state(), lwr::fri::State::kCmd);
   MsrBytes msr = rig.period();  // the one at 0.5 s
   EXPECT_EQ(test::state(msr), 1);
@@ -302,32 +309,38 @@ TEST(StateMachine, AnEmergencyStopTakesThePowerAndTheBrakesStayUntilTheNextStart
 TEST(StateMachine, DrivesThatGoOffShowWhichAndADriveErrorShowsAsOne) {
   Rig off(quick(), test::nobody(), {parse_fault("drives_off@0.2:0.1:4", kFaults)});
   ASSERT_TRUE(off.start());
-  while (off.controller.time_s() < 0.2005) off.period();
+  while (off.controller.time_s() < 0.2005)
+    off.period();
   EXPECT_EQ(test::power(off.period()), 0x7B);
   EXPECT_EQ(test::error(off.period()), 0);
   EXPECT_EQ(off.controller.state(), lwr::fri::State::kMon);
   EXPECT_EQ(off.reason(), Reason::kDrivesOff);
   Rig error(quick(), test::nobody(), {parse_fault("drive_error@0.2:0.1:4", kFaults)});
   ASSERT_TRUE(error.start());
-  while (error.controller.time_s() < 0.2005) error.period();
+  while (error.controller.time_s() < 0.2005)
+    error.period();
   EXPECT_EQ(test::error(error.period()), 4);
   EXPECT_EQ(test::error(error.periods(150)), 0);
 }
 
 TEST(StateMachine, AForcedQualityShowsAndEndsCommandMode) {
-  Rig rig(quick(), test::nobody(), {parse_fault("quality@0.2:0.1:2", kFaults), parse_fault("quality@0.4:0.1:1", kFaults)});
+  Rig rig(quick(), test::nobody(),
+          {parse_fault("quality@0.2:0.1:2", kFaults), parse_fault("quality@0.4:0.1:1", kFaults)});
   ASSERT_TRUE(rig.start());
-  while (rig.controller.time_s() < 0.2005) rig.period();
+  while (rig.controller.time_s() < 0.2005)
+    rig.period();
   EXPECT_EQ(test::quality(rig.period()), 2);
   EXPECT_EQ(rig.controller.state(), lwr::fri::State::kCmd);
-  while (rig.controller.time_s() < 0.4015) rig.period();
+  while (rig.controller.time_s() < 0.4015)
+    rig.period();
   EXPECT_EQ(test::quality(rig.period()), 1);
   EXPECT_EQ(rig.reason(), Reason::kQualityForced);
   EXPECT_EQ(rig.controller.state(), lwr::fri::State::kMon);
 }
 
 TEST(StateMachine, AMeasurementWithoutNumbersIsSentAsTheScheduleSays) {
-  Rig rig(quick(), test::nobody(), {parse_fault("nan@0.1:0.002:3", kFaults), parse_fault("nan@0.2:0.001:8", kFaults)});
+  Rig rig(quick(), test::nobody(),
+          {parse_fault("nan@0.1:0.002:3", kFaults), parse_fault("nan@0.2:0.001:8", kFaults)});
   rig.remote.run = 0;
   int bad_joint = 0, bad_time = 0;
   for (int i = 0; i < 300; ++i) {

@@ -1,5 +1,5 @@
-/// What cannot be had is refused with a sentence that names the file, the reason and what to do; nothing
-/// crashes.
+/// What cannot be had is refused with a sentence that names the file, the reason and what to do;
+/// nothing crashes.
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -32,7 +32,8 @@ class Refusal : public ::testing::Test {
       mesh::import_mesh(path, options, kApart);
     } catch (const mesh::MeshError& error) {
       EXPECT_NE(std::string(error.what()).find(path.string()), std::string::npos) << error.what();
-      EXPECT_NE(std::string(error.what()).find("; "), std::string::npos) << "no remedy: " << error.what();
+      EXPECT_NE(std::string(error.what()).find("; "), std::string::npos)
+          << "no remedy: " << error.what();
       return error.what();
     }
     ADD_FAILURE() << path << " was not refused";
@@ -71,8 +72,9 @@ TEST_F(Refusal, NamesAFileThatIsNoRegularFile) {
 TEST_F(Refusal, NamesAFileThatMayNotBeRead) {
   const auto path = folder_.write("secret.obj", samples::obj_text(tetrahedron()));
   std::filesystem::permissions(path, std::filesystem::perms::none);
-  std::filesystem::permissions(folder_.path(), std::filesystem::perms::others_exec | std::filesystem::perms::group_exec,
-                               std::filesystem::perm_options::add);
+  std::filesystem::permissions(
+      folder_.path(), std::filesystem::perms::others_exec | std::filesystem::perms::group_exec,
+      std::filesystem::perm_options::add);
   const uid_t me = geteuid();
   ASSERT_EQ(seteuid(me == 0 ? 65534 : me), 0);  // root may read everything: be nobody for this line
   const std::string text = refusal(path);
@@ -90,10 +92,12 @@ TEST_F(Refusal, OfFilesWithoutTriangles) {
   expect_refused("empty.obj", "", "is empty");
   expect_refused("vertices.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n", "");
   expect_refused("lines.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nl 1 2\nl 2 3\n",
-      "no triangles|0 points|2 lines");
+                 "no triangles|0 points|2 lines");
   expect_refused("none.stl", std::string(84, '\0'), "");
-  expect_refused("points.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
-                 "property float z\nend_header\n0 0 0\n", "no triangles");
+  expect_refused("points.ply",
+                 "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
+                 "property float z\nend_header\n0 0 0\n",
+                 "no triangles");
 }
 
 TEST_F(Refusal, OfVerticesThatAreNotFinite) {
@@ -107,10 +111,9 @@ TEST_F(Refusal, OfVerticesThatAreNotFinite) {
 TEST_F(Refusal, OfIndicesWithoutVertices) {
   expect_refused("t.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 99\n", "");
   expect_refused("n.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf -9 -2 -1\n", "");
-  expect_refused("t.ply", ply("4", "1", "0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 1 77\n"),
-      "1 corners");
+  expect_refused("t.ply", ply("4", "1", "0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 1 77\n"), "1 corners");
   expect_refused("q.ply", ply("4", "1", "0 0 0\n1 0 0\n0 1 0\n0 0 1\n4 0 1 2 777777777\n"),
-      "1 corners");
+                 "1 corners");
 }
 
 TEST_F(Refusal, OfAnAbsurdCountBeforeMemoryIsSpent) {
@@ -118,12 +121,11 @@ TEST_F(Refusal, OfAnAbsurdCountBeforeMemoryIsSpent) {
   ::getrusage(RUSAGE_SELF, &before);
   std::string stl(80, ' ');
   stl += samples::little({std::uint32_t{4'000'000'000}});
-  expect_refused("huge.stl", stl,
-      "4000000000 triangles|200000000084 bytes| 84");
-  expect_refused("huge.ply", ply("1000000000000", "1", "0 0 0\n"),
-      "1000000000000|'vertex'");
-  expect_refused("huge_b.ply", ply("3", "99999999999", std::string(60, '\0'), "binary_little_endian"),
-      "99999999999|'face'");
+  expect_refused("huge.stl", stl, "4000000000 triangles|200000000084 bytes| 84");
+  expect_refused("huge.ply", ply("1000000000000", "1", "0 0 0\n"), "1000000000000|'vertex'");
+  expect_refused("huge_b.ply",
+                 ply("3", "99999999999", std::string(60, '\0'), "binary_little_endian"),
+                 "99999999999|'face'");
   expect_refused("more.ply", ply("99999999999999999999999", "1", "0 0 0\n"), "count");
   Gltf gltf;
   gltf.positions = R"({"bufferView":0,"componentType":5126,"count":4000000000,"type":"VEC3"})";
@@ -150,26 +152,31 @@ TEST_F(Refusal, OfPlyWhoseColumnsAssimpWouldMoveOrMakeUp) {
 TEST_F(Refusal, OfMoreTrianglesOrBytesThanAllowed) {
   for (const char* name : {"t.obj", "t.stl", "t.ply", "t.glb", "t.dae"}) {
     const std::string e = std::filesystem::path(name).extension();
-    const std::string bytes = e == ".obj" ? samples::obj_text(tetrahedron()) : e == ".stl" ?
-        samples::binary_stl(tetrahedron())
-                            : e == ".glb" ? Gltf().glb() : e == ".dae" ? Collada().xml()
-                            : ply("4", "4",
-                                "0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n");
+    const std::string bytes =
+        e == ".obj"   ? samples::obj_text(tetrahedron())
+        : e == ".stl" ? samples::binary_stl(tetrahedron())
+        : e == ".glb" ? Gltf().glb()
+        : e == ".dae"
+            ? Collada().xml()
+            : ply("4", "4", "0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n");
     expect_refused(name, bytes, "4 triangles|most 3", {.max_triangles = 3});
     expect_refused(name, bytes, "bytes|most 40", {.max_file_bytes = 40});
   }
 }
 
 TEST_F(Refusal, OfTruncatedFiles) {
-  const std::string binary = samples::binary_stl(tetrahedron()), text = samples::text_stl(tetrahedron());
+  const std::string binary = samples::binary_stl(tetrahedron()),
+                    text = samples::text_stl(tetrahedron());
   expect_refused("cut.stl", binary.substr(0, binary.size() - 30), "truncated");
   expect_refused("header.stl", binary.substr(0, 60), "truncated");
   expect_refused("text.stl", text.substr(0, text.size() - 20), "truncated");
   expect_refused("inner.stl", text.substr(0, text.size() - 20) + "\nendsolid", "4 facets|3");
   expect_refused("rows.ply", ply("4", "3", "0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 1 2\n3 0 1"),
-      "after 1");
-  expect_refused("binary.ply", ply("4", "2", std::string(48, '\0') + "\3" + std::string(12, '\0') + "\3",
-                 "binary_little_endian"), "after 1");
+                 "after 1");
+  expect_refused("binary.ply",
+                 ply("4", "2", std::string(48, '\0') + "\3" + std::string(12, '\0') + "\3",
+                     "binary_little_endian"),
+                 "after 1");
   const std::string glb = Gltf().glb(), dae = Collada().xml();
   for (const std::size_t left : {glb.size() - 20, std::size_t{40}, std::size_t{12}}) {
     expect_refused("cut.glb", glb.substr(0, left), "truncated");
@@ -195,7 +202,8 @@ TEST_F(Refusal, OfGltfThatWouldOverrunTheReader) {
   expect_refused("twice.glb", twice.glb(), "two");
   expect_refused("deep.gltf", std::string(500000, '['), "end");
   Gltf strided;
-  strided.positions = R"({"bufferView":0,"byteOffset":40,"componentType":5126,"count":4,"type":"VEC3"})";
+  strided.positions =
+      R"({"bufferView":0,"byteOffset":40,"componentType":5126,"count":4,"type":"VEC3"})";
   expect_refused("offset.glb", strided.glb(), "accessor 0|4 entries");
 }
 
@@ -204,19 +212,27 @@ TEST_F(Refusal, OfColladaThatWouldOverrunTheReader) {
   self.nodes = R"(<node id="n"><instance_geometry url="#g"/><instance_node url="#n"/></node>)";
   expect_refused("self.dae", self.xml(), "reader");
   Collada ring;
-  ring.library = R"(<library_nodes><node id="a"><instance_node url="#b"/></node><node id="b"><instance_node url="#a"/></node></library_nodes>)";
+  ring.library =
+      R"(<library_nodes><node id="a"><instance_node url="#b"/></node><node id="b"><instance_node url="#a"/></node></library_nodes>)";
   ring.nodes = R"(<node id="n"><instance_node url="#a"/></node>)";
   expect_refused("ring.dae", ring.xml(), "reader");
   Collada deep;
-  for (int k = 0; k < 20000; ++k) deep.nodes += "<node>";
-  for (int k = 0; k < 20000; ++k) deep.nodes += "</node>";
+  for (int k = 0; k < 20000; ++k)
+    deep.nodes += "<node>";
+  for (int k = 0; k < 20000; ++k)
+    deep.nodes += "</node>";
   expect_refused("deep.dae", deep.xml(), "reader");
   Collada bomb;
   bomb.library = "<library_nodes><node id=\"n0\"><instance_geometry url=\"#g\"/></node>";
   for (int k = 1; k < 30; ++k) {
     const std::string inner =
         std::string("<instance_node url=\"#n").append(std::to_string(k - 1)).append("\"/>");
-    bomb.library.append("<node id=\"n").append(std::to_string(k)).append("\">").append(inner).append(inner).append("</node>");
+    bomb.library.append("<node id=\"n")
+        .append(std::to_string(k))
+        .append("\">")
+        .append(inner)
+        .append(inner)
+        .append("</node>");
   }
   bomb.library += "</library_nodes>";
   bomb.nodes = R"(<node id="n"><instance_node url="#n29"/></node>)";
@@ -233,10 +249,12 @@ TEST_F(Refusal, OfColladaThatWouldOverrunTheReader) {
   word.p = "0 2 \v 1 0 1 3 0 3 2 1 2 3";
   expect_refused("tab.dae", word.xml(), "memory");
   Collada corners;
-  corners.kind = "polylist", corners.faces = "2", corners.p = "0 2 1</p><vcount>3 2000000000</vcount><p>0";
+  corners.kind = "polylist", corners.faces = "2",
+  corners.p = "0 2 1</p><vcount>3 2000000000</vcount><p>0";
   expect_refused("corners.dae", corners.xml(), "reader");
   Collada missing;
-  missing.nodes = R"(<node id="n"><instance_geometry url="#g"/><instance_node url="#gone"/></node>)";
+  missing.nodes =
+      R"(<node id="n"><instance_geometry url="#g"/><instance_node url="#gone"/></node>)";
   expect_refused("missing.dae", missing.xml(), "'gone'");
 }
 
@@ -248,15 +266,17 @@ TEST_F(Refusal, OfWhatOneOfAssimpsAssertionsWouldEndTheProcessFor) {
 
 TEST_F(Refusal, OfNumbersInTheFileThatAreTooLargeForTheirVoxels) {
   mesh::TriangleMesh far = tetrahedron();
-  for (Vec3& v : far.vertices) v.x() += 1e6;
+  for (Vec3& v : far.vertices)
+    v.x() += 1e6;
   const std::string text = samples::obj_text(far);
-  expect_refused("far.obj", text, "0.0625 m|0.001 m|1e-05 m",
-      {.voxel_size_m = 0.001});
+  expect_refused("far.obj", text, "0.0625 m|0.001 m|1e-05 m", {.voxel_size_m = 0.001});
   EXPECT_NO_THROW(mesh::import_mesh(folder_.write("far.obj", text)));
   EXPECT_NO_THROW(mesh::import_mesh(folder_.write("far.obj", text), {.voxel_size_m = 10}));
-  EXPECT_NO_THROW(mesh::import_mesh(folder_.write("far.obj", text), {.scale = 1e-9, .voxel_size_m = 1e-8}));
+  EXPECT_NO_THROW(
+      mesh::import_mesh(folder_.write("far.obj", text), {.scale = 1e-9, .voxel_size_m = 1e-8}));
   const auto near = folder_.write("near.obj", samples::obj_text(tetrahedron()));
-  EXPECT_NO_THROW(mesh::import_mesh(near, {.pose = {{1e6, 0, 0}, Quat::Identity()}, .voxel_size_m = 0.001}));
+  EXPECT_NO_THROW(
+      mesh::import_mesh(near, {.pose = {{1e6, 0, 0}, Quat::Identity()}, .voxel_size_m = 0.001}));
   Gltf node;
   node.nodes = R"([{"mesh":0,"translation":[1000000,0,0]}])";
   expect_refused("node.glb", node.glb(), "0.0625 m", {.voxel_size_m = 0.001});
@@ -279,10 +299,13 @@ TEST_F(Refusal, OrATriangleMeshComesOfEveryDamagedFile) {
   const std::string rows = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
   const std::vector<std::pair<std::string, std::string>> seeds = {
       {"f.obj", samples::obj_text(tetrahedron()) + "l 1 2\ng a\nf 1 2 3 4\n"},
-          {"f.stl", samples::text_stl(tetrahedron())},
-      {"g.stl", samples::binary_stl(tetrahedron())}, {"f.ply", ply("4", "4", rows)}, {"f.glb", Gltf().glb()},
+      {"f.stl", samples::text_stl(tetrahedron())},
+      {"g.stl", samples::binary_stl(tetrahedron())},
+      {"f.ply", ply("4", "4", rows)},
+      {"f.glb", Gltf().glb()},
       {"f.dae", Collada().xml()}};
-  const std::array<const char*, 8> words = {"-1", "4294967295", "nan", "1e39", "\n", "<", "\"", "["};
+  const std::array<const char*, 8> words = {"-1", "4294967295", "nan", "1e39",
+                                            "\n", "<",          "\"",  "["};
   constexpr unsigned kSeed = 20010;
   std::mt19937 random(kSeed);
   for (int round = 0; round < 1200; ++round) {
@@ -290,16 +313,26 @@ TEST_F(Refusal, OrATriangleMeshComesOfEveryDamagedFile) {
     for (unsigned k = random() % 4 + 1; k > 0 && !bytes.empty(); --k) {
       const std::size_t at = random() % bytes.size();
       switch (random() % 5) {
-        case 0: bytes[at] = static_cast<char>(random()); break;
-        case 1: bytes.erase(at, random() % 16 + 1); break;
-        case 2: bytes.insert(at, words[random() % words.size()]); break;
-        case 3: bytes.insert(at, bytes.substr(random() % bytes.size(), random() % 40)); break;
-        default: if (random() % 8 == 0) bytes.resize(at);
+        case 0:
+          bytes[at] = static_cast<char>(random());
+          break;
+        case 1:
+          bytes.erase(at, random() % 16 + 1);
+          break;
+        case 2:
+          bytes.insert(at, words[random() % words.size()]);
+          break;
+        case 3:
+          bytes.insert(at, bytes.substr(random() % bytes.size(), random() % 40));
+          break;
+        default:
+          if (random() % 8 == 0)
+            bytes.resize(at);
       }
     }
     try {
-      const mesh::ImportedMesh got = mesh::import_mesh(folder_.write(std::to_string(round) + name, bytes),
-          {.max_triangles = 10000}, kApart);
+      const mesh::ImportedMesh got = mesh::import_mesh(
+          folder_.write(std::to_string(round) + name, bytes), {.max_triangles = 10000}, kApart);
       EXPECT_FALSE(got.mesh.empty());
       EXPECT_EQ(got.report.not_finite_vertices.count, 0u);
     } catch (const mesh::MeshError&) {

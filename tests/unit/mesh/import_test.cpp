@@ -59,11 +59,12 @@ TEST_P(EveryVector, ComesThroughToTheBitAndInOrder) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Import, EveryVector,
-                         ::testing::Values("sphere", "slab_tilted", "cylinder", "lshape", "aligned_box",
-                             "degenerate_tris"));
+                         ::testing::Values("sphere", "slab_tilted", "cylinder", "lshape",
+                                           "aligned_box", "degenerate_tris"));
 
 TEST(Import, ReadsTheSameSphereFromStlAsFromObj) {
-  const mesh::ImportedMesh stl = mesh::import_mesh(kVectors / "sphere.stl"), obj = mesh::import_mesh(kVectors / "sphere.obj");
+  const mesh::ImportedMesh stl = mesh::import_mesh(kVectors / "sphere.stl"),
+                           obj = mesh::import_mesh(kVectors / "sphere.obj");
   expect_same_triangles(stl.mesh, obj.mesh);
   EXPECT_EQ(stl.mesh.vertices.size(), 258u);
   EXPECT_NEAR(stl.report.signed_volume_m3, 1.7261676908625911, 1e-12);
@@ -78,29 +79,34 @@ TEST(Import, KeepsZeroAreaTriangles) {
 
 TEST(Import, KeepsFileOrderAcrossGroupsObjectsAndMaterials) {
   const Folder folder;
-  const auto path = folder.write("order.obj",
-                                 "mtllib none.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\no A\nusemtl x\nf 1 3 2\n"
-                                 "g B extra\nusemtl y\nf 1 2 4\no A\n usemtl x\ns 1\nf 1 4 3\ng B \\\nextra\nf 2 3 4\n");
+  const auto path = folder.write(
+      "order.obj",
+      "mtllib none.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\no A\nusemtl x\nf 1 3 2\n"
+      "g B extra\nusemtl y\nf 1 2 4\no A\n usemtl x\ns 1\nf 1 4 3\ng B \\\nextra\nf 2 3 4\n");
   expect_same_triangles(mesh::import_mesh(path).mesh, samples::tetrahedron());
   // Back to an object that was there before: assimp alone gives triangle 2 before triangle 1.
-  const auto back = folder.write("back.obj",
-                                 "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\no A\nusemtl x\nf 1 3 2\no B\nusemtl y\nf 1 2 4\n"
-                                 "o A\nusemtl x\nf 1 4 3\no B\nf 2 3 4\n");
+  const auto back = folder.write(
+      "back.obj",
+      "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\no A\nusemtl x\nf 1 3 2\no B\nusemtl y\nf 1 2 4\n"
+      "o A\nusemtl x\nf 1 4 3\no B\nf 2 3 4\n");
   expect_same_triangles(mesh::import_mesh(back).mesh, samples::tetrahedron());
 }
 
 TEST(Import, CutsPolygonsInPlace) {
   const Folder folder;
-  const auto path = folder.write("quads.obj",
-                                 "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\nvt 0 0\nvn 0 0 1\n"
-                                 "f 1/1/1 4/1/1 3/1/1 2/1/1\nf 5 6 7 8\nf 1 2 6 5\nf 2//1 3//1 7//1 6//1\nf -6 -5 -1 -2\n"
-                                 "f 4 1 5 8\n");
+  const auto path = folder.write(
+      "quads.obj",
+      "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\nvt 0 0\nvn 0 0 1\n"
+      "f 1/1/1 4/1/1 3/1/1 2/1/1\nf 5 6 7 8\nf 1 2 6 5\nf 2//1 3//1 7//1 6//1\nf -6 -5 -1 -2\n"
+      "f 4 1 5 8\n");
   const mesh::ImportedMesh got = mesh::import_mesh(path);
   EXPECT_EQ(got.mesh.triangles.size(), 12u);
   EXPECT_TRUE(got.report.clean());
   EXPECT_NEAR(got.report.signed_volume_m3, 1.0, 1e-15);
-  for (int t = 0; t < 2; ++t) EXPECT_EQ(got.mesh.corner(static_cast<std::size_t>(t), 0).z(), 0.0);
-  for (int t = 2; t < 4; ++t) EXPECT_EQ(got.mesh.corner(static_cast<std::size_t>(t), 0).z(), 1.0);
+  for (int t = 0; t < 2; ++t)
+    EXPECT_EQ(got.mesh.corner(static_cast<std::size_t>(t), 0).z(), 0.0);
+  for (int t = 2; t < 4; ++t)
+    EXPECT_EQ(got.mesh.corner(static_cast<std::size_t>(t), 0).z(), 1.0);
 }
 
 TEST(Import, CutsAPolygonOfManyCorners) {
@@ -109,10 +115,12 @@ TEST(Import, CutsAPolygonOfManyCorners) {
   std::string vertices, face = "f";
   for (int k = 0; k < kCorners; ++k) {
     const double angle = 2.0 * std::numbers::pi * k / kCorners;
-    vertices += "v " + std::to_string(std::cos(angle)) + " " + std::to_string(std::sin(angle)) + " 0\n";
+    vertices +=
+        "v " + std::to_string(std::cos(angle)) + " " + std::to_string(std::sin(angle)) + " 0\n";
     face += " " + std::to_string(k + 1);
   }
-  const mesh::ImportedMesh got = mesh::import_mesh(folder.write("disc.obj", vertices + face + "\n"));
+  const mesh::ImportedMesh got =
+      mesh::import_mesh(folder.write("disc.obj", vertices + face + "\n"));
   double area = 0.0;
   for (std::size_t t = 0; t < got.mesh.triangles.size(); ++t) {
     const Vec3 a = got.mesh.corner(t, 0);
@@ -123,8 +131,8 @@ TEST(Import, CutsAPolygonOfManyCorners) {
 
 TEST(Import, LeavesLinesAndPointsOutAndSaysSo) {
   const Folder folder;
-  const auto path = folder.write("lines.obj", samples::obj_text(samples::tetrahedron()) +
-      "l 1 2\nl 2 3\np 4\n");
+  const auto path =
+      folder.write("lines.obj", samples::obj_text(samples::tetrahedron()) + "l 1 2\nl 2 3\np 4\n");
   const mesh::ImportedMesh got = mesh::import_mesh(path);
   EXPECT_EQ(got.mesh.triangles.size(), 4u);
   ASSERT_EQ(got.warnings.size(), 2u);
@@ -136,18 +144,20 @@ TEST(Import, ScalesAndPosesInDouble) {
   const Folder folder;
   const auto path = folder.write("t.obj", samples::obj_text(samples::tetrahedron()));
   const Pose pose{{1e6, 0, 0}, Quat(Eigen::AngleAxisd(M_PI / 2, Vec3::UnitZ()))};
-  const mesh::ImportedMesh got = mesh::import_mesh(path, {.scale = 1e-3, .pose = pose, .voxel_size_m = 1e-4});
+  const mesh::ImportedMesh got =
+      mesh::import_mesh(path, {.scale = 1e-3, .pose = pose, .voxel_size_m = 1e-4});
   EXPECT_LT((got.mesh.corner(0, 1) - Vec3(1e6 - 1e-3, 0, 0)).norm(), 1e-9);
   EXPECT_LT((got.mesh.corner(0, 2) - Vec3(1e6, 1e-3, 0)).norm(), 1e-9);
 }
 
 TEST(Import, GuessesMillimetresWhereTheMeshIsThousandsOfVoxelsLong) {
   const Folder folder;
-  const auto path = folder.write("t.stl", samples::binary_stl(samples::box({0, 0, 0}, {80, 80, 90})));
+  const auto path =
+      folder.write("t.stl", samples::binary_stl(samples::box({0, 0, 0}, {80, 80, 90})));
   const mesh::ImportedMesh got = mesh::import_mesh(path, {.voxel_size_m = 0.002});
   ASSERT_EQ(got.warnings.size(), 1u);
-  for (const char* part : {"90 m", "0.002 m", "45000 voxels", "millimetres?", "0.001",
-      ".stl carries no unit"}) {
+  for (const char* part :
+       {"90 m", "0.002 m", "45000 voxels", "millimetres?", "0.001", ".stl carries no unit"}) {
     EXPECT_NE(got.warnings[0].find(part), std::string::npos) << part << " in " << got.warnings[0];
   }
   EXPECT_TRUE(mesh::import_mesh(path, {.scale = 0.001, .voxel_size_m = 0.002}).warnings.empty());
@@ -155,11 +165,11 @@ TEST(Import, GuessesMillimetresWhereTheMeshIsThousandsOfVoxelsLong) {
 
 TEST(Import, WarnsWhereTheMeshIsLostInItsVoxels) {
   const Folder folder;
-  const auto path = folder.write("t.stl", samples::binary_stl(samples::box({0, 0, 0}, {0.08, 0.08, 0.09})));
+  const auto path =
+      folder.write("t.stl", samples::binary_stl(samples::box({0, 0, 0}, {0.08, 0.08, 0.09})));
   const mesh::ImportedMesh small = mesh::import_mesh(path, {.scale = 0.001, .voxel_size_m = 0.002});
   ASSERT_EQ(small.warnings.size(), 1u);
-  EXPECT_NE(small.warnings[0].find("millimetres?"), std::string::npos)
-      << small.warnings[0];
+  EXPECT_NE(small.warnings[0].find("millimetres?"), std::string::npos) << small.warnings[0];
   const mesh::ImportedMesh coarse = mesh::import_mesh(path, {.voxel_size_m = 0.03});
   ASSERT_EQ(coarse.warnings.size(), 1u);
   EXPECT_NE(coarse.warnings[0].find("only 3 voxels"), std::string::npos) << coarse.warnings[0];
@@ -168,7 +178,8 @@ TEST(Import, WarnsWhereTheMeshIsLostInItsVoxels) {
 
 TEST(Import, GivesTheSameBitsTwice) {
   const auto path = kVectors / "lshape.obj";
-  const mesh::ImportedMesh a = mesh::import_mesh(path, {.scale = 0.37}), b = mesh::import_mesh(path, {.scale = 0.37});
+  const mesh::ImportedMesh a = mesh::import_mesh(path, {.scale = 0.37}),
+                           b = mesh::import_mesh(path, {.scale = 0.37});
   EXPECT_EQ(a.mesh.vertices, b.mesh.vertices);
   EXPECT_EQ(a.mesh.triangles, b.mesh.triangles);
 }

@@ -115,7 +115,15 @@ def sphere(radius, halvings):
     for i in range(12):
         for j in range(12):
             for k in range(12):
-                if i < j and i < k and j != k and near(i, j) and near(j, k) and near(k, i) and outward(corners, i, j, k):
+                if (
+                    i < j
+                    and i < k
+                    and j != k
+                    and near(i, j)
+                    and near(j, k)
+                    and near(k, i)
+                    and outward(corners, i, j, k)
+                ):
                     mesh.triangles.append((i, j, k))
     for _ in range(halvings):
         middle = {}
@@ -141,21 +149,21 @@ def outward(v, i, j, k):
 
 
 # ------------------------------------------------------------------------------------------------------------------- cup
-CUP_SIDES = 64           # round the axis; a side is 3.9 mm of the outer wall
+CUP_SIDES = 64  # round the axis; a side is 3.9 mm of the outer wall
 CUP_RADIUS = 0.040
 CUP_HEIGHT = 0.090
 CUP_WALL = 0.005
 CUP_BOTTOM = 0.006
-CUP_CHAMFER = 0.002      # at the foot, and the fillet inside the bottom
-WALL_ROWS = 25           # of quads on the outer wall; a row is 3.4 mm
-PATCH_SIDES = 3          # columns cut out of the wall for each end of the handle: 11.8 mm
-PATCH_ROWS = 3           # rows: 10.2 mm
-LOWER_ROW = 5            # first row of the lower patch, counted from the foot
-UPPER_ROW = 17           # first row of the upper patch
-HANDLE_REACH = 0.026     # how far the handle's middle line stands off the wall
+CUP_CHAMFER = 0.002  # at the foot, and the fillet inside the bottom
+WALL_ROWS = 25  # of quads on the outer wall; a row is 3.4 mm
+PATCH_SIDES = 3  # columns cut out of the wall for each end of the handle: 11.8 mm
+PATCH_ROWS = 3  # rows: 10.2 mm
+LOWER_ROW = 5  # first row of the lower patch, counted from the foot
+UPPER_ROW = 17  # first row of the upper patch
+HANDLE_REACH = 0.026  # how far the handle's middle line stands off the wall
 HANDLE_STEPS = 24
-HANDLE_HALF_WIDTH = 0.0055   # across, in y
-HANDLE_HALF_DEPTH = 0.0050   # in the plane of the handle
+HANDLE_HALF_WIDTH = 0.0055  # across, in y
+HANDLE_HALF_DEPTH = 0.0050  # in the plane of the handle
 
 
 def cup_profile():
@@ -166,7 +174,10 @@ def cup_profile():
     points = [(CUP_RADIUS * f, 0.0) for f in (0.35, 0.7)]
     points.append((CUP_RADIUS - CUP_CHAMFER, 0.0))
     start = len(points)
-    points += [(CUP_RADIUS, CUP_CHAMFER + (top - CUP_CHAMFER) * i / WALL_ROWS) for i in range(WALL_ROWS + 1)]
+    points += [
+        (CUP_RADIUS, CUP_CHAMFER + (top - CUP_CHAMFER) * i / WALL_ROWS)
+        for i in range(WALL_ROWS + 1)
+    ]
     for i in range(1, 6):  # half a circle over the rim
         a = math.pi * i / 6
         points.append((CUP_RADIUS - rim + rim * math.cos(a), top + rim * math.sin(a)))
@@ -191,7 +202,9 @@ def patch_border(row, flip):
 
 
 def in_patch(row, side):
-    return 0 <= side < PATCH_SIDES and any(start <= row < start + PATCH_ROWS for start in (LOWER_ROW, UPPER_ROW))
+    return 0 <= side < PATCH_SIDES and any(
+        start <= row < start + PATCH_ROWS for start in (LOWER_ROW, UPPER_ROW)
+    )
 
 
 def handle_section(count_sides, count_rows):
@@ -201,7 +214,7 @@ def handle_section(count_sides, count_rows):
     section = []
     for r, s in patch_border(0, False):
         a, b = (s - half_s) / half_s, (r - half_r) / half_r
-        length = (a ** 4 + b ** 4) ** 0.25  # between a circle (2) and a rectangle (infinity)
+        length = (a**4 + b**4) ** 0.25  # between a circle (2) and a rectangle (infinity)
         section.append((HANDLE_HALF_WIDTH * a / length, HANDLE_HALF_DEPTH * b / length))
     return section
 
@@ -215,8 +228,10 @@ def add_handle(mesh, wall):
     z_high = (z_of(UPPER_ROW) + z_of(UPPER_ROW + PATCH_ROWS)) / 2
     middle, half = (z_low + z_high) / 2, (z_high - z_low) / 2
     section = handle_section(PATCH_SIDES, PATCH_ROWS)
-    borders = [[(mesh.vertices[v][1], mesh.vertices[v][2] - z_low) for v in lower],
-               [(mesh.vertices[v][1], z_high - mesh.vertices[v][2]) for v in upper]]
+    borders = [
+        [(mesh.vertices[v][1], mesh.vertices[v][2] - z_low) for v in lower],
+        [(mesh.vertices[v][1], z_high - mesh.vertices[v][2]) for v in upper],
+    ]
 
     previous = lower
     for step in range(1, HANDLE_STEPS):
@@ -239,13 +254,14 @@ def add_handle(mesh, wall):
 
 def cup():
     """Walls and floor are one turned profile; the handle is a tube between the borders of two patches left out of the outer
-    wall, so that the whole is one surface with one hole through it (genus 1) and nothing runs through anything."""
+    wall, so that the whole is one surface with one hole through it (genus 1) and nothing runs through anything.
+    """
     mesh = Mesh()
     profile, start = cup_profile()
     # Side 0 begins half a patch before the x axis: the handle is symmetric in y.
     angle = [2 * math.pi * (s - PATCH_SIDES / 2) / CUP_SIDES for s in range(CUP_SIDES)]
     loops = [[mesh.add(r * math.cos(a), r * math.sin(a), z) for a in angle] for r, z in profile]
-    wall = loops[start:start + WALL_ROWS + 1]
+    wall = loops[start : start + WALL_ROWS + 1]
     for row in range(len(loops) - 1):
         for s in range(CUP_SIDES):
             if in_patch(row - start, s):
@@ -295,10 +311,16 @@ def all_files():
     ball, coffee_cup = sphere(1.0, 3), cup()
     return {
         "plane.obj": obj_bytes(plane, "slab 0.24 x 0.24 x 0.02 m, top face z = 0"),
-        "tilted_plane.obj": obj_bytes(turned(plane, math.radians(20), math.radians(25)),
-                                      "slab 0.24 x 0.24 x 0.02 m, turned 20 deg about x, then 25 deg about y"),
-        "block.obj": obj_bytes(block(0.04, 0.04, 0.03), "block 0.04 x 0.04 x 0.03 m about the origin"),
-        "cylinder.obj": obj_bytes(cylinder(0.04, 0.2, 96), "cylinder, radius 0.04 m, length 0.2 m, axis y"),
+        "tilted_plane.obj": obj_bytes(
+            turned(plane, math.radians(20), math.radians(25)),
+            "slab 0.24 x 0.24 x 0.02 m, turned 20 deg about x, then 25 deg about y",
+        ),
+        "block.obj": obj_bytes(
+            block(0.04, 0.04, 0.03), "block 0.04 x 0.04 x 0.03 m about the origin"
+        ),
+        "cylinder.obj": obj_bytes(
+            cylinder(0.04, 0.2, 96), "cylinder, radius 0.04 m, length 0.2 m, axis y"
+        ),
         "sphere.obj": obj_bytes(ball, "sphere, radius 1"),
         "cup.obj": obj_bytes(coffee_cup, "coffee cup, metres, axis z, base at z = 0, handle at +x"),
         "cup_mm.stl": stl_bytes(coffee_cup, 1000.0, "coffee cup, millimetres"),
@@ -307,10 +329,20 @@ def all_files():
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--out", type=Path, default=Path(__file__).resolve().parents[3] / "deploy/meshes",
-                        help="folder to write to (default: deploy/meshes)")
-    parser.add_argument("--check", action="store_true", help="write nothing; fail if a file is not what would be written")
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument(
+        "--out",
+        type=Path,
+        default=Path(__file__).resolve().parents[3] / "deploy/meshes",
+        help="folder to write to (default: deploy/meshes)",
+    )
+    parser.add_argument(
+        "--check",
+        action="store_true",
+        help="write nothing; fail if a file is not what would be written",
+    )
     options = parser.parse_args()
     differing = []
     for name, data in all_files().items():
@@ -322,7 +354,10 @@ def main():
         elif not path.is_file() or path.read_bytes() != data:
             differing.append(name)
     if differing:
-        print("not as this script writes them: %s; run it without --check" % ", ".join(differing), file=sys.stderr)
+        print(
+            "not as this script writes them: %s; run it without --check" % ", ".join(differing),
+            file=sys.stderr,
+        )
         return 1
     return 0
 

@@ -9,7 +9,9 @@
 namespace voxtouch::mesh {
 namespace {
 
-TriangleMesh shipped(const char* name) { return import_mesh(std::string(VOXTOUCH_DEPLOY) + "/meshes/" + name).mesh; }
+TriangleMesh shipped(const char* name) {
+  return import_mesh(std::string(VOXTOUCH_DEPLOY) + "/meshes/" + name).mesh;
+}
 
 TEST(MassProperties, AreThoseOfABlock) {
   const MassProperties m = mass_properties(shipped("block.obj"));
@@ -25,8 +27,10 @@ TEST(MassProperties, AreThoseOfABallUpToItsFacetsAlsoFarFromTheOriginAndInsideOu
   const MassProperties here = mass_properties(ball);
   EXPECT_NEAR(here.volume_m3 / (4.0 / 3.0 * std::numbers::pi), 1.0, 0.02);
   EXPECT_NEAR(here.inertia_m2(1, 1), 0.4, 0.01);
-  for (Vec3& v : ball.vertices) v += Vec3(1e4, -2e4, 3e4);
-  for (auto& t : ball.triangles) std::swap(t[0], t[1]);
+  for (Vec3& v : ball.vertices)
+    v += Vec3(1e4, -2e4, 3e4);
+  for (auto& t : ball.triangles)
+    std::swap(t[0], t[1]);
   const MassProperties there = mass_properties(ball);
   EXPECT_NEAR(there.volume_m3, here.volume_m3, 1e-6);
   EXPECT_LT((there.centre - Vec3(1e4, -2e4, 3e4)).norm(), 1e-6);

@@ -45,13 +45,15 @@ std::string sentence(const std::filesystem::path& path, const mesh_import::ReadL
 TEST(MeshProcess, GivesWhatReadingHereGives) {
   const Folder folder;
   samples::Collada skinned;
-  skinned.nodes = R"(<node id="n"><instance_geometry url="#g"/><instance_controller url="#c"/></node>)";
+  skinned.nodes =
+      R"(<node id="n"><instance_geometry url="#g"/><instance_controller url="#c"/></node>)";
   for (const std::filesystem::path& path :
-       {std::filesystem::path(VOXTOUCH_DEPLOY "/meshes/cup.obj"), folder.write("t.glb", samples::Gltf().glb()),
-        folder.write("t.dae", skinned.xml()),
+       {std::filesystem::path(VOXTOUCH_DEPLOY "/meshes/cup.obj"),
+        folder.write("t.glb", samples::Gltf().glb()), folder.write("t.dae", skinned.xml()),
         folder.write("l.obj", samples::obj_text(samples::tetrahedron()) + "l 1 2\n")}) {
     const mesh::ImportedMesh here = mesh::import_mesh(path, {.voxel_size_m = 0.002});
-    const mesh::ImportedMesh apart = mesh::import_mesh(path, {.voxel_size_m = 0.002}, mesh_import::mesh_process());
+    const mesh::ImportedMesh apart =
+        mesh::import_mesh(path, {.voxel_size_m = 0.002}, mesh_import::mesh_process());
     EXPECT_EQ(here.mesh.vertices, apart.mesh.vertices);
     EXPECT_EQ(here.mesh.triangles, apart.mesh.triangles);
     EXPECT_EQ(here.warnings, apart.warnings);
@@ -61,8 +63,11 @@ TEST(MeshProcess, GivesWhatReadingHereGives) {
 TEST(MeshProcess, ReadsInManyThreadsAtOnce) {
   std::vector<std::jthread> threads;
   for (int n = 0; n < 6; ++n) {
-    threads.emplace_back(
-        [] { EXPECT_FALSE(mesh::import_mesh(VOXTOUCH_DEPLOY "/meshes/cup.obj", {}, mesh_import::mesh_process()).mesh.empty()); });
+    threads.emplace_back([] {
+      EXPECT_FALSE(
+          mesh::import_mesh(VOXTOUCH_DEPLOY "/meshes/cup.obj", {}, mesh_import::mesh_process())
+              .mesh.empty());
+    });
   }
 }
 
@@ -88,7 +93,8 @@ pid_t child_of(pid_t parent) {
 template <class Condition>
 bool soon(const Condition& condition) {
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-  while (!condition() && std::chrono::steady_clock::now() < end) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  while (!condition() && std::chrono::steady_clock::now() < end)
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
   return condition();
 }
 
@@ -105,7 +111,8 @@ TEST(MeshProcess, EndsWithWhoAskedAndHasNoneOfItsFiles) {
   const std::filesystem::path reader = "/proc/" + std::to_string(child_of(asks));
   EXPECT_TRUE(soon([&] {
     std::error_code error;
-    return std::filesystem::read_symlink(reader / "exe", error).filename() == "voxtouch_import_mesh";
+    return std::filesystem::read_symlink(reader / "exe", error).filename() ==
+           "voxtouch_import_mesh";
   }));
   EXPECT_TRUE(soon([&] {  // not at once: libraries are files, too
     int last = 0;
@@ -136,12 +143,12 @@ TEST(MeshProcess, RehearsesWhatIsReadWithoutChecks) {
 
 TEST(MeshProcess, RefusesAnswersThatDoNotFit) {
   const mesh::FileTriangles read{.mesh = samples::tetrahedron(),
-                           .points = 1,
-                           .lines = 2,
-                           .uncut = 3,
-                           .spacing = 4,
-                           .largest = 5,
-                           .warnings = {"a", "b"}};
+                                 .points = 1,
+                                 .lines = 2,
+                                 .uncut = 3,
+                                 .spacing = 4,
+                                 .largest = 5,
+                                 .warnings = {"a", "b"}};
   const std::string answer = mesh_import::encode(read);
   const mesh::FileTriangles back = mesh_import::decode(answer);
   EXPECT_EQ(back.mesh.vertices, read.mesh.vertices);
@@ -149,7 +156,8 @@ TEST(MeshProcess, RefusesAnswersThatDoNotFit) {
   EXPECT_EQ(back.warnings, read.warnings);
   EXPECT_EQ(back.points + 10 * back.lines + 100 * back.uncut, 321u);
   EXPECT_EQ(back.spacing + 10 * back.largest, 54.0);
-  for (std::size_t size = 0; size < answer.size(); ++size) EXPECT_THROW(mesh_import::decode(answer.substr(0, size)), std::runtime_error);
+  for (std::size_t size = 0; size < answer.size(); ++size)
+    EXPECT_THROW(mesh_import::decode(answer.substr(0, size)), std::runtime_error);
   for (std::size_t field = 0; field < 5; ++field) {
     std::string wrong = answer;
     wrong[8 * field + 7] = '\x20';

@@ -10,14 +10,15 @@
 
 using namespace voxtouch;
 using samples::box;
+using samples::flipped;
 using samples::joined;
 using samples::tetrahedron;
-using samples::flipped;
 
 namespace {
 
 /// One finding in one sentence: how many, and where the first are.
-void expect_tells(const mesh::MeshReport& report, const std::string& count, const std::string& places) {
+void expect_tells(const mesh::MeshReport& report, const std::string& count,
+                  const std::string& places) {
   const auto all = report.sentences();
   ASSERT_EQ(all.size(), 1U);
   EXPECT_TRUE(all[0].starts_with(count + " ") && all[0].contains(places)) << all[0];
@@ -97,8 +98,8 @@ TEST(MeshReport, TellsDuplicatesFromFlippedTriangles) {
 
 TEST(MeshReport, JudgesClosednessWithoutZeroAreaTriangles) {
   mesh::TriangleMesh mesh = tetrahedron();
-  mesh.vertices.emplace_back(0, 0, 0);         // same place as vertex 0
-  mesh.vertices.emplace_back(0.5, 0, 0);       // on the edge 0-1
+  mesh.vertices.emplace_back(0, 0, 0);    // same place as vertex 0
+  mesh.vertices.emplace_back(0.5, 0, 0);  // on the edge 0-1
   mesh.triangles.push_back({0, 0, 1});
   mesh.triangles.push_back({0, 4, 2});
   mesh.triangles.push_back({0, 5, 1});
@@ -110,10 +111,10 @@ TEST(MeshReport, JudgesClosednessWithoutZeroAreaTriangles) {
 }
 
 TEST(MeshReport, LetsAZeroAreaTriangleFillTheGapAlongALongEdge) {
-  // The face on edge 0-1 of one side is split at vertex 4, the other is not; a collinear triangle stands
-  // between them.
+  // The face on edge 0-1 of one side is split at vertex 4, the other is not; a collinear triangle
+  // stands between them.
   const mesh::TriangleMesh mesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.5, 0, 0}},
-                          {{0, 2, 4}, {4, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}, {0, 4, 1}}};
+                                {{0, 2, 4}, {4, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}, {0, 4, 1}}};
   const mesh::MeshReport r = mesh::inspect(mesh);
   EXPECT_EQ(r.zero_area.count, 1u);
   EXPECT_TRUE(r.closed);
@@ -127,7 +128,8 @@ TEST(MeshReport, FindsCollinearCornersAtAnyScaleAndPlace) {
   const Quat turn(Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()));
   for (const double scale : {1e-6, 1.0, 1e3}) {
     for (const double offset : {0.0, 1e6}) {
-      mesh::TriangleMesh mesh{{{0, 0, 0}, {0.1, 0.2, 0.3}, {0.7, 1.4, 2.1}, {0, 1, 0}}, {{0, 1, 2}, {0, 1, 3}}};
+      mesh::TriangleMesh mesh{{{0, 0, 0}, {0.1, 0.2, 0.3}, {0.7, 1.4, 2.1}, {0, 1, 0}},
+                              {{0, 1, 2}, {0, 1, 3}}};
       mesh = mesh::transform(mesh, scale, Pose{{offset, offset, -offset}, turn});
       const mesh::MeshReport r = mesh::inspect(mesh);
       EXPECT_EQ(r.zero_area.examples, Indices{0}) << scale << ' ' << offset;
@@ -137,7 +139,8 @@ TEST(MeshReport, FindsCollinearCornersAtAnyScaleAndPlace) {
 
 TEST(MeshReport, FindsEdgesWhereSheetsMeet) {
   // Two boxes that share one edge: four triangles there.
-  const mesh::TriangleMesh mesh = mesh::weld(joined(box({0, 0, 0}, {1, 1, 1}), box({1, 1, 0}, {2, 2, 1})));
+  const mesh::TriangleMesh mesh =
+      mesh::weld(joined(box({0, 0, 0}, {1, 1, 1}), box({1, 1, 0}, {2, 2, 1})));
   const mesh::MeshReport r = mesh::inspect(mesh);
   EXPECT_EQ(r.non_manifold_edges.count, 1u);
   EXPECT_TRUE(r.closed);
@@ -145,7 +148,8 @@ TEST(MeshReport, FindsEdgesWhereSheetsMeet) {
 }
 
 TEST(MeshReport, NamesPartsThatFaceInwardAmongOthers) {
-  const mesh::TriangleMesh mesh = joined(box({0, 0, 0}, {3, 3, 3}), flipped(box({1, 1, 1}, {2, 2, 2})));
+  const mesh::TriangleMesh mesh =
+      joined(box({0, 0, 0}, {3, 3, 3}), flipped(box({1, 1, 1}, {2, 2, 2})));
   const mesh::MeshReport r = mesh::inspect(mesh);
   EXPECT_EQ(r.parts, 2u);
   EXPECT_EQ(r.inward_parts.examples, Indices{12});
@@ -179,7 +183,8 @@ TEST(MeshReport, CountsVerticesThatAreNotFiniteOrNotUsed) {
 
 TEST(MeshReport, ListsOnlyTheFirstFew) {
   mesh::TriangleMesh mesh = tetrahedron();
-  for (int k = 0; k < 9; ++k) mesh.triangles.push_back({0, 0, 1});
+  for (int k = 0; k < 9; ++k)
+    mesh.triangles.push_back({0, 0, 1});
   const mesh::MeshReport r = mesh::inspect(mesh);
   EXPECT_EQ(r.zero_area.count, 9u);
   EXPECT_EQ(r.zero_area.examples, (Indices{4, 5, 6, 7, 8}));
@@ -193,7 +198,8 @@ TEST(MeshReport, SurvivesAnEmptyMesh) {
 }
 
 TEST(MeshReport, KeepsTheVolumeFarFromTheOrigin) {
-  const mesh::MeshReport r = mesh::inspect(mesh::transform(tetrahedron(), 1e-3, Pose{{1e3, -1e3, 1e3}, Quat::Identity()}));
+  const mesh::MeshReport r =
+      mesh::inspect(mesh::transform(tetrahedron(), 1e-3, Pose{{1e3, -1e3, 1e3}, Quat::Identity()}));
   EXPECT_NEAR(r.signed_volume_m3 / (1e-9 / 6), 1.0, 1e-8);
 }
 

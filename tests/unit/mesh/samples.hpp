@@ -12,20 +12,21 @@
 
 namespace samples {
 
-using voxtouch::mesh::TriangleMesh;
 using voxtouch::Vec3;
+using voxtouch::mesh::TriangleMesh;
 
 /// Closed, outward, volume 1/6.
 inline TriangleMesh tetrahedron() {
-  return {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}};
+  return {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
+          {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}};
 }
 
 /// Closed, outward.
 inline TriangleMesh box(const Vec3& low, const Vec3& high) {
   TriangleMesh mesh;
   for (int k = 0; k < 8; ++k) {
-    mesh.vertices.emplace_back(k & 1 ? high.x() : low.x(), k & 2 ? high.y() : low.y(), k & 4 ? high.z()
-        : low.z());
+    mesh.vertices.emplace_back(k & 1 ? high.x() : low.x(), k & 2 ? high.y() : low.y(),
+                               k & 4 ? high.z() : low.z());
   }
   mesh.triangles = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
                     {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
@@ -35,12 +36,14 @@ inline TriangleMesh box(const Vec3& low, const Vec3& high) {
 inline TriangleMesh joined(TriangleMesh a, const TriangleMesh& b) {
   const auto first = static_cast<std::uint32_t>(a.vertices.size());
   a.vertices.insert(a.vertices.end(), b.vertices.begin(), b.vertices.end());
-  for (const auto& t : b.triangles) a.triangles.push_back({first + t[0], first + t[1], first + t[2]});
+  for (const auto& t : b.triangles)
+    a.triangles.push_back({first + t[0], first + t[1], first + t[2]});
   return a;
 }
 
 inline TriangleMesh flipped(TriangleMesh mesh) {
-  for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
+  for (auto& t : mesh.triangles)
+    std::swap(t[1], t[2]);
   return mesh;
 }
 
@@ -48,7 +51,8 @@ inline TriangleMesh flipped(TriangleMesh mesh) {
 inline TriangleMesh soup(const TriangleMesh& mesh) {
   TriangleMesh loose;
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-    for (int k = 0; k < 3; ++k) loose.vertices.push_back(mesh.corner(t, k));
+    for (int k = 0; k < 3; ++k)
+      loose.vertices.push_back(mesh.corner(t, k));
     loose.triangles.push_back({3 * t, 3 * t + 1, 3 * t + 2});
   }
   return loose;
@@ -78,16 +82,19 @@ class Folder {
 template <class T>
 std::string little(std::initializer_list<T> values) {
   std::string bytes;
-  for (const T value : values) bytes.append(reinterpret_cast<const char*>(&value),
-      sizeof value);  // both are little-endian
+  for (const T value : values)
+    bytes.append(reinterpret_cast<const char*>(&value),
+                 sizeof value);  // both are little-endian
   return bytes;
 }
 
 inline std::string obj_text(const TriangleMesh& mesh) {
   std::ostringstream text;
   text.precision(9);
-  for (const Vec3& v : mesh.vertices) text << "v " << v.x() << ' ' << v.y() << ' ' << v.z() << '\n';
-  for (const auto& t : mesh.triangles) text << "f " << t[0] + 1 << ' ' << t[1] + 1 << ' ' << t[2] + 1 << '\n';
+  for (const Vec3& v : mesh.vertices)
+    text << "v " << v.x() << ' ' << v.y() << ' ' << v.z() << '\n';
+  for (const auto& t : mesh.triangles)
+    text << "f " << t[0] + 1 << ' ' << t[1] + 1 << ' ' << t[2] + 1 << '\n';
   return text.str();
 }
 
@@ -111,7 +118,8 @@ inline std::string text_stl(const TriangleMesh& mesh) {
   text << "solid sample\n";
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     text << "facet normal 0 0 0\nouter loop\n";
-    for (int k = 0; k < 3; ++k) text << "vertex " << mesh.corner(t, k).transpose() << '\n';
+    for (int k = 0; k < 3; ++k)
+      text << "vertex " << mesh.corner(t, k).transpose() << '\n';
     text << "endloop\nendfacet\n";
   }
   text << "endsolid sample\n";
@@ -132,7 +140,8 @@ struct Gltf {
 
   std::string json() const {
     return R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":)" + nodes +
-           R"(,"meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],"buffers":[)" + buffer +
+           R"(,"meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],"buffers":[)" +
+           buffer +
            R"(],"bufferViews":[{"buffer":0,"byteLength":48},{"buffer":0,"byteOffset":48,"byteLength":24}],"accessors":[)" +
            positions + "," + indices + "]}";
   }
@@ -157,12 +166,15 @@ struct Collada {
 
   std::string xml() const {
     return R"(<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1"><asset>)" +
-           unit + "<up_axis>" + up + R"(</up_axis></asset><library_geometries><geometry id="g"><mesh><source id="s">)" +
-           R"(<float_array id="a" count=")" + count + R"(">0 0 0 1 0 0 0 1 0 0 0 1</float_array><technique_common>)" +
+           unit + "<up_axis>" + up +
+           R"(</up_axis></asset><library_geometries><geometry id="g"><mesh><source id="s">)" +
+           R"(<float_array id="a" count=")" + count +
+           R"(">0 0 0 1 0 0 0 1 0 0 0 1</float_array><technique_common>)" +
            R"(<accessor source="#a" count="4" stride=")" + stride +
            R"("><param name="X" type="float"/><param name="Y" type="float"/><param name="Z" type="float"/></accessor>)" +
            R"(</technique_common></source><vertices id="v"><input semantic="POSITION" source="#s"/></vertices>)" +
-           "<" + kind + " count=\"" + faces + R"("><input semantic="VERTEX" source="#v" offset="0"/><p>)" + p + "</p></" + kind +
+           "<" + kind + " count=\"" + faces +
+           R"("><input semantic="VERTEX" source="#v" offset="0"/><p>)" + p + "</p></" + kind +
            "></mesh></geometry></library_geometries>" + library +
            R"(<library_visual_scenes><visual_scene id="w">)" + nodes +
            R"(</visual_scene></library_visual_scenes><scene><instance_visual_scene url="#w"/></scene></COLLADA>)";

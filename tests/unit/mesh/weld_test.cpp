@@ -17,7 +17,8 @@ TEST(Weld, MakesOneVertexOfEqualPositions) {
   const mesh::TriangleMesh welded = mesh::weld(loose);
   EXPECT_EQ(welded.vertices.size(), 8u);
   for (std::size_t t = 0; t < 12; ++t) {
-    for (int k = 0; k < 3; ++k) EXPECT_EQ(welded.corner(t, k), loose.corner(t, k)) << t;
+    for (int k = 0; k < 3; ++k)
+      EXPECT_EQ(welded.corner(t, k), loose.corner(t, k)) << t;
   }
 }
 
@@ -26,14 +27,16 @@ TEST(Weld, MakesOneVertexOfEqualPositionsWithoutATolerance) {
 }
 
 TEST(Weld, TakesZeroAndMinusZeroForEqual) {
-  const mesh::TriangleMesh mesh{{{0.0, 1, 0}, {-0.0, 1, 0}, {1, 0, 0}, {0, 0, 1}}, {{0, 2, 3}, {1, 3, 2}}};
+  const mesh::TriangleMesh mesh{{{0.0, 1, 0}, {-0.0, 1, 0}, {1, 0, 0}, {0, 0, 1}},
+                                {{0, 2, 3}, {1, 3, 2}}};
   EXPECT_EQ(mesh::weld(mesh, 0.0).vertices.size(), 3u);
   EXPECT_EQ(mesh::weld(mesh).vertices.size(), 3u);
 }
 
 TEST(Weld, KeepsTheFirstVertexExactly) {
   const double step = 0x1p-23;
-  const mesh::TriangleMesh mesh{{{1.0, 0, 0}, {1.0 + step, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 2, 3}, {1, 3, 2}}};
+  const mesh::TriangleMesh mesh{{{1.0, 0, 0}, {1.0 + step, 0, 0}, {0, 1, 0}, {0, 0, 1}},
+                                {{0, 2, 3}, {1, 3, 2}}};
   const mesh::TriangleMesh welded = mesh::weld(mesh);
   ASSERT_EQ(welded.vertices.size(), 3u);
   EXPECT_EQ(welded.vertices[0].x(), 1.0);
@@ -44,8 +47,10 @@ TEST(Weld, ClosesASeamOfSingleStepsAndNothingWider) {
   for (const double scale : {1e-6, 1.0, 1e3}) {
     const auto vertices_with_gap = [&](double steps) {
       mesh::TriangleMesh mesh = samples::soup(samples::tetrahedron());
-      for (Vec3& v : mesh.vertices) v *= scale;
-      for (std::size_t v = 0; v < 3; ++v) mesh.vertices[v].array() += steps * 0x1p-24 * scale;
+      for (Vec3& v : mesh.vertices)
+        v *= scale;
+      for (std::size_t v = 0; v < 3; ++v)
+        mesh.vertices[v].array() += steps * 0x1p-24 * scale;
       return mesh::weld(mesh).vertices.size();
     };
     EXPECT_EQ(vertices_with_gap(1), 4u) << scale;
@@ -55,38 +60,44 @@ TEST(Weld, ClosesASeamOfSingleStepsAndNothingWider) {
 }
 
 TEST(Weld, FindsNeighboursAcrossEveryCellBorder) {
-  // Pairs a little closer than the tolerance, everywhere: whatever the cells, some pairs straddle a border.
+  // Pairs a little closer than the tolerance, everywhere: whatever the cells, some pairs straddle a
+  // border.
   mesh::TriangleMesh mesh;
   mesh.vertices.emplace_back(1.0, 1.0, 1.0);
   for (int k = 0; k < 2000; ++k) {
     const double x = 0.000'37 * k + 1e-4;
     mesh.vertices.emplace_back(x, x, x);
-    mesh.vertices.emplace_back(x + 0.9 * mesh::kWeldTolerance, x - 0.9 * mesh::kWeldTolerance, x + 0.9 * mesh::kWeldTolerance);
+    mesh.vertices.emplace_back(x + 0.9 * mesh::kWeldTolerance, x - 0.9 * mesh::kWeldTolerance,
+                               x + 0.9 * mesh::kWeldTolerance);
   }
-  for (std::uint32_t v = 0; v + 2 < mesh.vertices.size(); ++v) mesh.triangles.push_back({v, v + 1, v + 2});
+  for (std::uint32_t v = 0; v + 2 < mesh.vertices.size(); ++v)
+    mesh.triangles.push_back({v, v + 1, v + 2});
   EXPECT_EQ(mesh::weld(mesh).vertices.size(), 2001u);
 }
 
 TEST(Weld, PrefersTheLowestNumberedOfSeveralNeighbours) {
   const double near = 0.8 * mesh::kWeldTolerance;
   const mesh::TriangleMesh mesh{{{1, 0, 0}, {1 + 2 * near, 0, 0}, {1 + near, 0, 0}, {0, 1, 0}},
-      {{0, 1, 3}, {1, 2, 3}}};
+                                {{0, 1, 3}, {1, 2, 3}}};
   const auto stands = mesh::standing_vertices(mesh, mesh::kWeldTolerance);
   EXPECT_EQ(stands, (std::vector<std::uint32_t>{0, 1, 0, 3}));
 }
 
 TEST(Weld, LeavesVerticesThatAreNotFiniteAlone) {
-  const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
+  const double nan = std::numeric_limits<double>::quiet_NaN(),
+               inf = std::numeric_limits<double>::infinity();
   const mesh::TriangleMesh mesh{{{nan, 0, 0}, {nan, 0, 0}, {inf, 0, 0}, {1, 0, 0}, {1, 0, 0}},
-      {{0, 1, 2}, {2, 3, 4}}};
+                                {{0, 1, 2}, {2, 3, 4}}};
   EXPECT_EQ(mesh::weld(mesh).vertices.size(), 4u);
 }
 
 TEST(Weld, IsNotMovedByAnUnusedVertexFarAway) {
   mesh::TriangleMesh mesh = samples::soup(samples::tetrahedron());
-  for (std::size_t v = 0; v < 3; ++v) mesh.vertices[v].array() += 1e-4;
+  for (std::size_t v = 0; v < 3; ++v)
+    mesh.vertices[v].array() += 1e-4;
   mesh.vertices.emplace_back(1e30, 0, 0);
-  EXPECT_EQ(mesh::weld(mesh).vertices.size(), 8u);  // 4 + the corners of the shifted triangle + the unused one
+  EXPECT_EQ(mesh::weld(mesh).vertices.size(),
+            8u);  // 4 + the corners of the shifted triangle + the unused one
 }
 
 TEST(Weld, RefusesATriangleWithoutItsVertex) {

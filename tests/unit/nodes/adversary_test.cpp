@@ -1,4 +1,5 @@
-// A ring in contact, in real time, and somebody on its network who writes its messages too: nothing of his is felt, and he is named.
+// A ring in contact, in real time, and somebody on its network who writes its messages too: nothing
+// of his is felt, and he is named.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -34,7 +35,8 @@ std::string pressing_scene() {
   };
   replace("../meshes", std::string(VOXTOUCH_DEPLOY) + "/meshes");
   replace("hold_s: 2.6, repeat_from: 0", "hold_s: 0.2");
-  const auto file = std::filesystem::temp_directory_path() / ("adversary_test_" + std::to_string(getpid()) + ".yaml");
+  const auto file = std::filesystem::temp_directory_path() /
+                    ("adversary_test_" + std::to_string(getpid()) + ".yaml");
   std::ofstream(file) << scene;
   return file.string();
 }
@@ -42,7 +44,8 @@ std::string pressing_scene() {
 template <class Options>
 struct Node {
   Node(Options o, int (*run)(const Options&, const std::atomic<bool>&))
-      : options(std::move(o)), thread([this, run](const std::atomic<bool>& stop) { return run(options, stop); }) {}
+      : options(std::move(o)),
+        thread([this, run](const std::atomic<bool>& stop) { return run(options, stop); }) {}
   Options options;
   NodeThread thread;
 };
@@ -75,7 +78,8 @@ class Attacked : public testing::Test {
     follow("coupling", commands);
     follow("device", states);
     msg::ContactState contact;
-    while (contacts.take(contact)) newest_contact = contact, marked += contact.tool_pose.position.x == kMark;
+    while (contacts.take(contact))
+      newest_contact = contact, marked += contact.tool_pose.position.x == kMark;
     msg::ForceCommand command;
     while (commands.take(command)) {
       newest_command = command;
@@ -83,20 +87,24 @@ class Attacked : public testing::Test {
       largest_force = std::max(largest_force, std::abs(last_force));
     }
     msg::DeviceState state;
-    while (states.take(state)) newest_state = state;
+    while (states.take(state))
+      newest_state = state;
   }
   template <class Reader>
   void follow(const std::string& role, Reader& reader) {
-    if (reader.writer() != 0) return;
+    if (reader.writer() != 0)
+      return;
     for (const auto& report : registry.reports())
-      if (report.node == role && report.pid == static_cast<std::uint32_t>(getpid())) reader.following().follow(report.participant);
+      if (report.node == role && report.pid == static_cast<std::uint32_t>(getpid()))
+        reader.following().follow(report.participant);
   }
   bool sees(const std::function<bool()>& holds, milliseconds patience = std::chrono::seconds(15)) {
     return wait_until([&] { return look(), holds(); }, patience);
   }
   const runtime::NodeReport* report_of(const std::string& role) {
     for (const auto& report : registry.reports())
-      if (report.node == role && report.host != "elsewhere") return &(last_report = report);
+      if (report.node == role && report.host != "elsewhere")
+        return &(last_report = report);
     return nullptr;
   }
   double number(const std::string& role, const std::string& name) {
@@ -109,8 +117,12 @@ class Attacked : public testing::Test {
   }
   /// Until the hand has pressed for a while; the force that is felt then is what stays right.
   void until_it_presses() {
-    ASSERT_TRUE(sees([&] { return newest_state.sequence_number > 1500 && number("device", "max_force_n") > 0.05; }));
-    ASSERT_TRUE(sees([&] { return newest_state.sequence_number > 2700; }));  // and its status has told of all that
+    ASSERT_TRUE(sees([&] {
+      return newest_state.sequence_number > 1500 && number("device", "max_force_n") > 0.05;
+    }));
+    ASSERT_TRUE(sees([&] {
+      return newest_state.sequence_number > 2700;
+    }));  // and its status has told of all that
     felt = number("device", "max_force_n");
     commanded = largest_force, steady = last_force;
     ASSERT_GT(std::abs(steady), 0.05);
@@ -118,7 +130,8 @@ class Attacked : public testing::Test {
     ASSERT_LT(felt, 3.0);
   }
   /// `write` about a thousand times a second for a while; then nothing of it has been felt.
-  void attack(const std::string& what, const std::function<void(Adversary&)>& write, const std::string& who_names_him) {
+  void attack(const std::string& what, const std::function<void(Adversary&)>& write,
+              const std::string& who_names_him) {
     SCOPED_TRACE(what);
     const std::uint64_t before = newest_state.sequence_number;
     Adversary adversary(kDomain, rig);
@@ -129,13 +142,16 @@ class Attacked : public testing::Test {
       std::this_thread::sleep_for(milliseconds(1));
     }
     if (!who_names_him.empty()) {
-      EXPECT_TRUE(sees([&] { return write(adversary), says(who_names_him, "is refused"); }, std::chrono::seconds(5)))
+      EXPECT_TRUE(sees([&] { return write(adversary), says(who_names_him, "is refused"); },
+                       std::chrono::seconds(5)))
           << (report_of(who_names_him) ? last_report.message : "no report");
     }
-    EXPECT_TRUE(sees([&] { return newest_state.sequence_number > before + 900; })) << "the run does not go on";
+    EXPECT_TRUE(sees([&] { return newest_state.sequence_number > before + 900; }))
+        << "the run does not go on";
     EXPECT_LE(number("device", "max_force_n"), 1.15 * felt + 0.05);
     EXPECT_LE(largest_force, 1.15 * commanded + 0.05) << "of the coupling's own commands";
-    EXPECT_TRUE(sees([&] { return std::abs(last_force - steady) < 0.05 * std::abs(steady); }, std::chrono::seconds(3)))
+    EXPECT_TRUE(sees([&] { return std::abs(last_force - steady) < 0.05 * std::abs(steady); },
+                     std::chrono::seconds(3)))
         << "the contact is not felt as before: " << last_force << " N, not " << steady << " N";
     EXPECT_EQ(marked, 0) << "foreign samples reached the rendering";
     EXPECT_EQ(number("coupling", "designs"), 1.0);
@@ -144,7 +160,8 @@ class Attacked : public testing::Test {
   /// He has gone, and nobody is named any more.
   void expect_silence() {
     EXPECT_TRUE(sees([&] {
-      return !says("device", "refused") && !says("coupling", "refused") && !says("rendering", "refused");
+      return !says("device", "refused") && !says("coupling", "refused") &&
+             !says("rendering", "refused");
     })) << last_report.message;
   }
 
@@ -188,37 +205,59 @@ TEST_F(Attacked, ByForeignSamplesTheRingFeelsNoneOfThemAndNamesWhoSendsThem) {
   };
   attack("contacts", contact(30.0), "coupling");
   attack("contacts without stiffness", contact(0.0), "coupling");
-  attack("device samples", [&](Adversary& a) {
-    msg::DeviceState s = newest_state;
-    ++s.sequence_number, s.sample_time_ns += 1'000'000;
-    s.pose.position = {kMark, 0.0, 0.0};
-    a.write(s);
-  }, "rendering");
-  attack("commands", [&](Adversary& a) {
-    msg::ForceCommand c = newest_command;
-    c.sequence_number = newest_state.sequence_number;
-    c.sample_time_ns = newest_state.sample_time_ns, c.valid_until_ns = std::numeric_limits<std::int64_t>::max();
-    c.wrench.force.z = 8.0;
-    a.write(c);
-  }, "device");
-  attack("a false mass", [&](Adversary& a) {
-    msg::DeviceDescription d = stylus(session);
-    d.mass_min_kg = 50.0, d.mass_max_kg = 90.0;
-    a.write(d);
-  }, "coupling");
-  attack("a description of NaN, of another session", [&](Adversary& a) {
-    msg::DeviceDescription d = stylus(session + 1);
-    d.mass_min_kg = d.max_force_n = kNan;
-    a.write(d);
-  }, "rendering");
-  attack("a plan", [&](Adversary& a) { a.write(false_plan(session)); }, "coupling");
-  attack("statuses of its own", [&](Adversary& a) {
-    a.claim("device", session), a.claim("rendering", session), a.claim("coupling", session);
-  }, "");
+  attack(
+      "device samples",
+      [&](Adversary& a) {
+        msg::DeviceState s = newest_state;
+        ++s.sequence_number, s.sample_time_ns += 1'000'000;
+        s.pose.position = {kMark, 0.0, 0.0};
+        a.write(s);
+      },
+      "rendering");
+  attack(
+      "commands",
+      [&](Adversary& a) {
+        msg::ForceCommand c = newest_command;
+        c.sequence_number = newest_state.sequence_number;
+        c.sample_time_ns = newest_state.sample_time_ns,
+        c.valid_until_ns = std::numeric_limits<std::int64_t>::max();
+        c.wrench.force.z = 8.0;
+        a.write(c);
+      },
+      "device");
+  attack(
+      "a false mass",
+      [&](Adversary& a) {
+        msg::DeviceDescription d = stylus(session);
+        d.mass_min_kg = 50.0, d.mass_max_kg = 90.0;
+        a.write(d);
+      },
+      "coupling");
+  attack(
+      "a description of NaN, of another session",
+      [&](Adversary& a) {
+        msg::DeviceDescription d = stylus(session + 1);
+        d.mass_min_kg = d.max_force_n = kNan;
+        a.write(d);
+      },
+      "rendering");
+  attack(
+      "a plan", [&](Adversary& a) { a.write(false_plan(session)); }, "coupling");
+  attack(
+      "statuses of its own",
+      [&](Adversary& a) {
+        a.claim("device", session), a.claim("rendering", session), a.claim("coupling", session);
+      },
+      "");
   const auto real = registry.reports();
-  attack("statuses in the others' names", [&](Adversary& a) {
-    for (const auto& report : real) a.claim(report.node, report.session_id + 1, msg::node_status::kStateFailed, report.participant);
-  }, "");
+  attack(
+      "statuses in the others' names",
+      [&](Adversary& a) {
+        for (const auto& report : real)
+          a.claim(report.node, report.session_id + 1, msg::node_status::kStateFailed,
+                  report.participant);
+      },
+      "");
   expect_silence();
 }
 
@@ -228,16 +267,20 @@ TEST_F(Attacked, ByABagOfAnotherSessionTheRunGoesOn) {
   const std::uint64_t old = 12345;
   bus::Guid gone{};
   gone[0] = 7;
-  attack("ros2 bag play", [&](Adversary& a) {
-    for (const char* role : {"device", "rendering", "coupling"}) a.claim(role, old, msg::node_status::kStateRunning, gone);
-    a.write(stylus(old)), a.write(false_plan(old));
-    msg::DeviceState s = newest_state;
-    msg::ContactState c = newest_contact;
-    msg::ForceCommand f = newest_command;
-    s.session_id = c.session_id = f.session_id = old;
-    s.pose.position.x = kMark, c.wrench.force.z = f.wrench.force.z = 8.0;
-    a.write(s), a.write(c), a.write(f);
-  }, "coupling");
+  attack(
+      "ros2 bag play",
+      [&](Adversary& a) {
+        for (const char* role : {"device", "rendering", "coupling"})
+          a.claim(role, old, msg::node_status::kStateRunning, gone);
+        a.write(stylus(old)), a.write(false_plan(old));
+        msg::DeviceState s = newest_state;
+        msg::ContactState c = newest_contact;
+        msg::ForceCommand f = newest_command;
+        s.session_id = c.session_id = f.session_id = old;
+        s.pose.position.x = kMark, c.wrench.force.z = f.wrench.force.z = 8.0;
+        a.write(s), a.write(c), a.write(f);
+      },
+      "coupling");
   expect_silence();
 }
 
@@ -264,13 +307,15 @@ TEST_F(Attacked, FromTheStartTheRingStillFindsItself) {
 TEST(LockstepAttacked, ByOneWhoCallsHimselfAsItsNodesAndFallsSilentTheRunGoesOn) {
   const std::string rig = own_rig("l"), scene = pressing_scene();
   const auto in_lockstep = [&](auto options) {
-    options.rig = rig, options.domain = kDomain, options.network_interface = "lo", options.scene = scene, options.lockstep = true;
+    options.rig = rig, options.domain = kDomain, options.network_interface = "lo",
+    options.scene = scene, options.lockstep = true;
     options.peers = {"rendering", "coupling"};
     return options;
   };
   auto of_device = in_lockstep(device_node::Options());
   of_device.motion = "hit";
-  Node<rendering_node::Options> rendering(in_lockstep(rendering_node::Options()), rendering_node::run);
+  Node<rendering_node::Options> rendering(in_lockstep(rendering_node::Options()),
+                                          rendering_node::run);
   Node<coupling_node::Options> coupling(in_lockstep(coupling_node::Options()), coupling_node::run);
   Node<device_node::Options> device(of_device, device_node::run);
   bus::Participant listener{{kDomain, "lo", "listener"}};
@@ -278,16 +323,19 @@ TEST(LockstepAttacked, ByOneWhoCallsHimselfAsItsNodesAndFallsSilentTheRunGoesOn)
   const auto samples = [&] {
     registry.update();
     for (const auto& report : registry.reports())
-      if (report.node == "device" && report.figures.contains("samples")) return report.figures.at("samples").value;
+      if (report.node == "device" && report.figures.contains("samples"))
+        return report.figures.at("samples").value;
     return 0.0;
   };
   ASSERT_TRUE(wait_until([&] { return samples() > 100.0; }));
   std::uint64_t session = 0;
-  for (const auto& report : registry.reports()) session = std::max(session, report.session_id);
+  for (const auto& report : registry.reports())
+    session = std::max(session, report.session_id);
   std::vector<std::unique_ptr<Adversary>> silent;
   for (const char* name : {"rendering", "coupling"}) {
     silent.push_back(std::make_unique<Adversary>(kDomain, rig, qos::TimeMode::kLockstep));
-    ASSERT_TRUE(wait_until([&] { return silent.back()->writer<msg::NodeStatus>().matched_count() >= 4; }));
+    ASSERT_TRUE(
+        wait_until([&] { return silent.back()->writer<msg::NodeStatus>().matched_count() >= 4; }));
     silent.back()->claim(name, session);
   }
   std::this_thread::sleep_for(std::chrono::seconds(7));
@@ -297,7 +345,8 @@ TEST(LockstepAttacked, ByOneWhoCallsHimselfAsItsNodesAndFallsSilentTheRunGoesOn)
   EXPECT_EQ(rendering.thread.status(), -1);
   EXPECT_EQ(coupling.thread.status(), -1);
   coupling.thread.end();
-  EXPECT_TRUE(wait_until([&] { return device.thread.status() == 1; }, std::chrono::seconds(3))) << "he has covered for the coupling, which is gone";
+  EXPECT_TRUE(wait_until([&] { return device.thread.status() == 1; }, std::chrono::seconds(3)))
+      << "he has covered for the coupling, which is gone";
 }
 
 }  // namespace

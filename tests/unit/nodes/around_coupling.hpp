@@ -28,13 +28,14 @@ inline std::string scene_with(const std::string& coupling) {
   std::ifstream in(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml");
   std::string line, text;
   while (std::getline(in, line)) {
-    if (line.starts_with("coupling:")) line = "coupling: " + coupling;
+    if (line.starts_with("coupling:"))
+      line = "coupling: " + coupling;
     if (const auto at = line.find("../meshes"); at != std::string::npos)
       line.replace(at, 9, std::string(VOXTOUCH_DEPLOY) + "/meshes");
     text += line + "\n";
   }
-  const auto file =
-      std::filesystem::temp_directory_path() / ("coupling_node_test_" + std::to_string(getpid()) + ".yaml");
+  const auto file = std::filesystem::temp_directory_path() /
+                    ("coupling_node_test_" + std::to_string(getpid()) + ".yaml");
   std::ofstream(file) << text;
   return file.string();
 }
@@ -49,11 +50,15 @@ struct Seen {
 class Around {
  public:
   explicit Around(const std::string& coupling, bool lockstep = false, bool standby = false)
-      : rig(own_rig("c")), device(kDomain, "device", rig), rendering(std::make_unique<StandIn>(kDomain, "rendering", rig)),
-        participant({kDomain, "lo", "around"}), registry(participant, rig),
+      : rig(own_rig("c")),
+        device(kDomain, "device", rig),
+        rendering(std::make_unique<StandIn>(kDomain, "rendering", rig)),
+        participant({kDomain, "lo", "around"}),
+        registry(participant, rig),
         descriptions(device.participant, qos::kDeviceDescription, rig, latched()),
         plans(rendering->participant, qos::kScenePlan, rig, latched()),
-        contacts(rendering->participant, qos::kContactState, rig, qos::profile(lockstep ? qos::ProfileId::kLockstep : qos::ProfileId::kStream)),
+        contacts(rendering->participant, qos::kContactState, rig,
+                 qos::profile(lockstep ? qos::ProfileId::kLockstep : qos::ProfileId::kStream)),
         designs(participant, qos::kCouplingDesign, rig, latched()),
         commands(participant, qos::kForceCommand, rig, qos::profile(qos::ProfileId::kTap)),
         options(options_for(coupling, lockstep, standby)),
@@ -63,7 +68,8 @@ class Around {
              commands.matched_count() && designs.matched_count();
     }));
   }
-  coupling_node::Options options_for(const std::string& coupling, bool lockstep, bool standby) const {
+  coupling_node::Options options_for(const std::string& coupling, bool lockstep,
+                                     bool standby) const {
     auto o = node_options<coupling_node::Options>(rig);
     o.lockstep = lockstep;
     o.standby.is_standby = standby;
@@ -95,29 +101,36 @@ class Around {
     double damping_nms_per_rad = 0.0;
     double external_force_n = 0.0;
   };
-  void plan(double one_point_n_per_m = 30.0, std::uint64_t session = 7) { plan(one_point_n_per_m, session, {0.0, 0.0, ""}); }
+  void plan(double one_point_n_per_m = 30.0, std::uint64_t session = 7) {
+    plan(one_point_n_per_m, session, {0.0, 0.0, ""});
+  }
   void plan(double one_point_n_per_m, std::uint64_t session, const Demand& demand) {
     plans.write(message_of(one_point_n_per_m, session, demand));
     rendering->say(session);
   }
   /// `demand` has to live as long as the message.
-  static msg::ScenePlan message_of(double one_point_n_per_m, std::uint64_t session, const Demand& demand) {
+  static msg::ScenePlan message_of(double one_point_n_per_m, std::uint64_t session,
+                                   const Demand& demand) {
     static const std::string text = "plane", oil = "oil", none;
     msg::ScenePlan m{};
     m.session_id = session;
     m.scene = m.scene_hash = m.contact_model = runtime::lend(text);
     m.one_point_stiffness_n_per_m = one_point_n_per_m;
     m.all_points_stiffness_n_per_m = 100 * one_point_n_per_m;
-    m.one_point_stiffness_nm_per_rad = 1e-4 * one_point_n_per_m, m.all_points_stiffness_nm_per_rad = 1e-2 * one_point_n_per_m;
+    m.one_point_stiffness_nm_per_rad = 1e-4 * one_point_n_per_m,
+    m.all_points_stiffness_nm_per_rad = 1e-2 * one_point_n_per_m;
     m.effects_damping_ns_per_m = m.largest_damping_ns_per_m = demand.damping_ns_per_m;
     m.least_stiffness_n_per_m = demand.least_n_per_m;
-    m.largest_damping = m.stiffest = runtime::lend(oil), m.largest_damping_place = runtime::lend(none);
+    m.largest_damping = m.stiffest = runtime::lend(oil),
+    m.largest_damping_place = runtime::lend(none);
     m.effects_damping_nms_per_rad = m.largest_damping_nms_per_rad = demand.damping_nms_per_rad;
-    m.largest_turning_damping = runtime::lend(oil), m.largest_turning_damping_place = runtime::lend(none);
+    m.largest_turning_damping = runtime::lend(oil),
+    m.largest_turning_damping_place = runtime::lend(none);
     m.torque_effect = runtime::lend(demand.torque);
     static const std::string hand = "remote";
     m.external_force_n = demand.external_force_n;
-    m.external_effect = runtime::lend(demand.external_force_n != 0.0 ? hand : none), m.external_place = runtime::lend(none);
+    m.external_effect = runtime::lend(demand.external_force_n != 0.0 ? hand : none),
+    m.external_place = runtime::lend(none);
     return m;
   }
   /// Force stops within some samples, and the node says why; `text` stands in its sentence.
@@ -127,9 +140,11 @@ class Around {
       return message().find("No force") != std::string::npos;
     })) << message();
     EXPECT_NE(message().find(text), std::string::npos) << message();
-    for (int i = 0; i < 20; ++i) touch();
+    for (int i = 0; i < 20; ++i)
+      touch();
     forces.clear();
-    for (int i = 0; i < 100; ++i) touch();
+    for (int i = 0; i < 100; ++i)
+      touch();
     EXPECT_TRUE(forces.empty());
   }
   bool force_comes() {
@@ -158,11 +173,13 @@ class Around {
   }
   void look() {
     msg::ForceCommand command;
-    while (commands.take(command)) forces.push_back(command.wrench.force.z);
+    while (commands.take(command))
+      forces.push_back(command.wrench.force.z);
     designs.take_each([this](const msg::CouplingDesign& d) {
-      seen.push_back({d.status, d.kind, d.cutoff_hz, d.shown_stiffness_n_per_m, d.injected_damping_ns_per_m,
-                      d.reasons._length, d.notes._length});
-      for (std::uint32_t n = 0; n < d.notes._length; ++n) notes.emplace_back(d.notes._buffer[n]);
+      seen.push_back({d.status, d.kind, d.cutoff_hz, d.shown_stiffness_n_per_m,
+                      d.injected_damping_ns_per_m, d.reasons._length, d.notes._length});
+      for (std::uint32_t n = 0; n < d.notes._length; ++n)
+        notes.emplace_back(d.notes._buffer[n]);
     });
   }
   std::string message() {

@@ -45,16 +45,18 @@ class Asker {
       return !said[request].empty();
     });
   }
-  std::uint64_t send(msg::EffectChange m, const std::string& effect = "", const std::string& parameter = "",
-                     const std::string& model = "") {
+  std::uint64_t send(msg::EffectChange m, const std::string& effect = "",
+                     const std::string& parameter = "", const std::string& model = "") {
     m.request = ++requests;
-    m.effect = runtime::lend(effect), m.parameter = runtime::lend(parameter), m.model = runtime::lend(model);
+    m.effect = runtime::lend(effect), m.parameter = runtime::lend(parameter),
+    m.model = runtime::lend(model);
     changes.write(m);
     return requests;
   }
   /// The first word on a request, if only that it waits.
   Said first_word(std::uint64_t request) {
-    EXPECT_TRUE(wait_until([&] { return take_answers(), !said[request].empty(); })) << "nobody answered " << request;
+    EXPECT_TRUE(wait_until([&] { return take_answers(), !said[request].empty(); }))
+        << "nobody answered " << request;
     return said[request].empty() ? Said{} : said[request].front();
   }
   /// The last word on a request; `meanwhile` is done until it comes.
@@ -62,14 +64,17 @@ class Asker {
     EXPECT_TRUE(wait_until([&] {
       meanwhile();
       take_answers();
-      return !said[request].empty() && said[request].back().result != msg::effect_changed::kResultWaiting;
+      return !said[request].empty() &&
+             said[request].back().result != msg::effect_changed::kResultWaiting;
     })) << "nobody answered "
         << request;
     return said[request].empty() ? Said{} : said[request].back();
   }
 
   void take_answers() {
-    answers.take_each([&](const msg::EffectChanged& a) { said[a.request].push_back({a.result, a.from_sample, a.session_id, a.sentence}); });
+    answers.take_each([&](const msg::EffectChanged& a) {
+      said[a.request].push_back({a.result, a.from_sample, a.session_id, a.sentence});
+    });
   }
 
   bus::Writer<msg::EffectChange> changes;
@@ -78,8 +83,8 @@ class Asker {
   std::uint64_t requests = 0;
 };
 
-inline msg::EffectChange change(std::uint32_t action, double value = 0.0, std::uint64_t from_sample = 0,
-                         std::uint64_t session = 0) {
+inline msg::EffectChange change(std::uint32_t action, double value = 0.0,
+                                std::uint64_t from_sample = 0, std::uint64_t session = 0) {
   msg::EffectChange m{};
   m.action = action;
   m.value[0] = value;

@@ -50,22 +50,30 @@ class ChangeLineTest : public testing::Test {
   ChangeLineTest() {
     scene::Scene scene = scene::load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml");
     const effects::EffectKind* kind = effects::find_effect_kind("viscosity");
-    scene.effects = {
-        effects::EffectSpec{.name = "viscosity", .kind = kind, .values = effects::EffectValues(kind->parameters), .region = {}}};
+    scene.effects = {effects::EffectSpec{.name = "viscosity",
+                                         .kind = kind,
+                                         .values = effects::EffectValues(kind->parameters),
+                                         .region = {}}};
     scene.effects[0].values.at(0)[0] = 1.0;
     built_ = rendering::build_scene(scene, serial_for());
     next_ = rendering::build_scene(scene, serial_for());
     live_.emplace(*built_);
   }
-  void ask(std::uint64_t ticket, std::uint64_t from_sample = 0, double gain = 0.5, std::uint64_t session = 0) {
-    Change change{.ticket = ticket, .session = session, .from_sample = from_sample, .epoch = epoch_, .effect = {}};
+  void ask(std::uint64_t ticket, std::uint64_t from_sample = 0, double gain = 0.5,
+           std::uint64_t session = 0) {
+    Change change{.ticket = ticket,
+                  .session = session,
+                  .from_sample = from_sample,
+                  .epoch = epoch_,
+                  .effect = {}};
     change.effect = {.action = effects::EffectAction::kGain, .value = {gain, 0.0, 0.0}};
     ASSERT_TRUE(line_.ask(change));
   }
   std::vector<ChangeReport> reports() {
     std::vector<ChangeReport> all;
     ChangeReport report;
-    while (line_.next_report(report)) all.push_back(report), epoch_ = report.epoch;
+    while (line_.next_report(report))
+      all.push_back(report), epoch_ = report.epoch;
     return all;
   }
   double gain() { return live_->effects().spec(0).gain; }
@@ -90,7 +98,8 @@ TEST_F(ChangeLineTest, MakesAChangeThatWaitsForNothingAtTheNextSample) {
 
 TEST_F(ChangeLineTest, WaitsForTheSampleThatWasNamedAndKeepsTheOrder) {
   ask(1, 9, 0.25), ask(2, 0, 0.75);
-  for (std::uint64_t sample = 5; sample < 9; ++sample) line_.apply_due(*live_, sample, true);
+  for (std::uint64_t sample = 5; sample < 9; ++sample)
+    line_.apply_due(*live_, sample, true);
   EXPECT_EQ(gain(), 1.0);
   line_.apply_due(*live_, 9, false);
   EXPECT_EQ(gain(), 1.0) << "sample 9 is not there yet";
@@ -114,25 +123,34 @@ TEST_F(ChangeLineTest, RefusesASampleThatHasPassedAndWhatWasJudgedByIt) {
 
 TEST_F(ChangeLineTest, MakesWhatBelongsTogetherInOneSampleOrNotAtAll) {
   const auto pair = [&](std::uint64_t ticket, std::uint64_t from_sample, double gain) {
-    std::array<Change, 2> both{Change{.ticket = ticket, .from_sample = from_sample, .epoch = epoch_, .following = 1, .effect = {}},
-                               Change{.ticket = ticket + 1, .from_sample = from_sample, .epoch = epoch_, .effect = {}}};
+    std::array<Change, 2> both{
+        Change{.ticket = ticket,
+               .from_sample = from_sample,
+               .epoch = epoch_,
+               .following = 1,
+               .effect = {}},
+        Change{.ticket = ticket + 1, .from_sample = from_sample, .epoch = epoch_, .effect = {}}};
     both[0].effect = {.action = effects::EffectAction::kGain, .value = {gain, 0.0, 0.0}};
     both[1].effect = {.action = effects::EffectAction::kSwitch, .value = {0.0, 0.0, 0.0}};
     return line_.ask(both);
   };
   ASSERT_TRUE(pair(1, 3, 0.25));
   line_.apply_due(*live_, 4, true);
-  for (const ChangeReport& late : reports()) EXPECT_EQ(late.what, What::kLate);
+  for (const ChangeReport& late : reports())
+    EXPECT_EQ(late.what, What::kLate);
   ASSERT_TRUE(pair(3, 0, 0.25));
   line_.cancel(3);
   line_.apply_due(*live_, 5, true);
   EXPECT_EQ(reports().size(), 2U);
   EXPECT_EQ(gain(), 1.0);
-  EXPECT_TRUE(live_->effects().spec(0).on) << "what stands behind a change that is dropped is dropped with it";
+  EXPECT_TRUE(live_->effects().spec(0).on)
+      << "what stands behind a change that is dropped is dropped with it";
 
-  // Nobody takes the reports: all but two places are full, and each of the pair needs one, with one to spare.
+  // Nobody takes the reports: all but two places are full, and each of the pair needs one, with one
+  // to spare.
   std::uint64_t ticket = 5, sample = 10;
-  for (std::size_t n = 0; n < 4 * ChangeLine::kCapacity - 2; ++n, ++ticket) ask(ticket, 0, 0.5), line_.apply_due(*live_, sample++, true);
+  for (std::size_t n = 0; n < 4 * ChangeLine::kCapacity - 2; ++n, ++ticket)
+    ask(ticket, 0, 0.5), line_.apply_due(*live_, sample++, true);
   ASSERT_TRUE(pair(ticket, 0, 0.125));
   line_.apply_due(*live_, sample++, true);
   EXPECT_EQ(gain(), 0.5) << "half a pair was made";
@@ -140,8 +158,10 @@ TEST_F(ChangeLineTest, MakesWhatBelongsTogetherInOneSampleOrNotAtAll) {
   line_.apply_due(*live_, sample, true);
   EXPECT_EQ(gain(), 0.125);
   EXPECT_FALSE(live_->effects().spec(0).on);
-  for (const ChangeReport& made : reports()) EXPECT_TRUE(made.what == What::kApplied && made.sample == sample);
-  for (std::size_t n = 0; n + 1 < ChangeLine::kCapacity; ++n) ask(ticket + 2 + n);
+  for (const ChangeReport& made : reports())
+    EXPECT_TRUE(made.what == What::kApplied && made.sample == sample);
+  for (std::size_t n = 0; n + 1 < ChangeLine::kCapacity; ++n)
+    ask(ticket + 2 + n);
   EXPECT_FALSE(pair(ticket + 100, 0, 0.0)) << "the queue has room for one";
 }
 
@@ -151,7 +171,8 @@ TEST_F(ChangeLineTest, AnotherSessionDropsWhatWaitsForTheLastOnesSamples) {
   line_.apply_due(*live_, 0, true);
   EXPECT_TRUE(reports().empty()) << "asked for before any session, it waits for the first";
   line_.begin_session(78);
-  for (std::uint64_t sample = 0; sample < 20; ++sample) line_.apply_due(*live_, sample, true);
+  for (std::uint64_t sample = 0; sample < 20; ++sample)
+    line_.apply_due(*live_, sample, true);
   EXPECT_EQ(gain(), 1.0);
   const auto said = reports();
   ASSERT_EQ(said.size(), 1U);
@@ -189,7 +210,8 @@ TEST_F(ChangeLineTest, MakesNothingInASessionBeforeItWasHeldAgainstItsDevice) {
 }
 
 TEST_F(ChangeLineTest, SaysWhenAllNumbersHaveCome) {
-  Change change{.ticket = 1, .effect = {.action = effects::EffectAction::kValue, .value = {0.5, 0.0, 0.0}}};
+  Change change{.ticket = 1,
+                .effect = {.action = effects::EffectAction::kValue, .value = {0.5, 0.0, 0.0}}};
   ASSERT_TRUE(line_.ask(change));
   rendering::ToolState tool;
   tool.pose.position = Vec3(0, 0, 0.05);
@@ -197,7 +219,8 @@ TEST_F(ChangeLineTest, SaysWhenAllNumbersHaveCome) {
   for (std::uint64_t sample = 1; sample < 150; ++sample) {
     line_.apply_due(*live_, sample, true);
     for (const ChangeReport& report : reports())
-      if (report.what == What::kAtRest) came = sample;
+      if (report.what == What::kAtRest)
+        came = sample;
     live_->render(tool, 0.001 * static_cast<double>(sample));
   }
   EXPECT_NEAR(static_cast<double>(came), 101.0, 2.0);
@@ -216,7 +239,8 @@ TEST_F(ChangeLineTest, SwapsASceneAndGivesTheOldOneBackOnlyWhenItHasFadedOut) {
     live_->render(tool, 0.001 * i);
     ASSERT_TRUE(reports().empty()) << i;
   }
-  for (int i = 199; i < 202; ++i) live_->render(tool, 0.001 * i), line_.apply_due(*live_, 2, true);
+  for (int i = 199; i < 202; ++i)
+    live_->render(tool, 0.001 * i), line_.apply_due(*live_, 2, true);
   const auto said = reports();
   ASSERT_EQ(said.size(), 1U);
   EXPECT_EQ(said[0].what, What::kRetired);
@@ -225,16 +249,19 @@ TEST_F(ChangeLineTest, SwapsASceneAndGivesTheOldOneBackOnlyWhenItHasFadedOut) {
 
 TEST_F(ChangeLineTest, TakesNoMoreThanItCanReport) {
   for (std::uint64_t ticket = 1; ticket <= 1000; ++ticket) {
-    Change change{.ticket = ticket, .effect = {.action = effects::EffectAction::kGain, .value = {0.5, 0.0, 0.0}}};
+    Change change{.ticket = ticket,
+                  .effect = {.action = effects::EffectAction::kGain, .value = {0.5, 0.0, 0.0}}};
     if (!line_.ask(change)) {
       line_.apply_due(*live_, ticket, true);
-      if (!line_.ask(change)) break;
+      if (!line_.ask(change))
+        break;
     }
   }
   std::uint64_t expected = 1;
   ChangeReport report;
   const auto drain = [&] {
-    while (line_.next_report(report)) ASSERT_EQ(report.ticket, expected++) << "one was forgotten";
+    while (line_.next_report(report))
+      ASSERT_EQ(report.ticket, expected++) << "one was forgotten";
   };
   drain(), line_.apply_due(*live_, 5, true), drain();
   EXPECT_EQ(expected - 1, line_.applied());

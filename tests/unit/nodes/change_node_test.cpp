@@ -1,4 +1,5 @@
-// The rendering node asked to change while it runs, over real DDS: what it does, and what it refuses.
+// The rendering node asked to change while it runs, over real DDS: what it does, and what it
+// refuses.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -27,7 +28,8 @@ constexpr double kPressed = 0.0085, kSpeed = 0.1;
 class SceneCopy {
  public:
   SceneCopy()
-      : file(std::filesystem::temp_directory_path() / ("change_node_test_" + std::to_string(getpid()) + ".yaml")) {
+      : file(std::filesystem::temp_directory_path() /
+             ("change_node_test_" + std::to_string(getpid()) + ".yaml")) {
     std::ifstream in(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml");
     std::stringstream text;
     text << in.rdbuf();
@@ -51,12 +53,17 @@ class SceneCopy {
 class RenderingLive : public testing::Test {
  protected:
   RenderingLive()
-      : rig(own_rig("x")), device(kDomain, "device", rig), participant(device.participant), registry(participant, rig),
+      : rig(own_rig("x")),
+        device(kDomain, "device", rig),
+        participant(device.participant),
+        registry(participant, rig),
         descriptions(participant, qos::kDeviceDescription, rig, latched()),
         plans(participant, qos::kScenePlan, rig, latched()),
         states(participant, qos::kDeviceState, rig, qos::profile(qos::ProfileId::kStream)),
-        contacts(participant, qos::kContactState, rig, qos::profile(qos::ProfileId::kTap)), asker(participant, rig),
-        options(node_options<rendering_node::Options>(rig)), node([this](const std::atomic<bool>& stop) {
+        contacts(participant, qos::kContactState, rig, qos::profile(qos::ProfileId::kTap)),
+        asker(participant, rig),
+        options(node_options<rendering_node::Options>(rig)),
+        node([this](const std::atomic<bool>& stop) {
           options.scene = scene.file;
           return rendering_node::run(options, stop);
         }) {
@@ -79,7 +86,8 @@ class RenderingLive : public testing::Test {
   }
   void look() {
     plans.take_each([this](const msg::ScenePlan& p) {
-      planned = p.session_id, demanded_ns_per_m = p.effects_damping_ns_per_m, plan_from_sample = p.from_sample, voxel_size_m = p.voxel_size_m, model = p.contact_model,
+      planned = p.session_id, demanded_ns_per_m = p.effects_damping_ns_per_m,
+      plan_from_sample = p.from_sample, voxel_size_m = p.voxel_size_m, model = p.contact_model,
       ++plan_count;
     });
     msg::ContactState c;
@@ -88,7 +96,8 @@ class RenderingLive : public testing::Test {
         // Samples may be lost in real time: the time between two that came counts.
         const auto ms = static_cast<double>(c.sequence_number - seen.back().sequence_number);
         const auto &a = seen.back().wrench.force, &b = c.wrench.force;
-        if (ms > 0) largest_step = std::max(largest_step, std::hypot(b.x - a.x, b.y - a.y, b.z - a.z) / ms);
+        if (ms > 0)
+          largest_step = std::max(largest_step, std::hypot(b.x - a.x, b.y - a.y, b.z - a.z) / ms);
       }
       seen.push_back(c);
     }
@@ -107,10 +116,11 @@ class RenderingLive : public testing::Test {
     look();
   }
   void samples(int count) {
-    for (int i = 0; i < count; ++i) sample();
+    for (int i = 0; i < count; ++i)
+      sample();
   }
-  Said ask(const msg::EffectChange& m, const std::string& effect = "viscosity", const std::string& parameter = "",
-           const std::string& contact_model = "") {
+  Said ask(const msg::EffectChange& m, const std::string& effect = "viscosity",
+           const std::string& parameter = "", const std::string& contact_model = "") {
     return asker.last_word(asker.send(m, effect, parameter, contact_model), [this] { sample(); });
   }
   runtime::NodeReport report() {
@@ -126,7 +136,8 @@ class RenderingLive : public testing::Test {
   }
   void refused(const Said& said, const std::string& why) {
     EXPECT_EQ(said.result, result::kResultRefused) << said.sentence;
-    EXPECT_NE(said.sentence.find(why), std::string::npos) << said.sentence << "\n should say: " << why;
+    EXPECT_NE(said.sentence.find(why), std::string::npos)
+        << said.sentence << "\n should say: " << why;
   }
   double drag() const { return seen.back().effects_wrench.force.x; }
   double push() const { return seen.back().wrench.force.z; }
@@ -154,7 +165,8 @@ TEST_F(RenderingLive, SwitchesAndSetsAnEffectWithoutAStep) {
   begin(5);
   samples(50);
   ASSERT_NEAR(drag(), -2.0 * kSpeed, 1e-12);
-  const double whole = 2.0 * kSpeed, ramp = 1.001 * whole * 0.001 / effects::EffectChain::kEffectRampS;
+  const double whole = 2.0 * kSpeed,
+               ramp = 1.001 * whole * 0.001 / effects::EffectChain::kEffectRampS;
   largest_step = 0.0;
   const Said off = ask(change(kActionSwitch, 0.0));
   EXPECT_EQ(off.result, result::kResultDone) << off.sentence;
@@ -168,23 +180,27 @@ TEST_F(RenderingLive, SwitchesAndSetsAnEffectWithoutAStep) {
   EXPECT_EQ(ask(change(kActionGain, 0.5)).result, result::kResultDone);
   samples(150);
   EXPECT_NEAR(drag(), -kSpeed, 1e-12);
-  EXPECT_EQ(ask(change(kActionValue, 1.0), "viscosity", "damping_ns_per_m").result, result::kResultDone);
+  EXPECT_EQ(ask(change(kActionValue, 1.0), "viscosity", "damping_ns_per_m").result,
+            result::kResultDone);
   samples(150);
   EXPECT_NEAR(drag(), -0.5 * kSpeed, 1e-12);
   EXPECT_LE(largest_step, 2 * ramp) << "at most two ramps at once";
   samples(150);
-  EXPECT_EQ(plan_count, 2) << "gain and switch demand nothing else of the device; the smaller value does, once it has come";
+  EXPECT_EQ(plan_count, 2) << "gain and switch demand nothing else of the device; the smaller "
+                              "value does, once it has come";
   EXPECT_EQ(demanded_ns_per_m, 1.0);
 }
 
 TEST_F(RenderingLive, RefusesGarbageWithASentenceAndGoesOnAsBefore) {
   begin(5);
   samples(50);
-  const auto refused = [&](const msg::EffectChange& m, const std::string& effect, const std::string& parameter,
-                           const std::string& contact_model, const std::string& why) {
+  const auto refused = [&](const msg::EffectChange& m, const std::string& effect,
+                           const std::string& parameter, const std::string& contact_model,
+                           const std::string& why) {
     const Said said = ask(m, effect, parameter, contact_model);
     EXPECT_EQ(said.result, result::kResultRefused) << said.sentence;
-    EXPECT_NE(said.sentence.find(why), std::string::npos) << said.sentence << "\n should say: " << why;
+    EXPECT_NE(said.sentence.find(why), std::string::npos)
+        << said.sentence << "\n should say: " << why;
     EXPECT_LT(said.sentence.size(), 500U);
   };
   const std::string v = "viscosity", endless(1'000'000, 'x');
@@ -210,7 +226,8 @@ TEST_F(RenderingLive, RefusesGarbageWithASentenceAndGoesOnAsBefore) {
     reload.voxel_size_m = bad;
     refused(reload, "", "", "", "above 0");
   }
-  for (int i = 0; i < 2000; ++i) asker.send(change(kActionValue, kNan), v, "damping_ns_per_m");
+  for (int i = 0; i < 2000; ++i)
+    asker.send(change(kActionValue, kNan), v, "damping_ns_per_m");
   samples(100);
   EXPECT_NEAR(drag(), -2.0 * kSpeed, 1e-12);
   EXPECT_LT(largest_step, 1e-9) << "nothing of it was felt";
@@ -260,12 +277,14 @@ TEST_F(RenderingLive, DropsWhatWaitsForASampleOfASessionThatHasEnded) {
   EXPECT_EQ(said.result, result::kResultRefused);
   EXPECT_NE(said.sentence.find("another session"), std::string::npos) << said.sentence;
   EXPECT_NEAR(drag(), -2.0 * kSpeed, 1e-12);
-  EXPECT_EQ(ask(change(kActionSwitch, 0.0)).result, result::kResultDone) << "and nothing stays stuck";
+  EXPECT_EQ(ask(change(kActionSwitch, 0.0)).result, result::kResultDone)
+      << "and nothing stays stuck";
 }
 
 TEST_F(RenderingLive, BuildsTheSceneAnewBesideTheLoopAndFadesOverToIt) {
   begin(5);
-  EXPECT_EQ(ask(change(kActionValue, 1.0), "viscosity", "damping_ns_per_m").result, result::kResultDone);
+  EXPECT_EQ(ask(change(kActionValue, 1.0), "viscosity", "damping_ns_per_m").result,
+            result::kResultDone);
   samples(150);
   const double before = push();
   ASSERT_GT(before, 0.01);
@@ -283,9 +302,11 @@ TEST_F(RenderingLive, BuildsTheSceneAnewBesideTheLoopAndFadesOverToIt) {
   const double after = push();
   EXPECT_GT(std::abs(after - before), 0.5 * before);
   EXPECT_LE(largest_step, 1.01 * std::abs(after - before) * 0.001 / rendering::LiveScene::kFadeS);
-  EXPECT_NEAR(drag(), -1.0 * kSpeed, 1e-12) << "what was changed stays where the file says the same";
+  EXPECT_NEAR(drag(), -1.0 * kSpeed, 1e-12)
+      << "what was changed stays where the file says the same";
   int fading = 0;
-  for (const msg::ContactState& c : seen) fading += (c.flags & msg::contact_state::kFlagFading) != 0;
+  for (const msg::ContactState& c : seen)
+    fading += (c.flags & msg::contact_state::kFlagFading) != 0;
   EXPECT_GT(fading, 100);
   EXPECT_LE(fading, 201);
   EXPECT_GT(seen.size(), faded_from);
@@ -349,20 +370,24 @@ TEST_F(RenderingLive, RefusesEveryChangeThatTheDeviceDoesNotStand) {
 }
 
 TEST_F(RenderingLive, JudgesWhatWasChangedBeforeADeviceCameWhenItComes) {
-  EXPECT_EQ(ask(change(kActionValue, 50.0), "viscosity", "damping_ns_per_m").result, result::kResultDone);
-  const std::uint64_t waits = asker.send(change(kActionValue, 60.0, 300), "viscosity", "damping_ns_per_m");
+  EXPECT_EQ(ask(change(kActionValue, 50.0), "viscosity", "damping_ns_per_m").result,
+            result::kResultDone);
+  const std::uint64_t waits =
+      asker.send(change(kActionValue, 60.0, 300), "viscosity", "damping_ns_per_m");
   begin(5);
   EXPECT_EQ(demanded_ns_per_m, 50.0) << "the coupling is told";
   EXPECT_TRUE(says("margin of 2"));
   EXPECT_EQ(report().state, runtime::NodeState::kFailed);
   refused(asker.last_word(waits, [this] { sample(); }), kStands);
-  EXPECT_EQ(ask(change(kActionValue, 1.0), "viscosity", "damping_ns_per_m").result, result::kResultDone);
+  EXPECT_EQ(ask(change(kActionValue, 1.0), "viscosity", "damping_ns_per_m").result,
+            result::kResultDone);
   EXPECT_TRUE(says("is built"));
   EXPECT_EQ(demanded_ns_per_m, 1.0);
 }
 
 TEST_F(RenderingLive, DropsWhatWaitsForASampleWhereTheDeviceThatComesDoesNotStandIt) {
-  const std::uint64_t waits = asker.send(change(kActionValue, 60.0, 300), "viscosity", "damping_ns_per_m");
+  const std::uint64_t waits =
+      asker.send(change(kActionValue, 60.0, 300), "viscosity", "damping_ns_per_m");
   EXPECT_EQ(asker.first_word(waits).result, result::kResultWaiting);
   begin(5);
   samples(400);
@@ -379,7 +404,8 @@ TEST_F(RenderingLive, JudgesTheRunningEffectsAnewWhenTheDeviceDescribesItselfAne
   EXPECT_TRUE(says("margin of 2"));
   describe(5, 0.1);
   EXPECT_TRUE(says("is built"));
-  EXPECT_EQ(ask(change(kActionValue, 3.0), "viscosity", "damping_ns_per_m").result, result::kResultDone);
+  EXPECT_EQ(ask(change(kActionValue, 3.0), "viscosity", "damping_ns_per_m").result,
+            result::kResultDone);
 }
 
 TEST_F(RenderingLive, JudgesAnewWhenASessionOfAnotherDeviceBegins) {
@@ -401,7 +427,8 @@ TEST_F(RenderingLive, TellsTheCouplingTheMostThatIsRenderedUntilItIsOver) {
   EXPECT_EQ(demanded_ns_per_m, 2.0) << "the old scene is still felt";
   samples(260);
   EXPECT_EQ(demanded_ns_per_m, 1.0);
-  EXPECT_EQ(ask(change(kActionValue, 0.5), "viscosity", "damping_ns_per_m").result, result::kResultDone);
+  EXPECT_EQ(ask(change(kActionValue, 0.5), "viscosity", "damping_ns_per_m").result,
+            result::kResultDone);
   EXPECT_EQ(demanded_ns_per_m, 1.0) << "it is on its way";
   samples(150);
   EXPECT_EQ(demanded_ns_per_m, 0.5);
@@ -434,7 +461,8 @@ TEST_F(RenderingLive, GoesOnWhereItsDeviceSaysWhatCannotBe) {
   EXPECT_EQ(planned, 5U) << "a session is what status and description name";
   session = 9;
   samples(50);
-  for (const msg::ContactState& c : seen) ASSERT_EQ(c.session_id, 5U) << "no sample of another session is answered";
+  for (const msg::ContactState& c : seen)
+    ASSERT_EQ(c.session_id, 5U) << "no sample of another session is answered";
 }
 
 TEST_F(RenderingLive, RefusesASampleBeforeThatOfAnEarlierChange) {

@@ -1,4 +1,5 @@
-// The coupling node alone: what it designs, when it designs anew, and which numbers of a device it refuses.
+// The coupling node alone: what it designs, when it designs anew, and which numbers of a device it
+// refuses.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -11,7 +12,8 @@ namespace {
 
 double largest_step(const std::vector<double>& forces) {
   double step = 0.0;
-  for (std::size_t i = 1; i < forces.size(); ++i) step = std::max(step, std::abs(forces[i] - forces[i - 1]));
+  for (std::size_t i = 1; i < forces.size(); ++i)
+    step = std::max(step, std::abs(forces[i] - forces[i - 1]));
   return step;
 }
 
@@ -32,7 +34,8 @@ TEST(CouplingNode, WaitsForDeviceAndPlanThenDesignsOnce) {
   EXPECT_NE(around.seen[0].status, "infeasible");
   EXPECT_EQ(around.seen[0].kind, "shaping_filter");
   EXPECT_GT(around.seen[0].shown_n_per_m, 50.0);
-  for (int i = 0; i < 600; ++i) around.touch();
+  for (int i = 0; i < 600; ++i)
+    around.touch();
   ASSERT_FALSE(around.forces.empty());
   EXPECT_GT(around.forces.back(), 0.5 * kForce);
   EXPECT_EQ(around.node.end(), 0);
@@ -46,18 +49,23 @@ TEST(CouplingNode, DesignsAnewWithoutAForceStepWhenTheDeviceOrTheContactChange) 
     around.look();
     return around.seen.size() == 1;
   }));
-  for (int i = 0; i < 800; ++i) around.touch();
+  for (int i = 0; i < 800; ++i)
+    around.touch();
   ASSERT_NEAR(around.forces.back(), kForce, 0.02 * kForce) << "nothing to cap yet";
   around.forces.clear();
-  around.describe(0.05);  // it has lost its damping: less can be shown, and damping must be injected
-  for (int i = 0; i < 200 || (around.seen.size() < 2 && i < 5000); ++i) around.touch();
+  around.describe(
+      0.05);  // it has lost its damping: less can be shown, and damping must be injected
+  for (int i = 0; i < 200 || (around.seen.size() < 2 && i < 5000); ++i)
+    around.touch();
   ASSERT_EQ(around.seen.size(), 2U);
   EXPECT_LT(around.seen[1].shown_n_per_m, around.seen[0].shown_n_per_m);
   EXPECT_GT(around.seen[1].damping_ns_per_m, 0.0);
   around.plan(300.0);
-  for (int i = 0; i < 600 || (around.seen.size() < 3 && i < 5000); ++i) around.touch();
+  for (int i = 0; i < 600 || (around.seen.size() < 3 && i < 5000); ++i)
+    around.touch();
   ASSERT_EQ(around.seen.size(), 3U);
-  EXPECT_LT(largest_step(around.forces), 0.05 * kForce) << "of a held contact; a jump would be felt as a knock";
+  EXPECT_LT(largest_step(around.forces), 0.05 * kForce)
+      << "of a held contact; a jump would be felt as a knock";
   EXPECT_GT(around.forces.back(), 0.2 * kForce) << "the same contact is still felt";
   EXPECT_EQ(around.node.end(), 0);
 }
@@ -72,9 +80,12 @@ TEST(CouplingNode, CommandsNothingWhereNoCouplingHolds) {
   }));
   EXPECT_EQ(around.seen[0].status, "infeasible");
   EXPECT_GT(around.seen[0].reasons, 0U);
-  for (int i = 0; i < 200; ++i) around.touch();
+  for (int i = 0; i < 200; ++i)
+    around.touch();
   EXPECT_TRUE(around.forces.empty());
-  EXPECT_TRUE(wait_until([&] { return around.message().find("run_infeasible") != std::string::npos; })) << around.message();
+  EXPECT_TRUE(wait_until([&] {
+    return around.message().find("run_infeasible") != std::string::npos;
+  })) << around.message();
   EXPECT_EQ(around.node.end(), 0);
 }
 
@@ -87,7 +98,8 @@ TEST(CouplingNode, RunsAnInfeasibleDesignWhereTheSceneSaysSo) {
     return !around.seen.empty();
   }));
   EXPECT_EQ(around.seen[0].status, "infeasible");
-  for (int i = 0; i < 200; ++i) around.touch();
+  for (int i = 0; i < 200; ++i)
+    around.touch();
   EXPECT_FALSE(around.forces.empty());
   EXPECT_EQ(around.node.end(), 0);
 }
@@ -100,7 +112,8 @@ TEST(CouplingNode, StopsCommandingWhenAChangedDeviceLeavesNothingThatHolds) {
     around.look();
     return !around.seen.empty();
   }));
-  for (int i = 0; i < 100; ++i) around.touch();
+  for (int i = 0; i < 100; ++i)
+    around.touch();
   ASSERT_FALSE(around.forces.empty());
   around.describe(0.005);
   ASSERT_TRUE(wait_until([&] {
@@ -108,15 +121,18 @@ TEST(CouplingNode, StopsCommandingWhenAChangedDeviceLeavesNothingThatHolds) {
     return around.seen.size() == 2;
   }));
   EXPECT_EQ(around.seen[1].status, "infeasible");
-  for (int i = 0; i < 20; ++i) around.touch();
+  for (int i = 0; i < 20; ++i)
+    around.touch();
   around.forces.clear();
-  for (int i = 0; i < 100; ++i) around.touch();
+  for (int i = 0; i < 100; ++i)
+    around.touch();
   EXPECT_TRUE(around.forces.empty());
   EXPECT_EQ(around.node.end(), 0);
 }
 
 TEST(CouplingNode, JudgesACouplingThatIsSetByHandAndRunsIt) {
-  Around around("{kind: shaping_filter, cutoff_hz: 5, damping_ratio: 1, gain: 1}");  // the paper's recipe
+  Around around(
+      "{kind: shaping_filter, cutoff_hz: 5, damping_ratio: 1, gain: 1}");  // the paper's recipe
   around.describe(0.005);
   around.plan(3.0);
   ASSERT_TRUE(wait_until([&] {
@@ -125,8 +141,10 @@ TEST(CouplingNode, JudgesACouplingThatIsSetByHandAndRunsIt) {
   }));
   EXPECT_EQ(around.seen[0].status, "configured");
   EXPECT_EQ(around.seen[0].cutoff_hz, 5.0);
-  EXPECT_GT(around.seen[0].reasons, 0U) << "300 N/m through a 5 Hz filter are not stable on this device";
-  for (int i = 0; i < 600; ++i) around.touch();
+  EXPECT_GT(around.seen[0].reasons, 0U)
+      << "300 N/m through a 5 Hz filter are not stable on this device";
+  for (int i = 0; i < 600; ++i)
+    around.touch();
   ASSERT_FALSE(around.forces.empty());
   EXPECT_NEAR(around.forces.back(), kForce, 0.1 * kForce);
   EXPECT_EQ(around.node.end(), 0);
@@ -140,7 +158,8 @@ TEST(CouplingNode, RefusesNumbersThatCannotBeADevicesAndGoesOnAsDesigned) {
     around.look();
     return around.seen.size() == 1;
   }));
-  for (int i = 0; i < 300; ++i) around.touch();
+  for (int i = 0; i < 300; ++i)
+    around.touch();
   for (const double impossible : {std::nan(""), -1.0, 1e9}) {
     around.describe(impossible);
     ASSERT_TRUE(wait_until([&] {
@@ -149,17 +168,22 @@ TEST(CouplingNode, RefusesNumbersThatCannotBeADevicesAndGoesOnAsDesigned) {
     })) << around.message();
     const std::size_t designs = around.seen.size();
     around.forces.clear();
-    for (int i = 0; i < 200; ++i) around.touch();
+    for (int i = 0; i < 200; ++i)
+      around.touch();
     EXPECT_EQ(around.seen.size(), designs) << "it designs for a device that cannot be";
     EXPECT_FALSE(around.forces.empty());
     around.describe(20.0);
-    ASSERT_TRUE(wait_until([&] {  // and the design for it, which takes its time, is made before the next refusal
-      around.touch();
-      return around.message().find("damping_ns_per_m") == std::string::npos && around.seen.size() > designs;
-    })) << around.message();
+    ASSERT_TRUE(wait_until(
+        [&] {  // and the design for it, which takes its time, is made before the next refusal
+          around.touch();
+          return around.message().find("damping_ns_per_m") == std::string::npos &&
+                 around.seen.size() > designs;
+        }))
+        << around.message();
   }
   around.forces.clear();
-  for (int i = 0; i < 300; ++i) around.touch();
+  for (int i = 0; i < 300; ++i)
+    around.touch();
   ASSERT_FALSE(around.forces.empty());
   EXPECT_NEAR(around.forces.back(), kForce, 0.1 * kForce);
   EXPECT_EQ(around.node.end(), 0);

@@ -1,4 +1,5 @@
-// The coupling node alone: it commands no force while the effects or the contact ask for more than the device stands.
+// The coupling node alone: it commands no force while the effects or the contact ask for more than
+// the device stands.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,7 +15,8 @@
 namespace voxtouch::test::around_coupling {
 namespace {
 
-/// The second line: whatever the rendering has taken, it is judged for the device once more where the force is made.
+/// The second line: whatever the rendering has taken, it is judged for the device once more where
+/// the force is made.
 TEST(CouplingNode, CommandsNothingWhileTheEffectsAskMoreThanTheDeviceStands) {
   Around around("{design: auto, kind: shaping_filter}");
   around.describe(20.0);
@@ -48,8 +50,9 @@ TEST(CouplingNode, CommandsNothingWhileAnOutsideWrenchMayAskForMoreThanTheDevice
   around.describe(20.0);
   around.plan(30.0, 7, {0.0, 0.0, "", 0.0, 2.0});
   ASSERT_TRUE(around.force_comes()) << around.message();
-  EXPECT_TRUE(std::ranges::any_of(around.notes, [](const std::string& note) { return note.find("'remote'") != std::string::npos; }))
-      << "the design says so";
+  EXPECT_TRUE(std::ranges::any_of(around.notes, [](const std::string& note) {
+    return note.find("'remote'") != std::string::npos;
+  })) << "the design says so";
   around.plan(30.0, 7, {0.0, 0.0, "", 0.0, 9.0});
   around.expect_no_force("force of 9 N");
   around.plan(30.0, 7, {0.0, 0.0, "", 0.0, std::numeric_limits<double>::quiet_NaN()});
@@ -59,25 +62,33 @@ TEST(CouplingNode, CommandsNothingWhileAnOutsideWrenchMayAskForMoreThanTheDevice
   EXPECT_EQ(around.node.end(), 0);
 }
 
-/// Another rendering may run another scene: nothing of it is felt before its plan has come and has been fitted to.
+/// Another rendering may run another scene: nothing of it is felt before its plan has come and has
+/// been fitted to.
 TEST(CouplingNode, CommandsNothingForARenderingThatTakesTheRoleBeforeItsPlanIsFittedTo) {
   Around around("{design: auto, kind: shaping_filter}");
   around.describe(20.0);
   around.plan();
   ASSERT_TRUE(around.force_comes());
   around.forces.clear();
-  for (int i = 0; i < 100; ++i) around.touch(8);
+  for (int i = 0; i < 100; ++i)
+    around.touch(8);
   EXPECT_TRUE(around.forces.empty()) << "contacts of another session";
   auto second = std::make_unique<StandIn>(kDomain, "rendering", around.rig);
-  bus::Writer<msg::ScenePlan> plans(second->participant, qos::kScenePlan, around.rig, Around::latched());
-  bus::Writer<msg::ContactState> contacts(second->participant, qos::kContactState, around.rig, Around::stream());
-  ASSERT_TRUE(wait_until([&] { return plans.matched_count() > 0 && contacts.matched_count() > 0; }));
+  bus::Writer<msg::ScenePlan> plans(second->participant, qos::kScenePlan, around.rig,
+                                    Around::latched());
+  bus::Writer<msg::ContactState> contacts(second->participant, qos::kContactState, around.rig,
+                                          Around::stream());
+  ASSERT_TRUE(
+      wait_until([&] { return plans.matched_count() > 0 && contacts.matched_count() > 0; }));
   second->say(7);
   around.contacts = {}, around.plans = {}, around.rendering.reset();
-  around.contacts = std::move(contacts), around.plans = std::move(plans), around.rendering = std::move(second);
-  for (int i = 0; i < 50; ++i) around.touch();
+  around.contacts = std::move(contacts), around.plans = std::move(plans),
+  around.rendering = std::move(second);
+  for (int i = 0; i < 50; ++i)
+    around.touch();
   around.forces.clear();
-  for (int i = 0; i < 500; ++i) around.touch();
+  for (int i = 0; i < 500; ++i)
+    around.touch();
   EXPECT_TRUE(around.forces.empty()) << "by the plan of the one before";
   const std::size_t designs = around.seen.size();
   around.plan();

@@ -31,7 +31,8 @@ Said said_while(F&& told) {
   const auto begin = Clock::now();
   told();
   log::finish_telling(std::chrono::seconds(5));
-  Said said{testing::internal::GetCapturedStderr(), 0, std::chrono::duration<double>(Clock::now() - begin).count()};
+  Said said{testing::internal::GetCapturedStderr(), 0,
+            std::chrono::duration<double>(Clock::now() - begin).count()};
   said.lines = std::count(said.text.begin(), said.text.end(), '\n');
   return said;
 }
@@ -47,11 +48,15 @@ TEST(LinesOfDds, AreAFewASecondUnderAFloodOfMalformedDatagrams) {
   to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
   to.sin_port = htons(static_cast<std::uint16_t>(7400 + 250 * kDomain));
   // A header of RTPS 2.1, then a DATA that says it is longer than it can be.
-  std::array<unsigned char, 44> bytes{'R', 'T', 'P', 'S', 2, 1, 1, 16, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 0x15, 0x07, 20, 0, 0, 0, 0xff, 0xff};
+  std::array<unsigned char, 44> bytes{'R',  'T',  'P', 'S', 2, 1, 1,    16,  1,  2,
+                                      3,    4,    5,   6,   7, 8, 9,    10,  11, 12,
+                                      0x15, 0x07, 20,  0,   0, 0, 0xff, 0xff};
   const Said said = said_while([&] {
     for (int i = 0; i < 20'000; ++i) {
-      (void)!sendto(fd, bytes.data(), bytes.size(), 0, reinterpret_cast<const sockaddr*>(&to), sizeof to);
-      if (i % 100 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+      (void)!sendto(fd, bytes.data(), bytes.size(), 0, reinterpret_cast<const sockaddr*>(&to),
+                    sizeof to);
+      if (i % 100 == 0)
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
   });
   close(fd);
@@ -67,9 +72,11 @@ TEST(LinesOfDds, AreAFewASecondWhateverThreadSaysThem) {
     std::vector<std::thread> threads;
     for (int n = 0; n < 4; ++n)
       threads.emplace_back([] {
-        for (int i = 0; i < 50'000; ++i) dds_log(DDS_LC_WARNING, __FILE__, __LINE__, DDS_FUNCTION, "a line of a flood\n");
+        for (int i = 0; i < 50'000; ++i)
+          dds_log(DDS_LC_WARNING, __FILE__, __LINE__, DDS_FUNCTION, "a line of a flood\n");
       });
-    for (std::thread& thread : threads) thread.join();
+    for (std::thread& thread : threads)
+      thread.join();
   });
   EXPECT_GE(said.lines, 4) << said.text;
   EXPECT_LE(said.lines, most_lines(said)) << said.text.substr(0, 2000);

@@ -20,18 +20,20 @@ namespace {
 /// Fails at the samples it is told to; remembers every force it was given.
 class FaultyDevice final : public devices::Driver {
  public:
-  std::map<std::uint64_t, devices::DeviceError> read_faults, write_faults;  ///< by the number of the read
+  std::map<std::uint64_t, devices::DeviceError> read_faults,
+      write_faults;  ///< by the number of the read
   std::map<std::uint64_t, devices::DeviceSample> odd_samples;
-  std::vector<double> pushed;    ///< force after each read [N]; 0 where it failed
+  std::vector<double> pushed;  ///< force after each read [N]; 0 where it failed
   double force = 0.0;
   int stops = 0;
-  bool paces = false;            ///< as a real device: `read` waits for the tick of a clock that is not ours
-  std::vector<double> delays_ms; ///< from a tick to the write that answers it
+  bool paces = false;  ///< as a real device: `read` waits for the tick of a clock that is not ours
+  std::vector<double> delays_ms;  ///< from a tick to the write that answers it
   int skipped_ticks = 0;
-  std::uint64_t busy_at = 0;     ///< before this read the thread is kept from its work for three ticks
+  std::uint64_t busy_at = 0;  ///< before this read the thread is kept from its work for three ticks
   std::function<void(std::uint64_t)> at_read;  ///< called at each
-  std::uint64_t recorded = 0;  ///< samples of the recording that it plays
-  std::map<std::uint64_t, int> stops_ms;  ///< at these reads the whole process is stopped for so long: its own clock too
+  std::uint64_t recorded = 0;                  ///< samples of the recording that it plays
+  std::map<std::uint64_t, int>
+      stops_ms;  ///< at these reads the whole process is stopped for so long: its own clock too
 
   FaultyDevice() {
     description_.model = "faulty";
@@ -44,11 +46,14 @@ class FaultyDevice final : public devices::Driver {
   devices::DeviceResult<devices::DeviceSample> read(std::chrono::microseconds) noexcept override {
     pushed.push_back(force);
     ++reads_;
-    if (at_read) at_read(reads_);
-    if (paces) wait_for_tick();
+    if (at_read)
+      at_read(reads_);
+    if (paces)
+      wait_for_tick();
     if (const auto stop = stops_ms.find(reads_); stop != stops_ms.end())
       runtime::sleep_until(runtime::monotonic_ns() + stop->second * 1'000'000);
-    if (const auto fault = read_faults.find(reads_); fault != read_faults.end()) return std::unexpected(fault->second);
+    if (const auto fault = read_faults.find(reads_); fault != read_faults.end())
+      return std::unexpected(fault->second);
     const auto time_ns = paces ? tick_ns_ : static_cast<std::int64_t>(reads_) * 1'000'000;
     if (const auto odd = odd_samples.find(reads_); odd != odd_samples.end()) {
       devices::DeviceSample sample = odd->second;
@@ -66,7 +71,8 @@ class FaultyDevice final : public devices::Driver {
       return std::unexpected(fault->second);
     }
     force = command.force.norm();
-    if (paces) delays_ms.push_back(static_cast<double>(runtime::monotonic_ns() - tick_ns_) * 1e-6);
+    if (paces)
+      delays_ms.push_back(static_cast<double>(runtime::monotonic_ns() - tick_ns_) * 1e-6);
     return {};
   }
   void stop() noexcept override { force = 0.0, ++stops; }
@@ -79,8 +85,10 @@ class FaultyDevice final : public devices::Driver {
  private:
   void wait_for_tick() {
     constexpr std::int64_t kTickNs = 4'150'000;  // it says 4 ms, and its quartz is off
-    if (tick_ns_ == 0) tick_ns_ = runtime::monotonic_ns();
-    if (reads_ == busy_at) runtime::sleep_until(tick_ns_ + 3 * kTickNs + kTickNs / 2);
+    if (tick_ns_ == 0)
+      tick_ns_ = runtime::monotonic_ns();
+    if (reads_ == busy_at)
+      runtime::sleep_until(tick_ns_ + 3 * kTickNs + kTickNs / 2);
     const auto next = runtime::next_deadline(tick_ns_, runtime::monotonic_ns(), kTickNs);
     skipped_ticks += static_cast<int>(next.skipped);
     runtime::sleep_until(tick_ns_ = next.at_ns);
@@ -94,7 +102,9 @@ class FaultyDevice final : public devices::Driver {
 /// A loop of 1200 samples, each answered with 2 N.
 class DeviceLoopRun : public testing::Test {
  protected:
-  DeviceLoopRun() : participant_({test::kDomain, "lo", "device_loop_test"}), rig_(test::own_rig()) { device.pushed.reserve(4'000); }
+  DeviceLoopRun() : participant_({test::kDomain, "lo", "device_loop_test"}), rig_(test::own_rig()) {
+    device.pushed.reserve(4'000);
+  }
 
   End run(std::uint64_t samples = 1200) {
     const auto& stream = qos::profile(qos::ProfileId::kStream);
@@ -103,7 +113,8 @@ class DeviceLoopRun : public testing::Test {
     bus::WaitSet wait_set(participant_);
     commands.attach_to(wait_set);
     test::NodeThread coupling([this](const std::atomic<bool>& enough) { return answer(enough); });
-    DeviceLoop loop({.session_id = 7, .max_samples = samples}, device, states, commands, wait_set, progress, requests, *faults);
+    DeviceLoop loop({.session_id = 7, .max_samples = samples}, device, states, commands, wait_set,
+                    progress, requests, *faults);
     test::wait_until([&] { return commands.matched_count() == 1 && states.matched_count() == 1; });
     EXPECT_TRUE(commands.following().follow(commands.matched().at(0)));
     const std::int64_t begin = runtime::monotonic_ns();
@@ -112,7 +123,8 @@ class DeviceLoopRun : public testing::Test {
     return end;
   }
 
-  /// Of the forces after these reads. The machine may stall in between, so that single ones say little.
+  /// Of the forces after these reads. The machine may stall in between, so that single ones say
+  /// little.
   double largest(std::ptrdiff_t first, std::ptrdiff_t last) const {
     return *std::max_element(device.pushed.begin() + first, device.pushed.begin() + last);
   }
@@ -129,8 +141,10 @@ class DeviceLoopRun : public testing::Test {
  private:
   int answer(const std::atomic<bool>& enough) {
     const bus::Participant participant({test::kDomain, "lo", "fake_coupling"});
-    bus::Reader<msg::DeviceState> states(participant, qos::kDeviceState, rig_, qos::profile(qos::ProfileId::kStream));
-    bus::Writer<msg::ForceCommand> commands(participant, qos::kForceCommand, rig_, qos::profile(qos::ProfileId::kStream));
+    bus::Reader<msg::DeviceState> states(participant, qos::kDeviceState, rig_,
+                                         qos::profile(qos::ProfileId::kStream));
+    bus::Writer<msg::ForceCommand> commands(participant, qos::kForceCommand, rig_,
+                                            qos::profile(qos::ProfileId::kStream));
     bus::WaitSet wait_set(participant);
     wait_set.attach(states.condition());
     while (!enough.load()) {
@@ -162,8 +176,9 @@ TEST_F(DeviceLoopRun, PushesAsCommandedAndEndsAtZero) {
 }
 
 TEST_F(DeviceLoopRun, TakesAMissedSampleForAnInterruptionNotForTheEnd) {
-  device.read_faults = {
-      {900, devices::DeviceError::kTimeout}, {901, devices::DeviceError::kProtocol}, {902, devices::DeviceError::kRecoverable}};
+  device.read_faults = {{900, devices::DeviceError::kTimeout},
+                        {901, devices::DeviceError::kProtocol},
+                        {902, devices::DeviceError::kRecoverable}};
   EXPECT_EQ(run(), End::kFinished);
   EXPECT_EQ(progress.samples.load(), 1200U);
   EXPECT_EQ(progress.interruptions.load(), 1U) << "three failures in a row are one";
@@ -183,11 +198,13 @@ TEST_F(DeviceLoopRun, KeepsWhatItSawBeforeTheDeviceDroppedItsForce) {
   device.write_faults = {{900, devices::DeviceError::kRecoverable}};
   EXPECT_EQ(run(), End::kFinished);
   faults.reset();  // what is under way is written
-  const auto states = test::read_ring_topic<msg::DeviceState>(folder / "device_1", "/r/device/state");
+  const auto states =
+      test::read_ring_topic<msg::DeviceState>(folder / "device_1", "/r/device/state");
   ASSERT_FALSE(states.empty());
   EXPECT_NEAR(static_cast<double>(states.back().sequence_number), 899.0, 1.0);
   EXPECT_EQ(states.front().sequence_number, 0U);
-  const auto given = test::read_ring_topic<msg::ForceCommand>(folder / "device_1", "/r/device/given");
+  const auto given =
+      test::read_ring_topic<msg::ForceCommand>(folder / "device_1", "/r/device/given");
   EXPECT_GT(given.back().wrench.force.x, 1.5);
   EXPECT_FALSE(std::filesystem::exists(folder / "device_2"));
   EXPECT_NE(faults::told_in(folder.path()).at(0).find("force"), std::string::npos);
@@ -204,7 +221,8 @@ TEST_F(DeviceLoopRun, LocksItselfWhereItsCommandsAreAboveTheLimitUntilAPersonHas
       commanded_n = 2.0;
       progress.lock.open(number + 1);
     }
-    if (n == 2000) progress.lock.open(number);
+    if (n == 2000)
+      progress.lock.open(number);
   };
   EXPECT_EQ(run(3500), End::kFinished);
   EXPECT_NE(number, 0U);
@@ -218,7 +236,8 @@ TEST_F(DeviceLoopRun, LocksItselfWhereItsCommandsAreAboveTheLimitUntilAPersonHas
 TEST_F(DeviceLoopRun, LocksItselfNotBeforeATenthOfItsCommandsAreAboveTheLimit) {
   bool locked_early = true;
   device.at_read = [&](std::uint64_t n) {
-    if (n == 2000) locked_early = progress.lock.engaged();
+    if (n == 2000)
+      locked_early = progress.lock.engaged();
     commanded_n = n % (n < 2000 ? 20 : 4) == 0 ? 20.0 : 2.0;
   };
   EXPECT_EQ(run(3500), End::kFinished);
@@ -235,7 +254,8 @@ TEST_F(DeviceLoopRun, LocksItselfWhereItsDriverRefusesWhatTheGuardHasLetThrough)
 }
 
 TEST_F(DeviceLoopRun, RampsInAnewAfterTheDeviceHasDroppedItsForce) {
-  for (std::uint64_t i = 800; i < 810; ++i) device.write_faults[i] = devices::DeviceError::kRecoverable;
+  for (std::uint64_t i = 800; i < 810; ++i)
+    device.write_faults[i] = devices::DeviceError::kRecoverable;
   EXPECT_EQ(run(), End::kFinished);
   EXPECT_EQ(progress.interruptions.load(), 1U);
   EXPECT_EQ(progress.zero_force_samples.load(), 10U);
@@ -278,7 +298,8 @@ TEST_F(DeviceLoopRun, TellsWhichSampleWasAnsweredFirstAndThatItRuns) {
 }
 
 TEST_F(DeviceLoopRun, CountsNoInterruptionWhileADeviceGetsReady) {
-  for (std::uint64_t i = 1; i <= 300; ++i) device.write_faults[i] = devices::DeviceError::kRecoverable;
+  for (std::uint64_t i = 1; i <= 300; ++i)
+    device.write_faults[i] = devices::DeviceError::kRecoverable;
   device.write_faults[800] = devices::DeviceError::kRecoverable;
   EXPECT_EQ(run(), End::kFinished);
   EXPECT_EQ(progress.interruptions.load(), 1U) << "the one after it was ready";
@@ -286,7 +307,8 @@ TEST_F(DeviceLoopRun, CountsNoInterruptionWhileADeviceGetsReady) {
 }
 
 TEST_F(DeviceLoopRun, DoesNotSpinOnADeviceThatFailsAtOnce) {
-  for (std::uint64_t i = 100; i < 400; ++i) device.read_faults[i] = devices::DeviceError::kRecoverable;
+  for (std::uint64_t i = 100; i < 400; ++i)
+    device.read_faults[i] = devices::DeviceError::kRecoverable;
   device.read_faults[400] = devices::DeviceError::kDisconnected;
   EXPECT_EQ(run(), End::kDeviceGone);
   EXPECT_GT(took_s, 0.35) << "100 good and 300 failed samples at 1 kHz";
@@ -311,14 +333,16 @@ TEST_F(DeviceLoopRun, MarksAPoseThatIsNotToBeTrustedAndSendsTheLastGoodOne) {
   marked.pose.position = {9.0, 9.0, 9.0};
   marked.pose_valid = false;
   not_a_number.pose.position.x() = std::numeric_limits<double>::quiet_NaN();
-  for (std::uint64_t i = 200; i < 300; ++i) device.odd_samples[i] = i % 2 ? marked : not_a_number;
+  for (std::uint64_t i = 200; i < 300; ++i)
+    device.odd_samples[i] = i % 2 ? marked : not_a_number;
   EXPECT_EQ(run(500), End::kFinished);
   EXPECT_EQ(progress.untrusted_poses.load(), 100U);
   int flagged = 0;
   for (const msg::DeviceState& state : seen) {
     EXPECT_EQ(state.pose.position.z, 0.5) << "sample " << state.sequence_number;
     const bool untrusted = (state.flags & msg::device_state::kFlagPoseHeld) != 0;
-    EXPECT_EQ(untrusted, state.sequence_number >= 199 && state.sequence_number < 299) << "sample " << state.sequence_number;
+    EXPECT_EQ(untrusted, state.sequence_number >= 199 && state.sequence_number < 299)
+        << "sample " << state.sequence_number;
     flagged += untrusted;
   }
   EXPECT_GT(flagged, 50);
@@ -330,7 +354,9 @@ TEST_F(DeviceLoopRun, MarksEachSampleOfARecordingAndNoneOfAHand) {
     seen.clear();
     EXPECT_EQ(run(300), End::kFinished);
     ASSERT_GT(seen.size(), 100U);
-    for (const msg::DeviceState& state : seen) EXPECT_EQ((state.flags & msg::device_state::kFlagRecorded) != 0, recorded > 0) << "sample " << state.sequence_number;
+    for (const msg::DeviceState& state : seen)
+      EXPECT_EQ((state.flags & msg::device_state::kFlagRecorded) != 0, recorded > 0)
+          << "sample " << state.sequence_number;
   }
 }
 
@@ -339,7 +365,8 @@ TEST_F(DeviceLoopRun, AnswersARealDeviceAtItsOwnPaceAndAtOnce) {
   device.set_rate(250.0);
   EXPECT_EQ(run(300), End::kFinished);
   std::sort(device.delays_ms.begin(), device.delays_ms.end());
-  EXPECT_LT(device.delays_ms[device.delays_ms.size() / 2], 1.5) << "half of the commands waited for a deadline of ours";
+  EXPECT_LT(device.delays_ms[device.delays_ms.size() / 2], 1.5)
+      << "half of the commands waited for a deadline of ours";
   EXPECT_LT(device.skipped_ticks, 30) << "ticks went by while the loop slept";
 }
 
@@ -349,7 +376,8 @@ TEST_F(DeviceLoopRun, CountsTheSamplesOfARealDeviceThatNobodyFetched) {
   device.busy_at = 50;
   EXPECT_EQ(run(100), End::kFinished);
   EXPECT_GE(device.skipped_ticks, 3);
-  EXPECT_NEAR(static_cast<double>(progress.overruns.load()), device.skipped_ticks, 0.1 * device.skipped_ticks);
+  EXPECT_NEAR(static_cast<double>(progress.overruns.load()), device.skipped_ticks,
+              0.1 * device.skipped_ticks);
 }
 
 TEST_F(DeviceLoopRun, YieldsTheRigAtZeroForce) {

@@ -15,10 +15,14 @@ namespace {
 std::vector<effects::EffectSpec> one_of_each_kind() {
   std::vector<effects::EffectSpec> all;
   for (const effects::EffectKind* kind : effects::effect_kinds()) {
-    effects::EffectSpec spec{.name = std::string(kind->name), .kind = kind, .values = effects::EffectValues(kind->parameters), .region = {}};
+    effects::EffectSpec spec{.name = std::string(kind->name),
+                             .kind = kind,
+                             .values = effects::EffectValues(kind->parameters),
+                             .region = {}};
     for (std::size_t n = 0; n < spec.values.size(); ++n)
       for (double& number : spec.values.at(n))
-        if (!std::isfinite(number)) number = kind->parameters[n].low;
+        if (!std::isfinite(number))
+          number = kind->parameters[n].low;
     all.push_back(std::move(spec));
   }
   return all;
@@ -26,7 +30,9 @@ std::vector<effects::EffectSpec> one_of_each_kind() {
 
 class EffectParameters : public ::testing::Test {
  protected:
-  std::expected<ParameterChange, std::string> set(const std::string& name, std::uint8_t type, const std::function<void(msg::rcl_interfaces_ParameterValue&)>& fill) {
+  std::expected<ParameterChange, std::string> set(
+      const std::string& name, std::uint8_t type,
+      const std::function<void(msg::rcl_interfaces_ParameterValue&)>& fill) {
     msg::rcl_interfaces_Parameter asked{};
     asked.name = runtime::lend(name);
     asked.value.type = type;
@@ -35,7 +41,8 @@ class EffectParameters : public ::testing::Test {
     fill(asked.value);
     return change_of(all_, asked);
   }
-  const scene::Scene scene_ = scene::load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml");
+  const scene::Scene scene_ =
+      scene::load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml");
   const std::vector<effects::EffectSpec> effects_ = one_of_each_kind();
   const std::vector<RosParameter> all_ = parameters_of(scene_, effects_);
 };
@@ -44,13 +51,16 @@ TEST_F(EffectParameters, AreAllThatTheTableOfKindsHasWithMeaningsAndRanges) {
   std::size_t count = 3;  // of the scene
   for (const effects::EffectSpec& effect : effects_) {
     count += effect.kind->parameters.size() + (effect.kind->everywhere ? 0 : 2);
-    EXPECT_EQ(find_parameter(all_, effect.name + ".gain") != nullptr, !effect.kind->everywhere) << effect.name;
+    EXPECT_EQ(find_parameter(all_, effect.name + ".gain") != nullptr, !effect.kind->everywhere)
+        << effect.name;
     for (std::size_t n = 0; n < effect.kind->parameters.size(); ++n) {
       const effects::EffectParameter& row = effect.kind->parameters[n];
-      const RosParameter* const found = find_parameter(all_, effect.name + "." + std::string(row.name));
+      const RosParameter* const found =
+          find_parameter(all_, effect.name + "." + std::string(row.name));
       ASSERT_NE(found, nullptr) << effect.name << row.name;
       EXPECT_EQ(found->meaning, row.meaning);
-      EXPECT_EQ(found->read_only, row.shape == effects::ParameterShape::kWord || row.shape == effects::ParameterShape::kText);
+      EXPECT_EQ(found->read_only, row.shape == effects::ParameterShape::kWord ||
+                                      row.shape == effects::ParameterShape::kText);
       if (row.shape == effects::ParameterShape::kNumber) {
         EXPECT_EQ(std::get<double>(found->value), effect.values.number(n)) << found->name;
         EXPECT_EQ(found->low, row.low);
@@ -59,7 +69,9 @@ TEST_F(EffectParameters, AreAllThatTheTableOfKindsHasWithMeaningsAndRanges) {
         EXPECT_FALSE(found->constraints.empty()) << found->name;
       }
       ParameterMessages messages;
-      EXPECT_EQ(messages.descriptor(*found).floating_point_range._length, row.shape == effects::ParameterShape::kNumber ? 1U : 0U) << found->name;
+      EXPECT_EQ(messages.descriptor(*found).floating_point_range._length,
+                row.shape == effects::ParameterShape::kNumber ? 1U : 0U)
+          << found->name;
     }
   }
   EXPECT_EQ(all_.size(), count);
@@ -67,9 +79,11 @@ TEST_F(EffectParameters, AreAllThatTheTableOfKindsHasWithMeaningsAndRanges) {
 }
 
 TEST_F(EffectParameters, AreListedByPrefixAndDepthAsRclcppDoes) {
-  const std::vector<std::string> none, friction{"friction"}, exact{"friction.gain"}, unknown{"frict"};
+  const std::vector<std::string> none, friction{"friction"}, exact{"friction.gain"},
+      unknown{"frict"};
   EXPECT_EQ(list_parameters(all_, none, 0).names.size(), all_.size());
-  EXPECT_EQ(list_parameters(all_, none, 1).names, (std::vector<std::string>{"contact_model", "scene", "voxel_size_m"}));
+  EXPECT_EQ(list_parameters(all_, none, 1).names,
+            (std::vector<std::string>{"contact_model", "scene", "voxel_size_m"}));
   EXPECT_EQ(list_parameters(all_, none, 2).names.size(), all_.size());
   EXPECT_EQ(list_parameters(all_, friction, 1).names, list_parameters(all_, friction, 0).names);
   EXPECT_EQ(list_parameters(all_, friction, 0).prefixes, friction);
@@ -81,21 +95,29 @@ TEST_F(EffectParameters, AskForTheChangeThatTheirNameSays) {
   using namespace msg::effect_change;
   const auto on = set("friction.on", 1, [](auto& v) { v.bool_value = true; });
   ASSERT_TRUE(on);
-  EXPECT_TRUE(on->action == kActionSwitch && on->effect == "friction" && on->parameter.empty() && on->value[0] == 1.0);
+  EXPECT_TRUE(on->action == kActionSwitch && on->effect == "friction" && on->parameter.empty() &&
+              on->value[0] == 1.0);
   const auto gain = set("friction.gain", 2, [](auto& v) { v.integer_value = 1; });
   ASSERT_TRUE(gain);
   EXPECT_TRUE(gain->action == kActionGain && gain->value[0] == 1.0);
   double three[] = {1.0, 2.0, 3.0};
-  const auto point = set("guide_point.point", 8, [&](auto& v) { v.double_array_value._buffer = three, v.double_array_value._length = 3; });
+  const auto point = set("guide_point.point", 8, [&](auto& v) {
+    v.double_array_value._buffer = three, v.double_array_value._length = 3;
+  });
   ASSERT_TRUE(point);
   const msg::EffectChange m = point->message();
   EXPECT_TRUE(m.action == kActionValue && m.parameter == std::string("point") && m.value[2] == 3.0);
-  EXPECT_TRUE(set("nothing.gain", 3, [](auto& v) { v.double_value = 0.5; })) << "who judges changes has the sentence for it";
+  EXPECT_TRUE(set("nothing.gain", 3, [](auto& v) { v.double_value = 0.5; }))
+      << "who judges changes has the sentence for it";
 }
 
 TEST_F(EffectParameters, RefuseTypesThatTheyDoNotTake) {
   double four[] = {1.0, 2.0, 3.0, 4.0};
-  const auto array = [&](std::uint32_t count) { return [&four, count](auto& v) { v.double_array_value._buffer = four, v.double_array_value._length = count; }; };
+  const auto array = [&](std::uint32_t count) {
+    return [&four, count](auto& v) {
+      v.double_array_value._buffer = four, v.double_array_value._length = count;
+    };
+  };
   const auto nothing = [](auto&) {};
   EXPECT_FALSE(set("friction.on", 3, nothing));
   EXPECT_FALSE(set("friction.coulomb", 1, nothing));

@@ -12,7 +12,8 @@
 namespace voxtouch::runtime {
 namespace {
 
-/// Counts by stamps: of loops at 1 kHz and at 700 Hz, and of one that is often late and stands still for up to 90 ms.
+/// Counts by stamps: of loops at 1 kHz and at 700 Hz, and of one that is often late and stands
+/// still for up to 90 ms.
 TEST(HundredASecond, ShowsAHundredASecondOfALoopThatIsLateAndNoneTwice) {
   for (const double rate_hz : {1000.0, 700.0, 120.0}) {
     HundredASecond regular;
@@ -20,13 +21,16 @@ TEST(HundredASecond, ShowsAHundredASecondOfALoopThatIsLateAndNoneTwice) {
     std::vector<std::int64_t> stamps;
     std::int64_t late_from = 6'000'000'000, late_until = late_from;
     for (std::int64_t n = 0; n < static_cast<std::int64_t>(30.0 * rate_hz); ++n) {
-      const std::int64_t now = 5'000'000'000 + static_cast<std::int64_t>(1e9 * static_cast<double>(n) / rate_hz);
+      const std::int64_t now =
+          5'000'000'000 + static_cast<std::int64_t>(1e9 * static_cast<double>(n) / rate_hz);
       if (rate_hz > 500.0 && now >= late_from) {
         late_until = now + static_cast<std::int64_t>(random() % 90'000'000);
         late_from = late_until + 300'000'000 + static_cast<std::int64_t>(random() % 1'000'000'000);
       }
-      if (now < late_until) continue;  // a sample that was never answered
-      if (regular.is_due(now)) stamps.push_back(now);
+      if (now < late_until)
+        continue;  // a sample that was never answered
+      if (regular.is_due(now))
+        stamps.push_back(now);
     }
     const double span_s = 1e-9 * static_cast<double>(stamps.back() - stamps.front());
     EXPECT_NEAR(static_cast<double>(stamps.size() - 1) / span_s, 100.0, 0.1) << rate_hz;
@@ -35,7 +39,8 @@ TEST(HundredASecond, ShowsAHundredASecondOfALoopThatIsLateAndNoneTwice) {
   HundredASecond regular;
   EXPECT_TRUE(regular.is_due(5'000'000'000));
   int made_up = 0;
-  for (std::int64_t now = 15'000'000'000; now < 15'010'000'000; now += 100'000) made_up += regular.is_due(now);
+  for (std::int64_t now = 15'000'000'000; now < 15'010'000'000; now += 100'000)
+    made_up += regular.is_due(now);
   EXPECT_EQ(made_up, 1) << "ten seconds of nothing are not made up for";
 }
 

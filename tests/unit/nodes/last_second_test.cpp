@@ -10,7 +10,8 @@ TEST(LastSecond, HoldsTheLargestForceForASecondAndNoLonger) {
   LastSecond last;
   for (int ms = 0; ms <= 3000; ms += 20) {
     const bool touches = ms == 1000;
-    last.look(ms * 1'000'000LL, static_cast<std::uint64_t>(ms), static_cast<std::uint64_t>(ms), touches ? 0.32 : 0.0);
+    last.look(ms * 1'000'000LL, static_cast<std::uint64_t>(ms), static_cast<std::uint64_t>(ms),
+              touches ? 0.32 : 0.0);
     EXPECT_EQ(last.largest_force_n(), ms >= 1000 && ms < 2000 ? 0.32 : 0.0) << ms;
   }
 }

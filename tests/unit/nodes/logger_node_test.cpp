@@ -4,10 +4,10 @@
 #include <filesystem>
 #include <set>
 
-#include "tests/support/whole_bag.hpp"
 #include "nodes/bus/reader.hpp"
 #include "nodes/bus/writer.hpp"
 #include "nodes/logger/logger_node.hpp"
+#include "tests/support/whole_bag.hpp"
 #include "tests/unit/nodes/node_thread.hpp"
 
 namespace voxtouch::test {
@@ -21,9 +21,12 @@ TEST(LoggerNode, StopsWhileTheOthersGoOnWriting) {
   auto options = node_options<logger::Options>(rig);
   options.bag = std::filesystem::temp_directory_path() / ("voxtouch_logger_" + rig);
   const bus::Participant participant({kDomain, "lo", "chatter"});
-  bus::Writer<msg::DeviceState> states(participant, qos::kDeviceState, rig, qos::profile(qos::ProfileId::kStream));
+  bus::Writer<msg::DeviceState> states(participant, qos::kDeviceState, rig,
+                                       qos::profile(qos::ProfileId::kStream));
   NodeThread chatter([&](const std::atomic<bool>& stop) {
-    for (msg::DeviceState state{}; !stop.load(); ++state.sequence_number, std::this_thread::sleep_for(milliseconds(1))) states.write(state);
+    for (msg::DeviceState state{}; !stop.load();
+         ++state.sequence_number, std::this_thread::sleep_for(milliseconds(1)))
+      states.write(state);
     return 0;
   });
   {
@@ -31,7 +34,8 @@ TEST(LoggerNode, StopsWhileTheOthersGoOnWriting) {
     ASSERT_TRUE(wait_until([&] { return states.matched_count() == 1; })) << logger.error();
     std::this_thread::sleep_for(milliseconds(300));
     logger.request_stop();
-    EXPECT_TRUE(wait_until([&] { return logger.status() >= 0; }, seconds(4))) << "it waits for a silence that does not come";
+    EXPECT_TRUE(wait_until([&] { return logger.status() >= 0; }, seconds(4)))
+        << "it waits for a silence that does not come";
     chatter.end();
     EXPECT_EQ(logger.wait(), 0) << logger.error();
   }
@@ -47,7 +51,8 @@ TEST(Bus, KnowsEveryOneOfManyPeers) {
   const auto& stream = qos::profile(qos::ProfileId::kStream);
   bus::Reader<msg::ForceCommand> reader(participant, qos::kForceCommand, rig, stream);
   std::vector<bus::Writer<msg::ForceCommand>> writers;
-  for (int i = 0; i < 150; ++i) writers.emplace_back(participant, qos::kForceCommand, rig, stream);
+  for (int i = 0; i < 150; ++i)
+    writers.emplace_back(participant, qos::kForceCommand, rig, stream);
   ASSERT_TRUE(wait_until([&] { return reader.matched_count() == 150; }));
   EXPECT_EQ(reader.matched().size(), 150U);
   for (auto& writer : writers) {
@@ -55,7 +60,8 @@ TEST(Bus, KnowsEveryOneOfManyPeers) {
     msg::ForceCommand command;
     dds_instance_handle_t from = 0;
     ASSERT_TRUE(wait_until([&] { return reader.take(command, &from); }));
-    EXPECT_TRUE(bus::writer_is_matched(reader.get(), from)) << "a command writer that is there would lose its place";
+    EXPECT_TRUE(bus::writer_is_matched(reader.get(), from))
+        << "a command writer that is there would lose its place";
   }
   bus::Reader<msg::ForceCommand> other(participant, qos::kForceCommand, "nobody_" + rig, stream);
   EXPECT_FALSE(bus::writer_is_matched(other.get(), 12345));

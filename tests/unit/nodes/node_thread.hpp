@@ -14,15 +14,19 @@ namespace voxtouch::test {
 
 /// Test cases run as processes side by side: the pid keeps their rigs apart.
 inline constexpr std::uint32_t kDomain = 60;
-inline std::string own_rig(const std::string& name = "r") { return name + std::to_string(getpid()); }
+inline std::string own_rig(const std::string& name = "r") {
+  return name + std::to_string(getpid());
+}
 
 template <class Options>
 Options node_options(const std::string& rig, const std::string& scene = {}) {
   Options options;
   options.rig = rig;
   options.domain = kDomain;
-  options.network_interface = "lo";  // a process has one for all its participants of a domain, and those of tests name it
-  if (!scene.empty()) options.scene = std::string(VOXTOUCH_DEPLOY) + "/scenes/" + scene + ".yaml";
+  options.network_interface =
+      "lo";  // a process has one for all its participants of a domain, and those of tests name it
+  if (!scene.empty())
+    options.scene = std::string(VOXTOUCH_DEPLOY) + "/scenes/" + scene + ".yaml";
   return options;
 }
 
@@ -43,7 +47,8 @@ class NodeThread {
   /// Exit status, -1 while it runs.
   int status() const { return status_.load(std::memory_order_acquire); }
   int wait() {
-    if (thread_.joinable()) thread_.join();
+    if (thread_.joinable())
+      thread_.join();
     return status();
   }
   int end() {
@@ -60,10 +65,12 @@ class NodeThread {
   std::thread thread_;
 };
 
-inline bool wait_until(const std::function<bool()>& holds, std::chrono::milliseconds patience = std::chrono::seconds(15)) {
+inline bool wait_until(const std::function<bool()>& holds,
+                       std::chrono::milliseconds patience = std::chrono::seconds(15)) {
   const auto until = std::chrono::steady_clock::now() + patience;
   while (!holds()) {
-    if (std::chrono::steady_clock::now() > until) return false;
+    if (std::chrono::steady_clock::now() > until)
+      return false;
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
   return true;

@@ -1,4 +1,5 @@
-// A recorder that is told to take part hears a session in real time from its first sample on, and one that does not come keeps no node from running.
+// A recorder that is told to take part hears a session in real time from its first sample on, and
+// one that does not come keeps no node from running.
 #include "nodes/runtime/recorder_gate.hpp"
 
 #include <gtest/gtest.h>
@@ -33,13 +34,15 @@ const qos::Profile& deep_tap() {
 template <class T>
 struct Recorder {
   Recorder(const qos::Topic& topic, const std::string& rig)
-      : node(kDomain, "logger", rig), reader(node.participant, topic, rig, deep_tap()) {
+      : node(kDomain, "logger", rig),
+        reader(node.participant, topic, rig, deep_tap()) {
     node.say(0);
   }
   std::optional<std::uint64_t> first() {
     T sample;
     while (reader.take(sample))
-      if (!number) number = sample.sequence_number;
+      if (!number)
+        number = sample.sequence_number;
     return number;
   }
   StandIn node;
@@ -66,7 +69,8 @@ TEST_F(RecorderGate, OpensWhenALoggerHearsThisWriterAndForNobodyElse) {
   const std::string rig = own_rig("o");
   StandIn node(kDomain, "device", rig);
   runtime::NodeRegistry registry(node.participant, rig);
-  bus::Writer<msg::DeviceState> states(node.participant, qos::kDeviceState, rig, qos::profile(qos::ProfileId::kStream));
+  bus::Writer<msg::DeviceState> states(node.participant, qos::kDeviceState, rig,
+                                       qos::profile(qos::ProfileId::kStream));
   runtime::NodeOptions options;
   EXPECT_TRUE(runtime::RecorderGate(options).open()) << "nobody is to record";
   options.peers = {"logger"};
@@ -78,9 +82,13 @@ TEST_F(RecorderGate, OpensWhenALoggerHearsThisWriterAndForNobodyElse) {
   };
   EXPECT_FALSE(opens());
   StandIn reader_of_another(kDomain, "validator", rig), silent_logger(kDomain, "logger", rig);
-  bus::Reader<msg::DeviceState> another(reader_of_another.participant, qos::kDeviceState, rig, deep_tap());
+  bus::Reader<msg::DeviceState> another(reader_of_another.participant, qos::kDeviceState, rig,
+                                        deep_tap());
   reader_of_another.say(0), silent_logger.say(0);
-  ASSERT_TRUE(wait_until([&] { return opens() || (registry.find("logger") && registry.find("validator") && states.matched_count() == 1); }));
+  ASSERT_TRUE(wait_until([&] {
+    return opens() ||
+           (registry.find("logger") && registry.find("validator") && states.matched_count() == 1);
+  }));
   EXPECT_FALSE(opens()) << "the one that reads is no logger, and the logger does not read this";
   bus::Reader<msg::DeviceState> its(silent_logger.participant, qos::kDeviceState, rig, deep_tap());
   ASSERT_TRUE(wait_until(opens));
@@ -94,7 +102,8 @@ TEST_F(RecorderGate, OpensByItselfAfterFiveSecondsWhereNoLoggerComes) {
   const std::string rig = own_rig("i");
   StandIn node(kDomain, "device", rig);
   runtime::NodeRegistry registry(node.participant, rig);
-  bus::Writer<msg::DeviceState> states(node.participant, qos::kDeviceState, rig, qos::profile(qos::ProfileId::kStream));
+  bus::Writer<msg::DeviceState> states(node.participant, qos::kDeviceState, rig,
+                                       qos::profile(qos::ProfileId::kStream));
   runtime::NodeOptions options;
   options.peers = {"logger"};
   runtime::RecorderGate gate(options);
@@ -110,11 +119,14 @@ TEST_F(RecorderGate, RenderingAnswersItsFirstSampleWhenTheLoggerHearsIt) {
   const std::string rig = own_rig("g");
   StandIn device(kDomain, "device", rig);
   runtime::NodeRegistry registry(device.participant, rig);
-  bus::Writer<msg::DeviceDescription> descriptions(device.participant, qos::kDeviceDescription, rig, qos::profile(qos::ProfileId::kLatched));
-  bus::Writer<msg::DeviceState> states(device.participant, qos::kDeviceState, rig, qos::profile(qos::ProfileId::kStream));
+  bus::Writer<msg::DeviceDescription> descriptions(device.participant, qos::kDeviceDescription, rig,
+                                                   qos::profile(qos::ProfileId::kLatched));
+  bus::Writer<msg::DeviceState> states(device.participant, qos::kDeviceState, rig,
+                                       qos::profile(qos::ProfileId::kStream));
   auto options = node_options<rendering_node::Options>(rig, "plane");
   options.peers = {"logger"};
-  NodeThread rendering([&](const std::atomic<bool>& stop) { return rendering_node::run(options, stop); });
+  NodeThread rendering(
+      [&](const std::atomic<bool>& stop) { return rendering_node::run(options, stop); });
   ASSERT_TRUE(wait_until([&] { return states.matched_count() == 1; })) << rendering.error();
   descriptions.write(stylus(7));
   device.say(7);
@@ -125,24 +137,36 @@ TEST_F(RecorderGate, RenderingAnswersItsFirstSampleWhenTheLoggerHearsIt) {
     ++state.sequence_number, state.sample_time_ns += 1'000'000;
     std::this_thread::sleep_for(milliseconds(1));
   };
-  for (int n = 0; n < 200; ++n) write();
+  for (int n = 0; n < 200; ++n)
+    write();
   EXPECT_EQ(figure_of(registry, "rendering", "samples"), 0.0) << "nobody records it yet";
   Recorder<msg::ContactState> recorder(qos::kContactState, rig);
-  ASSERT_TRUE(wait_until([&] { return write(), recorder.first().has_value() && figure_of(registry, "rendering", "samples") > 0.0; }));
-  EXPECT_EQ(static_cast<double>(*recorder.first()), figure_of(registry, "rendering", "first_sample"));
+  ASSERT_TRUE(wait_until([&] {
+    return write(),
+           recorder.first().has_value() && figure_of(registry, "rendering", "samples") > 0.0;
+  }));
+  EXPECT_EQ(static_cast<double>(*recorder.first()),
+            figure_of(registry, "rendering", "first_sample"));
 }
 
 TEST_F(RecorderGate, CouplingCommandsForTheFirstTimeWhenTheLoggerHearsIt) {
   const std::string rig = own_rig("k");
   StandIn device(kDomain, "device", rig), rendering(kDomain, "rendering", rig);
   runtime::NodeRegistry registry(device.participant, rig);
-  bus::Writer<msg::DeviceDescription> descriptions(device.participant, qos::kDeviceDescription, rig, qos::profile(qos::ProfileId::kLatched));
-  bus::Writer<msg::ScenePlan> plans(rendering.participant, qos::kScenePlan, rig, qos::profile(qos::ProfileId::kLatched));
-  bus::Writer<msg::ContactState> contacts(rendering.participant, qos::kContactState, rig, qos::profile(qos::ProfileId::kStream));
+  bus::Writer<msg::DeviceDescription> descriptions(device.participant, qos::kDeviceDescription, rig,
+                                                   qos::profile(qos::ProfileId::kLatched));
+  bus::Writer<msg::ScenePlan> plans(rendering.participant, qos::kScenePlan, rig,
+                                    qos::profile(qos::ProfileId::kLatched));
+  bus::Writer<msg::ContactState> contacts(rendering.participant, qos::kContactState, rig,
+                                          qos::profile(qos::ProfileId::kStream));
   auto options = node_options<coupling_node::Options>(rig);
   options.scene = around_coupling::scene_with("{design: auto}"), options.peers = {"logger"};
-  NodeThread coupling([&](const std::atomic<bool>& stop) { return coupling_node::run(options, stop); });
-  ASSERT_TRUE(wait_until([&] { return contacts.matched_count() == 1 && plans.matched_count() == 1 && descriptions.matched_count() == 1; })) << coupling.error();
+  NodeThread coupling(
+      [&](const std::atomic<bool>& stop) { return coupling_node::run(options, stop); });
+  ASSERT_TRUE(wait_until([&] {
+    return contacts.matched_count() == 1 && plans.matched_count() == 1 &&
+           descriptions.matched_count() == 1;
+  })) << coupling.error();
   descriptions.write(stylus(7));
   plans.write(around_coupling::Around::message_of(30.0, 7, {0.0, 0.0, ""}));
   device.say(7), rendering.say(7);
@@ -159,12 +183,17 @@ TEST_F(RecorderGate, CouplingCommandsForTheFirstTimeWhenTheLoggerHearsIt) {
     return report ? report->message : "";
   };
   ASSERT_TRUE(wait_until([&] { return write(), says().contains("logger"); })) << says();
-  for (int n = 0; n < 200; ++n) write();
+  for (int n = 0; n < 200; ++n)
+    write();
   EXPECT_EQ(figure_of(registry, "coupling", "samples"), 0.0) << "nobody records it yet";
   EXPECT_EQ(figure_of(registry, "coupling", runtime::kSessions), 0.0);
   Recorder<msg::ForceCommand> recorder(qos::kForceCommand, rig);
-  ASSERT_TRUE(wait_until([&] { return write(), recorder.first().has_value() && figure_of(registry, "coupling", "samples") > 0.0; })) << says();
-  EXPECT_EQ(static_cast<double>(*recorder.first()), figure_of(registry, "coupling", "first_sample"));
+  ASSERT_TRUE(wait_until([&] {
+    return write(),
+           recorder.first().has_value() && figure_of(registry, "coupling", "samples") > 0.0;
+  })) << says();
+  EXPECT_EQ(static_cast<double>(*recorder.first()),
+            figure_of(registry, "coupling", "first_sample"));
 }
 
 TEST_F(RecorderGate, ASimulatedDeviceWritesItsFirstSampleWhenTheLoggerHearsIt) {
@@ -172,7 +201,8 @@ TEST_F(RecorderGate, ASimulatedDeviceWritesItsFirstSampleWhenTheLoggerHearsIt) {
   auto options = node_options<device_node::Options>(rig, "plane");
   options.device = "sim-phantom", options.peers = {"logger"};
   NodeThread device([&](const std::atomic<bool>& stop) { return device_node::run(options, stop); });
-  std::this_thread::sleep_for(milliseconds(1500));  // it has looked for another device, and would have begun
+  std::this_thread::sleep_for(
+      milliseconds(1500));  // it has looked for another device, and would have begun
   Recorder<msg::DeviceState> recorder(qos::kDeviceState, rig);
   ASSERT_TRUE(wait_until([&] { return recorder.first().has_value(); })) << device.error();
   EXPECT_EQ(*recorder.first(), 0U);

@@ -17,15 +17,16 @@
 namespace voxtouch::test {
 namespace {
 
-using runtime::NodeState;
 using runtime::NodeRegistry;
+using runtime::NodeState;
 const qos::Profile& stream() { return qos::profile(qos::ProfileId::kStream); }
 
 class RoleTest : public testing::Test {
  protected:
   /// Time for what was written to come.
   void settle() {
-    for (int i = 0; i < 20; ++i) update(), std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    for (int i = 0; i < 20; ++i)
+      update(), std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
   void update() {
     registry.update();
@@ -37,7 +38,8 @@ class RoleTest : public testing::Test {
   /// A coupling as the real ones are: status and command writer.
   struct Coupling : StandIn {
     explicit Coupling(const std::string& rig)
-        : StandIn(kDomain, "coupling", rig), commands(participant, qos::kForceCommand, rig, stream()) {}
+        : StandIn(kDomain, "coupling", rig),
+          commands(participant, qos::kForceCommand, rig, stream()) {}
     void command(std::uint64_t sequence) {
       msg::ForceCommand m{};
       m.sequence_number = sequence;
@@ -69,7 +71,8 @@ TEST_F(RoleTest, IsOfTheOneWhoClaimsItAndStaysHisUntilHeHasGone) {
   EXPECT_EQ(role.participant(), first->participant.guid()) << "a session more is no reason";
   first.reset();
   ASSERT_TRUE(comes([&] { return role.participant() == second.participant.guid(); }));
-  EXPECT_EQ(role.trouble(registry), "") << "who is bound is no intruder, even where he was one before";
+  EXPECT_EQ(role.trouble(registry), "")
+      << "who is bound is no intruder, even where he was one before";
 }
 
 TEST_F(RoleTest, IsNobodysWhileTwoClaimItAndBothAreNamed) {
@@ -81,7 +84,8 @@ TEST_F(RoleTest, IsNobodysWhileTwoClaimItAndBothAreNamed) {
   update();
   EXPECT_FALSE(role.bound());
   const std::string trouble = role.trouble(registry);
-  EXPECT_NE(trouble.find("(process", trouble.find("(process") + 1), std::string::npos) << "both are named: " << trouble;
+  EXPECT_NE(trouble.find("(process", trouble.find("(process") + 1), std::string::npos)
+      << "both are named: " << trouble;
   first->command(1), second.command(1), settle();
   msg::ForceCommand command;
   EXPECT_FALSE(commands.take(command));
@@ -104,7 +108,8 @@ TEST_F(RoleTest, IsNotClaimedByAStatusOfAnotherParticipantThanItNames) {
   ASSERT_TRUE(comes([&] { return registry.refused() >= 2; }));
   settle();
   EXPECT_FALSE(role.bound());
-  EXPECT_EQ(registry.report_of(real.participant.guid())->state, NodeState::kFailed) << "his own word stands";
+  EXPECT_EQ(registry.report_of(real.participant.guid())->state, NodeState::kFailed)
+      << "his own word stands";
   EXPECT_EQ(registry.reports().size(), 1U);
 }
 
@@ -114,11 +119,14 @@ TEST_F(RoleTest, IsNotClaimedWithoutASessionNorByOneWhoWritesNoneOfItsTopics) {
   Coupling real(rig);
   talker.say(7), real.say(0);
   ASSERT_TRUE(comes([&] { return registry.reports().size() == 2; }));
-  for (int i = 0; i < 20; ++i) update(), any.update(registry, std::nullopt), std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  for (int i = 0; i < 20; ++i)
+    update(), any.update(registry, std::nullopt),
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
   EXPECT_FALSE(role.bound()) << "by a status alone";
   EXPECT_FALSE(any.bound()) << "without a session, or by a status alone";
   real.say(7);
-  ASSERT_TRUE(comes([&] { return any.update(registry, std::nullopt), role.bound() && any.bound(); }));
+  ASSERT_TRUE(
+      comes([&] { return any.update(registry, std::nullopt), role.bound() && any.bound(); }));
   EXPECT_EQ(role.participant(), real.participant.guid());
   EXPECT_EQ(any.participant(), real.participant.guid());
 }
@@ -144,7 +152,8 @@ TEST_F(RoleTest, GivesHisSamplesAloneAndNamesTheOthersUntilTheyGo) {
   msg::ForceCommand foreign{}, taken{};
   foreign.sequence_number = 666;
   real.command(1);
-  for (int i = 0; i < 10'000; ++i) other->write(foreign);  // one history for all, if it were asked for
+  for (int i = 0; i < 10'000; ++i)
+    other->write(foreign);  // one history for all, if it were asked for
   ASSERT_TRUE(comes([&] { return role.refused() > 100; }));
   ASSERT_TRUE(wait_until([&] { return commands.take(taken); })) << "pushed out by the foreign ones";
   EXPECT_EQ(taken.sequence_number, 1U);
@@ -161,7 +170,8 @@ TEST_F(RoleTest, GivesTheNewestSampleAfterAPause) {
   Coupling real(rig);
   real.say(7);
   ASSERT_TRUE(comes([&] { return role.bound(); }));
-  for (std::uint64_t i = 1; i <= 20; ++i) real.command(i), std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  for (std::uint64_t i = 1; i <= 20; ++i)
+    real.command(i), std::this_thread::sleep_for(std::chrono::milliseconds(1));
   settle();
   msg::ForceCommand taken{};
   ASSERT_TRUE(commands.take(taken));
@@ -175,12 +185,17 @@ TEST_F(RoleTest, HasItsLatchedValueEvenIfItCameLongBeforeItWasKnownWhoseIsNeeded
                                              qos::profile(qos::ProfileId::kLatched));
   writer.write(stylus(7));
   std::uint64_t seen = 0;
-  const auto look = [&] { return descriptions.take([&](const msg::DeviceDescription& d) { seen = d.session_id; }); };
+  const auto look = [&] {
+    return descriptions.take([&](const msg::DeviceDescription& d) { seen = d.session_id; });
+  };
   ASSERT_TRUE(wait_until([&] { return descriptions.matched_count() == 1; }));
-  for (int i = 0; i < 20; ++i) look(), std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  for (int i = 0; i < 20; ++i)
+    look(), std::this_thread::sleep_for(std::chrono::milliseconds(10));
   Adversary other(kDomain, rig);
-  ASSERT_TRUE(wait_until([&] { return other.writer<msg::DeviceDescription>().matched_count() == 1; }));
-  for (std::uint64_t i = 0; i < 200; ++i) other.write(stylus(1000 + i)), look();
+  ASSERT_TRUE(
+      wait_until([&] { return other.writer<msg::DeviceDescription>().matched_count() == 1; }));
+  for (std::uint64_t i = 0; i < 200; ++i)
+    other.write(stylus(1000 + i)), look();
   EXPECT_EQ(seen, 0U) << "nobody is followed yet";
   ASSERT_TRUE(descriptions.following().follow(real.participant.guid()));
   EXPECT_FALSE(descriptions.current());
@@ -189,7 +204,9 @@ TEST_F(RoleTest, HasItsLatchedValueEvenIfItCameLongBeforeItWasKnownWhoseIsNeeded
   EXPECT_TRUE(descriptions.current());
   writer.write(stylus(7));
   other.write(stylus(2000));
-  for (int i = 0; i < 20; ++i) EXPECT_FALSE(look()) << "the same again is nothing new", std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  for (int i = 0; i < 20; ++i)
+    EXPECT_FALSE(look()) << "the same again is nothing new",
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
   writer.write(stylus(8));
   EXPECT_TRUE(wait_until(look));
   EXPECT_EQ(seen, 8U);
@@ -200,7 +217,8 @@ TEST_F(RoleTest, RosterHearsTheNodesThroughAFloodOfStatuses) {
   StandIn node(kDomain, "rendering", rig);
   ASSERT_TRUE(wait_until([&] { return flood.writer<msg::NodeStatus>().matched_count() >= 1; }));
   NodeThread writer([&](const std::atomic<bool>& stop) {
-    for (std::uint64_t i = 1; !stop.load(); ++i) flood.claim("device", i);
+    for (std::uint64_t i = 1; !stop.load(); ++i)
+      flood.claim("device", i);
     return 0;
   });
   ASSERT_TRUE(wait_until([&] {
@@ -250,24 +268,28 @@ struct Unlikely {
   const char* what;
   std::size_t name = 4, values = 0, figures = 0, key = 3, value = 3, unit = 1;
 };
-const Unlikely kUnlikely[] = {{.what = "name", .name = 257},
-                              {.what = "count of words", .values = NodeRegistry::kMaxValues + 1},
-                              {.what = "count of figures", .figures = NodeRegistry::kMaxValues + 1},
-                              {.what = "name of a word", .values = 1, .key = 257},
-                              {.what = "word", .values = 1, .value = NodeRegistry::kMaxTextBytes + 1},
-                              {.what = "name of a figure", .figures = 1, .key = 257},
-                              {.what = "unit", .figures = 1, .unit = 257}};
+const Unlikely kUnlikely[] = {
+    {.what = "name", .name = 257},
+    {.what = "count of words", .values = NodeRegistry::kMaxValues + 1},
+    {.what = "count of figures", .figures = NodeRegistry::kMaxValues + 1},
+    {.what = "name of a word", .values = 1, .key = 257},
+    {.what = "word", .values = 1, .value = NodeRegistry::kMaxTextBytes + 1},
+    {.what = "name of a figure", .figures = 1, .key = 257},
+    {.what = "unit", .figures = 1, .unit = 257}};
 
 void write(Adversary& writer, const Unlikely& u, std::uint64_t session) {
-  std::string name(u.name, 'n'), host = "elsewhere", key(u.key, 'k'), value(u.value, 'v'), unit(u.unit, 'u'), message = "well";
+  std::string name(u.name, 'n'), host = "elsewhere", key(u.key, 'k'), value(u.value, 'v'),
+                                 unit(u.unit, 'u'), message = "well";
   std::vector<msg::diagnostic_msgs_KeyValue> values(u.values, {key.data(), value.data()});
   std::vector<msg::Figure> figures(u.figures, {key.data(), unit.data(), 1.0});
   msg::NodeStatus status{};
   status.node = name.data(), status.host = host.data(), status.message = message.data();
   std::memcpy(status.participant, writer.guid().data(), writer.guid().size());
   status.session_id = session;
-  status.values._buffer = values.data(), status.values._length = status.values._maximum = static_cast<std::uint32_t>(values.size());
-  status.figures._buffer = figures.data(), status.figures._length = status.figures._maximum = static_cast<std::uint32_t>(figures.size());
+  status.values._buffer = values.data(),
+  status.values._length = status.values._maximum = static_cast<std::uint32_t>(values.size());
+  status.figures._buffer = figures.data(),
+  status.figures._length = status.figures._maximum = static_cast<std::uint32_t>(figures.size());
   writer.write(status);
 }
 
@@ -293,11 +315,13 @@ TEST_F(RoleTest, RosterHasRoomForSoManyAndForThoseWhoAreKnown) {
   known.say(1);
   Coupling real(rig);
   real.say(7);
-  ASSERT_TRUE(comes([&] { return role.bound() && registry.report_of(known.participant.guid()) != nullptr; }));
+  ASSERT_TRUE(comes(
+      [&] { return role.bound() && registry.report_of(known.participant.guid()) != nullptr; }));
   std::vector<std::unique_ptr<Adversary>> crowd;
   for (std::size_t n = 0; n < NodeRegistry::kMaxNodes + 2; ++n) {
     crowd.push_back(std::make_unique<Adversary>(kDomain, rig));
-    ASSERT_TRUE(wait_until([&] { return crowd.back()->writer<msg::NodeStatus>().matched_count() >= 1; }));
+    ASSERT_TRUE(
+        wait_until([&] { return crowd.back()->writer<msg::NodeStatus>().matched_count() >= 1; }));
     crowd.back()->claim("coupling", 7);
     update();
   }
@@ -308,18 +332,23 @@ TEST_F(RoleTest, RosterHasRoomForSoManyAndForThoseWhoAreKnown) {
   EXPECT_EQ(role.participant(), real.participant.guid());
   const std::string trouble = role.trouble(registry);
   std::size_t named = 1;
-  for (std::size_t at = trouble.find(" and "); at != std::string::npos; at = trouble.find(" and ", at + 1)) ++named;
+  for (std::size_t at = trouble.find(" and "); at != std::string::npos;
+       at = trouble.find(" and ", at + 1))
+    ++named;
   EXPECT_EQ(named, 16U) << "a person reads it, and it is sent ten times a second";
 }
 
 TEST_F(RoleTest, StatusesOfOurOwnAreCutToWhatARegistryAccepts) {
   StandIn node(kDomain, "rendering", rig);
   runtime::NodeReport report;
-  report.session_id = 5, report.message = std::string(3000, 'm'), report.values["word"] = std::string(3000, 'w');
+  report.session_id = 5, report.message = std::string(3000, 'm'),
+  report.values["word"] = std::string(3000, 'w');
   node.status.publish(report);
   ASSERT_TRUE(comes([&] { return registry.report_of(node.participant.guid()) != nullptr; }));
-  EXPECT_EQ(registry.report_of(node.participant.guid())->message.size(), NodeRegistry::kMaxTextBytes);
-  EXPECT_EQ(registry.report_of(node.participant.guid())->values.at("word").size(), NodeRegistry::kMaxTextBytes);
+  EXPECT_EQ(registry.report_of(node.participant.guid())->message.size(),
+            NodeRegistry::kMaxTextBytes);
+  EXPECT_EQ(registry.report_of(node.participant.guid())->values.at("word").size(),
+            NodeRegistry::kMaxTextBytes);
   EXPECT_EQ(registry.refused(), 0U);
 }
 
@@ -330,7 +359,8 @@ TEST_F(RoleTest, RosterForgetsThoseWhoVanishedAfterAWhileAndRemembersAFew) {
     ASSERT_TRUE(comes([&] { return registry.report_of(passing.participant.guid()) != nullptr; }));
   }
   ASSERT_TRUE(comes([&] { return registry.reports().empty(); }));
-  for (int i = 0; i < 60; ++i) update(), std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  for (int i = 0; i < 60; ++i)
+    update(), std::this_thread::sleep_for(std::chrono::milliseconds(10));
   EXPECT_EQ(registry.hung().size(), 16U);
   EXPECT_TRUE(comes([&] { return registry.hung().empty(); })) << "after 10 s";
 }
@@ -341,18 +371,24 @@ class LockstepPeers : public testing::Test {
   LockstepPeers() {
     options.rig = rig, options.lockstep = true, options.peers = {"rendering", "coupling"};
     session.begin(7);
-    coupling.emplace(own, "coupling", options, [this](runtime::NodeRegistry& registry, runtime::NodeReport& report) {
-      session.report_to(report, options, registry, links, "", true);
-      partners = report.partners.size();
-    });
+    coupling.emplace(own, "coupling", options,
+                     [this](runtime::NodeRegistry& registry, runtime::NodeReport& report) {
+                       session.report_to(report, options, registry, links, "", true);
+                       partners = report.partners.size();
+                     });
   }
-  /// Time passes in which `speaking` give signs of life; until it is over or the coupling has lost a peer.
-  bool loses_a_peer(std::vector<StandIn*> speaking, std::chrono::milliseconds within = std::chrono::seconds(7)) {
-    return wait_until([&] {
-      for (StandIn* node : speaking) node->say(7);
-      std::this_thread::sleep_for(std::chrono::milliseconds(50));
-      return coupling->peer_lost();
-    }, within);
+  /// Time passes in which `speaking` give signs of life; until it is over or the coupling has lost
+  /// a peer.
+  bool loses_a_peer(std::vector<StandIn*> speaking,
+                    std::chrono::milliseconds within = std::chrono::seconds(7)) {
+    return wait_until(
+        [&] {
+          for (StandIn* node : speaking)
+            node->say(7);
+          std::this_thread::sleep_for(std::chrono::milliseconds(50));
+          return coupling->peer_lost();
+        },
+        within);
   }
   bool starts() {
     return wait_until([&] { return device->say(7), rendering->say(7), partners == 3; });
@@ -363,9 +399,12 @@ class LockstepPeers : public testing::Test {
   bus::Participant own{{kDomain, "lo", "coupling"}};
   runtime::Session session;
   std::atomic<std::size_t> partners{0};
-  std::optional<StandIn> device{std::in_place, kDomain, "device", rig}, rendering{std::in_place, kDomain, "rendering", rig};
+  std::optional<StandIn> device{std::in_place, kDomain, "device", rig},
+      rendering{std::in_place, kDomain, "rendering", rig};
   const std::vector<runtime::Link> links{
-      {"contacts", [guid = rendering->participant.guid()] { return std::vector{guid}; }, {"rendering"}}};
+      {"contacts",
+       [guid = rendering->participant.guid()] { return std::vector{guid}; },
+       {"rendering"}}};
   std::optional<runtime::Housekeeping> coupling;
 };
 
@@ -379,7 +418,9 @@ TEST_F(LockstepPeers, AreNotTheStrangersThatCallThemselvesLikeThem) {
     device->say(7), rendering->say(7);
     registry.update();
     for (const auto& report : registry.reports())
-      if (report.participant == own.guid() && report.message.find("rendering hangs") != std::string::npos) return true;
+      if (report.participant == own.guid() &&
+          report.message.find("rendering hangs") != std::string::npos)
+        return true;
     return false;
   })) << "who it is is said";
   passing.reset();  // without a last word
@@ -388,10 +429,12 @@ TEST_F(LockstepPeers, AreNotTheStrangersThatCallThemselvesLikeThem) {
 }
 
 TEST_F(LockstepPeers, AreNotThoseOfAnotherSessionNorThoseWhoAreNotLinkedNorOneOfOurOwnName) {
-  StandIn of_another(kDomain, "device", rig), unlinked(kDomain, "rendering", rig), namesake(kDomain, "coupling", rig);
+  StandIn of_another(kDomain, "device", rig), unlinked(kDomain, "rendering", rig),
+      namesake(kDomain, "coupling", rig);
   of_another.say(8), unlinked.say(7), namesake.say(7);
   std::this_thread::sleep_for(std::chrono::milliseconds(300));
-  ASSERT_TRUE(wait_until([&] { return device->say(7), rendering->say(7), partners >= 3; })) << partners;
+  ASSERT_TRUE(wait_until([&] { return device->say(7), rendering->say(7), partners >= 3; }))
+      << partners;
   EXPECT_FALSE(loses_a_peer({&*device, &*rendering})) << "these fell silent before the start";
 }
 

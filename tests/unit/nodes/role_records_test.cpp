@@ -1,4 +1,5 @@
-// Records that a replay follows: those of who plays the rendering are in the bag, whoever comes when; those of others are not, and are told.
+// Records that a replay follows: those of who plays the rendering are in the bag, whoever comes
+// when; those of others are not, and are told.
 #include "nodes/logger/role_records.hpp"
 
 #include <gtest/gtest.h>
@@ -26,7 +27,9 @@ bus::Guid guid(std::uint8_t number) {
   return all;
 }
 
-RoleRecords::Record record(std::int64_t time_ns, std::size_t bytes = 10) { return {0, time_ns, std::vector<std::byte>(bytes)}; }
+RoleRecords::Record record(std::int64_t time_ns, std::size_t bytes = 10) {
+  return {0, time_ns, std::vector<std::byte>(bytes)};
+}
 
 /// Times of those that are for the bag now.
 std::vector<std::int64_t> settled(RoleRecords& records) {
@@ -40,7 +43,8 @@ TEST(RoleRecordsRule, KeepsWhatComesBeforeSomebodyPlaysTheRole) {
   records.take(guid(1), record(1));
   records.take(guid(2), record(2));
   records.take(guid(1), record(3));
-  for (int look = 0; look < 10; ++look) records.looked(false);
+  for (int look = 0; look < 10; ++look)
+    records.looked(false);
   EXPECT_TRUE(settled(records).empty());
   records.entitle(guid(1));
   records.looked(true);
@@ -76,25 +80,30 @@ TEST(RoleRecordsRule, RefusesAtTheEndWhatNobodyHasVouchedFor) {
 
 TEST(RoleRecordsRule, WhoFloodsItTakesNoRoomOfOthers) {
   RoleRecords records;
-  for (int n = 0; n < 100; ++n) records.take(guid(2), record(n, RoleRecords::kMaxOfOne / 10));
+  for (int n = 0; n < 100; ++n)
+    records.take(guid(2), record(n, RoleRecords::kMaxOfOne / 10));
   EXPECT_EQ(records.refused(), 90U);
   records.take(guid(1), record(7));
   records.entitle(guid(1));
   EXPECT_EQ(settled(records), std::vector<std::int64_t>{7});
-  for (std::uint8_t n = 3; n < 100; ++n) records.take(guid(n), record(0, RoleRecords::kMaxOfOne));
+  for (std::uint8_t n = 3; n < 100; ++n)
+    records.take(guid(n), record(0, RoleRecords::kMaxOfOne));
   EXPECT_EQ(records.refused(), 90U + 97U - 15U) << "of sixteen million bytes the first has one";
 }
 
 /// A rendering as the real ones are, as far as a logger sees them.
 struct Rendering : StandIn {
   Rendering(const std::string& rig, const std::string& name = "rendering")
-      : StandIn(kDomain, name, rig), contacts(participant, qos::kContactState, rig, qos::profile(qos::kContactState.profile)),
+      : StandIn(kDomain, name, rig),
+        contacts(participant, qos::kContactState, rig, qos::profile(qos::kContactState.profile)),
         plans(participant, qos::kScenePlan, rig, qos::profile(qos::kScenePlan.profile)),
         made(participant, qos::kEffectMade, rig, qos::profile(qos::kEffectMade.profile)) {}
   void say_standby(const std::string& duty, const bus::Guid* standby = nullptr) {
     runtime::NodeReport report;
-    report.session_id = 7, report.state = runtime::NodeState::kRunning, report.values[runtime::kDuty] = duty;
-    if (standby) report.values[runtime::kStandby] = runtime::to_hex(*standby);
+    report.session_id = 7, report.state = runtime::NodeState::kRunning,
+    report.values[runtime::kDuty] = duty;
+    if (standby)
+      report.values[runtime::kStandby] = runtime::to_hex(*standby);
     status.publish(report);
   }
   void make(std::uint64_t from_sample) {
@@ -112,7 +121,9 @@ struct Rendering : StandIn {
 class RecordsOfTheLogger : public testing::Test {
  protected:
   RecordsOfTheLogger()
-      : descriptions(device.participant, qos::kDeviceDescription, rig, qos::profile(qos::ProfileId::kLatched)), options(options_for(rig)),
+      : descriptions(device.participant, qos::kDeviceDescription, rig,
+                     qos::profile(qos::ProfileId::kLatched)),
+        options(options_for(rig)),
         node([this](const std::atomic<bool>& stop) { return logger::run(options, stop); }) {}
   ~RecordsOfTheLogger() override { std::filesystem::remove_all(options.bag); }
   static logger::Options options_for(const std::string& rig) {
@@ -136,9 +147,13 @@ class RecordsOfTheLogger : public testing::Test {
     EXPECT_EQ(node.end(), 0) << node.error();
     std::vector<std::uint64_t> samples;
     const auto bag = bag::WholeBag::open(options.bag);
-    const auto messages = bag ? bag->read_topic("/" + rig + "/rendering/made", bag::WholeBag::Order::kArrival) : std::unexpected(bag.error());
-    if (!messages) throw std::runtime_error(messages.error().sentence);
-    for (const auto& message : *messages) std::memcpy(&samples.emplace_back(), message.bytes.data() + 4 + 16, 8);
+    const auto messages =
+        bag ? bag->read_topic("/" + rig + "/rendering/made", bag::WholeBag::Order::kArrival)
+            : std::unexpected(bag.error());
+    if (!messages)
+      throw std::runtime_error(messages.error().sentence);
+    for (const auto& message : *messages)
+      std::memcpy(&samples.emplace_back(), message.bytes.data() + 4 + 16, 8);
     return samples;
   }
 
@@ -153,12 +168,15 @@ class RecordsOfTheLogger : public testing::Test {
 TEST_F(RecordsOfTheLogger, AreTheRenderingsAloneAndAStrangersAreToldWithHisName) {
   Rendering rendering(rig);
   Adversary stranger(kDomain, rig);
-  ASSERT_TRUE(wait_until([&] { return rendering.made.matched_count() == 1 && report(); })) << node.error();
+  ASSERT_TRUE(wait_until([&] { return rendering.made.matched_count() == 1 && report(); }))
+      << node.error();
   rendering.make(11);  // before anybody plays a role
   char effect[] = "oil", none[] = "";
   msg::EffectChange forged{};
-  forged.session_id = 7, forged.from_sample = 66, forged.action = msg::effect_change::kActionSwitch, forged.effect = effect, forged.parameter = forged.model = none;
-  bus::Writer<msg::EffectChange> forger(stranger.participant(), qos::kEffectMade, rig, qos::profile(qos::kEffectMade.profile));
+  forged.session_id = 7, forged.from_sample = 66, forged.action = msg::effect_change::kActionSwitch,
+  forged.effect = effect, forged.parameter = forged.model = none;
+  bus::Writer<msg::EffectChange> forger(stranger.participant(), qos::kEffectMade, rig,
+                                        qos::profile(qos::kEffectMade.profile));
   forger.write(forged);
   begin(), rendering.say(7);
   ASSERT_TRUE(wait_until([&] { return refused() == 1.0; })) << message();
@@ -174,13 +192,17 @@ TEST_F(RecordsOfTheLogger, AreTheRenderingsAloneAndAStrangersAreToldWithHisName)
 TEST_F(RecordsOfTheLogger, AreAlsoOfTheStandbyThatHasTakenOver) {
   auto first = std::make_unique<Rendering>(rig);
   Rendering standby(rig, "rendering_standby");
-  ASSERT_TRUE(wait_until([&] { return first->made.matched_count() == 1 && standby.made.matched_count() == 1; })) << node.error();
-  begin(), standby.say_standby(runtime::kStandsBy), first->say_standby(runtime::kActs, &standby.participant.guid());
+  ASSERT_TRUE(wait_until([&] {
+    return first->made.matched_count() == 1 && standby.made.matched_count() == 1;
+  })) << node.error();
+  begin(), standby.say_standby(runtime::kStandsBy),
+      first->say_standby(runtime::kActs, &standby.participant.guid());
   first->make(1);
   ASSERT_TRUE(wait_until([&] { return figure("records") == 1.0; })) << message();
   standby.make(2);  // the first one hangs, and is still here
   Adversary stranger(kDomain, rig);
-  bus::Writer<msg::EffectChange> forger(stranger.participant(), qos::kEffectMade, rig, qos::profile(qos::kEffectMade.profile));
+  bus::Writer<msg::EffectChange> forger(stranger.participant(), qos::kEffectMade, rig,
+                                        qos::profile(qos::kEffectMade.profile));
   char none[] = "";
   msg::EffectChange forged{};
   forged.from_sample = 66, forged.effect = forged.parameter = forged.model = none;

@@ -21,16 +21,22 @@ namespace {
 
 using rendering_node::RosOutputCounts;
 
-scene::Scene plane() { return scene::load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml"); }
+scene::Scene plane() {
+  return scene::load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml");
+}
 
 class RosOutputsTest : public testing::Test {
  protected:
   /// A loop that shows frames for a while.
   void run_for(std::chrono::milliseconds time) {
     const auto until = std::chrono::steady_clock::now() + time;
-    for (; std::chrono::steady_clock::now() < until; std::this_thread::sleep_for(std::chrono::milliseconds(2))) show();
+    for (; std::chrono::steady_clock::now() < until;
+         std::this_thread::sleep_for(std::chrono::milliseconds(2)))
+      show();
   }
-  void show() { outputs_->show({.stamp_ns = ++time_ns_, .session = 1, .hand = {}, .object = {}, .wrench = {}}); }
+  void show() {
+    outputs_->show({.stamp_ns = ++time_ns_, .session = 1, .hand = {}, .object = {}, .wrench = {}});
+  }
   template <class Message>
   auto reader(const qos::Topic& topic) {
     return std::make_unique<bus::Reader<Message>>(other_, topic, rig_, qos::profile(topic.profile));
@@ -45,7 +51,9 @@ class RosOutputsTest : public testing::Test {
   const std::string rig_ = own_rig("ros");
   scene::Scene scene_ = plane();
   bus::Participant participant_{{kDomain, "lo", "rendering"}}, other_{{kDomain, "lo", "looker"}};
-  std::unique_ptr<rendering_node::RosOutputs> outputs_ = std::make_unique<rendering_node::RosOutputs>(participant_, rig_, scene_, qos::TimeMode::kRealTime);
+  std::unique_ptr<rendering_node::RosOutputs> outputs_ =
+      std::make_unique<rendering_node::RosOutputs>(participant_, rig_, scene_,
+                                                   qos::TimeMode::kRealTime);
   std::int64_t time_ns_ = 0;
 };
 
@@ -58,7 +66,8 @@ TEST_F(RosOutputsTest, AreNotMadeWhileNobodyReads) {
 
 TEST_F(RosOutputsTest, AreMadeForWhoReadsAndForNothingElseAndNoLongerOnceHeHasGone) {
   auto poses = reader<msg::geometry_msgs_PoseStamped>(qos::kPose);
-  ASSERT_TRUE(shows_until([&] { return outputs_->made().pose >= 5 && poses->take_each([](const auto&) {}) > 0; }));
+  ASSERT_TRUE(shows_until(
+      [&] { return outputs_->made().pose >= 5 && poses->take_each([](const auto&) {}) > 0; }));
   EXPECT_EQ(outputs_->made().wrench + outputs_->made().markers, 0U);
   poses.reset();
   // Its going takes a moment to be known; from then on the count stands still.
@@ -83,7 +92,9 @@ TEST_F(RosOutputsTest, AreEachMadeOnceSomebodyReadsIt) {
   EXPECT_EQ(outputs_->made().pose, 0U);
 }
 
-std::int64_t ns_of(const msg::builtin_interfaces_Time& t) { return 1'000'000'000LL * t.sec + t.nanosec; }
+std::int64_t ns_of(const msg::builtin_interfaces_Time& t) {
+  return 1'000'000'000LL * t.sec + t.nanosec;
+}
 
 TEST_F(RosOutputsTest, AreWrittenAHundredTimesASecondWithTheTimeOfTheWall) {
   auto poses = reader<msg::geometry_msgs_PoseStamped>(qos::kPose);
@@ -97,29 +108,37 @@ TEST_F(RosOutputsTest, AreWrittenAHundredTimesASecondWithTheTimeOfTheWall) {
     return written.size() >= 800;
   }));
   std::ranges::nth_element(off, off.begin() + 400);
-  EXPECT_LT(off[400], 20'000'000) << "stamps are not the wall's time, although the device's clock is long behind it";
-  // How late each one is on a grid of 10 ms. Single ones may be late on a busy machine; the least late ones must not drift.
+  EXPECT_LT(off[400], 20'000'000)
+      << "stamps are not the wall's time, although the device's clock is long behind it";
+  // How late each one is on a grid of 10 ms. Single ones may be late on a busy machine; the least
+  // late ones must not drift.
   std::vector<double> late_ms;
   double grid_ms = 0.0;
   for (std::size_t n = 0; n < written.size(); ++n) {
     const double at_ms = static_cast<double>(written[n] - written[0]) * 1e-6;
-    if (n > 0) grid_ms += 10.0 * std::round((at_ms - grid_ms - late_ms.back()) / 10.0);
+    if (n > 0)
+      grid_ms += 10.0 * std::round((at_ms - grid_ms - late_ms.back()) / 10.0);
     late_ms.push_back(at_ms - grid_ms);
   }
   const auto half = late_ms.begin() + 400;
-  const double drift_ms = *std::min_element(half, half + 400) - *std::min_element(late_ms.begin(), half);
+  const double drift_ms =
+      *std::min_element(half, half + 400) - *std::min_element(late_ms.begin(), half);
   EXPECT_LT(std::abs(drift_ms), 4.0) << "in 4 s: more than 0.1 Hz beside 100 Hz";
 }
 
 TEST_F(RosOutputsTest, HaveSimulatedTimeAndAClockInLockstep) {
-  outputs_ = std::make_unique<rendering_node::RosOutputs>(participant_, rig_, scene_, qos::TimeMode::kLockstep);
+  outputs_ = std::make_unique<rendering_node::RosOutputs>(participant_, rig_, scene_,
+                                                          qos::TimeMode::kLockstep);
   auto poses = reader<msg::geometry_msgs_PoseStamped>(qos::kPose);
   auto clocks = reader<msg::rosgraph_msgs_Clock>(qos::kClock);
   std::vector<std::int64_t> of_poses, of_clocks;
   time_ns_ = 7'000'000'000;
   ASSERT_TRUE(shows_until([&] {
-    poses->take_each([&](const msg::geometry_msgs_PoseStamped& p) { of_poses.push_back(ns_of(p.header.stamp)); });
-    clocks->take_each([&](const msg::rosgraph_msgs_Clock& c) { of_clocks.push_back(ns_of(c.clock)); });
+    poses->take_each([&](const msg::geometry_msgs_PoseStamped& p) {
+      of_poses.push_back(ns_of(p.header.stamp));
+    });
+    clocks->take_each(
+        [&](const msg::rosgraph_msgs_Clock& c) { of_clocks.push_back(ns_of(c.clock)); });
     return of_poses.size() > 5 && of_clocks.size() > 5;
   }));
   for (const auto& stamps : {of_poses, of_clocks}) {
@@ -142,7 +161,8 @@ TEST_F(RosOutputsTest, TellWhatDoesNotMoveOnceAndAlsoToWhoComesLate) {
     std::set<std::string> names;
     EXPECT_TRUE(shows_until([&] {
       frames->take_each([&](const msg::tf2_msgs_TFMessage& m) {
-        for (std::uint32_t n = 0; n < m.transforms._length; ++n) names.insert(m.transforms._buffer[n].child_frame_id);
+        for (std::uint32_t n = 0; n < m.transforms._length; ++n)
+          names.insert(m.transforms._buffer[n].child_frame_id);
       });
       return names.contains(rig_ + "/device");
     })) << reader_number;
@@ -158,7 +178,10 @@ std::vector<std::string> all_due(rendering_node::MarkerRounds& rounds, std::int6
   std::vector<std::string> said;
   for (int message = 0; message < 100 && rounds.due(now_ns); ++message) {
     for (const auto& m : rounds.markers(now_ns))
-      said.push_back(std::string(m.action == 0 ? "ADD " : m.action == 2 ? "DELETE " : "DELETEALL ") + m.ns + " " + std::to_string(m.id));
+      said.push_back(std::string(m.action == 0   ? "ADD "
+                                 : m.action == 2 ? "DELETE "
+                                                 : "DELETEALL ") +
+                     m.ns + " " + std::to_string(m.id));
     rounds.sent(now_ns);
   }
   return said;
@@ -172,21 +195,30 @@ TEST(MarkerRounds, SendMeshesToWhoComesAndDeleteWhatAReloadTookAway) {
   rounds.replace({triangle("scene", 0), triangle("scene", 1)});
   EXPECT_EQ(all_due(rounds, 1 * kSecond), (Said{"DELETEALL  0", "ADD scene 0", "ADD scene 1"}));
   EXPECT_EQ(all_due(rounds, 1.5 * kSecond), Said());
-  EXPECT_EQ(all_due(rounds, 2 * kSecond), (Said{"ADD scene 0", "ADD scene 1"})) << "DDS may have lost the first ones";
+  EXPECT_EQ(all_due(rounds, 2 * kSecond), (Said{"ADD scene 0", "ADD scene 1"}))
+      << "DDS may have lost the first ones";
   EXPECT_EQ(all_due(rounds, 11 * kSecond), Said()) << "they need not be sent each time";
   EXPECT_EQ(all_due(rounds, 12 * kSecond).size(), 2U) << "a viewer may have been cleared";
   rounds.reader_came();
   EXPECT_EQ(all_due(rounds, 13 * kSecond), (Said{"ADD scene 0", "ADD scene 1"}));
   rounds.replace({triangle("scene", 0), triangle("object/lid", 0)});
-  EXPECT_EQ(all_due(rounds, 14 * kSecond), (Said{"DELETE scene 1", "ADD scene 0", "ADD object/lid 0"}));
+  EXPECT_EQ(all_due(rounds, 14 * kSecond),
+            (Said{"DELETE scene 1", "ADD scene 0", "ADD object/lid 0"}));
   rounds.replace({triangle("scene", 0), triangle("scene", 1)});
-  EXPECT_EQ(all_due(rounds, 15 * kSecond), (Said{"DELETE object/lid 0", "ADD scene 0", "ADD scene 1"}));
+  EXPECT_EQ(all_due(rounds, 15 * kSecond),
+            (Said{"DELETE object/lid 0", "ADD scene 0", "ADD scene 1"}));
 }
 
 TEST(MomentMarkers, DrawNoForceThatIsNoNumber) {
   for (const double bad : {std::nan(""), std::numeric_limits<double>::infinity(), 1e300}) {
-    const rendering_node::MomentMarkers markers({.stamp_ns = 0, .hand = Vec3::Zero(), .object = Vec3::Zero(), .returned = Vec3(bad, 0, 0), .contact = Vec3(0, 0, bad), .points = {}});
-    for (const auto& m : markers.all) EXPECT_NE(m.action, 0) << m.ns << ": a command that came from anybody has a force of " << bad;
+    const rendering_node::MomentMarkers markers({.stamp_ns = 0,
+                                                 .hand = Vec3::Zero(),
+                                                 .object = Vec3::Zero(),
+                                                 .returned = Vec3(bad, 0, 0),
+                                                 .contact = Vec3(0, 0, bad),
+                                                 .points = {}});
+    for (const auto& m : markers.all)
+      EXPECT_NE(m.action, 0) << m.ns << ": a command that came from anybody has a force of " << bad;
   }
 }
 
@@ -209,14 +241,19 @@ TEST(PlanRing, HasEachTopicAndEachNodeOnceWithAReason) {
   }
   std::size_t topics = 0;
   for (const qos::Topic& topic : qos::kTopics) {
-    EXPECT_TRUE(!topic.with_external || !names.contains("topic " + std::string(topic.path))) << "the scene has no such effect";
-    if (topic.with_external) continue;
+    EXPECT_TRUE(!topic.with_external || !names.contains("topic " + std::string(topic.path)))
+        << "the scene has no such effect";
+    if (topic.with_external)
+      continue;
     ++topics;
     EXPECT_EQ(names.count("topic " + std::string(topic.path)), 1U) << topic.path;
-    const auto part = std::find_if(parts.begin(), parts.end(),
-                                   [&](const rendering::PlanPart& p) { return p.name == "topic " + std::string(topic.path); });
-    // What the logger does not record unasked is there for ROS tools, and only for those who read it.
-    EXPECT_EQ(part->why.find("ROS tools") != std::string::npos, !(topic.readers & qos::kLogger)) << topic.path;
+    const auto part = std::find_if(parts.begin(), parts.end(), [&](const rendering::PlanPart& p) {
+      return p.name == "topic " + std::string(topic.path);
+    });
+    // What the logger does not record unasked is there for ROS tools, and only for those who read
+    // it.
+    EXPECT_EQ(part->why.find("ROS tools") != std::string::npos, !(topic.readers & qos::kLogger))
+        << topic.path;
   }
   for (const char* node : {"device", "rendering", "coupling", "validator", "logger"})
     EXPECT_EQ(names.count(std::string("node ") + node), 1U);
@@ -225,7 +262,10 @@ TEST(PlanRing, HasEachTopicAndEachNodeOnceWithAReason) {
 
 TEST(PlanRing, HasTheTopicOfAnOutsideWrenchWhereTheSceneNamesIt) {
   scene::Scene scene = plane();
-  effects::EffectSpec external{.name = "external", .kind = effects::find_effect_kind("external"), .values = {}, .region = {}};
+  effects::EffectSpec external{.name = "external",
+                               .kind = effects::find_effect_kind("external"),
+                               .values = {},
+                               .region = {}};
   external.values = effects::EffectValues(external.kind->parameters);
   const auto count = [&](const std::string& name) {
     const std::vector<rendering::PlanPart> parts = rendering_node::ring_parts(scene);
@@ -242,16 +282,20 @@ TEST(PlanRing, HasTheTopicOfAnOutsideWrenchWhereTheSceneNamesIt) {
 
 TEST(PlanMessage, CarriesThePartsOfPlanAndRingSideBySide) {
   const std::string rig = own_rig("plan");
-  bus::Participant writer_side({kDomain, "lo", "rendering"}), reader_side({kDomain, "lo", "looker"});
-  bus::Writer<msg::ScenePlan> writer(writer_side, qos::kScenePlan, rig, qos::profile(qos::kScenePlan.profile));
-  bus::Reader<msg::ScenePlan> reader(reader_side, qos::kScenePlan, rig, qos::profile(qos::kScenePlan.profile));
+  bus::Participant writer_side({kDomain, "lo", "rendering"}),
+      reader_side({kDomain, "lo", "looker"});
+  bus::Writer<msg::ScenePlan> writer(writer_side, qos::kScenePlan, rig,
+                                     qos::profile(qos::kScenePlan.profile));
+  bus::Reader<msg::ScenePlan> reader(reader_side, qos::kScenePlan, rig,
+                                     qos::profile(qos::kScenePlan.profile));
   const scene::Scene scene = plane();
   rendering::BuildCounts counts;
   counts.shell_points = 100, counts.shell_bytes = 6800, counts.voxmap_bytes = 1234;
   const rendering::Plan plan = rendering::make_plan(scene, counts);
   rendering_node::publish_plan(writer, scene, plan, fitting::demand_of(scene), 0.001, 7, 0);
   std::vector<rendering::PlanPart> wanted = plan.parts, got;
-  for (rendering::PlanPart& part : rendering_node::ring_parts(scene)) wanted.push_back(std::move(part));
+  for (rendering::PlanPart& part : rendering_node::ring_parts(scene))
+    wanted.push_back(std::move(part));
   ASSERT_TRUE(wait_until([&] {
     reader.take_each([&](const msg::ScenePlan& m) {
       ASSERT_EQ(m.part_names._length, m.part_nodes._length);

@@ -1,4 +1,5 @@
-// What ROS tools learn of a node's state and sentences: the numbers of lifecycle_msgs, and lines of /rosout that no sentence can make many.
+// What ROS tools learn of a node's state and sentences: the numbers of lifecycle_msgs, and lines of
+// /rosout that no sentence can make many.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -22,8 +23,10 @@ TEST(LifeCycleStates, AreThoseOfRosForEachStateOfANode) {
     std::uint8_t id;
     const char* label;
   };
-  for (const Case& c : {Case{NodeState::kStarting, 10, "configuring"}, Case{NodeState::kReady, 2, "inactive"}, Case{NodeState::kRunning, 3, "active"},
-                        Case{NodeState::kStopped, 4, "finalized"}, Case{NodeState::kFailed, 15, "errorprocessing"}}) {
+  for (const Case& c :
+       {Case{NodeState::kStarting, 10, "configuring"}, Case{NodeState::kReady, 2, "inactive"},
+        Case{NodeState::kRunning, 3, "active"}, Case{NodeState::kStopped, 4, "finalized"},
+        Case{NodeState::kFailed, 15, "errorprocessing"}}) {
     EXPECT_EQ(runtime::life_cycle_state(c.state).id, c.id) << c.label;
     EXPECT_EQ(runtime::life_cycle_state(c.state).label, c.label);
   }
@@ -37,11 +40,14 @@ struct Line {
 class RosLines : public testing::Test {
  protected:
   void listen() {
-    reader = std::make_unique<bus::Reader<msg::rcl_interfaces_Log>>(listener, qos::kRosout, rig, qos::profile(qos::kRosout.profile));
+    reader = std::make_unique<bus::Reader<msg::rcl_interfaces_Log>>(
+        listener, qos::kRosout, rig, qos::profile(qos::kRosout.profile));
     ASSERT_TRUE(wait_until([&] { return log.reader_came(); }));
   }
   void take() {
-    reader->take_each([&](const msg::rcl_interfaces_Log& line) { lines.push_back({line.level, line.name, line.msg}); });
+    reader->take_each([&](const msg::rcl_interfaces_Log& line) {
+      lines.push_back({line.level, line.name, line.msg});
+    });
   }
   bool has(std::size_t count) {
     return wait_until([&] { return take(), lines.size() >= count; });
@@ -59,13 +65,16 @@ TEST_F(RosLines, AreAtMostTenASecondHoweverMuchIsSaidAndTheNextTellsHowManyWereL
   listen();
   constexpr int kSaid = 5000;
   const std::int64_t begin_ns = runtime::monotonic_ns();
-  for (int n = 0; n < kSaid; ++n) log.say(NodeState::kRunning, "sentence " + std::to_string(n));
+  for (int n = 0; n < kSaid; ++n)
+    log.say(NodeState::kRunning, "sentence " + std::to_string(n));
   const std::uint64_t of_the_flood = log.written();
   // A machine that stands still meanwhile makes it longer, and more lines fit in.
-  const auto seconds = static_cast<std::uint64_t>((runtime::monotonic_ns() - begin_ns) / 1'000'000'000);
+  const auto seconds =
+      static_cast<std::uint64_t>((runtime::monotonic_ns() - begin_ns) / 1'000'000'000);
   EXPECT_GE(of_the_flood, 10U);
   EXPECT_LE(of_the_flood, 10U * (seconds + 2));
-  ASSERT_TRUE(wait_until([&] { return log.say(NodeState::kRunning, "at last"), log.written() > of_the_flood; }));
+  ASSERT_TRUE(wait_until(
+      [&] { return log.say(NodeState::kRunning, "at last"), log.written() > of_the_flood; }));
   ASSERT_TRUE(has(of_the_flood + 1));
   EXPECT_EQ(lines.front().text, "sentence 0");
   EXPECT_EQ(lines.front().name, rig + ".coupling");
@@ -74,9 +83,12 @@ TEST_F(RosLines, AreAtMostTenASecondHoweverMuchIsSaidAndTheNextTellsHowManyWereL
 
 TEST_F(RosLines, SayHowBadItIs) {
   listen();
-  log.say(NodeState::kRunning, "all runs"), log.say(NodeState::kRunning, "warning: the scenes differ"), log.say(NodeState::kFailed, "No force is commanded.");
+  log.say(NodeState::kRunning, "all runs"),
+      log.say(NodeState::kRunning, "warning: the scenes differ"),
+      log.say(NodeState::kFailed, "No force is commanded.");
   ASSERT_TRUE(has(3));
-  EXPECT_EQ((std::vector{lines[0].level, lines[1].level, lines[2].level}), (std::vector{20, 30, 40}));
+  EXPECT_EQ((std::vector{lines[0].level, lines[1].level, lines[2].level}),
+            (std::vector{20, 30, 40}));
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
-// The update server alone: what it hands over to the loop, what it refuses, and what it tells the coupling.
+// The update server alone: what it hands over to the loop, what it refuses, and what it tells the
+// coupling.
 #include "nodes/rendering/scene_update_server.hpp"
 
 #include <gtest/gtest.h>
@@ -23,10 +24,12 @@ namespace result = msg::effect_changed;
 /// An effect that does nothing: what counts is what its kind says that it may show.
 class Idle final : public effects::Effect {
  public:
-  void apply(const effects::EffectFrame&, const effects::EffectValues&, effects::EffectPush&) noexcept override {}
+  void apply(const effects::EffectFrame&, const effects::EffectValues&,
+             effects::EffectPush&) noexcept override {}
 };
 
-effects::EffectKind idle_kind(std::string_view name, std::span<const effects::EffectParameter> parameters,
+effects::EffectKind idle_kind(std::string_view name,
+                              std::span<const effects::EffectParameter> parameters,
                               effects::EffectBound (*bound)(const effects::EffectValues&)) {
   return {.name = name,
           .says = "",
@@ -37,25 +40,29 @@ effects::EffectKind idle_kind(std::string_view name, std::span<const effects::Ef
           .make = [] { return std::unique_ptr<effects::Effect>(std::make_unique<Idle>()); }};
 }
 
-constexpr std::array kSpringParameters = {
-    effects::EffectParameter{.name = "stiffness_n_per_m", .high = 1000.0, .standard = {{100.0, 0.0, 0.0}}}};
-const effects::EffectKind kSpring = idle_kind("spring", kSpringParameters, [](const effects::EffectValues& v) {
-  effects::EffectBound bound;
-  bound.stiffness_n_per_m = v.number(0);
-  return bound;
-});
+constexpr std::array kSpringParameters = {effects::EffectParameter{
+    .name = "stiffness_n_per_m", .high = 1000.0, .standard = {{100.0, 0.0, 0.0}}}};
+const effects::EffectKind kSpring =
+    idle_kind("spring", kSpringParameters, [](const effects::EffectValues& v) {
+      effects::EffectBound bound;
+      bound.stiffness_n_per_m = v.number(0);
+      return bound;
+    });
 
-/// Its damping is a product: two numbers that change one after the other may meet where neither change comes to rest.
+/// Its damping is a product: two numbers that change one after the other may meet where neither
+/// change comes to rest.
 constexpr std::array kPasteParameters = {
     effects::EffectParameter{.name = "share", .high = 10.0, .standard = {{2.0, 0.0, 0.0}}},
-    effects::EffectParameter{.name = "thickness_ns_per_m", .high = 10.0, .standard = {{1.0, 0.0, 0.0}}},
+    effects::EffectParameter{
+        .name = "thickness_ns_per_m", .high = 10.0, .standard = {{1.0, 0.0, 0.0}}},
     effects::EffectParameter{.name = "lever_m", .high = 1.0, .standard = {{0.0, 0.0, 0.0}}}};
-const effects::EffectKind kPaste = idle_kind("paste", kPasteParameters, [](const effects::EffectValues& v) {
-  effects::EffectBound bound;
-  bound.damping_ns_per_m = v.number(0) * v.number(1);
-  bound.damping_nms_per_rad = bound.damping_ns_per_m * v.number(2) * v.number(2);
-  return bound;
-});
+const effects::EffectKind kPaste =
+    idle_kind("paste", kPasteParameters, [](const effects::EffectValues& v) {
+      effects::EffectBound bound;
+      bound.damping_ns_per_m = v.number(0) * v.number(1);
+      bound.damping_nms_per_rad = bound.damping_ns_per_m * v.number(2) * v.number(2);
+      return bound;
+    });
 
 coupling::design::DeviceModel stylus() {
   coupling::design::DeviceModel model;
@@ -75,13 +82,16 @@ TEST(SceneUpdateServer, IsNotWaitedForWhereASessionBegins) {
   std::atomic<bool> waiting{false}, go_on{false};
   std::atomic<std::uint64_t> last{0};
   rendering_node::SceneUpdateServer server(
-      participant, options, scene, rendering::build_scene(scene, serial_for()), line, [](const scene::Scene&) {},
+      participant, options, scene, rendering::build_scene(scene, serial_for()), line,
+      [](const scene::Scene&) {},
       [&](std::uint64_t session) {
         last = session, waiting = true;
-        EXPECT_TRUE(wait_until([&] { return go_on.load(); })) << "device_is waits for the update server";
+        EXPECT_TRUE(wait_until([&] { return go_on.load(); }))
+            << "device_is waits for the update server";
       });
   const auto begin = [&](std::uint64_t session) {
-    server.device_is(std::make_unique<rendering_node::DescribedDevice>(rendering_node::DescribedDevice{session, stylus()}));
+    server.device_is(std::make_unique<rendering_node::DescribedDevice>(
+        rendering_node::DescribedDevice{session, stylus()}));
   };
   begin(3);
   ASSERT_TRUE(wait_until([&] { return waiting.load(); }));
@@ -90,7 +100,8 @@ TEST(SceneUpdateServer, IsNotWaitedForWhereASessionBegins) {
   EXPECT_TRUE(wait_until([&] { return last == 5; })) << "the last one counts";
 }
 
-/// The update server of plane.yaml with one effect, a device and a loop that takes what is handed over.
+/// The update server of plane.yaml with one effect, a device and a loop that takes what is handed
+/// over.
 class UpdateServer {
  public:
   UpdateServer(effects::EffectSpec effect, const coupling::design::DeviceModel& device)
@@ -110,7 +121,8 @@ class UpdateServer {
     EXPECT_TRUE(asker_.ready());
     EXPECT_TRUE(asker_.send_until_heard(change(99), 1'000'000));
     line_.begin_session(3);
-    server_.device_is(std::make_unique<rendering_node::DescribedDevice>(rendering_node::DescribedDevice{3, device}));
+    server_.device_is(std::make_unique<rendering_node::DescribedDevice>(
+        rendering_node::DescribedDevice{3, device}));
     EXPECT_TRUE(wait_until([&] { return begun_ == 3 && (loop(), !plans.empty()); }));
   }
   /// One sample, as the loop takes it, and the plans that have come.
@@ -120,8 +132,9 @@ class UpdateServer {
     frame.dt_s = 1e-3;
     live_.effects().apply(frame);
     plans_.take_each([&](const msg::ScenePlan& p) {
-      plans.push_back({p.from_sample, p.all_points_stiffness_n_per_m, p.effects_damping_ns_per_m, p.effects_damping_nms_per_rad,
-                       p.largest_damping_nms_per_rad, p.largest_turning_damping, p.largest_turning_damping_place});
+      plans.push_back({p.from_sample, p.all_points_stiffness_n_per_m, p.effects_damping_ns_per_m,
+                       p.effects_damping_nms_per_rad, p.largest_damping_nms_per_rad,
+                       p.largest_turning_damping, p.largest_turning_damping_place});
     });
   }
   Said ask(const msg::EffectChange& m, const std::string& parameter) {
@@ -132,11 +145,13 @@ class UpdateServer {
     return asker_.first_word(asker_.send(m, name_, parameter));
   }
   void samples(int count) {
-    for (int n = 0; n < count; ++n) loop(), std::this_thread::sleep_for(milliseconds(1));
+    for (int n = 0; n < count; ++n)
+      loop(), std::this_thread::sleep_for(milliseconds(1));
   }
   /// Sent without a number, as from a shell.
   void tell(msg::EffectChange m, std::string parameter) {
-    m.effect = runtime::lend(name_), m.parameter = runtime::lend(parameter), m.model = runtime::lend(none_);
+    m.effect = runtime::lend(name_), m.parameter = runtime::lend(parameter),
+    m.model = runtime::lend(none_);
     asker_.changes.write(m);
   }
 
@@ -149,11 +164,15 @@ class UpdateServer {
   };
   /// The records of what was made, as a recorder gets them that comes now.
   std::vector<Made> records(std::size_t count) {
-    bus::Reader<msg::EffectChange> reader(participant_, qos::kEffectMade, rig_, qos::profile(qos::kEffectMade.profile));
+    bus::Reader<msg::EffectChange> reader(participant_, qos::kEffectMade, rig_,
+                                          qos::profile(qos::kEffectMade.profile));
     std::vector<Made> all;
     EXPECT_TRUE(wait_until([&] {
       loop();
-      reader.take_each([&](const msg::EffectChange& m) { all.push_back({m.request, m.session_id, m.from_sample, m.action, m.effect, m.parameter, m.value[0]}); });
+      reader.take_each([&](const msg::EffectChange& m) {
+        all.push_back(
+            {m.request, m.session_id, m.from_sample, m.action, m.effect, m.parameter, m.value[0]});
+      });
       return all.size() >= count;
     }));
     return all;
@@ -193,7 +212,11 @@ class UpdateServer {
 };
 
 TEST(SceneUpdateServer, PublishesThePlanAnewWhereTheStiffnessBoundChanges) {
-  UpdateServer on({.name = "spring", .kind = &kSpring, .values = effects::EffectValues(kSpringParameters), .region = {}}, stylus());
+  UpdateServer on({.name = "spring",
+                   .kind = &kSpring,
+                   .values = effects::EffectValues(kSpringParameters),
+                   .region = {}},
+                  stylus());
   EXPECT_EQ(on.ask(change(kActionSwitch, 0.0), "").result, result::kResultDone);
   EXPECT_EQ(on.ask(change(kActionSwitch, 1.0), "").result, result::kResultDone);
   const Said stiffer = on.ask(change(kActionValue, 350.0), "stiffness_n_per_m");
@@ -209,9 +232,14 @@ TEST(SceneUpdateServer, PublishesThePlanAnewWhereTheStiffnessBoundChanges) {
   EXPECT_NEAR(on.plans[2].stiffness_n_per_m, on.of_contact + 50.0, 1e-9);
 }
 
-/// A bag that has these replays every change, whoever asked for it and whether its question was heard by the recorder.
+/// A bag that has these replays every change, whoever asked for it and whether its question was
+/// heard by the recorder.
 TEST(SceneUpdateServer, RecordsWhatWasMadeOnceWithSessionAndSampleAlsoForARecorderThatComesLater) {
-  UpdateServer on({.name = "spring", .kind = &kSpring, .values = effects::EffectValues(kSpringParameters), .region = {}}, stylus());
+  UpdateServer on({.name = "spring",
+                   .kind = &kSpring,
+                   .values = effects::EffectValues(kSpringParameters),
+                   .region = {}},
+                  stylus());
   const Said off = on.ask(change(kActionSwitch, 0.0), "");
   EXPECT_EQ(on.ask(change(kActionGain, 7.0), "").result, result::kResultRefused);
   const Said stiffer = on.ask(change(kActionValue, 350.0), "stiffness_n_per_m");
@@ -219,14 +247,21 @@ TEST(SceneUpdateServer, RecordsWhatWasMadeOnceWithSessionAndSampleAlsoForARecord
   on.tell(change(kActionGain, 0.5), "");
   const std::vector<UpdateServer::Made> records = on.records(3);
   ASSERT_EQ(records.size(), 3U);
-  EXPECT_EQ(records[0], (UpdateServer::Made{1, 3, off.from_sample, kActionSwitch, "spring", "", 0.0}));
-  EXPECT_EQ(records[1], (UpdateServer::Made{3, 3, stiffer.from_sample, kActionValue, "spring", "stiffness_n_per_m", 350.0}));
-  EXPECT_EQ(records[2], (UpdateServer::Made{0, 3, records[2].from_sample, kActionGain, "spring", "", 0.5})) << "asked for without a number";
+  EXPECT_EQ(records[0],
+            (UpdateServer::Made{1, 3, off.from_sample, kActionSwitch, "spring", "", 0.0}));
+  EXPECT_EQ(records[1], (UpdateServer::Made{3, 3, stiffer.from_sample, kActionValue, "spring",
+                                            "stiffness_n_per_m", 350.0}));
+  EXPECT_EQ(records[2],
+            (UpdateServer::Made{0, 3, records[2].from_sample, kActionGain, "spring", "", 0.5}))
+      << "asked for without a number";
   EXPECT_GT(records[2].from_sample, stiffer.from_sample);
 }
 
 effects::EffectSpec paste(double lever_m = 0.0) {
-  effects::EffectSpec spec{.name = "paste", .kind = &kPaste, .values = effects::EffectValues(kPasteParameters), .region = {}};
+  effects::EffectSpec spec{.name = "paste",
+                           .kind = &kPaste,
+                           .values = effects::EffectValues(kPasteParameters),
+                           .region = {}};
   spec.values.at(2)[0] = lever_m;
   spec.place = "a.yaml:7:5";
   return spec;
@@ -236,22 +271,30 @@ TEST(SceneUpdateServer, JudgesWhatTwoChangesMayComeToOnTheirWay) {
   UpdateServer on(paste(), stylus());
   EXPECT_EQ(on.ask(change(kActionValue, 0.2), "share").result, result::kResultDone);
   const Said thicker = on.ask(change(kActionValue, 9.0), "thickness_ns_per_m");
-  EXPECT_EQ(thicker.result, result::kResultRefused) << "2 * 9 Ns/m may be felt before the share is down";
+  EXPECT_EQ(thicker.result, result::kResultRefused)
+      << "2 * 9 Ns/m may be felt before the share is down";
   on.samples(400);
-  EXPECT_EQ(on.ask(change(kActionValue, 9.0), "thickness_ns_per_m").result, result::kResultDone) << "it has settled";
+  EXPECT_EQ(on.ask(change(kActionValue, 9.0), "thickness_ns_per_m").result, result::kResultDone)
+      << "it has settled";
 }
 
 TEST(SceneUpdateServer, JudgesWhatTwoChangesThatWaitMayComeToOnTheirWay) {
   UpdateServer on(paste(), stylus());
-  EXPECT_EQ(on.ask_and_wait(change(kActionValue, 0.2, 5'000), "share").result, result::kResultWaiting);
+  EXPECT_EQ(on.ask_and_wait(change(kActionValue, 0.2, 5'000), "share").result,
+            result::kResultWaiting);
   const Said thicker = on.ask_and_wait(change(kActionValue, 9.0, 5'000), "thickness_ns_per_m");
-  EXPECT_EQ(thicker.result, result::kResultRefused) << "2 * 9 Ns/m may be felt before the share is down";
+  EXPECT_EQ(thicker.result, result::kResultRefused)
+      << "2 * 9 Ns/m may be felt before the share is down";
 }
 
 TEST(SceneUpdateServer, TellsWhatTheEffectsDampOfTurning) {
   coupling::design::DeviceModel arm = stylus();
   arm.gives_torque = true;
-  arm.rotation = {.inertia_min = 0.01, .inertia_max = 0.02, .damping = 0.2, .max_effort = 5.0, .max_stiffness = 50.0};
+  arm.rotation = {.inertia_min = 0.01,
+                  .inertia_max = 0.02,
+                  .damping = 0.2,
+                  .max_effort = 5.0,
+                  .max_stiffness = 50.0};
   UpdateServer on(paste(0.05), arm);
   EXPECT_NEAR(on.plans[0].damping_ns_per_m, 2.0, 1e-12);
   EXPECT_NEAR(on.plans[0].damping_nms_per_rad, 0.005, 1e-12);

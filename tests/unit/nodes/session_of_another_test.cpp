@@ -9,7 +9,8 @@ namespace {
 msg::ContactState contact(std::uint64_t sequence, double force_n, double supplied_j = 0.0) {
   msg::ContactState c{};
   c.sequence_number = sequence;
-  c.sample_time_ns = 1'000'000 * static_cast<std::int64_t>(sequence) + 5, c.scene_time_ns = 1'000'000 * static_cast<std::int64_t>(sequence);
+  c.sample_time_ns = 1'000'000 * static_cast<std::int64_t>(sequence) + 5,
+  c.scene_time_ns = 1'000'000 * static_cast<std::int64_t>(sequence);
   c.wrench.force.z = force_n;
   c.supplied_energy_j = supplied_j;
   return c;
@@ -39,14 +40,17 @@ TEST(SessionOfAnother, IsFitOnlyWhileBothRenderTheSame) {
   SessionOfAnother session;
   EXPECT_FALSE(session.agrees()) << "nothing has been compared with the other one's";
   std::uint64_t n = 1;
-  const auto both = [&](double own_n, double theirs_n) { session.note(contact(n, own_n), false), session.heed(contact(n, theirs_n)), ++n; };
+  const auto both = [&](double own_n, double theirs_n) {
+    session.note(contact(n, own_n), false), session.heed(contact(n, theirs_n)), ++n;
+  };
   both(0.0, 1.0);
   EXPECT_FALSE(session.agrees()) << "a virtual tool without a place";
   both(1.0, 1.05);
   EXPECT_TRUE(session.agrees());
   both(0.0, 1.0);
   EXPECT_TRUE(session.agrees()) << "one sample alone may not have come";
-  for (int i = 0; i < 8; ++i) both(0.0, 1.0);
+  for (int i = 0; i < 8; ++i)
+    both(0.0, 1.0);
   EXPECT_FALSE(session.agrees());
   session.note(contact(n, 0.0), true);
   EXPECT_TRUE(session.agrees()) << "it acts";

@@ -1,4 +1,5 @@
-// Sessions: what a device that is started anew, a second rig or a second device does to nodes that keep running.
+// Sessions: what a device that is started anew, a second rig or a second device does to nodes that
+// keep running.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -21,38 +22,51 @@ namespace {
 using std::chrono::milliseconds;
 
 template <class T>
-double force(const T& m) { return std::hypot(m.wrench.force.x, m.wrench.force.y, m.wrench.force.z); }
+double force(const T& m) {
+  return std::hypot(m.wrench.force.x, m.wrench.force.y, m.wrench.force.z);
+}
 
 /// Everything that a bystander sees of one rig.
 class Bystander {
  public:
   explicit Bystander(const std::string& rig)
-      : participant({kDomain, "lo", "bystander"}), registry(participant, rig),
-        descriptions(participant, qos::kDeviceDescription, rig, latched()), plans(participant, qos::kScenePlan, rig, latched()),
-        designs(participant, qos::kCouplingDesign, rig, latched()), states(participant, qos::kDeviceState, rig, tap()),
-        contacts(participant, qos::kContactState, rig, tap()), commands(participant, qos::kForceCommand, rig, tap()) {}
+      : participant({kDomain, "lo", "bystander"}),
+        registry(participant, rig),
+        descriptions(participant, qos::kDeviceDescription, rig, latched()),
+        plans(participant, qos::kScenePlan, rig, latched()),
+        designs(participant, qos::kCouplingDesign, rig, latched()),
+        states(participant, qos::kDeviceState, rig, tap()),
+        contacts(participant, qos::kContactState, rig, tap()),
+        commands(participant, qos::kForceCommand, rig, tap()) {}
   void look() {
     registry.update();
     descriptions.take_each([this](const auto& m) { note(described, m.session_id); });
     plans.take_each([this](const auto& m) { note(planned, m.session_id); });
     designs.take_each([this](const auto& m) { note(designed, m.session_id); });
     msg::DeviceState state;
-    while (states.take(state)) newest = state;
+    while (states.take(state))
+      newest = state;
     msg::ContactState contact;
-    while (contacts.take(contact)) touched.insert(contact.session_id);
+    while (contacts.take(contact))
+      touched.insert(contact.session_id);
     msg::ForceCommand command;
     while (commands.take(command)) {
       commanded.insert(command.session_id);
       last_command = command;
-      if (command.session_id != over && command.sequence_number < 5) first_force = std::max(first_force, force(command));
+      if (command.session_id != over && command.sequence_number < 5)
+        first_force = std::max(first_force, force(command));
     }
   }
   /// What is latched may be written again for one who has missed it.
   static void note(std::vector<std::uint64_t>& sessions, std::uint64_t session) {
-    if (sessions.empty() || sessions.back() != session) sessions.push_back(session);
+    if (sessions.empty() || sessions.back() != session)
+      sessions.push_back(session);
   }
   bool sees(const std::function<bool()>& holds) {
-    return wait_until([&] { look(); return holds(); });
+    return wait_until([&] {
+      look();
+      return holds();
+    });
   }
   static const qos::Profile& latched() { return qos::profile(qos::ProfileId::kLatched); }
   static const qos::Profile& tap() { return qos::profile(qos::ProfileId::kTap); }
@@ -77,7 +91,8 @@ class Bystander {
 template <class Options>
 struct Node {
   Node(Options o, int (*run)(const Options&, const std::atomic<bool>&))
-      : options(std::move(o)), thread([this, run](const std::atomic<bool>& stop) { return run(options, stop); }) {}
+      : options(std::move(o)),
+        thread([this, run](const std::atomic<bool>& stop) { return run(options, stop); }) {}
   Options options;
   NodeThread thread;
 };
@@ -98,18 +113,23 @@ TEST(Session, OfARestartedDeviceIsNewAndTheNodesThatKeptRunningResetOnIt) {
   msg::ForceCommand old_command{};
   {
     Node device(device_options(rig, 2.0), device_node::run);
-    ASSERT_TRUE(bystander.sees([&] { return device.thread.status() >= 0; })) << device.thread.error();
+    ASSERT_TRUE(bystander.sees([&] { return device.thread.status() >= 0; }))
+        << device.thread.error();
     EXPECT_EQ(device.thread.status(), 0);
     old_session = bystander.newest.session_id;
     old_command = bystander.last_command;
     ASSERT_NE(old_session, 0U);
     EXPECT_EQ(bystander.commanded, (std::set<std::uint64_t>{old_session}));
   }
-  bystander.touched.clear(), bystander.commanded.clear(), bystander.first_force = 0.0, bystander.over = old_session;
+  bystander.touched.clear(), bystander.commanded.clear(), bystander.first_force = 0.0,
+                                                          bystander.over = old_session;
   Node device(device_options(rig, 2.0), device_node::run);
-  ASSERT_TRUE(bystander.sees([&] { return !bystander.commanded.empty(); })) << device.thread.error();
-  // Somebody repeats a command of the old session: refused and counted, and it does not take the coupling's place.
-  bus::Writer<msg::ForceCommand> repeater(bystander.participant, qos::kForceCommand, rig, qos::profile(qos::ProfileId::kStream));
+  ASSERT_TRUE(bystander.sees([&] { return !bystander.commanded.empty(); }))
+      << device.thread.error();
+  // Somebody repeats a command of the old session: refused and counted, and it does not take the
+  // coupling's place.
+  bus::Writer<msg::ForceCommand> repeater(bystander.participant, qos::kForceCommand, rig,
+                                          qos::profile(qos::ProfileId::kStream));
   ASSERT_TRUE(wait_until([&] { return repeater.matched_count() >= 1; }));
   for (int i = 0; i < 200; ++i) {
     old_command.sequence_number = bystander.newest.sequence_number;
@@ -136,7 +156,8 @@ TEST(Session, OfARestartedDeviceIsNewAndTheNodesThatKeptRunningResetOnIt) {
   EXPECT_EQ(bystander.planned, bystander.described);
   EXPECT_EQ(bystander.designed, bystander.described);
   EXPECT_EQ(bystander.touched, (std::set<std::uint64_t>{new_session}));
-  EXPECT_EQ(bystander.commanded, (std::set<std::uint64_t>{new_session, old_session})) << "the repeater's and the coupling's";
+  EXPECT_EQ(bystander.commanded, (std::set<std::uint64_t>{new_session, old_session}))
+      << "the repeater's and the coupling's";
   EXPECT_EQ(bystander.first_force, 0.0) << "a new session begins at rest";
   EXPECT_EQ(coupling.thread.end(), 0);
   EXPECT_EQ(rendering.thread.end(), 0);
@@ -150,31 +171,36 @@ TEST(Session, IsNewInLockstepTooWhenTheNodesHaveSeenTheSameRunBefore) {
     options.peers = {"rendering", "coupling"};
     return options;
   };
-  Node rendering(lockstep(node_options<rendering_node::Options>(rig, "plane")), rendering_node::run);
+  Node rendering(lockstep(node_options<rendering_node::Options>(rig, "plane")),
+                 rendering_node::run);
   Node coupling(lockstep(node_options<coupling_node::Options>(rig, "plane")), coupling_node::run);
   for (int i = 0; i < 2; ++i) {
     Node device(lockstep(device_options(rig, 0.5)), device_node::run);
-    ASSERT_TRUE(bystander.sees([&] { return device.thread.status() >= 0; })) << device.thread.error();
+    ASSERT_TRUE(bystander.sees([&] { return device.thread.status() >= 0; }))
+        << device.thread.error();
     EXPECT_EQ(device.thread.status(), 0);
     ASSERT_TRUE(bystander.sees([&] { return !bystander.registry.find("device"); }));
   }
   ASSERT_EQ(bystander.described.size(), 2U);
   EXPECT_NE(bystander.described[0], bystander.described[1]);
   EXPECT_EQ(bystander.planned, bystander.described);
-  EXPECT_EQ(bystander.commanded, (std::set<std::uint64_t>{bystander.described[0], bystander.described[1]}));
+  EXPECT_EQ(bystander.commanded,
+            (std::set<std::uint64_t>{bystander.described[0], bystander.described[1]}));
 }
 
 /// What a device says, without one.
 class FakeDevice : public StandIn {
  public:
   FakeDevice(const std::string& rig)
-      : StandIn(kDomain, "device", rig), descriptions(participant, qos::kDeviceDescription, rig, Bystander::latched()),
+      : StandIn(kDomain, "device", rig),
+        descriptions(participant, qos::kDeviceDescription, rig, Bystander::latched()),
         states(participant, qos::kDeviceState, rig, qos::profile(qos::ProfileId::kStream)) {}
   void describe(std::uint64_t session) {
     descriptions.write(stylus(session));
     say(session);
   }
-  void sample(std::uint64_t session, std::uint64_t sequence, double height, std::uint32_t flags = 0) {
+  void sample(std::uint64_t session, std::uint64_t sequence, double height,
+              std::uint32_t flags = 0) {
     msg::DeviceState m{};
     m.session_id = session;
     m.sequence_number = sequence;
@@ -191,7 +217,9 @@ class FakeDevice : public StandIn {
 class RenderingAlone : public testing::Test {
  protected:
   RenderingAlone()
-      : rig(own_rig()), device(rig), contacts(device.participant, qos::kContactState, rig, qos::profile(qos::ProfileId::kTap)),
+      : rig(own_rig()),
+        device(rig),
+        contacts(device.participant, qos::kContactState, rig, qos::profile(qos::ProfileId::kTap)),
         plans(device.participant, qos::kScenePlan, rig, Bystander::latched()),
         rendering(node_options<rendering_node::Options>(rig, "plane"), rendering_node::run) {}
   void begin(std::uint64_t session) {
@@ -200,20 +228,24 @@ class RenderingAlone : public testing::Test {
       bool planned = false;
       plans.take_each([&](const msg::ScenePlan& plan) {
         planned |= plan.session_id == session;
-        most_n_per_m = plan.all_points_stiffness_n_per_m, most_nm_per_rad = plan.all_points_stiffness_nm_per_rad;
-        one_n_per_m = plan.one_point_stiffness_n_per_m, one_nm_per_rad = plan.one_point_stiffness_nm_per_rad;
+        most_n_per_m = plan.all_points_stiffness_n_per_m,
+        most_nm_per_rad = plan.all_points_stiffness_nm_per_rad;
+        one_n_per_m = plan.one_point_stiffness_n_per_m,
+        one_nm_per_rad = plan.one_point_stiffness_nm_per_rad;
         points = plan.shell_points;
       });
       return planned && device.states.matched_count() == 1 && contacts.matched_count() == 1;
     }));
   }
-  msg::ContactState contact_of(std::uint64_t session, std::uint64_t sequence, double height, std::uint32_t flags = 0) {
+  msg::ContactState contact_of(std::uint64_t session, std::uint64_t sequence, double height,
+                               std::uint32_t flags = 0) {
     msg::ContactState contact{};
     EXPECT_TRUE(wait_until([&] {
       device.sample(session, sequence, height, flags);
       std::this_thread::sleep_for(milliseconds(2));
       while (contacts.take(contact))
-        if (contact.session_id == session && contact.sequence_number == sequence) return true;
+        if (contact.session_id == session && contact.sequence_number == sequence)
+          return true;
       return false;
     }));
     std::this_thread::sleep_for(milliseconds(5));
@@ -227,7 +259,8 @@ class RenderingAlone : public testing::Test {
   bus::Reader<msg::ContactState> contacts;
   bus::Reader<msg::ScenePlan> plans;
   Node<rendering_node::Options> rendering;
-  double most_n_per_m = 0.0, most_nm_per_rad = 0.0, one_n_per_m = 0.0, one_nm_per_rad = 0.0;  ///< of the last plan
+  double most_n_per_m = 0.0, most_nm_per_rad = 0.0, one_n_per_m = 0.0,
+         one_nm_per_rad = 0.0;  ///< of the last plan
   std::uint64_t points = 0;
 };
 
@@ -253,7 +286,8 @@ TEST_F(RenderingAlone, SaysHowStiffItsContactIsAndWhatTheSceneCanShowAtMost) {
   EXPECT_EQ(one_n_per_m, 30.0);
   EXPECT_EQ(most_n_per_m, 30.0 * static_cast<double>(points));
   EXPECT_NEAR(one_nm_per_rad, 30.0 * 0.01 * 0.01, 3e-4) << "a sphere of 10 mm, 30 N/m a point";
-  EXPECT_NEAR(most_nm_per_rad, static_cast<double>(points) * 2.0 / 3.0 * one_nm_per_rad, 0.1 * most_nm_per_rad);
+  EXPECT_NEAR(most_nm_per_rad, static_cast<double>(points) * 2.0 / 3.0 * one_nm_per_rad,
+              0.1 * most_nm_per_rad);
   const msg::ContactState contact = contact_of(1, 0, kInContact);
   const Mat6 stiffness = runtime::from_msg(contact.stiffness);
   EXPECT_NEAR((stiffness.topLeftCorner<3, 3>().trace()), contact.stiffness_bound_n_per_m, 1e-9);
@@ -266,7 +300,8 @@ TEST_F(RenderingAlone, RefusesAPoseThatTheDeviceDoesNotTrust) {
   begin(1);
   ASSERT_GT(force(contact_of(1, 0, kInContact)), 0.01);
   msg::ContactState c{};
-  for (std::uint64_t i = 1; i <= 6; ++i) c = contact_of(1, i, kInContact, msg::device_state::kFlagPoseHeld);
+  for (std::uint64_t i = 1; i <= 6; ++i)
+    c = contact_of(1, i, kInContact, msg::device_state::kFlagPoseHeld);
   EXPECT_NE(c.flags & msg::contact_state::kFlagRefusedSample, 0U);
   EXPECT_EQ(force(c), 0.0) << "the last good pose would push for ever";
 }
@@ -327,12 +362,15 @@ TEST(Rigs, AfterASplitTheDeviceStaysThatHadMoreSamplesAnsweredWhateverAnyClockSa
   ASSERT_TRUE(bystander.sees([&] { return figure("answered") > 500; })) << device.thread.error();
   constexpr char kClaim[] = "answered_before_rival";
   {
-    StandIn other(kDomain, "device", rig);  // an earlier session by its number, as a clock that is behind would give it
+    StandIn other(
+        kDomain, "device",
+        rig);  // an earlier session by its number, as a clock that is behind would give it
     other.say(1, runtime::NodeState::kRunning, {{kClaim, {3, "samples"}}});
     ASSERT_TRUE(wait_until([&] {
       bystander.registry.update();
       for (const auto& report : bystander.registry.reports())
-        if (report.figures.contains(kClaim) && report.session_id != 1) return true;
+        if (report.figures.contains(kClaim) && report.session_id != 1)
+          return true;
       return false;
     })) << "it does not say what it claims";
     std::this_thread::sleep_for(milliseconds(500));

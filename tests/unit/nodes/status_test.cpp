@@ -1,4 +1,5 @@
-// What a node tells of itself arrives as it was told: words as words, numbers as numbers. The ROS form of a node's status is made for whoever reads it, and for nobody else.
+// What a node tells of itself arrives as it was told: words as words, numbers as numbers. The ROS
+// form of a node's status is made for whoever reads it, and for nobody else.
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -13,13 +14,15 @@ namespace voxtouch::test {
 namespace {
 
 TEST(Diagnostics, AreMadeWhileSomebodyReadsThemAndAtNoOtherTime) {
-  constexpr std::uint32_t kOwnDomain = 57;  // /diagnostics has one name for all rigs: another test might read it
+  constexpr std::uint32_t kOwnDomain =
+      57;  // /diagnostics has one name for all rigs: another test might read it
   const bus::Participant node({kOwnDomain, "lo", "device"}), tool({kOwnDomain, "lo", "tool"});
   runtime::StatusWriter status(node, "device", own_rig("d"));
   runtime::NodeReport report;
   report.message = "well", report.values = {{"scene", "cup"}};
   report.figures = {{"samples", {12'345'678, "samples"}}, {"rate_hz", {999.75, "Hz"}}};
-  for (int i = 0; i < 20; ++i) status.publish(report);
+  for (int i = 0; i < 20; ++i)
+    status.publish(report);
   EXPECT_EQ(status.diagnostics_made(), 0U);
 
   auto reader = std::make_unique<bus::Reader<msg::diagnostic_msgs_DiagnosticArray>>(
@@ -37,8 +40,9 @@ TEST(Diagnostics, AreMadeWhileSomebodyReadsThemAndAtNoOtherTime) {
     return !message.empty();
   }));
   EXPECT_EQ(message, "well");
-  EXPECT_EQ(said, (std::map<std::string, std::string>{
-                      {"scene", "cup"}, {"samples", "12345678 samples"}, {"rate_hz", "999.75 Hz"}}));
+  EXPECT_EQ(said,
+            (std::map<std::string, std::string>{
+                {"scene", "cup"}, {"samples", "12345678 samples"}, {"rate_hz", "999.75 Hz"}}));
 
   reader.reset();
   std::uint64_t last = 0;
@@ -47,7 +51,8 @@ TEST(Diagnostics, AreMadeWhileSomebodyReadsThemAndAtNoOtherTime) {
     status.publish(report);
     return status.diagnostics_made() == last;
   }));
-  for (int i = 0; i < 20; ++i) status.publish(report);
+  for (int i = 0; i < 20; ++i)
+    status.publish(report);
   EXPECT_EQ(status.diagnostics_made(), last);
 }
 
@@ -57,7 +62,8 @@ TEST(Status, CarriesFiguresAsNumbersToTheLastBit) {
   runtime::NodeRegistry registry(other, own_rig());
   runtime::NodeReport report;
   report.values = {{"scene", "cup"}};
-  report.figures = {{"third", {1.0 / 3.0, "N"}}, {"samples", {9'007'199'254'740'992ULL, "samples"}}};
+  report.figures = {{"third", {1.0 / 3.0, "N"}},
+                    {"samples", {9'007'199'254'740'992ULL, "samples"}}};
   std::optional<runtime::NodeReport> seen;
   ASSERT_TRUE(wait_until([&] {
     status.publish(report);
@@ -79,7 +85,8 @@ TEST(Status, TakesNoFigureForACountThatIsNone) {
   EXPECT_EQ(runtime::as_count(7.0), 7U);
 }
 
-/// Two nodes of a rig, of which one has a loop that the test holds up, and somebody who reads their statuses.
+/// Two nodes of a rig, of which one has a loop that the test holds up, and somebody who reads their
+/// statuses.
 class TwoNodes : public testing::Test {
  protected:
   TwoNodes() {
@@ -87,8 +94,9 @@ class TwoNodes : public testing::Test {
     const auto well = [](runtime::NodeRegistry&, runtime::NodeReport& report) {
       report.message = "well", report.state = runtime::NodeState::kRunning;
     };
-    rendering.emplace(first, "rendering", options, well,
-                      std::vector<runtime::Watched>{{"its loop", [this] { return stuck ? 1U : ++beats; }}});
+    rendering.emplace(
+        first, "rendering", options, well,
+        std::vector<runtime::Watched>{{"its loop", [this] { return stuck ? 1U : ++beats; }}});
     device.emplace(second, "device", options, well);
     registry.emplace(third, options.rig);
   }
@@ -103,7 +111,8 @@ class TwoNodes : public testing::Test {
   std::atomic<bool> stuck{false};
   std::atomic<std::uint64_t> beats{10};
   runtime::NodeOptions options;
-  bus::Participant first{{kDomain, "lo", "first"}}, second{{kDomain, "lo", "second"}}, third{{kDomain, "lo", "third"}};
+  bus::Participant first{{kDomain, "lo", "first"}}, second{{kDomain, "lo", "second"}},
+      third{{kDomain, "lo", "third"}};
   std::optional<runtime::Housekeeping> rendering, device;
   std::optional<runtime::NodeRegistry> registry;
 };
@@ -112,15 +121,20 @@ TEST_F(TwoNodes, SayThatALoopStandsStillTheOneOfItselfTheOtherOfIt) {
   const auto is_well = [](const runtime::NodeReport& report) { return report.message == "well"; };
   ASSERT_TRUE(comes_to("rendering", is_well) && comes_to("device", is_well));
   stuck = true;
-  EXPECT_TRUE(comes_to("rendering", [](const auto& r) { return r.message.contains("its loop") && r.message.contains(" 0.4 s"); }));
-  EXPECT_TRUE(comes_to("device", [](const auto& r) { return r.message.contains("rendering hangs") && r.message.contains(" 0.4 s"); }));
+  EXPECT_TRUE(comes_to("rendering", [](const auto& r) {
+    return r.message.contains("its loop") && r.message.contains(" 0.4 s");
+  }));
+  EXPECT_TRUE(comes_to("device", [](const auto& r) {
+    return r.message.contains("rendering hangs") && r.message.contains(" 0.4 s");
+  }));
   ASSERT_EQ(registry->hung().size(), 1U);
   EXPECT_EQ(registry->hung()[0].node, "rendering");
   stuck = false;
   EXPECT_TRUE(comes_to("rendering", is_well));
   EXPECT_TRUE(comes_to("device", is_well));
   EXPECT_TRUE(registry->hung().empty());
-  EXPECT_TRUE(comes_to("rendering", [](const auto& r) { return r.figures.at(runtime::kLongestStall).value > 0.4; }));
+  EXPECT_TRUE(comes_to(
+      "rendering", [](const auto& r) { return r.figures.at(runtime::kLongestStall).value > 0.4; }));
 }
 
 TEST_F(TwoNodes, ComeTenTimesASecondAndAreNotCalledHung) {
@@ -129,7 +143,8 @@ TEST_F(TwoNodes, ComeTenTimesASecondAndAreNotCalledHung) {
   std::int64_t last = 0;
   for (int n = 0; n < 100; ++n) {
     ASSERT_TRUE(comes_to("device", [](const auto&) { return true; }));
-    if (const std::int64_t at = registry->find("device")->heard_ns; at != last) last = at, ++heard;
+    if (const std::int64_t at = registry->find("device")->heard_ns; at != last)
+      last = at, ++heard;
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
   EXPECT_GE(heard, 10) << "in two seconds, on a busy machine";
@@ -139,7 +154,9 @@ TEST_F(TwoNodes, ComeTenTimesASecondAndAreNotCalledHung) {
 TEST_F(TwoNodes, HangToOthersWhenTheyVanishWithoutALastWord) {
   ASSERT_TRUE(comes_to("rendering", [](const auto&) { return true; }));
   rendering.reset();  // its last word was that it runs
-  EXPECT_TRUE(comes_to("device", [](const auto& r) { return r.message.contains("rendering hangs: ") && r.message.contains(" 0.4 s"); }));
+  EXPECT_TRUE(comes_to("device", [](const auto& r) {
+    return r.message.contains("rendering hangs: ") && r.message.contains(" 0.4 s");
+  }));
   EXPECT_FALSE(registry->find("rendering"));
   runtime::StatusWriter again(first, "rendering", options.rig);
   EXPECT_TRUE(wait_until([&] {

@@ -27,7 +27,8 @@ class ValidatorNodeTest : public testing::Test {
     plan.voxel_size_m = 1e-3, plan.largest_shell_gap_m = 1e-3;
     plans_.write(plan);
     rendering_.say(7);
-    node_ = std::make_unique<NodeThread>([this](const std::atomic<bool>& stop) { return validator::run(options_, stop); });
+    node_ = std::make_unique<NodeThread>(
+        [this](const std::atomic<bool>& stop) { return validator::run(options_, stop); });
   }
 
   /// A rendering that shows a tool high above the plane.
@@ -41,7 +42,9 @@ class ValidatorNodeTest : public testing::Test {
   }
   void show_for(std::chrono::milliseconds time) {
     const auto until = std::chrono::steady_clock::now() + time;
-    for (; std::chrono::steady_clock::now() < until; std::this_thread::sleep_for(std::chrono::milliseconds(2))) show();
+    for (; std::chrono::steady_clock::now() < until;
+         std::this_thread::sleep_for(std::chrono::milliseconds(2)))
+      show();
   }
   bool shows_until(const std::function<bool()>& holds) {
     return wait_until([&] {
@@ -61,12 +64,15 @@ class ValidatorNodeTest : public testing::Test {
   }
 
   const std::string rig_ = own_rig("v"), none_;
-  const scene::Scene scene_ = scene::load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml");
+  const scene::Scene scene_ =
+      scene::load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml");
   StandIn rendering_{kDomain, "rendering", rig_};
   bus::Participant reader_{{kDomain, "lo", "reader"}};
   runtime::NodeRegistry registry_{reader_, rig_};
-  bus::Writer<msg::ScenePlan> plans_{rendering_.participant, qos::kScenePlan, rig_, qos::profile(qos::ProfileId::kLatched)};
-  bus::Writer<msg::ContactState> contacts_{rendering_.participant, qos::kContactState, rig_, qos::profile(qos::ProfileId::kStream)};
+  bus::Writer<msg::ScenePlan> plans_{rendering_.participant, qos::kScenePlan, rig_,
+                                     qos::profile(qos::ProfileId::kLatched)};
+  bus::Writer<msg::ContactState> contacts_{rendering_.participant, qos::kContactState, rig_,
+                                           qos::profile(qos::ProfileId::kStream)};
   validator::Options options_;
   std::uint64_t sequence_ = 0;
   std::unique_ptr<NodeThread> node_;
@@ -80,8 +86,8 @@ TEST_F(ValidatorNodeTest, IsIdleWhileNobodyReadsItsVerdictsAndSaysSo) {
 }
 
 TEST_F(ValidatorNodeTest, JudgesForWhoReadsAndNoLongerOnceHeHasGone) {
-  auto verdicts = std::make_unique<bus::Reader<msg::ValidationReport>>(reader_, qos::kValidation, rig_,
-                                                                       qos::profile(qos::ProfileId::kTap));
+  auto verdicts = std::make_unique<bus::Reader<msg::ValidationReport>>(
+      reader_, qos::kValidation, rig_, qos::profile(qos::ProfileId::kTap));
   std::uint64_t heard = 0;
   ASSERT_TRUE(shows_until([&] {
     verdicts->take_each([&](const msg::ValidationReport& v) { heard = v.agree; });
@@ -89,8 +95,7 @@ TEST_F(ValidatorNodeTest, JudgesForWhoReadsAndNoLongerOnceHeHasGone) {
   })) << message();
   verdicts.reset();
   // His going takes a moment to be known, and the status is told a few times a second only.
-  ASSERT_TRUE(shows_until([&] { return message().starts_with("idle: "); }))
-      << message();
+  ASSERT_TRUE(shows_until([&] { return message().starts_with("idle: "); })) << message();
   const std::uint64_t last = checked();
   EXPECT_GE(last, heard);
   show_for(std::chrono::milliseconds(400));

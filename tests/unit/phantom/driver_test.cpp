@@ -58,7 +58,8 @@ TEST_F(Driver, PoseIsTheStylusInMetresWithAUnitQuaternion) {
 
 TEST_F(Driver, TimeStartsWithTheFirstSampleAndGoesInPeriods) {
   open_driver();
-  for (std::int64_t i = 0; i < 5; ++i) EXPECT_EQ(driver->read(10ms)->time_ns, i * 1'000'000);
+  for (std::int64_t i = 0; i < 5; ++i)
+    EXPECT_EQ(driver->read(10ms)->time_ns, i * 1'000'000);
 }
 
 TEST_F(Driver, ButtonsAreBits) {
@@ -80,12 +81,14 @@ TEST_F(Driver, TwistFollowsTheTipWithTheLagThatItStates) {
   // Which shift fits best; a sample is one period older than the state read after its tick.
   const auto misfit = [&](std::size_t shift) {
     double sum = 0.0;
-    for (std::size_t i = 20; i < seen.size(); ++i) sum += std::pow(seen[i] - truth[i - shift], 2);
+    for (std::size_t i = 20; i < seen.size(); ++i)
+      sum += std::pow(seen[i] - truth[i - shift], 2);
     return sum;
   };
   std::size_t best = 0;
   for (std::size_t shift = 0; shift < 20; ++shift)
-    if (misfit(shift) < misfit(best)) best = shift;
+    if (misfit(shift) < misfit(best))
+      best = shift;
   EXPECT_NEAR(static_cast<double>(best), 1.0 + 3.7, 1.0);
   EXPECT_GT(*std::max_element(seen.begin(), seen.end()), 0.15);
 }
@@ -106,7 +109,8 @@ TEST_F(Driver, ACommandActsInTheTickAfterItsSampleAndForOneTickOnly) {
 TEST_F(Driver, ForceRisesAlongTheDevicesRamp) {
   open_driver();
   cycle(push(2.0));
-  for (int i = 0; i < 20; ++i) cycle(push(2.0));
+  for (int i = 0; i < 20; ++i)
+    cycle(push(2.0));
   EXPECT_GT(applied().x(), 0.2);
   EXPECT_LT(applied().x(), 0.6);  // 20 N/s
 }
@@ -122,7 +126,8 @@ TEST_F(Driver, CommandsThatAreNotFiniteAreZeroAndNeverReachTheLibrary) {
     EXPECT_EQ(applied().norm(), 0.0);
     cycle(push(2.0));
   }
-  EXPECT_EQ(driver->write({Vec3::Zero(), Vec3(0, std::nan(""), 0)}).error(), devices::DeviceError::kNotFinite);
+  EXPECT_EQ(driver->write({Vec3::Zero(), Vec3(0, std::nan(""), 0)}).error(),
+            devices::DeviceError::kNotFinite);
   EXPECT_EQ(state().non_finite_sets, 0u);
 }
 
@@ -162,7 +167,8 @@ TEST_F(Driver, StopDropsWhatIsUnderWayAndTheNextWritePushesAgain) {
 TEST_F(Driver, TorqueGoesOutInMilliNewtonMetresWhereThereAreMotorsForIt) {
   ASSERT_EQ(sim.set_model("premium-6dof"), 0);
   Spy::instance().change_reading([](phantom::hd::HDenum name, double* values) {
-    if (name == phantom::hd::kNominalMaxTorqueForce) values[0] = 188.0;
+    if (name == phantom::hd::kNominalMaxTorqueForce)
+      values[0] = 188.0;
   });
   open_driver();
   EXPECT_DOUBLE_EQ(driver->description().max_torque_nm, 0.188);
@@ -213,7 +219,8 @@ class Lockstep : public Driver {
       bits.insert(bits.end(), sample->twist.linear.data(), sample->twist.linear.data() + 3);
       bits.push_back(static_cast<double>(sample->time_ns));
       const Wrench spring{-300.0 * p.position - 1.0 * sample->twist.linear, Vec3::Zero()};
-      const auto written = driver->write(guard.pass(devices::GuardInput{spring, sample->time_ns + 3'000'000}, sample->time_ns));
+      const auto written = driver->write(
+          guard.pass(devices::GuardInput{spring, sample->time_ns + 3'000'000}, sample->time_ns));
       EXPECT_TRUE(written) << i << " " << devices::name_of(written.error());
     }
     return bits;
@@ -272,7 +279,8 @@ TEST_F(RealTime, OfSeveralSamplesTheNewestComesAndEachOnce) {
   EXPECT_GT(sample->time_ns, 20'000'000);
   EXPECT_GT(driver->servo().counts().superseded.load(), 5u);
   int at_once = 0;
-  while (driver->read(0us)) ++at_once;
+  while (driver->read(0us))
+    ++at_once;
   EXPECT_LE(at_once, 5);
 }
 
@@ -295,7 +303,8 @@ TEST_F(RealTime, ADeadServoLoopIsToldByItsErrorAndForceGoes) {
   ASSERT_EQ(sim.inject(HDSIM_TIMER_ERROR, 0), 0);
   const auto start = std::chrono::steady_clock::now();
   devices::DeviceResult<devices::DeviceSample> sample;
-  do sample = driver->read(500ms);
+  do
+    sample = driver->read(500ms);
   while (sample);
   EXPECT_EQ(sample.error(), devices::DeviceError::kFault);
   EXPECT_LT(std::chrono::steady_clock::now() - start, 100ms);  // not the whole of its timeout
@@ -312,7 +321,8 @@ TEST_F(RealTime, UnpluggedInTheMiddleIsToldAtOnceAndCloses) {
   ASSERT_EQ(sim.inject(HDSIM_COMM_ERROR, -1), 0);
   const auto start = std::chrono::steady_clock::now();
   devices::DeviceResult<devices::DeviceSample> sample;
-  do sample = driver->read(500ms);
+  do
+    sample = driver->read(500ms);
   while (sample);
   EXPECT_EQ(sample.error(), devices::DeviceError::kDisconnected);
   EXPECT_LT(std::chrono::steady_clock::now() - start, 100ms);
@@ -333,11 +343,13 @@ TEST_F(RealTime, AServoLoopThatOnlyFallsSilentIsATimeoutThenDisconnected) {
   }
   ASSERT_EQ(sim.inject(HDSIM_SKIPPED_TICKS, 600), 0);
   devices::DeviceResult<devices::DeviceSample> sample;
-  do sample = driver->read(30ms);
+  do
+    sample = driver->read(30ms);
   while (sample);
   EXPECT_EQ(sample.error(), devices::DeviceError::kTimeout);
   EXPECT_EQ(Spy::instance().calls({"disable 4000"}).size(), 1u);
-  do sample = driver->read(30ms);
+  do
+    sample = driver->read(30ms);
   while (!sample && sample.error() == devices::DeviceError::kTimeout);
   ASSERT_FALSE(sample);
   EXPECT_EQ(sample.error(), devices::DeviceError::kDisconnected);

@@ -17,27 +17,36 @@ class Fault : public DriverTest {
 
   struct After {
     std::vector<double> force;
-    std::vector<devices::DeviceError> read, written;  ///< errors, without those that repeat the one before
+    std::vector<devices::DeviceError> read,
+        written;  ///< errors, without those that repeat the one before
     int samples = 0;
     int pushing() const {
-      return static_cast<int>(std::count_if(force.begin(), force.end(), [](double f) { return f > 0.0; }));
+      return static_cast<int>(
+          std::count_if(force.begin(), force.end(), [](double f) { return f > 0.0; }));
     }
   };
-  /// A loop that hears nothing and goes on pushing for 100 periods. Where the driver makes no tick any more the arm's time goes on.
+  /// A loop that hears nothing and goes on pushing for 100 periods. Where the driver makes no tick
+  /// any more the arm's time goes on.
   After next_100_ms() {
     After after;
     const auto note = [](std::vector<devices::DeviceError>& all, devices::DeviceError e) {
-      if (all.empty() || all.back() != e) all.push_back(e);
+      if (all.empty() || all.back() != e)
+        all.push_back(e);
     };
     for (int i = 0; i < 100; ++i) {
       const std::uint64_t ticks = state().ticks;
       const Cycle t = cycle({kPush, Vec3::Zero()});
-      if (state().ticks == ticks) sim.step();
+      if (state().ticks == ticks)
+        sim.step();
       after.force.push_back(applied().norm());
-      if (t.sample) ++after.samples;
-      if (!t.sample) note(after.read, t.sample.error());
-      if (t.sample && !t.written) note(after.written, t.written.error());
-      if (!t.sample) (void)driver->write({kPush, Vec3::Zero()});
+      if (t.sample)
+        ++after.samples;
+      if (!t.sample)
+        note(after.read, t.sample.error());
+      if (t.sample && !t.written)
+        note(after.written, t.written.error());
+      if (!t.sample)
+        (void)driver->write({kPush, Vec3::Zero()});
     }
     return after;
   }
@@ -52,7 +61,8 @@ TEST_F(Fault, LostCommunicationIsDisconnectedAndNothingIsSetAnyMore) {
   EXPECT_EQ(after.samples, 0);
   EXPECT_EQ(Spy::instance().calls({"set"}), std::vector<std::string>{});
   EXPECT_LE(after.pushing(), 10);  // nothing gets through to the amplifier: its watchdog
-  EXPECT_EQ(*std::max_element(after.force.begin() + 10, after.force.end()), 0.0);  // also once the cable is back
+  EXPECT_EQ(*std::max_element(after.force.begin() + 10, after.force.end()),
+            0.0);  // also once the cable is back
   EXPECT_EQ(driver->write({kPush, Vec3::Zero()}).error(), devices::DeviceError::kDisconnected);
   EXPECT_NE(driver->trouble().find("0x0302"), std::string::npos) << driver->trouble();
   driver.reset();
@@ -93,8 +103,9 @@ TEST_F(Fault, WarmMotorsAreToldOnceAndForceComesBackWhenTheyAreCool) {
   EXPECT_EQ(after.pushing(), 0);
   EXPECT_EQ(driver->servo().trouble().dropped(), 1u);
   EXPECT_EQ(driver->servo().trouble().newest(), phantom::hd::kWarmMotors);
-  EXPECT_EQ(driver->servo().counts().withheld.load(), 1u);       // the command that was under way
-  EXPECT_EQ(driver->servo().counts().invalid_poses.load(), 0u);  // heat says nothing about where it is
+  EXPECT_EQ(driver->servo().counts().withheld.load(), 1u);  // the command that was under way
+  EXPECT_EQ(driver->servo().counts().invalid_poses.load(),
+            0u);  // heat says nothing about where it is
   ASSERT_EQ(sim.inject(HDSIM_WARM_MOTORS, 0.4), 0);
   push_until_steady(kPush);
 }
@@ -109,16 +120,21 @@ TEST_F(Fault, TooFastDropsTheForceAndIsTold) {
   for (int i = 0; i < 1500; ++i) {
     const Cycle t = cycle(push(0.0, 0.5));
     ASSERT_TRUE(t.sample);
-    if (!t.written) told.push_back(t.written.error());
+    if (!t.written)
+      told.push_back(t.written.error());
     const double speed = Eigen::Map<const Vec3>(state().tip_velocity).norm();
     if (speed > 0.15) {
       EXPECT_EQ(t.force, 0.0) << i;
     }
-    if (!told.empty() && t.force > 0.0) ++after_force;
+    if (!told.empty() && t.force > 0.0)
+      ++after_force;
   }
   ASSERT_FALSE(told.empty());
-  EXPECT_LE(told.size(), 5u);  // each time that the limit is passed, which quantised speeds may do more than once
-  for (const devices::DeviceError error : told) EXPECT_EQ(error, devices::DeviceError::kRecoverable);
+  EXPECT_LE(
+      told.size(),
+      5u);  // each time that the limit is passed, which quantised speeds may do more than once
+  for (const devices::DeviceError error : told)
+    EXPECT_EQ(error, devices::DeviceError::kRecoverable);
   EXPECT_EQ(driver->servo().trouble().newest(), phantom::hd::kExceededMaxVelocity);
   EXPECT_GT(after_force, 100);
 }
@@ -131,15 +147,17 @@ TEST_F(Fault, ChangeOfForceOverTheDevicesLimitIsToldAndForceComesBack) {
   ASSERT_TRUE(driver->read(10ms));  // nothing was asked for: 2 N to 0 in a millisecond
   EXPECT_EQ(cycle(push(0.5)).written.error(), devices::DeviceError::kRecoverable);
   EXPECT_EQ(driver->servo().trouble().newest(), phantom::hd::kExceededMaxForceImpulse);
-  for (int i = 0; i < 100; ++i) ASSERT_TRUE(cycle(push(0.5)).written);
+  for (int i = 0; i < 100; ++i)
+    ASSERT_TRUE(cycle(push(0.5)).written);
   EXPECT_NEAR(applied().x(), 0.5, 0.05);
 }
 
 TEST_F(Fault, ErrorsThatTheDeviceSaysOutOfNowhereTakeTheForceOfTheirTick) {
-  for (const auto& [code, error] : {std::pair{phantom::hd::kForceError, devices::DeviceError::kRecoverable},
-                                    std::pair{phantom::hd::kExceededMaxForce, devices::DeviceError::kRecoverable},
-                                    std::pair{phantom::hd::kFrameError, devices::DeviceError::kProtocol},
-                                    std::pair{phantom::hd::kInvalidOperation, devices::DeviceError::kProtocol}}) {
+  for (const auto& [code, error] :
+       {std::pair{phantom::hd::kForceError, devices::DeviceError::kRecoverable},
+        std::pair{phantom::hd::kExceededMaxForce, devices::DeviceError::kRecoverable},
+        std::pair{phantom::hd::kFrameError, devices::DeviceError::kProtocol},
+        std::pair{phantom::hd::kInvalidOperation, devices::DeviceError::kProtocol}}) {
     Spy::instance().plant_error(code);
     ASSERT_TRUE(driver->read(10ms));
     EXPECT_EQ(applied().norm(), 0.0) << code;
@@ -188,7 +206,8 @@ TEST_F(Fault, OneCoordinateThatIsNoNumberIsEnoughWhicheverItIs) {
   for (const double bad : {std::nan(""), double(INFINITY), -double(INFINITY), 1e5})
     for (int axis = 0; axis < 3; ++axis) {
       Spy::instance().change_reading([=](phantom::hd::HDenum name, double* values) {
-        if (name == phantom::hd::kCurrentPosition) values[axis] = bad;
+        if (name == phantom::hd::kCurrentPosition)
+          values[axis] = bad;
       });
       const Cycle t = cycle(push(2.0));
       ASSERT_TRUE(t.sample);
@@ -200,14 +219,16 @@ TEST_F(Fault, OneCoordinateThatIsNoNumberIsEnoughWhicheverItIs) {
 
 TEST_F(Fault, ATransformThatIsNoRotationIsMarkedAndASlightlySkewedOneIsMadeOne) {
   Spy::instance().change_reading([](phantom::hd::HDenum name, double* m) {
-    if (name == phantom::hd::kCurrentTransform) m[0] *= 1.01, m[5] *= 0.99;
+    if (name == phantom::hd::kCurrentTransform)
+      m[0] *= 1.01, m[5] *= 0.99;
   });
   Cycle t = cycle(push(2.0));
   ASSERT_TRUE(t.sample);
   EXPECT_TRUE(t.sample->pose_valid);
   EXPECT_NEAR(t.sample->pose.orientation.norm(), 1.0, 1e-15);
   Spy::instance().change_reading([](phantom::hd::HDenum name, double* m) {
-    if (name == phantom::hd::kCurrentTransform) std::fill_n(m, 12, 0.0);
+    if (name == phantom::hd::kCurrentTransform)
+      std::fill_n(m, 12, 0.0);
   });
   t = cycle(push(2.0));
   ASSERT_TRUE(t.sample);

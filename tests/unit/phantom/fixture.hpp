@@ -36,18 +36,22 @@ class DriverTest : public hd_sim_test::SimulatedLibrary {
     }
     return "";
   }
-  static Wrench push(double x, double y = 0.0, double z = 0.0) { return {Vec3(x, y, z), Vec3::Zero()}; }
+  static Wrench push(double x, double y = 0.0, double z = 0.0) {
+    return {Vec3(x, y, z), Vec3::Zero()};
+  }
 
   struct Cycle {
     devices::DeviceResult<devices::DeviceSample> sample;
     devices::DeviceResult<void> written;
     double force = 0.0;  ///< at the motors, after the tick
   };
-  /// What a device loop does in one period. Whatever fails, it goes on pushing: the driver has to hold.
+  /// What a device loop does in one period. Whatever fails, it goes on pushing: the driver has to
+  /// hold.
   Cycle cycle(const Wrench& command) {
     Cycle t{driver->read(10ms), {}};
     t.force = applied().norm();
-    if (t.sample) t.written = driver->write(command);
+    if (t.sample)
+      t.written = driver->write(command);
     return t;
   }
   /// Until the ramp is over: the motors give `force`.

@@ -1,4 +1,5 @@
-// Finding and loading the library. The tests stand in the order in which one process may do it: what is loaded stays.
+// Finding and loading the library. The tests stand in the order in which one process may do it:
+// what is loaded stays.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -18,7 +19,9 @@ std::string refusal(const std::string& path) {
   return "";
 }
 
-bool says(const std::string& sentence, const std::string& part) { return sentence.find(part) != std::string::npos; }
+bool says(const std::string& sentence, const std::string& part) {
+  return sentence.find(part) != std::string::npos;
+}
 
 TEST(HdLibrary, APathThatIsGivenIsTheOnlyOneTried) {
   const std::string sentence = refusal("/nowhere/libHD_none.so");
@@ -28,8 +31,10 @@ TEST(HdLibrary, APathThatIsGivenIsTheOnlyOneTried) {
 
 TEST(HdLibrary, WithoutAnyTheSentenceSaysWhatWasTriedAndWhatToDo) {
   const std::string sentence = refusal("");
-  if (sentence.empty()) GTEST_SKIP() << "this machine has the vendor's library";
-  for (const char* part : {"libHD.so:", "libHD.so.3.4", "libHD.so.3.0", "Install", "option library"})
+  if (sentence.empty())
+    GTEST_SKIP() << "this machine has the vendor's library";
+  for (const char* part :
+       {"libHD.so:", "libHD.so.3.4", "libHD.so.3.0", "Install", "option library"})
     EXPECT_TRUE(says(sentence, part)) << sentence;
   PhantomOptions options;
   EXPECT_THROW(PhantomDriver{options}, devices::DeviceOpenError);

@@ -14,7 +14,8 @@ namespace {
 TEST(PhantomModels, TheLongestPrefixCountsAndCapitalsDoNot) {
   EXPECT_EQ(phantom_figures("PHANTOM Premium 1.5").prefix, "PHANTOM Premium 1.5");
   EXPECT_EQ(phantom_figures("PHANToM premium 1.5 6DOF").prefix, "PHANTOM Premium 1.5");
-  EXPECT_EQ(phantom_figures("PHANTOM Premium 1.5 High Force/6DOF").prefix, "PHANTOM Premium 1.5 High Force");
+  EXPECT_EQ(phantom_figures("PHANTOM Premium 1.5 High Force/6DOF").prefix,
+            "PHANTOM Premium 1.5 High Force");
   EXPECT_EQ(phantom_figures("Touch X").prefix, "Touch");
   EXPECT_EQ(phantom_figures("PHANTOM").prefix, "");
   EXPECT_EQ(phantom_figures("").prefix, "");
@@ -53,8 +54,9 @@ TEST(PhantomModels, APremiumIsTheOneThatTheSimulatedPhantomStandsFor) {
 }
 
 TEST(PhantomModels, EveryDescriptionFitsTheGuard) {
-  for (const char* model : {"PHANTOM Premium 1.0", "PHANTOM Premium 1.5", "PHANTOM Premium 1.5 High Force",
-                            "PHANTOM Premium 3.0 6DOF", "PHANTOM Desktop", "PHANTOM Omni", "Touch", "nothing known"})
+  for (const char* model :
+       {"PHANTOM Premium 1.0", "PHANTOM Premium 1.5", "PHANTOM Premium 1.5 High Force",
+        "PHANTOM Premium 3.0 6DOF", "PHANTOM Desktop", "PHANTOM Omni", "Touch", "nothing known"})
     for (const int dof : {3, 6}) {
       PhantomFacts facts;
       facts.model = model;

@@ -16,14 +16,15 @@ class Opening : public DriverTest {
     EXPECT_EQ(s.errors_waiting, 0u);
   }
   Calls steps() const {
-    return Spy::instance().calls({"init", "calibrate", "enable", "disable", "schedule", "start", "stop", "unschedule"});
+    return Spy::instance().calls(
+        {"init", "calibrate", "enable", "disable", "schedule", "start", "stop", "unschedule"});
   }
 };
 
 TEST_F(Opening, GoesInTheOrderThatTheInterfaceWants) {
   open_driver();
-  EXPECT_EQ(steps(), (Calls{"init Default Device", "calibrate 1", "enable 4002", "enable 4001", "enable 4000",
-                            "schedule 65535", "start"}));
+  EXPECT_EQ(steps(), (Calls{"init Default Device", "calibrate 1", "enable 4002", "enable 4001",
+                            "enable 4000", "schedule 65535", "start"}));
   Spy::instance().reset();
   driver.reset();
   EXPECT_EQ(steps(), (Calls{"disable 4000", "stop", "unschedule", "disable-device"}));
@@ -33,8 +34,8 @@ TEST_F(Opening, GoesInTheOrderThatTheInterfaceWants) {
 TEST_F(Opening, ACalibrationThatNeedsTheServoLoopComesBeforeForceOutput) {
   ASSERT_EQ(sim.set_model("desktop"), 0);
   open_driver();
-  EXPECT_EQ(steps(), (Calls{"init Default Device", "schedule 65535", "start", "calibrate 2", "enable 4002",
-                            "enable 4001", "enable 4000"}));
+  EXPECT_EQ(steps(), (Calls{"init Default Device", "schedule 65535", "start", "calibrate 2",
+                            "enable 4002", "enable 4001", "enable 4000"}));
   EXPECT_EQ(driver->description().max_force_n, 7.9);
   EXPECT_TRUE(driver->read(10ms)->pose_valid);
 }
@@ -77,15 +78,16 @@ TEST_F(Opening, NamesAreTriedInTurn) {
   options.name = "Left Phantom";
   Spy::instance().fail_init(phantom::hd::kCommConfigError, 3);
   open_driver();
-  EXPECT_EQ(Spy::instance().calls({"init"}),
-            (Calls{"init Left Phantom", "init Default Device", "init Default PHANToM", "init null"}));
+  EXPECT_EQ(Spy::instance().calls({"init"}), (Calls{"init Left Phantom", "init Default Device",
+                                                    "init Default PHANToM", "init null"}));
 }
 
 TEST_F(Opening, WithoutADeviceTheSentenceSaysWhatWasTriedAndWhatToLookAt) {
   options.name = "Left Phantom";
   Spy::instance().fail_init(phantom::hd::kCommConfigError, 4);
   const std::string sentence = refusal();
-  for (const char* part : {"Left Phantom", "Default Device", "Default PHANToM", "no name", "0x0303", "plugged in"})
+  for (const char* part :
+       {"Left Phantom", "Default Device", "Default PHANToM", "no name", "0x0303", "plugged in"})
     EXPECT_NE(sentence.find(part), std::string::npos) << sentence;
   expect_nothing_open();
   EXPECT_EQ(refusal(), "");
@@ -99,7 +101,8 @@ TEST_F(Opening, AMissingLicenceIsSaidAtOnce) {
 }
 
 TEST_F(Opening, ADeviceThatIsInUseIsSaidAtOnce) {
-  ASSERT_NE(api.hdInitDevice(nullptr), phantom::hd::kInvalidHandle);  // somebody else in this process
+  ASSERT_NE(api.hdInitDevice(nullptr),
+            phantom::hd::kInvalidHandle);  // somebody else in this process
   const std::string sentence = refusal();
   EXPECT_NE(sentence.find("in use"), std::string::npos) << sentence;
 }
@@ -124,7 +127,8 @@ TEST_F(Opening, AServoLoopThatCannotStartIsASentenceAndNothingStaysOpen) {
   EXPECT_NE(sentence.find("servo loop"), std::string::npos) << sentence;
   EXPECT_NE(sentence.find("0x0304"), std::string::npos) << sentence;
   expect_nothing_open();
-  EXPECT_EQ(Spy::instance().calls({"unschedule", "disable-device"}), (Calls{"unschedule", "disable-device"}));
+  EXPECT_EQ(Spy::instance().calls({"unschedule", "disable-device"}),
+            (Calls{"unschedule", "disable-device"}));
   EXPECT_EQ(refusal(), "");
 }
 

@@ -30,7 +30,8 @@ TEST(WakeUp, ComesForEachValueThatFoundTheOneBeforeTaken) {
   constexpr long kMany = 200000;
   std::jthread writer([&] {
     for (long i = 1; i <= kMany; ++i)
-      if (!slot.put({i, -i})) wake_up.post();
+      if (!slot.put({i, -i}))
+        wake_up.post();
   });
   Pair seen;
   long last = 0;
@@ -53,10 +54,12 @@ TEST(ThermalClamp, ShrinksWhileWarmDownToTheContinuousForceAndGrowsBackWhenCool)
   EXPECT_EQ(clamp.see(cool, 0.0), 8.5);
   EXPECT_DOUBLE_EQ(clamp.see(warm, 0.0), 8.5 * 0.999);
   EXPECT_DOUBLE_EQ(clamp.see(between, 8.5), 8.5 * 0.999);
-  for (int i = 0; i < 5000; ++i) clamp.see(warm, 0.0);
+  for (int i = 0; i < 5000; ++i)
+    clamp.see(warm, 0.0);
   EXPECT_EQ(clamp.limit_n(), 1.4);
   EXPECT_DOUBLE_EQ(clamp.see(cool, 1.4), 1.4 * 1.001);
-  for (int i = 0; i < 5000; ++i) clamp.see(cool, 8.5);
+  for (int i = 0; i < 5000; ++i)
+    clamp.see(cool, 8.5);
   EXPECT_EQ(clamp.limit_n(), 8.5);
 }
 
@@ -138,7 +141,8 @@ TEST(TwistEstimate, DoesNotMindTheSignOfAQuaternionNorUnequalPeriods) {
     const double dt = i % 2 == 0 ? 0.7e-3 : 1.3e-3;
     t += dt;
     Pose pose{Vec3(0.1 * t, 0, 0), Quat(Eigen::AngleAxisd(1.5 * t, Vec3::UnitX()))};
-    if (i % 3 == 0) pose.orientation.coeffs() *= -1.0;
+    if (i % 3 == 0)
+      pose.orientation.coeffs() *= -1.0;
     twist = estimate.see(pose, dt);
   }
   EXPECT_NEAR(twist.linear.x(), 0.1, 1e-9);
@@ -148,13 +152,14 @@ TEST(TwistEstimate, DoesNotMindTheSignOfAQuaternionNorUnequalPeriods) {
 }
 
 TEST(HdErrors, AreToldApartByWhatCanBeDone) {
-  for (const hd::HDerror code : {hd::kWarmMotors, hd::kExceededMaxForce, hd::kExceededMaxForceImpulse,
-                                 hd::kExceededMaxVelocity, hd::kForceError}) {
+  for (const hd::HDerror code :
+       {hd::kWarmMotors, hd::kExceededMaxForce, hd::kExceededMaxForceImpulse,
+        hd::kExceededMaxVelocity, hd::kForceError}) {
     EXPECT_EQ(classify(code).severity, HdSeverity::kForceDropped) << code;
     EXPECT_EQ(classify(code).error, devices::DeviceError::kRecoverable) << code;
   }
-  for (const hd::HDerror code : {hd::kDeviceFault, hd::kTimerError, hd::kInvalidPriority, hd::kSchedulerFull,
-                                 hd::kInvalidLicense, hd::HDerror{0x0999}}) {
+  for (const hd::HDerror code : {hd::kDeviceFault, hd::kTimerError, hd::kInvalidPriority,
+                                 hd::kSchedulerFull, hd::kInvalidLicense, hd::HDerror{0x0999}}) {
     EXPECT_EQ(classify(code).severity, HdSeverity::kFatal) << code;
     EXPECT_EQ(classify(code).error, devices::DeviceError::kFault) << code;
   }

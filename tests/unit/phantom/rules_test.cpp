@@ -17,7 +17,9 @@ class Rules : public DriverTest {
     open_driver();
   }
   /// The calls of the ticks from here on.
-  static Calls in_ticks() { return Spy::instance().calls({"begin", "end", "set", "enable", "disable"}); }
+  static Calls in_ticks() {
+    return Spy::instance().calls({"begin", "end", "set", "enable", "disable"});
+  }
 };
 
 TEST_F(Rules, ATickIsOneFrameAndTheForceIsSetWithinIt) {
@@ -54,14 +56,16 @@ TEST_F(Rules, ARefusedCommandTakesTheOneBeforeItBack) {
 }
 
 TEST_F(Rules, ErrorsAreTakenUntilThereAreNone) {
-  for (int i = 0; i < 100; ++i) Spy::instance().plant_error(phantom::hd::kForceError);
+  for (int i = 0; i < 100; ++i)
+    Spy::instance().plant_error(phantom::hd::kForceError);
   ASSERT_TRUE(driver->read(10ms));
   EXPECT_EQ(driver->servo().trouble().count(), 100u);
   EXPECT_EQ(state().errors_waiting, 0u);
 }
 
 TEST_F(Rules, RampingAndClampingAreOnWhileForceIs) {
-  for (const phantom::hd::HDenum what : {phantom::hd::kForceOutput, phantom::hd::kForceRamping, phantom::hd::kMaxForceClamping})
+  for (const phantom::hd::HDenum what :
+       {phantom::hd::kForceOutput, phantom::hd::kForceRamping, phantom::hd::kMaxForceClamping})
     EXPECT_TRUE(api.hdIsEnabled(what)) << what;
 }
 
@@ -103,7 +107,8 @@ TEST_F(Rules, ADeviceThatTellsNoTemperatureIsNotClampedAndThatCanBeSeen) {
   EXPECT_EQ(driver->facts().temperatures, 3);
   driver.reset();
   Spy::instance().change_reading([](phantom::hd::HDenum name, double* values) {
-    if (name == phantom::hd::kMotorTemperature) values[0] = std::nan("");
+    if (name == phantom::hd::kMotorTemperature)
+      values[0] = std::nan("");
   });
   open_driver();
   EXPECT_EQ(driver->facts().temperatures, 0);
@@ -116,7 +121,8 @@ class Servo : public DriverTest {};
 TEST_F(Servo, ATickWakesWhoeverWaitsForIt) {
   const phantom::HdLibrary& library = phantom::HdLibrary::load(options.library);
   phantom::HdSession session(library, options);
-  phantom::PhantomServo servo(library, session.device(), session.facts(), phantom::describe_phantom(session.facts()), 50.0, true);
+  phantom::PhantomServo servo(library, session.device(), session.facts(),
+                              phantom::describe_phantom(session.facts()), 50.0, true);
   phantom::ServoSample sample;
   EXPECT_FALSE(servo.take(sample, {}));
   std::jthread ticker([&servo] {

@@ -18,7 +18,8 @@ std::string hex(HDenum value) {
 }  // namespace
 
 Spy::Spy() {
-  // The library's functions are the driver's for the whole process; in tests they may be exchanged, since none is called yet.
+  // The library's functions are the driver's for the whole process; in tests they may be exchanged,
+  // since none is called yet.
   auto& api = const_cast<Api&>(phantom::HdLibrary::load(VOXTOUCH_HD_SIM_LIBRARY).api());
   real = api;
   api.hdInitDevice = [](HDstring name) -> HHD {
@@ -29,11 +30,15 @@ Spy::Spy() {
     }
     return spy().real.hdInitDevice(name);
   };
-  api.hdDisableDevice = [](HHD device) { spy().note("disable-device"), spy().real.hdDisableDevice(device); };
+  api.hdDisableDevice = [](HHD device) {
+    spy().note("disable-device"), spy().real.hdDisableDevice(device);
+  };
   api.hdBeginFrame = [](HHD device) { spy().note("begin"), spy().real.hdBeginFrame(device); };
   api.hdEndFrame = [](HHD device) { spy().note("end"), spy().real.hdEndFrame(device); };
   api.hdEnable = [](HDenum what) { spy().note("enable " + hex(what)), spy().real.hdEnable(what); };
-  api.hdDisable = [](HDenum what) { spy().note("disable " + hex(what)), spy().real.hdDisable(what); };
+  api.hdDisable = [](HDenum what) {
+    spy().note("disable " + hex(what)), spy().real.hdDisable(what);
+  };
   api.hdSetDoublev = [](HDenum name, const HDdouble* values) {
     spy().note("set " + hex(name) + " " + std::to_string(values[0]));
     spy().real.hdSetDoublev(name, values);
@@ -49,14 +54,18 @@ Spy::Spy() {
     spy().note("schedule " + std::to_string(priority));
     return spy().real.hdScheduleAsynchronous(callback, data, priority);
   };
-  api.hdUnschedule = [](HDSchedulerHandle handle) { spy().note("unschedule"), spy().real.hdUnschedule(handle); };
+  api.hdUnschedule = [](HDSchedulerHandle handle) {
+    spy().note("unschedule"), spy().real.hdUnschedule(handle);
+  };
   api.hdStartScheduler = [] {
     spy().note("start");
-    if (!spy().start_swallowed()) spy().real.hdStartScheduler();
+    if (!spy().start_swallowed())
+      spy().real.hdStartScheduler();
   };
   api.hdStopScheduler = [] { spy().note("stop"), spy().real.hdStopScheduler(); };
   api.hdGetError = []() -> HDErrorInfo {
-    if (const HDerror code = spy().next_error(); code != kSuccess) return {code, 0, kInvalidHandle};
+    if (const HDerror code = spy().next_error(); code != kSuccess)
+      return {code, 0, kInvalidHandle};
     return spy().real.hdGetError();
   };
 }
@@ -123,7 +132,8 @@ HDerror Spy::next_init_failure() {
 
 HDerror Spy::next_error() {
   const std::lock_guard lock(mutex_);
-  if (planted_.empty()) return kSuccess;
+  if (planted_.empty())
+    return kSuccess;
   const HDerror code = planted_.back();
   planted_.pop_back();
   return code;
@@ -131,7 +141,8 @@ HDerror Spy::next_error() {
 
 void Spy::touch(HDenum name, double* values) {
   const std::lock_guard lock(mutex_);
-  if (change_) change_(name, values);
+  if (change_)
+    change_(name, values);
 }
 
 bool Spy::start_swallowed() const {

@@ -19,18 +19,21 @@ std::set<std::string> dynamic_symbols(const char* path) {
   std::ifstream in(path, std::ios::binary);
   const std::vector<char> file{std::istreambuf_iterator<char>(in), {}};
   std::set<std::string> names;
-  if (file.size() < sizeof(Elf64_Ehdr)) return names;
+  if (file.size() < sizeof(Elf64_Ehdr))
+    return names;
   Elf64_Ehdr header;
   std::memcpy(&header, file.data(), sizeof header);
   std::vector<Elf64_Shdr> sections(header.e_shnum);
   std::memcpy(sections.data(), file.data() + header.e_shoff, sections.size() * sizeof(Elf64_Shdr));
   for (const Elf64_Shdr& section : sections) {
-    if (section.sh_type != SHT_DYNSYM) continue;
+    if (section.sh_type != SHT_DYNSYM)
+      continue;
     const char* strings = file.data() + sections[section.sh_link].sh_offset;
     for (std::size_t at = 0; at < section.sh_size; at += sizeof(Elf64_Sym)) {
       Elf64_Sym symbol;
       std::memcpy(&symbol, file.data() + section.sh_offset + at, sizeof symbol);
-      if (symbol.st_shndx != SHN_UNDEF) names.insert(strings + symbol.st_name);
+      if (symbol.st_shndx != SHN_UNDEF)
+        names.insert(strings + symbol.st_name);
     }
   }
   return names;
@@ -59,7 +62,8 @@ TEST_F(Abi, ErrorComesByValueInTwoRegisters) {
   EXPECT_EQ(info.error_code, phantom::hd::kIllegalEnd);
   EXPECT_EQ(info.internal_error_code, 0);
   EXPECT_EQ(info.device, device);
-  // The same call seen as what the calling convention makes of twelve bytes: eight in one register, four in the next.
+  // The same call seen as what the calling convention makes of twelve bytes: eight in one register,
+  // four in the next.
   struct Registers {
     unsigned long low, high;
   };
@@ -73,8 +77,10 @@ TEST_F(Abi, ErrorComesByValueInTwoRegisters) {
 TEST_F(Abi, EveryErrorHasASentence) {
   std::set<std::string> all;
   for (const phantom::hd::HDerror code :
-       {phantom::hd::kSuccess, phantom::hd::kInvalidEnum, phantom::hd::kWarmMotors, phantom::hd::kDeviceFault, phantom::hd::kCommError,
-        phantom::hd::kTimerError, phantom::hd::kIllegalBegin, phantom::hd::kFrameError, phantom::hd::kInvalidLicense, 0x7777u})
+       {phantom::hd::kSuccess, phantom::hd::kInvalidEnum, phantom::hd::kWarmMotors,
+        phantom::hd::kDeviceFault, phantom::hd::kCommError, phantom::hd::kTimerError,
+        phantom::hd::kIllegalBegin, phantom::hd::kFrameError, phantom::hd::kInvalidLicense,
+        0x7777u})
     all.insert(api.hdGetErrorString(code));
   EXPECT_EQ(all.size(), 10u);
 }

@@ -12,7 +12,8 @@ TEST(BadEnvironment, MeansThatNoDeviceIsFound) {
   ASSERT_TRUE(kSet);
   ASSERT_NE(handle(), nullptr);
   phantom::hd::Api api;
-  ASSERT_EQ(phantom::hd::resolve_api(api, [](const char* name) { return dlsym(handle(), name); }), "");
+  ASSERT_EQ(phantom::hd::resolve_api(api, [](const char* name) { return dlsym(handle(), name); }),
+            "");
   EXPECT_EQ(api.hdInitDevice(nullptr), phantom::hd::kInvalidHandle);
   EXPECT_EQ(api.hdGetError().error_code, phantom::hd::kCommConfigError);
 }

@@ -1,4 +1,5 @@
-// What the environment variable sets. It is read once a process, so this is a program of its own that sets it first.
+// What the environment variable sets. It is read once a process, so this is a program of its own
+// that sets it first.
 #include <cstdlib>
 
 #include "library.hpp"
@@ -7,13 +8,15 @@ namespace voxtouch::hd_sim_test {
 namespace {
 
 /// Before the library is loaded.
-const bool kSet = setenv("VOXTOUCH_HD_SIM", "virtual=1;model=omni;grip=pen-firm;seed=7;coulomb_nm=0", 1) == 0;
+const bool kSet =
+    setenv("VOXTOUCH_HD_SIM", "virtual=1;model=omni;grip=pen-firm;seed=7;coulomb_nm=0", 1) == 0;
 
 TEST(Environment, SetsWhatTheLibraryStartsFrom) {
   ASSERT_TRUE(kSet);
   ASSERT_NE(handle(), nullptr);
   phantom::hd::Api api;
-  ASSERT_EQ(phantom::hd::resolve_api(api, [](const char* name) { return dlsym(handle(), name); }), "");
+  ASSERT_EQ(phantom::hd::resolve_api(api, [](const char* name) { return dlsym(handle(), name); }),
+            "");
   decltype(&hdsim_step) step;
   find(step, "hdsim_step");
   ASSERT_NE(api.hdInitDevice(nullptr), phantom::hd::kInvalidHandle);

@@ -13,7 +13,8 @@ class Faults : public SimulatedLibrary {
   void SetUp() override {
     SimulatedLibrary::SetUp();
     open_and_start();
-    for (int i = 0; i < 20; ++i) tick_force(kPush);
+    for (int i = 0; i < 20; ++i)
+      tick_force(kPush);
     ASSERT_NEAR(applied().x(), kPush.x(), 0.05);
     ASSERT_EQ(errors(), Errors{});
   }
@@ -27,7 +28,8 @@ class Faults : public SimulatedLibrary {
     return force;
   }
   static int nonzero(const std::vector<double>& force) {
-    return static_cast<int>(std::count_if(force.begin(), force.end(), [](double f) { return f != 0.0; }));
+    return static_cast<int>(
+        std::count_if(force.begin(), force.end(), [](double f) { return f != 0.0; }));
   }
   const Vec3 kPush{2.0, 0.0, 0.0};
 };
@@ -43,7 +45,8 @@ TEST_F(Faults, LostCommunicationFreezesSamplesAndTheWatchdogEndsTheForce) {
   EXPECT_EQ(read_vector(phantom::hd::kCurrentPosition), before);
   const Errors seen = errors();
   ASSERT_GE(seen.size(), 100u);  // at each frame, as far as the stack goes
-  for (const phantom::hd::HDerror e : seen) EXPECT_EQ(e, phantom::hd::kCommError);
+  for (const phantom::hd::HDerror e : seen)
+    EXPECT_EQ(e, phantom::hd::kCommError);
   tick_force(kPush);
   EXPECT_EQ(errors(), Errors{});
   EXPECT_NEAR(applied().x(), 2.0, 0.05);  // it was 100 ticks only
@@ -55,7 +58,8 @@ TEST_F(Faults, NoOrderReachesAnAmplifierThatCommunicationIsLostTo) {
   api.hdDisable(phantom::hd::kForceOutput);
   tick();
   EXPECT_NEAR(applied().x(), 2.0, 0.1);  // its watchdog only
-  for (int i = 0; i < 10; ++i) tick();
+  for (int i = 0; i < 10; ++i)
+    tick();
   EXPECT_EQ(applied().x(), 0.0);
 }
 
@@ -238,8 +242,8 @@ class Determinism : public SimulatedLibrary {
     for (int i = 0; i < 1000; ++i) {
       tick([&] {
         frame([&] {
-          const Vec3 wall =
-              -0.3 * read_vector(phantom::hd::kCurrentPosition).cwiseMin(4.0) - 0.002 * read_vector(phantom::hd::kCurrentVelocity);
+          const Vec3 wall = -0.3 * read_vector(phantom::hd::kCurrentPosition).cwiseMin(4.0) -
+                            0.002 * read_vector(phantom::hd::kCurrentVelocity);
           api.hdSetDoublev(phantom::hd::kCurrentForce, wall.data());
         });
       });

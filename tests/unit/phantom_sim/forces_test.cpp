@@ -55,14 +55,17 @@ TEST_F(Forces, StoppingTheSchedulerEndsThem) {
 TEST_F(Forces, MotorsGiveTheTransposedJacobianOfTheForce) {
   open_and_start();
   tick_force({1.0, 2.0, 3.0});
-  EXPECT_NEAR(motor(0), 0.215 * 1.0, 2e-3);  // in the reset pose the thigh lifts, the shin goes to and fro
+  EXPECT_NEAR(motor(0), 0.215 * 1.0,
+              2e-3);  // in the reset pose the thigh lifts, the shin goes to and fro
   EXPECT_NEAR(motor(1), 0.215 * 2.0, 2e-3);
   EXPECT_NEAR(motor(2), 0.170 * 3.0, 2e-3);
 }
 
 TEST_F(Forces, TorqueNeedsMotorsInTheGimbal) {
   open_and_start();
-  tick([&] { frame([&] { api.hdSetDoublev(phantom::hd::kCurrentTorque, Vec3(10.0, 0.0, 0.0).data()); }); });
+  tick([&] {
+    frame([&] { api.hdSetDoublev(phantom::hd::kCurrentTorque, Vec3(10.0, 0.0, 0.0).data()); });
+  });
   EXPECT_EQ(errors(), Errors{phantom::hd::kInvalidOperation});
   shut();
   ASSERT_EQ(sim.set_model("premium-6dof"), 0);
@@ -111,7 +114,8 @@ TEST_F(Forces, ImpulseOverItsLimitIsAnErrorAndNoForce) {
   tick_force({3.0, 0.0, 0.0});
   EXPECT_EQ(errors(), Errors{phantom::hd::kExceededMaxForceImpulse});
   EXPECT_EQ(applied(), Vec3(Vec3::Zero()));
-  for (double f : {1.5, 3.0, 4.5}) tick_force({f, 0.0, 0.0});
+  for (double f : {1.5, 3.0, 4.5})
+    tick_force({f, 0.0, 0.0});
   EXPECT_EQ(errors(), Errors{});
   EXPECT_NEAR(applied().x(), 4.5, 0.05);
   api.hdDisable(phantom::hd::kSoftwareForceImpulseLimit);
@@ -148,7 +152,8 @@ TEST_F(Forces, RampRisesFromZeroAtTheStartAndAfterAnError) {
   api.hdScheduleAsynchronous(
       [](void* self) {
         auto* t = static_cast<Forces*>(self);
-        t->frame([t] { t->api.hdSetDoublev(phantom::hd::kCurrentForce, Vec3(2.0, 0.0, 0.0).data()); });
+        t->frame(
+            [t] { t->api.hdSetDoublev(phantom::hd::kCurrentForce, Vec3(2.0, 0.0, 0.0).data()); });
         return phantom::hd::kCallbackContinue;
       },
       this, phantom::hd::kMaxPriority);
@@ -169,13 +174,15 @@ TEST_F(Forces, RampRisesFromZeroAtTheStartAndAfterAnError) {
 TEST_F(Forces, MotorsWarmUpWithTheSquareOfTheForceAndDropIt) {
   ASSERT_EQ(sim.set_number("thermal_time_s", 1.0), 0);
   open_and_start();
-  for (int i = 0; i < 3000; ++i) tick_force({0.0, 1.0, 0.0});
+  for (int i = 0; i < 3000; ++i)
+    tick_force({0.0, 1.0, 0.0});
   const double half = state().temperature[1];
   EXPECT_NEAR(half, (1.0 / 1.4) * (1.0 / 1.4) * (1.0 - std::exp(-3.0)), 0.02);
   EXPECT_LT(state().temperature[0], 1e-3);
   EXPECT_EQ(errors(), Errors{});
   int ticks = 0;
-  while (errors().empty() && ++ticks < 3000) tick_force({0.0, 4.0, 0.0});
+  while (errors().empty() && ++ticks < 3000)
+    tick_force({0.0, 4.0, 0.0});
   EXPECT_LT(ticks, 500);
   double told[3];
   api.hdGetDoublev(phantom::hd::kMotorTemperature, told);
@@ -183,7 +190,8 @@ TEST_F(Forces, MotorsWarmUpWithTheSquareOfTheForceAndDropIt) {
   tick_force({0.0, 1.0, 0.0});
   EXPECT_EQ(applied(), Vec3(Vec3::Zero()));
   EXPECT_EQ(errors(), Errors{});  // said once
-  for (int i = 0; i < 120; ++i) tick_force({0.0, 1.0, 0.0});
+  for (int i = 0; i < 120; ++i)
+    tick_force({0.0, 1.0, 0.0});
   EXPECT_NEAR(applied().y(), 1.0, 0.1);  // cooled
 }
 
@@ -199,7 +207,8 @@ TEST_F(Forces, HandGivesWayByItsStiffness) {
   ASSERT_EQ(sim.set_number("coulomb_nm", 0.0), 0);
   ASSERT_EQ(sim.set_number("gravity_m_per_s2", 0.0), 0);
   open_and_start();
-  for (int i = 0; i < 2000; ++i) tick_force({1.5, 0.0, 0.0});
+  for (int i = 0; i < 2000; ++i)
+    tick_force({1.5, 0.0, 0.0});
   EXPECT_NEAR(tip().x(), 1.5 / 300.0, 1e-4);
   EXPECT_NEAR(state().hand_force[0], -1.5, 0.02);
 }
@@ -267,7 +276,8 @@ TEST_F(Calibration, AutomaticOneAsksForAnUpdateOnceItHasSeenTheArm) {
   device = api.hdInitDevice(nullptr);
   api.hdStartScheduler();
   EXPECT_EQ(api.hdCheckCalibration(), phantom::hd::kCalibrationNeedsManualInput);
-  for (int i = 0; i < 60; ++i) sim.step();
+  for (int i = 0; i < 60; ++i)
+    sim.step();
   EXPECT_EQ(api.hdCheckCalibration(), phantom::hd::kCalibrationNeedsUpdate);
   api.hdUpdateCalibration(phantom::hd::kCalibrationAuto);
   EXPECT_EQ(api.hdCheckCalibration(), phantom::hd::kCalibrationOk);

@@ -41,14 +41,16 @@ TEST_F(Frames, WrongHandlesAreBad) {
   api.hdEndFrame(phantom::hd::kInvalidHandle);
   api.hdMakeCurrentDevice(1);
   api.hdDisableDevice(1);
-  EXPECT_EQ(errors(), (Errors{phantom::hd::kBadHandle, phantom::hd::kBadHandle, phantom::hd::kBadHandle, phantom::hd::kBadHandle}));
+  EXPECT_EQ(errors(), (Errors{phantom::hd::kBadHandle, phantom::hd::kBadHandle,
+                              phantom::hd::kBadHandle, phantom::hd::kBadHandle}));
 }
 
 TEST_F(Frames, WithoutADeviceNothingCanBeReadOrSwitched) {
   read_vector(phantom::hd::kCurrentPosition);
   api.hdEnable(phantom::hd::kForceOutput);
   EXPECT_EQ(api.hdGetString(phantom::hd::kDeviceModelType), nullptr);
-  EXPECT_EQ(errors(), (Errors{phantom::hd::kInvalidOperation, phantom::hd::kInvalidOperation, phantom::hd::kInvalidOperation}));
+  EXPECT_EQ(errors(), (Errors{phantom::hd::kInvalidOperation, phantom::hd::kInvalidOperation,
+                              phantom::hd::kInvalidOperation}));
 }
 
 TEST_F(Frames, NewestErrorComesFirst) {
@@ -56,7 +58,8 @@ TEST_F(Frames, NewestErrorComesFirst) {
   api.hdEndFrame(device);
   api.hdGetDoublev(0x9999, Vec3().data());
   api.hdSetDoublev(phantom::hd::kCurrentForce, Vec3(1.0, 0.0, 0.0).data());
-  EXPECT_EQ(errors(), (Errors{phantom::hd::kFrameError, phantom::hd::kInvalidEnum, phantom::hd::kIllegalEnd}));
+  EXPECT_EQ(errors(), (Errors{phantom::hd::kFrameError, phantom::hd::kInvalidEnum,
+                              phantom::hd::kIllegalEnd}));
   EXPECT_EQ(error(), phantom::hd::kSuccess);
 }
 
@@ -117,8 +120,10 @@ TEST_F(Frames, GetOutsideAFrameGivesTheLastFrame) {
   set_motion({0.0, 0.0, 0.0, 0.1, 0.0, 0.0}, 0.5);
   open_and_start();
   Vec3 seen;
-  for (int i = 0; i < 200; ++i) tick([&] { frame([&] { seen = read_vector(phantom::hd::kCurrentPosition); }); });
-  for (int i = 0; i < 20; ++i) tick();
+  for (int i = 0; i < 200; ++i)
+    tick([&] { frame([&] { seen = read_vector(phantom::hd::kCurrentPosition); }); });
+  for (int i = 0; i < 20; ++i)
+    tick();
   EXPECT_EQ(read_vector(phantom::hd::kCurrentPosition), seen);
   EXPECT_GT((1e3 * tip() - seen).norm(), 0.5);
 }
@@ -136,7 +141,8 @@ TEST_F(Frames, WrongTypesAreRefusedAndWriteNothing) {
 TEST_F(Frames, NumbersThatAreNoneAreRefused) {
   open();
   double x[16] = {};
-  for (const phantom::hd::HDenum name : {0x1u, 0x2599u}) api.hdGetDoublev(name, x);
+  for (const phantom::hd::HDenum name : {0x1u, 0x2599u})
+    api.hdGetDoublev(name, x);
   api.hdSetDoublev(phantom::hd::kCurrentPosition, x);
   api.hdEnable(phantom::hd::kCurrentPosition);
   EXPECT_FALSE(api.hdIsEnabled(0x4005));
@@ -167,7 +173,8 @@ TEST_F(Frames, ForceThatIsNoNumberIsRefusedAndCounted) {
 TEST_F(Frames, PositionIsInMillimetresAndTheTransformColumnMajor) {
   set_motion({0.03, 0.05, -0.02});
   open();
-  // The reset pose is where the operator holds the links for the calibration; then the hand has the tip elsewhere.
+  // The reset pose is where the operator holds the links for the calibration; then the hand has the
+  // tip elsewhere.
   double m[16];
   Vec3 p;
   frame([&] {
@@ -180,7 +187,7 @@ TEST_F(Frames, PositionIsInMillimetresAndTheTransformColumnMajor) {
   EXPECT_EQ(m[3], 0.0);
   Mat3 r = Eigen::Map<Eigen::Matrix4d>(m).topLeftCorner<3, 3>();
   EXPECT_LT((r - Mat3::Identity()).norm(), 0.01);  // the stylus is held level whatever the arm does
-  EXPECT_GT(std::abs(state().joints[0]), 0.05);  // so the gimbal has to make up for the arm
+  EXPECT_GT(std::abs(state().joints[0]), 0.05);    // so the gimbal has to make up for the arm
 }
 
 TEST_F(Frames, TellsWhatItIs) {

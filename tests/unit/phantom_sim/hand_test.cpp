@@ -28,7 +28,8 @@ sim::OperatorConfig plain(double mass, double damping, double stiffness) {
 
 hand::HandAction run_until(hand::Hand& hand, double time_s) {
   hand::HandAction action;
-  while (hand.time_s() < time_s) action = hand.step();
+  while (hand.time_s() < time_s)
+    action = hand.step();
   return action;
 }
 

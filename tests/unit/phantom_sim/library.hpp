@@ -46,7 +46,8 @@ void find(F& f, const char* name) {
 }
 
 /// One that does all it can: trembles, carries, grips harder after 0.5 s and lets go.
-inline sim::OperatorConfig shaky_hand(double let_go_at_s = std::numeric_limits<double>::infinity()) {
+inline sim::OperatorConfig shaky_hand(
+    double let_go_at_s = std::numeric_limits<double>::infinity()) {
   sim::OperatorConfig hand;
   hand.mass_kg = 0.1, hand.damping_ns_per_m = 4.0, hand.stiffness_n_per_m = 300.0;
   hand.let_go_at_s = let_go_at_s, hand.grip_harder_at_s = 0.5, hand.grip_factor = 2.0;
@@ -60,7 +61,8 @@ class SimulatedLibrary : public ::testing::Test {
  protected:
   void SetUp() override {
     ASSERT_NE(handle(), nullptr) << dlerror();
-    ASSERT_EQ(phantom::hd::resolve_api(api, [](const char* name) { return dlsym(handle(), name); }), "");
+    ASSERT_EQ(phantom::hd::resolve_api(api, [](const char* name) { return dlsym(handle(), name); }),
+              "");
     find(sim.defaults, "hdsim_defaults");
     find(sim.power_cycle, "hdsim_power_cycle");
     find(sim.use_virtual_time, "hdsim_use_virtual_time");
@@ -96,9 +98,11 @@ class SimulatedLibrary : public ::testing::Test {
     ASSERT_EQ(error(), phantom::hd::kSuccess);
   }
   void shut() {
-    if (api.hdStopScheduler == nullptr) return;
+    if (api.hdStopScheduler == nullptr)
+      return;
     api.hdStopScheduler();
-    if (api.hdGetCurrentDevice() != phantom::hd::kInvalidHandle) api.hdDisableDevice(api.hdGetCurrentDevice());
+    if (api.hdGetCurrentDevice() != phantom::hd::kInvalidHandle)
+      api.hdDisableDevice(api.hdGetCurrentDevice());
     while (error() != phantom::hd::kSuccess) {
     }
   }
@@ -106,7 +110,8 @@ class SimulatedLibrary : public ::testing::Test {
   phantom::hd::HDerror error() { return api.hdGetError().error_code; }
   std::vector<phantom::hd::HDerror> errors() {
     std::vector<phantom::hd::HDerror> all;
-    for (phantom::hd::HDerror e = error(); e != phantom::hd::kSuccess; e = error()) all.push_back(e);
+    for (phantom::hd::HDerror e = error(); e != phantom::hd::kSuccess; e = error())
+      all.push_back(e);
     return all;
   }
 
@@ -119,11 +124,14 @@ class SimulatedLibrary : public ::testing::Test {
   }
   /// One tick with a frame that asks for this force [N], as doubles.
   int tick_force(const Vec3& force) {
-    return tick([this, force] { frame([&] { api.hdSetDoublev(phantom::hd::kCurrentForce, force.data()); }); });
+    return tick([this, force] {
+      frame([&] { api.hdSetDoublev(phantom::hd::kCurrentForce, force.data()); });
+    });
   }
   void frame(const std::function<void()>& work = {}) {
     api.hdBeginFrame(device);
-    if (work) work();
+    if (work)
+      work();
     api.hdEndFrame(device);
   }
   hdsim_state state() {
@@ -151,7 +159,8 @@ class SimulatedLibrary : public ::testing::Test {
   }
   int set_motion(const std::vector<double>& points, double speed = 0.1) {
     Motion motion;
-    for (std::size_t i = 0; i + 2 < points.size(); i += 3) motion.path.emplace_back(points[i], points[i + 1], points[i + 2]);
+    for (std::size_t i = 0; i + 2 < points.size(); i += 3)
+      motion.path.emplace_back(points[i], points[i + 1], points[i + 2]);
     motion.speed_m_per_s = speed;
     return set_motion(motion);
   }
@@ -169,7 +178,8 @@ class SimulatedLibrary : public ::testing::Test {
  private:
   static phantom::hd::HDCallbackCode run_tick(void* self) {
     const auto& work = static_cast<SimulatedLibrary*>(self)->work_;
-    if (work) work();
+    if (work)
+      work();
     return phantom::hd::kCallbackContinue;
   }
   std::function<void()> work_;

@@ -13,7 +13,9 @@
 namespace voxtouch::hd_sim {
 namespace {
 
-Motion still(const Vec3& at = Vec3::Zero()) { return {.path = {at}, .repeat_from = {}, .circle_centre = {}}; }
+Motion still(const Vec3& at = Vec3::Zero()) {
+  return {.path = {at}, .repeat_from = {}, .circle_centre = {}};
+}
 
 sim::OperatorConfig released() {
   sim::OperatorConfig hand;
@@ -45,7 +47,8 @@ double drift(double gravity) {
   PhantomPlant plant = plant_of(config);
   const Vec3 rates(2.0, -1.5, 3.0);
   plant.set_state({0.3, 0.2, -0.1}, rates);
-  const double start = plant.energy(), motion = 0.5 * rates.dot(plant.dynamics().mass(plant.joints()) * rates);
+  const double start = plant.energy(),
+               motion = 0.5 * rates.dot(plant.dynamics().mass(plant.joints()) * rates);
   double worst = 0.0;
   for (int i = 0; i < 80000; ++i) {
     plant.step(Vec3::Zero());
@@ -73,7 +76,8 @@ TEST(Plant, AcceleratesByItsApparentMassAndTheHands) {
     const Vec3 mass = apparent_mass(plant.dynamics(), plant.joints()) + Vec3::Constant(hand_kg);
     plant.step(torque_of(plant, {1.0, 1.0, 1.0}));
     // At rest the axes hardly couple.
-    EXPECT_LT((plant.tip_velocity() / kSubstep - mass.cwiseInverse()).norm(), 1e-3 * mass.cwiseInverse().norm());
+    EXPECT_LT((plant.tip_velocity() / kSubstep - mass.cwiseInverse()).norm(),
+              1e-3 * mass.cwiseInverse().norm());
   }
 }
 
@@ -86,10 +90,12 @@ TEST(Plant, UndampedHandKeepsItsEnergyToo) {
   PhantomPlant plant = plant_of(config, hand);
   plant.set_state({0.1, 0.1, -0.1}, Vec3::Zero());
   const auto energy = [&] {
-    return plant.energy() + 0.5 * 0.1 * plant.tip_velocity().squaredNorm() + 150.0 * plant.tip().squaredNorm();
+    return plant.energy() + 0.5 * 0.1 * plant.tip_velocity().squaredNorm() +
+           150.0 * plant.tip().squaredNorm();
   };
   const double start = energy();
-  for (int i = 0; i < 80000; ++i) plant.step(Vec3::Zero());
+  for (int i = 0; i < 80000; ++i)
+    plant.step(Vec3::Zero());
   EXPECT_NEAR(energy() / start, 1.0, 1e-6);
 }
 
@@ -98,10 +104,12 @@ TEST(Plant, JointAtRestIsNotMovedByLessThanItsFriction) {
   config.gravity_m_per_s2 = 0.0;
   PhantomPlant plant = plant_of(config);
   plant.set_state({0.2, 0.1, -0.2}, Vec3::Zero());
-  for (int i = 0; i < 8000; ++i) plant.step({0.0099, -0.0099, 0.0099});
+  for (int i = 0; i < 8000; ++i)
+    plant.step({0.0099, -0.0099, 0.0099});
   EXPECT_EQ(plant.joints(), Vec3(0.2, 0.1, -0.2));
   EXPECT_EQ(plant.rates(), Vec3(Vec3::Zero()));
-  for (int i = 0; i < 800; ++i) plant.step({0.0099, 0.012, 0.0099});
+  for (int i = 0; i < 800; ++i)
+    plant.step({0.0099, 0.012, 0.0099});
   EXPECT_EQ(plant.joints()[0], 0.2);  // the turret knows nothing of the thigh
   EXPECT_GT(plant.joints()[1], 0.1 + 1e-3);
 
@@ -112,7 +120,8 @@ TEST(Plant, JointAtRestIsNotMovedByLessThanItsFriction) {
   config.coulomb_nm = 0.1;
   plant = plant_of(config, hand, still());
   plant.follow(still({1e-3, 1e-3, -1e-3}));
-  for (int i = 0; i < 8000; ++i) plant.step({0.003, -0.002, 0.001});
+  for (int i = 0; i < 8000; ++i)
+    plant.step({0.003, -0.002, 0.001});
   EXPECT_EQ(plant.joints(), *phantom::phantom_joints({}, Vec3::Zero()));
 }
 
@@ -128,7 +137,8 @@ TEST(Plant, FrictionOnlyTakesEnergyAndThenHolds) {
     const double now = plant.energy();
     EXPECT_LE(now, before * (1.0 + 1e-12));
     before = now;
-    if (!plant.rates().isZero(0.0)) ++moving;
+    if (!plant.rates().isZero(0.0))
+      ++moving;
   }
   EXPECT_EQ(plant.rates(), Vec3(Vec3::Zero()));
   EXPECT_GT(moving, 800);
@@ -141,7 +151,8 @@ TEST(Plant, SlidesAgainstItsFriction) {
   config.viscous_nms_per_rad = 0.0;
   PhantomPlant plant = plant_of(config);
   const double inertia = plant.dynamics().mass(Vec3::Zero())(0, 0);
-  for (int i = 0; i < 80; ++i) plant.step({0.03, 0.0, 0.0});
+  for (int i = 0; i < 80; ++i)
+    plant.step({0.03, 0.0, 0.0});
   EXPECT_NEAR(plant.rates()[0], 0.02 / inertia * 0.01, 1e-6);  // 0.01 of the 0.03 Nm are lost
 }
 
@@ -155,8 +166,8 @@ TEST(Plant, MotorsGiveNoMoreThanTheyCan) {
 }
 
 TEST(Plant, StopsHoldAgainstTheMotors) {
-  for (const Vec3& push : {Vec3(8.5, 0.0, 0.0), Vec3(-8.5, 0.0, 0.0), Vec3(0.0, 8.5, 0.0), Vec3(0.0, -8.5, 0.0),
-                           Vec3(0.0, 0.0, 8.5), Vec3(0.0, 0.0, -8.5)}) {
+  for (const Vec3& push : {Vec3(8.5, 0.0, 0.0), Vec3(-8.5, 0.0, 0.0), Vec3(0.0, 8.5, 0.0),
+                           Vec3(0.0, -8.5, 0.0), Vec3(0.0, 0.0, 8.5), Vec3(0.0, 0.0, -8.5)}) {
     const PlantConfig config;
     PhantomPlant plant = plant_of(config);
     for (int i = 0; i < 16000; ++i) {
@@ -175,14 +186,16 @@ TEST(Plant, HandLeadsTheTipToItsTarget) {
   motion.path.push_back({0.05, 0.04, -0.03});
   motion.speed_m_per_s = 0.1;
   PhantomPlant plant = plant_of({}, *hand::grip("pen"), motion);
-  for (int i = 0; i < 24000; ++i) plant.step(Vec3::Zero());
+  for (int i = 0; i < 24000; ++i)
+    plant.step(Vec3::Zero());
   EXPECT_LT((plant.tip() - motion.path.back()).norm(), 1.5e-3);  // friction and weight over 300 N/m
   EXPECT_GT((plant.tip() - motion.path.back()).norm(), 1e-6);
 }
 
 TEST(Plant, ReleasedArmIsMovedByItsWeightAlone) {
   PhantomPlant plant = plant_of({});
-  for (int i = 0; i < 2400; ++i) plant.step(Vec3::Zero());
+  for (int i = 0; i < 2400; ++i)
+    plant.step(Vec3::Zero());
   EXPECT_GT(plant.tip().norm(), 1e-3);
   EXPECT_EQ(plant.hand_force(), Vec3(Vec3::Zero()));
 }
@@ -220,7 +233,8 @@ TEST(Sensors, StepAtTheTipIsThatOfTheEncoder) {
   }
   const Vec3 joints(0.12345, -0.2345, 0.3456);
   const Reading& r = sensors.sample(joints, Quat::Identity());
-  EXPECT_LT((r.joints - joints).cwiseAbs().cwiseQuotient(sensors.step_rad()).maxCoeff(), 0.5 + 1e-9);
+  EXPECT_LT((r.joints - joints).cwiseAbs().cwiseQuotient(sensors.step_rad()).maxCoeff(),
+            0.5 + 1e-9);
   EXPECT_LT((r.pose.position - phantom::phantom_tip(geometry, joints)).norm(), 0.03e-3);
   EXPECT_LT(r.pose.orientation.angularDistance(Quat::Identity()), 2e-3);
 }
@@ -234,7 +248,8 @@ TEST(Sensors, AnglesAreCountedFromWhereTheyWereZeroed) {
 TEST(Sensors, VelocityIsSmoothedAndArrives) {
   Sensors sensors({}, 0.03e-3, 1e-3, 50.0);
   sensors.set_period(1e-3);
-  for (int i = 0; i <= 300; ++i) sensors.sample({0.001 * i, 0.0, 0.0}, Quat::Identity());
+  for (int i = 0; i <= 300; ++i)
+    sensors.sample({0.001 * i, 0.0, 0.0}, Quat::Identity());
   EXPECT_NEAR(sensors.reading().twist.linear.norm(), 0.215, 0.02);  // 1 rad/s at the thigh's length
 }
 

@@ -91,21 +91,25 @@ TEST_F(Scheduler, StoppingFromACallbackIsRefused) {
 
 TEST_F(Scheduler, FullSchedulerSaysSo) {
   Note note{&calls, 1};
-  for (int i = 0; i < 64; ++i) EXPECT_NE(add(note, 1), 0u);
+  for (int i = 0; i < 64; ++i)
+    EXPECT_NE(add(note, 1), 0u);
   EXPECT_EQ(add(note, 1), 0u);
   EXPECT_EQ(errors(), Errors{phantom::hd::kSchedulerFull});
 }
 
 TEST_F(Scheduler, RatesAreThoseOfTheBus) {
   open();
-  for (const phantom::hd::HDulong rate : {500ul, 1000ul, 2000ul}) api.hdSetSchedulerRate(rate);
+  for (const phantom::hd::HDulong rate : {500ul, 1000ul, 2000ul})
+    api.hdSetSchedulerRate(rate);
   EXPECT_EQ(errors(), Errors{});
-  for (const phantom::hd::HDulong rate : {0ul, 750ul, 1600ul, 4000ul}) api.hdSetSchedulerRate(rate);
+  for (const phantom::hd::HDulong rate : {0ul, 750ul, 1600ul, 4000ul})
+    api.hdSetSchedulerRate(rate);
   EXPECT_EQ(errors(), Errors(4, phantom::hd::kInvalidValue));
   shut();
   sim.set_model("omni");
   device = api.hdInitDevice(nullptr);
-  for (const phantom::hd::HDulong rate : {500ul, 1000ul, 1143ul, 1333ul, 1600ul, 2000ul}) api.hdSetSchedulerRate(rate);
+  for (const phantom::hd::HDulong rate : {500ul, 1000ul, 1143ul, 1333ul, 1600ul, 2000ul})
+    api.hdSetSchedulerRate(rate);
   EXPECT_EQ(errors(), Errors{});
   api.hdSetSchedulerRate(1500);
   EXPECT_EQ(errors(), Errors{phantom::hd::kInvalidValue});
@@ -116,7 +120,8 @@ TEST_F(Scheduler, TickTakesOnePeriodOfItsRate) {
     ASSERT_EQ(sim.power_cycle(), 0);
     open_and_start();
     api.hdSetSchedulerRate(rate);
-    for (int i = 0; i < 100; ++i) tick();
+    for (int i = 0; i < 100; ++i)
+      tick();
     EXPECT_DOUBLE_EQ(state().time, 100.0 / double(rate));
     shut();
   }
@@ -184,7 +189,8 @@ TEST_F(RealTime, UnscheduleReturnsOnlyWhenTheCallbackIsOver) {
   } slow;
   const auto handle = api.hdScheduleAsynchronous(Slow::run, &slow, 1);
   api.hdStartScheduler();
-  while (!slow.inside) sleep_ms(1);
+  while (!slow.inside)
+    sleep_ms(1);
   api.hdUnschedule(handle);
   EXPECT_TRUE(slow.over);
 }

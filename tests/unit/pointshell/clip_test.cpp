@@ -14,8 +14,9 @@ struct Bound {
   double s, t, limit;  ///< s * x + t * y <= limit in the triangle's own coordinates
 };
 
-/// The least distance from the origin to the points of triangle and cube, by trying every set of up to two
-/// active bounds of the quadratic programme in barycentric coordinates: no polygon, no clipping.
+/// The least distance from the origin to the points of triangle and cube, by trying every set of up
+/// to two active bounds of the quadratic programme in barycentric coordinates: no polygon, no
+/// clipping.
 double least_distance(const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 f = b - a, g = c - a;
   std::vector<Bound> bounds{{-1, 0, 0}, {0, -1, 0}, {1, 1, 1}};
@@ -25,9 +26,11 @@ double least_distance(const Vec3& a, const Vec3& b, const Vec3& c) {
   }
   double best = INFINITY;
   const auto consider = [&](double s, double t) {
-    if (!std::isfinite(s) || !std::isfinite(t)) return;
+    if (!std::isfinite(s) || !std::isfinite(t))
+      return;
     for (const Bound& bound : bounds)
-      if (bound.s * s + bound.t * t > bound.limit + 1e-12 * (1.0 + std::abs(bound.s) + std::abs(bound.t)))
+      if (bound.s * s + bound.t * t >
+          bound.limit + 1e-12 * (1.0 + std::abs(bound.s) + std::abs(bound.t)))
         return;
     best = std::min(best, (a + s * f + t * g).norm());
   };
@@ -37,7 +40,8 @@ double least_distance(const Vec3& a, const Vec3& b, const Vec3& c) {
   for (std::size_t m = 0; m < bounds.size(); ++m) {
     const Bound& one = bounds[m];
     const double length = one.s * one.s + one.t * one.t;
-    if (length == 0.0) continue;
+    if (length == 0.0)
+      continue;
     // a point of the line, and its direction
     const double s0 = one.limit * one.s / length, t0 = one.limit * one.t / length;
     const Vec3 x0 = a + s0 * f + t0 * g, along = -one.t * f + one.s * g;
@@ -46,7 +50,8 @@ double least_distance(const Vec3& a, const Vec3& b, const Vec3& c) {
     for (std::size_t n = 0; n < m; ++n) {
       const Bound& other = bounds[n];
       const double cross = one.s * other.t - one.t * other.s;
-      if (std::abs(cross) < 1e-9 * std::sqrt(length * (other.s * other.s + other.t * other.t))) continue;
+      if (std::abs(cross) < 1e-9 * std::sqrt(length * (other.s * other.s + other.t * other.t)))
+        continue;
       consider((one.limit * other.t - one.t * other.limit) / cross,
                (one.s * other.limit - one.limit * other.s) / cross);
     }
@@ -63,14 +68,19 @@ TEST(Clip, NearestPointIsTheConstrainedMinimum) {
     std::uniform_real_distribution<double> corner(-size, size), place(-0.7, 0.7);
     const Vec3 centre(place(random), place(random), place(random));
     std::array<Vec3, 3> x;
-    for (Vec3& v : x) v = centre + Vec3(corner(random), corner(random), corner(random));
+    for (Vec3& v : x)
+      v = centre + Vec3(corner(random), corner(random), corner(random));
     if (n % 5 == 0)
-      for (Vec3& v : x) v = (v * 4.0).array().round() / 4.0;  // corners on borders, centres and faces
+      for (Vec3& v : x)
+        v = (v * 4.0).array().round() / 4.0;  // corners on borders, centres and faces
     const Vec3 normal = voxmap::area_vector(x[0], x[1], x[2]);
-    const double longest = std::max({(x[1] - x[0]).norm(), (x[2] - x[0]).norm(), (x[2] - x[1]).norm()});
-    if (normal.norm() < 1e-2 * longest * longest) continue;  // the oracle's own conditioning
+    const double longest =
+        std::max({(x[1] - x[0]).norm(), (x[2] - x[0]).norm(), (x[2] - x[1]).norm()});
+    if (normal.norm() < 1e-2 * longest * longest)
+      continue;  // the oracle's own conditioning
     const Vec3 shift = Vec3::Constant(0.5);
-    if (voxmap::TriangleVoxels(x[0] + shift, x[1] + shift, x[2] + shift).meeting({0, 0, 0}) == voxmap::Meeting::kNone)
+    if (voxmap::TriangleVoxels(x[0] + shift, x[1] + shift, x[2] + shift).meeting({0, 0, 0}) ==
+        voxmap::Meeting::kNone)
       continue;
     ++met;
     const VoxelPolygon polygon = clip_to_voxel(x[0], x[1], x[2]);
@@ -80,8 +90,8 @@ TEST(Clip, NearestPointIsTheConstrainedMinimum) {
     const double off_plane = std::abs(normal.normalized().dot(p - x[0]));
     const double difference = std::abs(p.norm() - least_distance(x[0], x[1], x[2]));
     worst = std::max({worst, off_plane, difference});
-    ASSERT_LT(difference, 2e-11) << x[0].transpose() << " | " << x[1].transpose() << " | " <<
-        x[2].transpose();
+    ASSERT_LT(difference, 2e-11) << x[0].transpose() << " | " << x[1].transpose() << " | "
+                                 << x[2].transpose();
     ASSERT_LT(off_plane, 1e-12);
   }
   EXPECT_GE(met, 20000);
@@ -102,9 +112,12 @@ TEST(Clip, ASliverThatPointsAtTheFootEndsWhereItEnds) {
   std::mt19937 random(8);
   std::normal_distribution<double> pick;
   for (int n = 0; n < 2000; ++n) {
-    const Mat3 turn = Quat(pick(random), pick(random), pick(random), pick(random)).normalized().toRotationMatrix();
+    const Mat3 turn = Quat(pick(random), pick(random), pick(random), pick(random))
+                          .normalized()
+                          .toRotationMatrix();
     const double thin = std::ldexp(1.0, -45 - n % 12);
-    const Vec3 a = turn * Vec3(0.1, 0, 0.2), b = turn * Vec3(0.3, 0, 0.2), c = turn * Vec3(0.2, thin, 0.2);
+    const Vec3 a = turn * Vec3(0.1, 0, 0.2), b = turn * Vec3(0.3, 0, 0.2),
+               c = turn * Vec3(0.2, thin, 0.2);
     const Vec3 p = nearest_to_centre({a, b, c}, turn.col(2), clip_to_voxel(a, b, c));
     ASSERT_LT((p - a).norm(), 1e-12) << n;
   }
@@ -112,14 +125,18 @@ TEST(Clip, ASliverThatPointsAtTheFootEndsWhereItEnds) {
 
 TEST(Clip, TouchingIsNeverEmpty) {
   const auto nearest = [](const Vec3& a, const Vec3& b, const Vec3& c) {
-    return nearest_to_centre({a, b, c}, voxmap::area_vector(a, b, c).stableNormalized(), clip_to_voxel(a, b, c));
+    return nearest_to_centre({a, b, c}, voxmap::area_vector(a, b, c).stableNormalized(),
+                             clip_to_voxel(a, b, c));
   };
   const Vec3 corner = Vec3::Constant(0.5);
   EXPECT_LT((nearest(Vec3(1.5, 0, 0), Vec3(0, 1.5, 0), Vec3(0, 0, 1.5)) - corner).norm(), 1e-9);
   EXPECT_LT((nearest(corner, corner, corner) - corner).norm(), 1e-12);
-  EXPECT_LT((nearest(Vec3(0.5, -3, 0.5), Vec3(0.5, 3, 0.5), Vec3(0.5, 1, 0.5)) - Vec3(0.5, 0, 0.5)).norm(),
+  EXPECT_LT((nearest(Vec3(0.5, -3, 0.5), Vec3(0.5, 3, 0.5), Vec3(0.5, 1, 0.5)) - Vec3(0.5, 0, 0.5))
+                .norm(),
             1e-12);
-  EXPECT_LT((nearest(Vec3(0.5, -3, -3), Vec3(0.5, 3, -3), Vec3(0.5, 0, 5)) - Vec3(0.5, 0, 0)).norm(), 1e-12);
+  EXPECT_LT(
+      (nearest(Vec3(0.5, -3, -3), Vec3(0.5, 3, -3), Vec3(0.5, 0, 5)) - Vec3(0.5, 0, 0)).norm(),
+      1e-12);
   std::mt19937 random(4);
   std::uniform_real_distribution<double> pick(0.0, 3.0);
   // thirds are not doubles: the cut must cope with rounding where they only touch
@@ -135,7 +152,8 @@ TEST(Clip, TouchingIsNeverEmpty) {
 TEST(Clip, AreaOfAPlaneThroughTheMiddle) {
   EXPECT_NEAR(area(clip_to_voxel(Vec3(-9, -9, 0), Vec3(9, -9, 0), Vec3(0, 9, 0))), 1.0, 1e-14);
   // The regular hexagon of the cube's main diagonal.
-  EXPECT_NEAR(area(clip_to_voxel(Vec3(9, -9, 0), Vec3(0, 9, -9), Vec3(-9, 0, 9))), 1.299038105676658, 1e-13);
+  EXPECT_NEAR(area(clip_to_voxel(Vec3(9, -9, 0), Vec3(0, 9, -9), Vec3(-9, 0, 9))),
+              1.299038105676658, 1e-13);
 }
 
 }  // namespace

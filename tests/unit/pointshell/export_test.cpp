@@ -33,13 +33,15 @@ TEST(Export, InteriorFilesAreByteForByteThoseOfTheVectors) {
     const voxmap::Voxmap map = voxmap::voxelise(read_obj(name), vector_grid(name), serial_for());
     std::stringstream expected;
     expected << open_vector("voxels/" + name + "_interior.csv").rdbuf();
-    EXPECT_EQ(written([&](std::ostream& out) { write_interior_csv(out, map); }), expected.str()) << name;
+    EXPECT_EQ(written([&](std::ostream& out) { write_interior_csv(out, map); }), expected.str())
+        << name;
   }
 }
 
 TEST(Export, ARunEndsAtAGapAndAtARowsEnd) {
   voxmap::Voxmap map({}, {-9, 0, -9}, {9, 9, 9});
-  for (const voxmap::VoxelIndex& v : {voxmap::VoxelIndex{-9, 0, -9}, {-9, 0, -8}, {-9, 0, -6}, {-9, 1, -5}, {0, 1, -4}})
+  for (const voxmap::VoxelIndex& v :
+       {voxmap::VoxelIndex{-9, 0, -9}, {-9, 0, -8}, {-9, 0, -6}, {-9, 1, -5}, {0, 1, -4}})
     map.set(v, voxmap::VoxelKind::kInterior);
   map.set({0, 1, -3}, voxmap::VoxelKind::kSurface);
   map.set({0, 1, -2}, voxmap::VoxelKind::kInterior);
@@ -68,17 +70,20 @@ TEST(Export, SurfaceFilesReadBackExactly) {
   }
 }
 
-/// A plate a tenth of a voxel thick, askew, with the rounding of a file in single precision: both sides' normals cancel but for noise.
+/// A plate a tenth of a voxel thick, askew, with the rounding of a file in single precision: both
+/// sides' normals cancel but for noise.
 TEST(Export, PlainNormalsThatCancelAreZeroWithAFlagAndNotRoundingBroughtToLengthOne) {
   mesh::TriangleMesh plate = box(Vec3(0, 0, 0), Vec3(8, 8, 0.1));
   const Quat askew(Eigen::AngleAxisd(0.3, Vec3(1, 2, 0.5).normalized()));
-  for (Vec3& v : plate.vertices) v = (askew * v).cast<float>().cast<double>();
+  for (Vec3& v : plate.vertices)
+    v = (askew * v).cast<float>().cast<double>();
   const auto points = shell_points(plate, {Vec3::Constant(-20.3), 1.0}, serial_for());
   std::istringstream text(written([&](std::ostream& out) { write_surface_csv(out, points); }));
   const auto rows = read_csv(text);
   std::size_t cancelling = 0;
   for (const auto& row : rows) {
-    const Vec3 plain(row.at("mx"), row.at("my"), row.at("mz")), normal(row.at("nx"), row.at("ny"), row.at("nz"));
+    const Vec3 plain(row.at("mx"), row.at("my"), row.at("mz")),
+        normal(row.at("nx"), row.at("ny"), row.at("nz"));
     const bool flagged = static_cast<int>(row.at("fallback")) & 4;
     cancelling += flagged;
     EXPECT_NEAR(plain.norm(), flagged ? 0.0 : 1.0, 1e-12);
@@ -89,7 +94,8 @@ TEST(Export, PlainNormalsThatCancelAreZeroWithAFlagAndNotRoundingBroughtToLength
 }
 
 TEST(Export, PlyHoldsSevenDoublesAPoint) {
-  const auto points = shell_points(sphere(Vec3::Zero(), 1.0, 30), {Vec3::Constant(-2), 0.05}, serial_for());
+  const auto points =
+      shell_points(sphere(Vec3::Zero(), 1.0, 30), {Vec3::Constant(-2), 0.05}, serial_for());
   ASSERT_GT(points.size(), 1000U);
   const std::string ply = written([&](std::ostream& out) { write_shell_ply(out, points); });
   EXPECT_EQ(ply.rfind("ply\nformat binary_little_endian 1.0\n", 0), 0U);

@@ -10,16 +10,19 @@
 namespace voxtouch::pointshell {
 namespace {
 
-/// Both faces of a plate that is thinner than the cells of coarse levels, a point every `edge`, areas that differ.
+/// Both faces of a plate that is thinner than the cells of coarse levels, a point every `edge`,
+/// areas that differ.
 Pointshell plate(int side, double edge, double thick) {
   Pointshell shell;
   shell.edge = edge;
   for (int k = 0; k < 2; ++k)
     for (int j = 0; j < side; ++j)
       for (int i = 0; i < side; ++i) {
-        shell.x.push_back(edge * (i + 0.25 * (j % 3))), shell.y.push_back(edge * j), shell.z.push_back(k * thick);
+        shell.x.push_back(edge * (i + 0.25 * (j % 3))), shell.y.push_back(edge * j),
+            shell.z.push_back(k * thick);
         shell.nx.push_back(0.0), shell.ny.push_back(0.0), shell.nz.push_back(k == 0 ? 1.0 : -1.0);
-        shell.area_m2.push_back(edge * edge * (1.0 + 0.1 * ((i + 2 * j) % 5))), shell.coherence.push_back(1.0);
+        shell.area_m2.push_back(edge * edge * (1.0 + 0.1 * ((i + 2 * j) % 5))),
+            shell.coherence.push_back(1.0);
         shell.id.push_back(static_cast<std::uint32_t>(shell.id.size()));
       }
   return shell;
@@ -38,9 +41,11 @@ TEST(ShellLevels, AreNestedAndEndWithAllPoints) {
     if (k > 0) {
       EXPECT_LE(levels.ends[k], 0.67 * levels.ends[k + 1] + 8) << "a level is worth its step";
     }
-    for (std::uint32_t p = levels.ends[k]; p < levels.ends[k + 1]; ++p) EXPECT_LT(levels.stands_in[p], levels.ends[k]);
+    for (std::uint32_t p = levels.ends[k]; p < levels.ends[k + 1]; ++p)
+      EXPECT_LT(levels.stands_in[p], levels.ends[k]);
   }
-  for (std::uint32_t p = 0; p < levels.ends.front(); ++p) EXPECT_EQ(levels.stands_in[p], p);
+  for (std::uint32_t p = 0; p < levels.ends.front(); ++p)
+    EXPECT_EQ(levels.stands_in[p], p);
   // The same points, each with what belongs to it.
   std::set<std::uint32_t> ids(shell.id.begin(), shell.id.end());
   EXPECT_EQ(ids.size(), before.size());
@@ -58,9 +63,11 @@ TEST(ShellLevels, CoverTheSurfaceAsNearAsTheySay) {
     double farthest = 0.0;
     for (std::uint32_t p = 0; p < shell.size(); ++p) {
       std::uint32_t whose = p;
-      while (whose >= levels.ends[k]) whose = levels.stands_in[whose];
+      while (whose >= levels.ends[k])
+        whose = levels.stands_in[whose];
       farthest = std::max(farthest, (shell.point(p) - shell.point(whose)).norm());
-      EXPECT_GT(shell.normal(p).dot(shell.normal(whose)), 0.0) << "the two faces stand for themselves";
+      EXPECT_GT(shell.normal(p).dot(shell.normal(whose)), 0.0)
+          << "the two faces stand for themselves";
     }
     EXPECT_EQ(farthest, levels.covering_m[k]) << k;
     // As even as a grid of as many points, within a factor.
@@ -80,7 +87,8 @@ TEST(ShellLevels, WeighTheSameAtEveryLevel) {
   for (std::size_t k = 0; k < weights.size(); ++k) {
     EXPECT_EQ(weights[k].size(), levels.ends[k]);
     EXPECT_NEAR(std::accumulate(weights[k].begin(), weights[k].end(), 0.0), all, 1e-12 * all);
-    for (std::size_t p = 0; p < weights[k].size(); ++p) EXPECT_GE(weights[k][p], shell.area_m2[p]);
+    for (std::size_t p = 0; p < weights[k].size(); ++p)
+      EXPECT_GE(weights[k][p], shell.area_m2[p]);
   }
   EXPECT_EQ(weights.back(), shell.area_m2);
 }
@@ -103,7 +111,8 @@ TEST(ShellLevels, AreNoneWhereAllPointsFit) {
 
 TEST(ShellLevels, EndForShellsOfAnyForm) {
   Pointshell same = plate(6, 0.001, 0.001);  // all points at one place: no cell can part them
-  std::fill(same.x.begin(), same.x.end(), 0.0), std::fill(same.y.begin(), same.y.end(), 0.0), std::fill(same.z.begin(), same.z.end(), 0.0);
+  std::fill(same.x.begin(), same.x.end(), 0.0), std::fill(same.y.begin(), same.y.end(), 0.0),
+      std::fill(same.z.begin(), same.z.end(), 0.0);
   const ShellLevels levels = arrange_in_levels(same, 8);
   EXPECT_EQ(levels.ends.back(), same.size());
   EXPECT_EQ(levels.ends.front(), 8U);

@@ -13,17 +13,21 @@ namespace {
 using namespace test;
 
 bool same_bits(const std::vector<ShellPoint>& a, const std::vector<ShellPoint>& b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const ShellPoint& p, const ShellPoint& q) {
-    return p.voxel == q.voxel && p.triangle == q.triangle && p.point == q.point && p.normal == q.normal &&
-           p.plain_normal == q.plain_normal && p.distance_m == q.distance_m && p.area_m2 == q.area_m2 &&
-           p.coherence == q.coherence && p.open == q.open && p.tie == q.tie && p.rule == q.rule;
-  });
+  return std::equal(
+      a.begin(), a.end(), b.begin(), b.end(), [](const ShellPoint& p, const ShellPoint& q) {
+        return p.voxel == q.voxel && p.triangle == q.triangle && p.point == q.point &&
+               p.normal == q.normal && p.plain_normal == q.plain_normal &&
+               p.distance_m == q.distance_m && p.area_m2 == q.area_m2 &&
+               p.coherence == q.coherence && p.open == q.open && p.tie == q.tie && p.rule == q.rule;
+      });
 }
 
 double mesh_area(const mesh::TriangleMesh& mesh) {
   double sum = 0.0;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-    sum += 0.5 * (mesh.corner(t, 1) - mesh.corner(t, 0)).cross(mesh.corner(t, 2) - mesh.corner(t, 0)).norm();
+    sum +=
+        0.5 *
+        (mesh.corner(t, 1) - mesh.corner(t, 0)).cross(mesh.corner(t, 2) - mesh.corner(t, 0)).norm();
   return sum;
 }
 
@@ -45,8 +49,11 @@ TEST(ShellPoints, LieInTheSurfaceVoxelsOfTheVoxmap) {
     const voxmap::Grid grid = vector_grid(name);
     const auto points = shell_points(read_obj(name), grid, serial_for());
     std::vector<voxmap::VoxelIndex> voxels;
-    for (const ShellPoint& p : points) voxels.push_back(p.voxel);
-    EXPECT_EQ(voxels, voxels_of(voxmap::voxelise(read_obj(name), grid, serial_for()), voxmap::VoxelKind::kSurface)) << name;
+    for (const ShellPoint& p : points)
+      voxels.push_back(p.voxel);
+    EXPECT_EQ(voxels, voxels_of(voxmap::voxelise(read_obj(name), grid, serial_for()),
+                                voxmap::VoxelKind::kSurface))
+        << name;
     expect_sane(points, grid);
   }
 }
@@ -55,7 +62,8 @@ TEST(ShellPoints, WeightsSumToTheAreaAlsoOnTheGrid) {
   for (const std::string& name : vector_meshes()) {
     const mesh::TriangleMesh mesh = read_obj(name);
     double sum = 0.0;
-    for (const ShellPoint& p : shell_points(mesh, vector_grid(name), serial_for())) sum += p.area_m2;
+    for (const ShellPoint& p : shell_points(mesh, vector_grid(name), serial_for()))
+      sum += p.area_m2;
     EXPECT_NEAR(sum / mesh_area(mesh), 1.0, 1e-11) << name;
   }
 }
@@ -63,7 +71,8 @@ TEST(ShellPoints, WeightsSumToTheAreaAlsoOnTheGrid) {
 TEST(ShellPoints, AreTheSameBitsWhateverTheLoop) {
   const mesh::TriangleMesh mesh = sphere(Vec3(0.1, 0.2, 0.3), 1.0, 30);
   const voxmap::Grid grid = voxmap::default_grid(mesh, 0.037);
-  EXPECT_TRUE(same_bits(shell_points(mesh, grid, serial_for()), shell_points(mesh, grid, scrambled_for())));
+  EXPECT_TRUE(
+      same_bits(shell_points(mesh, grid, serial_for()), shell_points(mesh, grid, scrambled_for())));
 }
 
 TEST(ShellPoints, ScaleByPowersOfTwoExactly) {
@@ -71,9 +80,10 @@ TEST(ShellPoints, ScaleByPowersOfTwoExactly) {
   const voxmap::Grid grid = vector_grid("lshape");
   const auto at_one = shell_points(mesh, grid, serial_for());
   for (const double scale : {0x1p-20, 0x1p20}) {
-    auto scaled = shell_points(moved(mesh, Vec3::Zero(), scale), {grid.origin * scale, grid.edge * scale},
-                               serial_for());
-    for (ShellPoint& p : scaled) p.point /= scale, p.distance_m /= scale, p.area_m2 /= scale * scale;
+    auto scaled = shell_points(moved(mesh, Vec3::Zero(), scale),
+                               {grid.origin * scale, grid.edge * scale}, serial_for());
+    for (ShellPoint& p : scaled)
+      p.point /= scale, p.distance_m /= scale, p.area_m2 /= scale * scale;
     EXPECT_TRUE(same_bits(scaled, at_one));
   }
 }
@@ -83,7 +93,8 @@ TEST(ShellPoints, AFarPoseMovesThePointsAndNothingElse) {
   const mesh::TriangleMesh mesh = read_obj("sphere");
   const voxmap::Grid grid = vector_grid("sphere");
   const auto near_points = shell_points(mesh, grid, serial_for());
-  const auto far_points = shell_points(moved(mesh, far), {grid.origin + far, grid.edge}, serial_for());
+  const auto far_points =
+      shell_points(moved(mesh, far), {grid.origin + far, grid.edge}, serial_for());
   ASSERT_EQ(near_points.size(), far_points.size());
   for (std::size_t n = 0; n < near_points.size(); ++n) {
     ASSERT_EQ(near_points[n].voxel, far_points[n].voxel);
@@ -103,7 +114,8 @@ TEST(ShellPoints, LitterOnTheSurfaceChangesNothing) {
       ASSERT_EQ(clean[n].voxel, dirty[n].voxel);
       ASSERT_NEAR(clean[n].distance_m, dirty[n].distance_m, 1e-12);
       ASSERT_EQ(clean[n].area_m2, dirty[n].area_m2);
-      if (clean[n].tie) continue;
+      if (clean[n].tie)
+        continue;
       ASSERT_LT((clean[n].point - dirty[n].point).norm(), 1e-9) << name << ' ' << n;
       ASSERT_LT((clean[n].normal - dirty[n].normal).norm(), 1e-9) << name << ' ' << n;
     }
@@ -111,22 +123,27 @@ TEST(ShellPoints, LitterOnTheSurfaceChangesNothing) {
 }
 
 TEST(ShellPoints, HaveUnitNormalsWhereTheNormalsCancel) {
-  // A sheet with two sides a tenth of a voxel apart, a cone's tip, a segment alone, a cube's corners.
+  // A sheet with two sides a tenth of a voxel apart, a cone's tip, a segment alone, a cube's
+  // corners.
   const mesh::TriangleMesh plate = box(Vec3(0, 0, 0.42), Vec3(3, 3, 0.52));
   const voxmap::Grid grid{Vec3::Constant(-1.01), 1.0};
   const auto points = shell_points(plate, grid, serial_for());
   expect_sane(points, grid);
   std::size_t cancelling = 0;
-  for (const ShellPoint& p : points) cancelling += p.rule == NormalRule::kFaceForCancelling;
+  for (const ShellPoint& p : points)
+    cancelling += p.rule == NormalRule::kFaceForCancelling;
   EXPECT_GT(cancelling, 0U);
   mesh::TriangleMesh cone;
   cone.vertices.push_back(Vec3(0.5, 0.5, 30));
   for (int n = 0; n < 16; ++n)
-    cone.vertices.push_back(Vec3(0.5 + std::cos(n * 0.3926990817), 0.5 + std::sin(n * 0.3926990817), 0));
-  for (std::uint32_t n = 0; n < 16; ++n) cone.triangles.push_back({0, 1 + n, 1 + (n + 1) % 16});
+    cone.vertices.push_back(
+        Vec3(0.5 + std::cos(n * 0.3926990817), 0.5 + std::sin(n * 0.3926990817), 0));
+  for (std::uint32_t n = 0; n < 16; ++n)
+    cone.triangles.push_back({0, 1 + n, 1 + (n + 1) % 16});
   expect_sane(shell_points(cone, grid, serial_for()), grid);
   mesh::TriangleMesh segment;
-  segment.vertices = {Vec3(0.1, 0.1, 0.1), Vec3(2.3, 0.7, 1.9), Vec3(0.1, 0.1, 0.1), Vec3(0.49, 0.49, 0.49)};
+  segment.vertices = {Vec3(0.1, 0.1, 0.1), Vec3(2.3, 0.7, 1.9), Vec3(0.1, 0.1, 0.1),
+                      Vec3(0.49, 0.49, 0.49)};
   segment.triangles = {{0, 1, 2}, {3, 3, 3}};
   expect_sane(shell_points(segment, grid, serial_for()), grid);
 }
@@ -180,14 +197,16 @@ TEST(Pointshell, IsInMortonOrderAndKnowsItsRanks) {
   for (const ShellPoint& p : points)
     for (const ShellPoint& q : points)
       if (std::abs(p.voxel.i - q.voxel.i) + std::abs(p.voxel.j - q.voxel.j) +
-          std::abs(p.voxel.k - q.voxel.k) == 1)
+              std::abs(p.voxel.k - q.voxel.k) ==
+          1)
         gap = std::max(gap, (p.point - q.point).norm());
   EXPECT_EQ(largest_gap_m(points), gap);
 }
 
 TEST(Pointshell, RefusesWhatCannotBeHad) {
   const mesh::TriangleMesh mesh = box(Vec3::Zero(), Vec3::Constant(100.0));
-  EXPECT_THROW(shell_points(mesh, voxmap::default_grid(mesh, 1e-3), serial_for()), voxmap::VoxelBudgetError);
+  EXPECT_THROW(shell_points(mesh, voxmap::default_grid(mesh, 1e-3), serial_for()),
+               voxmap::VoxelBudgetError);
   mesh::TriangleMesh bad = mesh;
   bad.vertices[2].y() = NAN;
   EXPECT_THROW(shell_points(bad, {}, serial_for()), std::runtime_error);

@@ -44,7 +44,8 @@ TEST_P(ShellVectors, EqualsTheReference) {
     largest.coherence = std::max(largest.coherence, std::abs(p.coherence - row.at("coh")));
     largest.plain = std::max(largest.plain, (p.plain_normal - vec(row, "m")).norm());
     EXPECT_LT((p.plain_normal - vec(row, "m")).norm(), 2e-7);
-    if (row.at("tie") != 0.0) continue;
+    if (row.at("tie") != 0.0)
+      continue;
     largest.point = std::max(largest.point, (p.point - vec(row, "p")).norm());
     EXPECT_LT((p.point - vec(row, "p")).norm(), 1e-9);
     EXPECT_EQ(p.triangle, static_cast<std::uint32_t>(row.at("tri")));
@@ -53,12 +54,14 @@ TEST_P(ShellVectors, EqualsTheReference) {
     EXPECT_LT((p.normal - vec(row, "n")).norm(), 1e-9);
   }
   std::printf("%s: point %.2g, dist %.2g, n %.2g, m %.2g, coh %.2g over %zu rows\n", name.c_str(),
-              largest.point,
-              largest.distance, largest.normal, largest.plain, largest.coherence, rows.size());
+              largest.point, largest.distance, largest.normal, largest.plain, largest.coherence,
+              rows.size());
   const auto& said = vector_index().at("meshes").at(name).at("pointshell");
   double largest_centre_distance_m = 0.0;
-  for (const ShellPoint& p : points) largest_centre_distance_m = std::max(largest_centre_distance_m, p.distance_m);
-  EXPECT_NEAR(largest_gap_m(points) / grid.edge, said.at("max_gap_face_neighbours_in_e").get<double>(), 1e-9);
+  for (const ShellPoint& p : points)
+    largest_centre_distance_m = std::max(largest_centre_distance_m, p.distance_m);
+  EXPECT_NEAR(largest_gap_m(points) / grid.edge,
+              said.at("max_gap_face_neighbours_in_e").get<double>(), 1e-9);
   EXPECT_NEAR(largest_centre_distance_m / grid.edge,
               said.at("max_centre_distance_in_e").get<double>(), 1e-9);
 }

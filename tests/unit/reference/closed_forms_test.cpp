@@ -10,10 +10,12 @@ namespace {
 
 const Pose kTurned{Vec3(0.3, -0.2, 0.7), Quat(Eigen::AngleAxisd(0.8, Vec3(1, 2, -1).normalized()))};
 
-void expect_at(const scene::Primitive& primitive, const Vec3& x, double distance, const Vec3& nearest) {
+void expect_at(const scene::Primitive& primitive, const Vec3& x, double distance,
+               const Vec3& nearest) {
   const SignedPoint found = signed_distance(primitive, x);
   EXPECT_NEAR(found.distance_m, distance, 1e-14) << x.transpose();
-  EXPECT_TRUE(found.nearest.isApprox(nearest, 1e-14)) << found.nearest.transpose() << " for " << x.transpose();
+  EXPECT_TRUE(found.nearest.isApprox(nearest, 1e-14))
+      << found.nearest.transpose() << " for " << x.transpose();
 }
 
 TEST(ClosedForms, GiveABoxItsFacesEdgesAndCorners) {
@@ -44,9 +46,10 @@ TEST(ClosedForms, GiveASphereEvenItsCentre) {
 TEST(ClosedForms, NearestPointsLieOnTheSurfaceAtTheDistanceGiven) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> unit(-2.0, 2.0);
-  for (const scene::Primitive& primitive : {scene::Primitive(scene::SpherePrimitive{Vec3(0.1, 0.2, 0.3), 0.8}),
-                                     scene::Primitive(scene::BoxPrimitive{kTurned, Vec3(0.5, 1.0, 1.5)}),
-                                     scene::Primitive(scene::CylinderPrimitive{kTurned, 0.6, 1.1})})
+  for (const scene::Primitive& primitive :
+       {scene::Primitive(scene::SpherePrimitive{Vec3(0.1, 0.2, 0.3), 0.8}),
+        scene::Primitive(scene::BoxPrimitive{kTurned, Vec3(0.5, 1.0, 1.5)}),
+        scene::Primitive(scene::CylinderPrimitive{kTurned, 0.6, 1.1})})
     for (int i = 0; i < 500; ++i) {
       const Vec3 x(unit(random), unit(random), unit(random));
       const SignedPoint found = signed_distance(primitive, x);
@@ -56,18 +59,21 @@ TEST(ClosedForms, NearestPointsLieOnTheSurfaceAtTheDistanceGiven) {
 }
 
 TEST(ClosedForms, UnionTakesTheNearestPart) {
-  const std::vector<scene::Primitive> two{scene::SpherePrimitive{Vec3(-2, 0, 0), 1}, scene::SpherePrimitive{Vec3(3, 0, 0), 1}};
+  const std::vector<scene::Primitive> two{scene::SpherePrimitive{Vec3(-2, 0, 0), 1},
+                                          scene::SpherePrimitive{Vec3(3, 0, 0), 1}};
   EXPECT_EQ(signed_distance(two, Vec3(1, 0, 0)).distance_m, 1.0);
   EXPECT_EQ(signed_distance(two, Vec3(3.5, 0, 0)).distance_m, -0.5);
 }
 
 TEST(ClosedForms, SamplesLieOnTheSurface) {
-  for (const scene::Primitive& primitive : {scene::Primitive(scene::SpherePrimitive{Vec3(0.1, 0.2, 0.3), 0.8}),
-                                     scene::Primitive(scene::BoxPrimitive{kTurned, Vec3(0.5, 1.0, 1.5)}),
-                                     scene::Primitive(scene::CylinderPrimitive{kTurned, 0.6, 1.1})}) {
+  for (const scene::Primitive& primitive :
+       {scene::Primitive(scene::SpherePrimitive{Vec3(0.1, 0.2, 0.3), 0.8}),
+        scene::Primitive(scene::BoxPrimitive{kTurned, Vec3(0.5, 1.0, 1.5)}),
+        scene::Primitive(scene::CylinderPrimitive{kTurned, 0.6, 1.1})}) {
     const std::vector<Vec3> samples = surface_samples(primitive, 600);
     EXPECT_GT(samples.size(), 400U);
-    for (const Vec3& x : samples) EXPECT_NEAR(signed_distance(primitive, x).distance_m, 0.0, 1e-13);
+    for (const Vec3& x : samples)
+      EXPECT_NEAR(signed_distance(primitive, x).distance_m, 0.0, 1e-13);
   }
 }
 

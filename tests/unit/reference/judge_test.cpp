@@ -43,8 +43,12 @@ ReportedContact contact(double depth_m, double seed = 0.0, double degrees_off = 
   return report;
 }
 
-Judgement once(const GapResult& gap, const ReportedContact& report) { return Judge(kSettings).judge(gap, report); }
-Verdict verdict(const GapResult& gap, const ReportedContact& report) { return once(gap, report).verdict; }
+Judgement once(const GapResult& gap, const ReportedContact& report) {
+  return Judge(kSettings).judge(gap, report);
+}
+Verdict verdict(const GapResult& gap, const ReportedContact& report) {
+  return once(gap, report).verdict;
+}
 
 TEST(Judge, DecidesThatNothingCollidesBeyondTheVoxelsDiagonal) {
   const Judgement free = once(gap_of(kFree + 1e-9), {});
@@ -95,7 +99,8 @@ TEST(Judge, DemandsAHitOnceAWholeCapIsInside) {
   JudgeSettings coarse = kSettings;
   coarse.shell_gap_m = 1.8 * kE;
   shallow.cap_buried_m = 0.7 * kE;
-  EXPECT_EQ(Judge(coarse).judge(shallow, {}).verdict, Verdict::kInBand) << "a coarse shell may miss the cap";
+  EXPECT_EQ(Judge(coarse).judge(shallow, {}).verdict, Verdict::kInBand)
+      << "a coarse shell may miss the cap";
 }
 
 TEST(Judge, AllowsInteriorHitsOnlyInside) {
@@ -138,7 +143,8 @@ TEST(Judge, ComparesDepthFromAboveAlways) {
   through.interior_hits = 3;
   EXPECT_EQ(verdict(gap_of(-0.5 * kE), through), Verdict::kDisagree);
   through.retained = true;
-  EXPECT_EQ(verdict(gap_of(-0.5 * kE), through), Verdict::kInBand) << "an old depth is not compared";
+  EXPECT_EQ(verdict(gap_of(-0.5 * kE), through), Verdict::kInBand)
+      << "an old depth is not compared";
 }
 
 TEST(Judge, ComparesDirectionToTwentyDegreesWhereItMeansSomething) {
@@ -179,22 +185,26 @@ TEST(Judge, FindsAFrozenForceByTheGapThatMovesOn) {
   Judge judge(kSettings);
   const ReportedContact frozen = contact(0.5 * kE);
   EXPECT_EQ(judge.judge(gap_of(-0.3 * kE), frozen).verdict, Verdict::kInBand);
-  EXPECT_EQ(judge.judge(gap_of(-0.6 * kE), frozen).verdict, Verdict::kInBand) << "two samples are not enough";
+  EXPECT_EQ(judge.judge(gap_of(-0.6 * kE), frozen).verdict, Verdict::kInBand)
+      << "two samples are not enough";
   EXPECT_EQ(judge.judge(gap_of(-0.6 * kE), frozen).verdict, Verdict::kDisagree);
-  EXPECT_EQ(judge.judge(gap_of(-0.6 * kE), contact(0.5 * kE, 1e-15)).verdict, Verdict::kInBand) << "other bits";
+  EXPECT_EQ(judge.judge(gap_of(-0.6 * kE), contact(0.5 * kE, 1e-15)).verdict, Verdict::kInBand)
+      << "other bits";
 }
 
 TEST(Judge, LetsTheSameForceStandWhileTheGapDoes) {
   Judge judge(kSettings);
   for (int i = 0; i < 100; ++i)
-    EXPECT_EQ(judge.judge(gap_of(-0.5 * kE + 0.001 * kE * (i % 7)), contact(0.5 * kE)).verdict, Verdict::kInBand);
+    EXPECT_EQ(judge.judge(gap_of(-0.5 * kE + 0.001 * kE * (i % 7)), contact(0.5 * kE)).verdict,
+              Verdict::kInBand);
 }
 
 TEST(Judge, LetsAFlaggedHeldForceStandInContact) {
   Judge judge(kSettings);
   ReportedContact retained = contact(0.5 * kE);
   retained.retained = true, retained.interior_hits = 4;
-  for (int i = 0; i < 20; ++i) EXPECT_NE(judge.judge(gap_of(-0.1 * kE * i), retained).verdict, Verdict::kDisagree);
+  for (int i = 0; i < 20; ++i)
+    EXPECT_NE(judge.judge(gap_of(-0.1 * kE * i), retained).verdict, Verdict::kDisagree);
 }
 
 TEST(Judge, BlamesItselfWhereItsOwnCrossCheckFails) {
@@ -245,13 +255,15 @@ TEST(Judge, WidensItsLimitsForShellsOffTheSurface) {
   EXPECT_EQ(Judge(naive).judge(gap_of(kFree + 0.8 * kE), hit).verdict, Verdict::kInBand);
   EXPECT_EQ(Judge(naive).judge(gap_of(-kMust - 0.8 * kE), {}).decided, false);
   // Voxel centres with own normals push askew where few are below the surface.
-  EXPECT_EQ(Judge(naive).judge(gap_of(-1.1 * kE), contact(1.1 * kE, 0, 30)).verdict, Verdict::kInBand);
-  EXPECT_EQ(Judge(naive).judge(gap_of(-1.12 * kE), contact(1.12 * kE, 0, 30)).verdict, Verdict::kDisagree);
+  EXPECT_EQ(Judge(naive).judge(gap_of(-1.1 * kE), contact(1.1 * kE, 0, 30)).verdict,
+            Verdict::kInBand);
+  EXPECT_EQ(Judge(naive).judge(gap_of(-1.12 * kE), contact(1.12 * kE, 0, 30)).verdict,
+            Verdict::kDisagree);
 }
 
 TEST(Judge, RefusesSettingsThatMakeNoSense) {
-  for (const JudgeSettings& bad : {JudgeSettings{}, JudgeSettings{kE, -1, 0, 0}, JudgeSettings{kE, 0, NAN, 0},
-                                   JudgeSettings{kE, 0, 0, INFINITY}})
+  for (const JudgeSettings& bad : {JudgeSettings{}, JudgeSettings{kE, -1, 0, 0},
+                                   JudgeSettings{kE, 0, NAN, 0}, JudgeSettings{kE, 0, 0, INFINITY}})
     EXPECT_THROW(Judge{bad}, std::invalid_argument);
 }
 

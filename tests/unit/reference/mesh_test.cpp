@@ -15,12 +15,16 @@ namespace {
 
 using namespace test_scenes;
 
-/// Distance to a triangle, the slow and plain way: to its plane if the foot is inside, else to the nearest edge.
+/// Distance to a triangle, the slow and plain way: to its plane if the foot is inside, else to the
+/// nearest edge.
 double plain_distance(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 n = (b - a).cross(c - a).normalized();
   const Vec3 foot = x - n.dot(x - a) * n;
-  const auto left = [&](const Vec3& p, const Vec3& q) { return n.dot((q - p).cross(foot - p)) >= 0; };
-  if (left(a, b) && left(b, c) && left(c, a)) return (x - foot).norm();
+  const auto left = [&](const Vec3& p, const Vec3& q) {
+    return n.dot((q - p).cross(foot - p)) >= 0;
+  };
+  if (left(a, b) && left(b, c) && left(c, a))
+    return (x - foot).norm();
   const auto edge = [&](const Vec3& p, const Vec3& q) {
     const double along = std::clamp((x - p).dot(q - p) / (q - p).squaredNorm(), 0.0, 1.0);
     return (x - p - along * (q - p)).norm();
@@ -30,17 +34,20 @@ double plain_distance(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3& c
 
 std::vector<Vec3> points_around(const ReferenceMesh& mesh, int count, unsigned seed) {
   Vec3 low = mesh.vertices.front(), high = low;
-  for (const Vec3& v : mesh.vertices) low = low.cwiseMin(v), high = high.cwiseMax(v);
+  for (const Vec3& v : mesh.vertices)
+    low = low.cwiseMin(v), high = high.cwiseMax(v);
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> unit(-0.25, 1.25);
   std::vector<Vec3> points;
   for (int i = 0; i < count; ++i)
-    points.push_back(low + (high - low).cwiseProduct(Vec3(unit(random), unit(random), unit(random))));
+    points.push_back(low +
+                     (high - low).cwiseProduct(Vec3(unit(random), unit(random), unit(random))));
   return points;
 }
 
 TEST(ReferenceMesh, ReadsTheSameSphereFromObjAndStl) {
-  const ReferenceMesh obj = read_reference_mesh(mesh("sphere.obj")), stl = read_reference_mesh(mesh("sphere.stl"));
+  const ReferenceMesh obj = read_reference_mesh(mesh("sphere.obj")),
+                      stl = read_reference_mesh(mesh("sphere.stl"));
   EXPECT_EQ(obj.triangles.size(), 512U);
   EXPECT_EQ(obj.vertices.size(), 258U);
   EXPECT_EQ(stl.triangles.size(), 512U);
@@ -49,8 +56,10 @@ TEST(ReferenceMesh, ReadsTheSameSphereFromObjAndStl) {
 }
 
 TEST(ReferenceMesh, AppliesTheScale) {
-  const ReferenceMesh one = read_reference_mesh(mesh("lshape.obj")), two = read_reference_mesh(mesh("lshape.obj", 0.5));
-  for (std::size_t v = 0; v < one.vertices.size(); ++v) EXPECT_EQ(two.vertices[v], Vec3(0.5 * one.vertices[v]));
+  const ReferenceMesh one = read_reference_mesh(mesh("lshape.obj")),
+                      two = read_reference_mesh(mesh("lshape.obj", 0.5));
+  for (std::size_t v = 0; v < one.vertices.size(); ++v)
+    EXPECT_EQ(two.vertices[v], Vec3(0.5 * one.vertices[v]));
 }
 
 TEST(ReferenceMesh, AppliesNodeTransformsAndKeepsMirroredMeshesOutsideOut) {
@@ -71,7 +80,8 @@ TEST(ReferenceMesh, AppliesNodeTransformsAndKeepsMirroredMeshesOutsideOut) {
   const ReferenceMesh found = read_reference_mesh(file.spec());
   ASSERT_EQ(found.triangles.size(), 4U);
   Vec3 low = found.vertices.front(), high = low;
-  for (const Vec3& v : found.vertices) low = low.cwiseMin(v), high = high.cwiseMax(v);
+  for (const Vec3& v : found.vertices)
+    low = low.cwiseMin(v), high = high.cwiseMax(v);
   EXPECT_EQ(low, Vec3(8, 0, 0));
   EXPECT_EQ(high, Vec3(10, 2, 2));
   EXPECT_NEAR(InsideTest(found).winding_number(Vec3(9.8, 0.2, 0.2)), 1.0, 1e-12);
@@ -81,20 +91,24 @@ TEST(ReferenceMesh, DropsWhatHasNoAreaAndWhatIsRepeated) {
   const ReferenceMesh found = read_reference_mesh(mesh("degenerate_tris.obj"));
   EXPECT_EQ(found.triangles.size(), 4U);
   EXPECT_TRUE(found.closed);
-  const ReferenceMesh twice = make_reference_mesh({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)}, {{0, 1, 2}, {1, 2, 0}}, "m");
+  const ReferenceMesh twice = make_reference_mesh({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)},
+                                                  {{0, 1, 2}, {1, 2, 0}}, "m");
   EXPECT_EQ(twice.triangles.size(), 1U);
   EXPECT_EQ(twice.dropped, 1U);
 }
 
 TEST(ReferenceMesh, JoinsSeamsThatDifferByTheRoundingOfAFile) {
-  // A tetrahedron whose triangles each bring their own corners, a few 1e-18 m apart, as exporters of round shapes write poles.
+  // A tetrahedron whose triangles each bring their own corners, a few 1e-18 m apart, as exporters
+  // of round shapes write poles.
   const Vec3 corners[] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   const std::array<std::uint32_t, 3> faces[] = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
   std::vector<Vec3> vertices;
   std::vector<std::array<std::uint32_t, 3>> triangles;
   for (const auto& face : faces) {
     const auto first = static_cast<std::uint32_t>(vertices.size());
-    for (const std::uint32_t corner : face) vertices.push_back(corners[corner] + Vec3::Constant(1e-18 * static_cast<double>(vertices.size())));
+    for (const std::uint32_t corner : face)
+      vertices.push_back(corners[corner] +
+                         Vec3::Constant(1e-18 * static_cast<double>(vertices.size())));
     triangles.push_back({first, first + 1, first + 2});
   }
   const ReferenceMesh mesh = make_reference_mesh(vertices, triangles, "tetrahedron");
@@ -124,8 +138,11 @@ TEST(ReferenceMesh, RefusesWhatItCannotRead) {
   EXPECT_NE(sentence(mesh("no_such.obj")).find("no_such.obj"), std::string::npos);
   EXPECT_NE(sentence(mesh("sphere.obj", 0.0)).find("scale"), std::string::npos);
   EXPECT_NE(sentence(mesh("sphere.obj", NAN)).find("scale"), std::string::npos);
-  EXPECT_THROW(make_reference_mesh({Vec3(0, NAN, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)}, {{0, 1, 2}}, "m"), std::runtime_error);
-  EXPECT_THROW(make_reference_mesh({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(2, 0, 0)}, {{0, 1, 2}}, "m"), std::runtime_error);
+  EXPECT_THROW(
+      make_reference_mesh({Vec3(0, NAN, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)}, {{0, 1, 2}}, "m"),
+      std::runtime_error);
+  EXPECT_THROW(make_reference_mesh({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(2, 0, 0)}, {{0, 1, 2}}, "m"),
+               std::runtime_error);
 }
 
 TEST(InsideTest, EqualsTheExactWindingNumber) {
@@ -154,10 +171,12 @@ TEST(InsideTest, EqualsTheClosedFormUpToTheSurface) {
 TEST(InsideTest, MindsNeitherACrackNorAMeshTurnedInsideOut) {
   ReferenceMesh sphere_mesh = read_reference_mesh(mesh("sphere.obj"));
   const Vec3 centre = Vec3(0.0129, -0.021, 0.034);
-  for (auto& t : sphere_mesh.triangles) std::swap(t[0], t[1]);
+  for (auto& t : sphere_mesh.triangles)
+    std::swap(t[0], t[1]);
   EXPECT_TRUE(InsideTest(sphere_mesh).inside(centre));
   EXPECT_FALSE(InsideTest(sphere_mesh).inside(centre + Vec3(0.76, 0, 0)));
-  sphere_mesh.triangles.erase(sphere_mesh.triangles.begin() + 100, sphere_mesh.triangles.begin() + 103);
+  sphere_mesh.triangles.erase(sphere_mesh.triangles.begin() + 100,
+                              sphere_mesh.triangles.begin() + 103);
   EXPECT_TRUE(InsideTest(sphere_mesh).inside(centre));
   EXPECT_FALSE(InsideTest(sphere_mesh).inside(centre + Vec3(0.7, 0.7, 0)));
 }
@@ -169,7 +188,8 @@ TEST(MeshDistance, BothWaysEqualBruteForce) {
     for (const Vec3& x : points_around(solid, 400, 5)) {
       double least = 1e9;
       for (std::size_t t = 0; t < solid.triangles.size(); ++t)
-        least = std::min(least, plain_distance(x, solid.corner(t, 0), solid.corner(t, 1), solid.corner(t, 2)));
+        least = std::min(
+            least, plain_distance(x, solid.corner(t, 0), solid.corner(t, 1), solid.corner(t, 2)));
       const NearestPoint found = distance.nearest(x);
       EXPECT_NEAR(found.distance_m, least, 1e-12);
       EXPECT_NEAR((found.point - x).norm(), least, 1e-12);
@@ -181,13 +201,16 @@ TEST(MeshDistance, BothWaysEqualBruteForce) {
 TEST(MeshDistance, IsZeroOnTheSurfaceItself) {
   const ReferenceMesh solid = read_reference_mesh(mesh("lshape.obj"));
   const MeshDistance distance(solid);
-  for (const Vec3& corner : solid.vertices) EXPECT_NEAR(distance.nearest(corner).distance_m, 0.0, 1e-8);
+  for (const Vec3& corner : solid.vertices)
+    EXPECT_NEAR(distance.nearest(corner).distance_m, 0.0, 1e-8);
   for (std::size_t t = 0; t < solid.triangles.size(); ++t)
-    EXPECT_NEAR(distance.nearest((solid.corner(t, 0) + solid.corner(t, 1)) / 2).distance_m, 0.0, 1e-8);
+    EXPECT_NEAR(distance.nearest((solid.corner(t, 0) + solid.corner(t, 1)) / 2).distance_m, 0.0,
+                1e-8);
 }
 
 TEST(MeshDistance, OfTwoBoxesIsTheirGap) {
-  const MeshDistance one(read_reference_mesh(mesh("aligned_box.obj"))), two(read_reference_mesh(mesh("aligned_box.obj")));
+  const MeshDistance one(read_reference_mesh(mesh("aligned_box.obj"))),
+      two(read_reference_mesh(mesh("aligned_box.obj")));
   const NearestPair apart = one.to(two, at(Vec3(1.0, 0.1, 0.0)));
   EXPECT_NEAR(apart.distance_m, 0.25, 1e-12);
   EXPECT_NEAR(apart.mine.x(), 0.375, 1e-12);

@@ -72,7 +72,8 @@ TEST(DeclaredPrimitives, MayBeAUnionOfParts) {
                      scene::BoxPrimitive{{Vec3(0.5, 1.0, 0.5), Quat::Identity()}, Vec3(1, 2, 1)}};
   EXPECT_NEAR(error_of(spec).value_m(), 0.0, 1e-12);
   spec.primitives.pop_back();
-  EXPECT_NEAR(error_of(spec).value_m(), 1.0, 1e-12) << "a part without a primitive is seen from the mesh";
+  EXPECT_NEAR(error_of(spec).value_m(), 1.0, 1e-12)
+      << "a part without a primitive is seen from the mesh";
 }
 
 TEST(DeclaredPrimitives, ThatAreTooLargeOrMovedAreOffByAsMuchAndByTheirChords) {
@@ -80,14 +81,16 @@ TEST(DeclaredPrimitives, ThatAreTooLargeOrMovedAreOffByAsMuchAndByTheirChords) {
   scene::MeshSpec large = sphere(), moved = sphere();
   std::get<scene::SpherePrimitive>(large.primitives[0]).radius_m += 0.3 * kEdge;
   std::get<scene::SpherePrimitive>(moved.primitives[0]).centre.y() += 0.3 * kEdge;
-  for (const scene::MeshSpec& spec : {large, moved}) EXPECT_NEAR(error_of(spec).value_m(), 0.3 * kEdge, sag + 0.006 * kEdge);
+  for (const scene::MeshSpec& spec : {large, moved})
+    EXPECT_NEAR(error_of(spec).value_m(), 0.3 * kEdge, sag + 0.006 * kEdge);
 }
 
 TEST(DeclaredPrimitives, ThatTheMeshDoesNotCoverAreFound) {
   const ReferenceMesh box = read_reference_mesh(mesh("aligned_box.obj"));
   std::vector<std::array<std::uint32_t, 3>> lidless;
   for (std::size_t t = 0; t < box.triangles.size(); ++t)
-    if (!(box.corner(t, 0).z() > 0 && box.corner(t, 1).z() > 0 && box.corner(t, 2).z() > 0)) lidless.push_back(box.triangles[t]);
+    if (!(box.corner(t, 0).z() > 0 && box.corner(t, 1).z() > 0 && box.corner(t, 2).z() > 0))
+      lidless.push_back(box.triangles[t]);
   ASSERT_EQ(lidless.size(), 10U);
   const ReferenceMesh open = make_reference_mesh(box.vertices, lidless, "lidless");
   const ChordError error = chord_error(open, MeshDistance(open), {box_primitive()});

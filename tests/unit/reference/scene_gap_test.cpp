@@ -14,7 +14,8 @@ namespace {
 using namespace test_scenes;
 using test_scenes::mesh, test_scenes::scene;  // before the namespaces of these names
 
-constexpr double kExact = 1e-9;  ///< [m], in scenes of about 1 m: what FCL's distance may differ from a closed form by
+constexpr double kExact =
+    1e-9;  ///< [m], in scenes of about 1 m: what FCL's distance may differ from a closed form by
 
 scene::MeshSpec declared(const char* name, const scene::Primitive& primitive) {
   scene::MeshSpec spec = mesh(name);
@@ -31,19 +32,25 @@ double largest_difference(const ReferenceScene& reference, const scene::Primitiv
     const Vec3 centre(unit(random), unit(random), unit(random));
     const GapResult gap = reference.gap(at(centre));
     EXPECT_TRUE(gap.self_check) << gap.self_error_m;
-    largest = std::max(largest, std::abs(gap.gap_m - (signed_distance(truth, centre).distance_m - kSphereRadius)));
+    largest = std::max(
+        largest, std::abs(gap.gap_m - (signed_distance(truth, centre).distance_m - kSphereRadius)));
   }
   return largest;
 }
 
 TEST(SphereGap, ToABoxIsExactWithAndWithoutAPrimitive) {
-  EXPECT_LT(largest_difference(ReferenceScene(scene(mesh("aligned_box.obj"))), box_primitive()), kExact);
-  EXPECT_LT(largest_difference(ReferenceScene(scene(declared("aligned_box.obj", box_primitive()))), box_primitive()), kExact);
+  EXPECT_LT(largest_difference(ReferenceScene(scene(mesh("aligned_box.obj"))), box_primitive()),
+            kExact);
+  EXPECT_LT(largest_difference(ReferenceScene(scene(declared("aligned_box.obj", box_primitive()))),
+                               box_primitive()),
+            kExact);
 }
 
 TEST(SphereGap, ToACylinderIsWithinTheChordError) {
-  const ReferenceScene by_mesh(scene(mesh("cylinder.obj"))), by_form(scene(declared("cylinder.obj", cylinder_primitive())));
-  EXPECT_LT(largest_difference(by_mesh, cylinder_primitive()), by_form.chord_error_m() - by_mesh.chord_error_m() + 1e-4);
+  const ReferenceScene by_mesh(scene(mesh("cylinder.obj"))),
+      by_form(scene(declared("cylinder.obj", cylinder_primitive())));
+  EXPECT_LT(largest_difference(by_mesh, cylinder_primitive()),
+            by_form.chord_error_m() - by_mesh.chord_error_m() + 1e-4);
   EXPECT_LT(largest_difference(by_form, cylinder_primitive()), kExact);
 }
 
@@ -59,12 +66,14 @@ TEST(SphereGap, ToASphereIsWithinTheChordError) {
 
 TEST(SphereGap, ToAPlaneIsHeightLessRadiusWithThePlanesNormal) {
   const ReferenceScene reference(scene(mesh("slab_tilted.obj")));
-  const Vec3 a(-0.9384765625, -1.0849609375, -0.0673828125), b(1.035888671875, -0.932373046875, -0.3466796875);
+  const Vec3 a(-0.9384765625, -1.0849609375, -0.0673828125),
+      b(1.035888671875, -0.932373046875, -0.3466796875);
   const Vec3 c(-0.95654296875, 0.720703125, 0.792724609375);
   const Vec3 up = (b - a).cross(c - a).normalized();
   for (double height : {0.9, 0.55, 0.5, 0.45, 0.3, 0.1}) {
     const GapResult gap = reference.gap(at(0.5 * (b + c) + height * up));
-    EXPECT_NEAR(gap.gap_m, height - kSphereRadius, 1e-4) << "the slab's corners are rounded to 2^-12";
+    EXPECT_NEAR(gap.gap_m, height - kSphereRadius, 1e-4)
+        << "the slab's corners are rounded to 2^-12";
     EXPECT_GT(gap.direction.dot(up), 1 - 1e-6);
     EXPECT_EQ(gap.unique_face, gap.gap_m < std::sqrt(3.0) * kEdge) << height;
     EXPECT_NEAR(gap.nearest_dynamic.dot(up), gap.nearest_static.dot(up) + gap.gap_m, 1e-8);
@@ -75,12 +84,15 @@ TEST(SphereGap, FollowsToolPoseScaleAndStaticPose) {
   scene::MeshSpec fixed = mesh("aligned_box.obj", 2.0);
   fixed.pose = {Vec3(0.2, -0.4, 1.0), Quat(Eigen::AngleAxisd(0.7, Vec3(1, -1, 2).normalized()))};
   scene::MeshSpec moving = sphere();
-  moving.pose.position += Vec3(0.3, 0.0, 0.0);  // the sphere's centre stands 0.3 m off the tool's origin
+  moving.pose.position +=
+      Vec3(0.3, 0.0, 0.0);  // the sphere's centre stands 0.3 m off the tool's origin
   const ReferenceScene reference(scene(fixed, moving));
   const scene::BoxPrimitive truth{fixed.pose, Vec3(1.5, 1.0, 1.0)};
   const Quat turn(Eigen::AngleAxisd(1.1, Vec3::UnitZ()));
   for (const Vec3& x : {Vec3(0, 0, 0), Vec3(1, 1, 2), Vec3(-0.5, 0.3, 1.4)}) {
-    const double expected = signed_distance(scene::Primitive(truth), x + turn * Vec3(0.3, 0, 0)).distance_m - kSphereRadius;
+    const double expected =
+        signed_distance(scene::Primitive(truth), x + turn * Vec3(0.3, 0, 0)).distance_m -
+        kSphereRadius;
     EXPECT_NEAR(reference.gap({x, turn}).gap_m, expected, kExact);
   }
 }
@@ -106,9 +118,11 @@ TEST(SphereGap, GrowsAlongItsDirection) {
   for (int i = 0; i < 200; ++i) {
     const Vec3 centre(unit(random), unit(random), unit(random));
     const GapResult gap = reference.gap(at(centre));
-    if (gap.direction.isZero()) continue;
+    if (gap.direction.isZero())
+      continue;
     EXPECT_NEAR(gap.direction.norm(), 1.0, 1e-12);
-    EXPECT_GE(reference.gap(at(centre + 1e-4 * gap.direction)).gap_m, gap.gap_m + 0.99e-4) << centre.transpose();
+    EXPECT_GE(reference.gap(at(centre + 1e-4 * gap.direction)).gap_m, gap.gap_m + 0.99e-4)
+        << centre.transpose();
   }
 }
 
@@ -143,11 +157,14 @@ f 4 1 5 8
 }
 
 TEST(SphereGap, CallsAFaceUniqueOnlyWhereThePatchHasOneDirection) {
-  const ReferenceScene box(scene(declared("aligned_box.obj", box_primitive()), sphere(0.25)));  // five edges
+  const ReferenceScene box(
+      scene(declared("aligned_box.obj", box_primitive()), sphere(0.25)));  // five edges
   EXPECT_TRUE(box.gap(at(Vec3(0, 0, 0.25 + 0.24))).unique_face);
-  EXPECT_FALSE(box.gap(at(Vec3(0.36, 0, 0.25 + 0.24))).unique_face) << "half the patch hangs over an edge";
+  EXPECT_FALSE(box.gap(at(Vec3(0.36, 0, 0.25 + 0.24))).unique_face)
+      << "half the patch hangs over an edge";
   EXPECT_FALSE(box.gap(at(Vec3(0.30, 0.22, -0.48))).unique_face);
-  EXPECT_FALSE(box.gap(at(Vec3(0, 0, 0.25 + 0.4))).unique_face) << "far away no contact is possible";
+  EXPECT_FALSE(box.gap(at(Vec3(0, 0, 0.25 + 0.4))).unique_face)
+      << "far away no contact is possible";
   const ReferenceScene round(scene(declared("cylinder.obj", cylinder_primitive())));
   EXPECT_TRUE(round.gap(at(kCylinderCentre + Vec3(0.97, 0, 0))).unique_face);
 }
@@ -166,7 +183,8 @@ TEST(SphereGap, InASlotIsThatOfTheNearerWallAndNotUnique) {
 }
 
 TEST(SphereGap, OfAnOpenMeshHasNoInside) {
-  const TemporaryMesh file("voxtouch_reference_sheet.obj", "v -1 -1 0\nv 1 -1 0\nv 0 1 0\nf 1 2 3\n");
+  const TemporaryMesh file("voxtouch_reference_sheet.obj",
+                           "v -1 -1 0\nv 1 -1 0\nv 0 1 0\nf 1 2 3\n");
   const ReferenceScene reference(scene(file.spec()));
   const GapResult gap = reference.gap(at(Vec3(0, 0, 0.45)));
   EXPECT_FALSE(gap.inside_known);
@@ -200,10 +218,12 @@ TEST(MeshGap, SeesOneObjectInsideTheOther) {
   const GapResult inside = small_in_big.gap(at(Vec3(0.01, 0, 0)));
   EXPECT_LT(inside.gap_m, 0.0);
   EXPECT_GT(inside.buried_m, 0.12);
-  const ReferenceScene big_round_small(scene(mesh("aligned_box.obj", 0.5), mesh("aligned_box.obj")));
+  const ReferenceScene big_round_small(
+      scene(mesh("aligned_box.obj", 0.5), mesh("aligned_box.obj")));
   const GapResult swallowed = big_round_small.gap(at(Vec3(0.01, 0, 0)));
   EXPECT_LT(swallowed.gap_m, 0.0);
-  EXPECT_EQ(swallowed.buried_m, 0.0) << "no point of the dynamic surface is inside the static object";
+  EXPECT_EQ(swallowed.buried_m, 0.0)
+      << "no point of the dynamic surface is inside the static object";
 }
 
 TEST(ReferenceScene, AnswersAPoseThatIsNotFiniteWithNothing) {

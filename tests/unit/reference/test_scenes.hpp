@@ -8,8 +8,8 @@
 
 namespace voxtouch::test_scenes {
 
-inline constexpr double kEdge = 0.05;          ///< voxel edge of these scenes [m]
-inline constexpr double kSphereRadius = 0.5;   ///< sphere.obj (R = 0.75) at scale 2/3: ten edges
+inline constexpr double kEdge = 0.05;         ///< voxel edge of these scenes [m]
+inline constexpr double kSphereRadius = 0.5;  ///< sphere.obj (R = 0.75) at scale 2/3: ten edges
 
 inline scene::MeshSpec mesh(const std::string& name, double scale = 1.0) {
   scene::MeshSpec spec;
@@ -43,10 +43,12 @@ inline scene::Scene scene(scene::MeshSpec fixed, scene::MeshSpec moving = sphere
 
 inline Pose at(const Vec3& position) { return {position, Quat::Identity()}; }
 
-/// A mesh file that goes when this does. Its name carries the test's, so that tests may run at once.
+/// A mesh file that goes when this does. Its name carries the test's, so that tests may run at
+/// once.
 class TemporaryMesh {
  public:
-  TemporaryMesh(const std::string& name, const std::string& text) : path_(std::filesystem::temp_directory_path() / name) {
+  TemporaryMesh(const std::string& name, const std::string& text)
+      : path_(std::filesystem::temp_directory_path() / name) {
     std::ofstream(path_) << text;
   }
   ~TemporaryMesh() {

@@ -9,7 +9,8 @@
 namespace voxtouch::reference {
 namespace tool_judge_test {
 
-constexpr double kE = 0.002, kR = 0.01, kChord = 0.1 * kE, kGap = 1.2 * kE, kSag = kGap * kGap / (8.0 * kR);
+constexpr double kE = 0.002, kR = 0.01, kChord = 0.1 * kE, kGap = 1.2 * kE,
+                 kSag = kGap * kGap / (8.0 * kR);
 const JudgeSettings kSettings{kE, kChord, kGap, 0.0};
 const ToolSettings kTool{.reach_m = kR, .rubs = false};
 
@@ -25,7 +26,8 @@ GapResult gap_of(double gap_m, bool one_face = true) {
   return gap;
 }
 
-/// The hand that far below the virtual tool, which is `off_m` off the plane; the spring `degrees` askew.
+/// The hand that far below the virtual tool, which is `off_m` off the plane; the spring `degrees`
+/// askew.
 ReportedTool tool(double way_m, double degrees = 0.0) {
   ReportedTool report;
   const double angle = degrees * std::numbers::pi / 180.0;
@@ -37,11 +39,14 @@ ReportedTool tool(double way_m, double degrees = 0.0) {
   return report;
 }
 
-std::string said(const ReportedTool& report, double at_tool, double at_hand, const ToolSettings& settings = kTool, bool one_face = true) {
+std::string said(const ReportedTool& report, double at_tool, double at_hand,
+                 const ToolSettings& settings = kTool, bool one_face = true) {
   Judgement out;
   return tool_breach(kSettings, settings, gap_of(at_tool, one_face), gap_of(at_hand), report, out);
 }
-bool finds(const std::string& sentence, const char* part) { return sentence.find(part) != std::string::npos; }
+bool finds(const std::string& sentence, const char* part) {
+  return sentence.find(part) != std::string::npos;
+}
 
 TEST(ToolJudge, AgreesWithASpringThatPressesABallOnAPlane) {
   EXPECT_EQ(said(tool(0.01), 0.0, -0.01), "");
@@ -96,10 +101,12 @@ TEST(ToolJudge, FindsAnOpenMeshInTheTool) {
 TEST(ToolJudge, FindsAToolInTheWallOrOffIt) {
   const double deep = 0.1 * kE + kChord, off = 0.02 * kE + kSag + kChord;
   EXPECT_EQ(said(tool(0.01), -0.99 * deep, -0.01), "");
-  EXPECT_TRUE(finds(said(tool(0.01), -1.01 * deep, -0.01), "is inside") || finds(said(tool(0.01), -1.01 * deep, -0.01), "mm inside"));
+  EXPECT_TRUE(finds(said(tool(0.01), -1.01 * deep, -0.01), "is inside") ||
+              finds(said(tool(0.01), -1.01 * deep, -0.01), "mm inside"));
   EXPECT_EQ(said(tool(0.01), 0.99 * off, -0.01), "");
   EXPECT_TRUE(finds(said(tool(0.01), 1.01 * off, -0.01), "is 0.3"));
-  EXPECT_EQ(said(tool(0.01), 1.01 * off, -0.01, kTool, false), "") << "in a corner the distance is blunt";
+  EXPECT_EQ(said(tool(0.01), 1.01 * off, -0.01, kTool, false), "")
+      << "in a corner the distance is blunt";
   EXPECT_NE(said(tool(0.01), 1.01 * (kE + kSag + kChord), -0.01, kTool, false), "");
   ReportedTool on_its_way = tool(0.01);
   on_its_way.residual_m = off;
@@ -118,7 +125,8 @@ TEST(ToolJudge, FindsAForceOverNothingAndNoForceInTheWall) {
 TEST(ToolJudge, FindsAPushAskewWhereThereIsOneFace) {
   EXPECT_EQ(said(tool(0.01, 5.9), 0.0, -0.01), "");
   EXPECT_TRUE(finds(said(tool(0.01, 6.1), 0.0, -0.01), "contact's normal"));
-  EXPECT_EQ(said(tool(0.01, 30.0), 0.0, -0.01, {.reach_m = kR, .rubs = true}), "") << "friction may";
+  EXPECT_EQ(said(tool(0.01, 30.0), 0.0, -0.01, {.reach_m = kR, .rubs = true}), "")
+      << "friction may";
   EXPECT_EQ(said(tool(0.01, 30.0), 0.0, -0.01, kTool, false), "") << "at an edge there are two";
 }
 

@@ -26,27 +26,30 @@ TEST(ReferenceWrench, IsTheClosedFormOfASphereInAHalfSpaceUpToItsFacets) {
   const double chord = ReferenceScene(shipped("plane")).chord_error_m();
   ASSERT_LT(chord, 5e-5);
   for (const double h : {0.5e-3, 1e-3, 2e-3, 4e-3}) {
-    const TrueWrench w =
-        reference.at({Vec3(0.001, 0.002, 0.01 - h), Quat(Eigen::AngleAxisd(0.3, Vec3(1, 2, 3).normalized()))});
+    const TrueWrench w = reference.at(
+        {Vec3(0.001, 0.002, 0.01 - h), Quat(Eigen::AngleAxisd(0.3, Vec3(1, 2, 3).normalized()))});
     // The facets lie inside the sphere, by the chord error at most.
     EXPECT_LT(w.wrench.force.z(), 1.001 * cap(0.01, h)) << h;
     EXPECT_GT(w.wrench.force.z(), 0.999 * cap(0.01, h - chord)) << h;
     EXPECT_LT(w.wrench.force.head<2>().norm(), 0.01 * w.wrench.force.z()) << h;
-    EXPECT_LT(w.wrench.torque.norm(), 1e-4 * w.wrench.force.z()) << "a push through the centre has no lever";
+    EXPECT_LT(w.wrench.torque.norm(), 1e-4 * w.wrench.force.z())
+        << "a push through the centre has no lever";
     EXPECT_NEAR(w.depth_m, h, 5e-5);
     EXPECT_NEAR(w.area_m2 / (2 * std::numbers::pi * 0.01 * h), 1.0, 0.08);
   }
 }
 
-/// Archimedes: the push on a body that dips into a half space is straight up, k times what it displaces. Of a box that stands
-/// on an edge, tilted by 45 degrees, that is a wedge h deep, h h long for each length of the edge; its triangles are far
-/// larger than the resolution, and lie across the surface.
+/// Archimedes: the push on a body that dips into a half space is straight up, k times what it
+/// displaces. Of a box that stands on an edge, tilted by 45 degrees, that is a wedge h deep, h h
+/// long for each length of the edge; its triangles are far larger than the resolution, and lie
+/// across the surface.
 TEST(ReferenceWrench, IsTheWeightOfWhatABoxDisplaces) {
   scene::Scene scene = shipped("plane");
   const std::string path = ::testing::TempDir() + "voxtouch_box_reference.obj";
   std::FILE* file = std::fopen(path.c_str(), "w");
   ASSERT_NE(file, nullptr);
-  for (int n = 0; n < 8; ++n) std::fprintf(file, "v %d %d %d\n", n & 1, n >> 1 & 1, n >> 2 & 1);
+  for (int n = 0; n < 8; ++n)
+    std::fprintf(file, "v %d %d %d\n", n & 1, n >> 1 & 1, n >> 2 & 1);
   std::fputs("f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n", file);
   std::fclose(file);
   scene.dynamic_mesh.path = path;
@@ -59,12 +62,14 @@ TEST(ReferenceWrench, IsTheWeightOfWhatABoxDisplaces) {
     const double displaced = h * h * 0.02;
     EXPECT_NEAR(w.wrench.force.z() / displaced, 1.0, 0.02) << h;
     EXPECT_LT(w.wrench.force.head<2>().norm(), 0.02 * displaced) << h;
-    EXPECT_NEAR(w.wrench.torque.y(), -0.01 * w.wrench.force.z(), 0.01 * 0.01 * displaced) << "it acts at half the edge";
+    EXPECT_NEAR(w.wrench.torque.y(), -0.01 * w.wrench.force.z(), 0.01 * 0.01 * displaced)
+        << "it acts at half the edge";
   }
   std::remove(path.c_str());
 }
 
-/// Two boxes, one of them inside out, as a part that was mirrored by hand is: the push is that of two boxes.
+/// Two boxes, one of them inside out, as a part that was mirrored by hand is: the push is that of
+/// two boxes.
 TEST(ReferenceWrench, PushesOutwardWhicheverWayRoundAClosedToolsTrianglesRun) {
   scene::Scene scene = shipped("plane");
   const std::string path = ::testing::TempDir() + "voxtouch_inverted_reference.obj";
@@ -74,22 +79,26 @@ TEST(ReferenceWrench, PushesOutwardWhicheverWayRoundAClosedToolsTrianglesRun) {
   const auto wrench = [&](bool first_flipped, bool second_flipped) {
     std::FILE* file = std::fopen(path.c_str(), "w");
     for (int box = 0; box < 2; ++box)
-      for (int n = 0; n < 8; ++n) std::fprintf(file, "v %d %d %d\n", (n & 1) + 3 * box, n >> 1 & 1, n >> 2 & 1);
-    const int faces[6][4] = {{1, 3, 4, 2}, {5, 6, 8, 7}, {1, 2, 6, 5}, {3, 7, 8, 4}, {1, 5, 7, 3}, {2, 4, 8, 6}};
+      for (int n = 0; n < 8; ++n)
+        std::fprintf(file, "v %d %d %d\n", (n & 1) + 3 * box, n >> 1 & 1, n >> 2 & 1);
+    const int faces[6][4] = {{1, 3, 4, 2}, {5, 6, 8, 7}, {1, 2, 6, 5},
+                             {3, 7, 8, 4}, {1, 5, 7, 3}, {2, 4, 8, 6}};
     for (int box = 0; box < 2; ++box)
       for (const auto& f : faces) {
         const bool flipped = box == 0 ? first_flipped : second_flipped;
-        std::fprintf(file, "f %d %d %d %d\n", f[0] + 8 * box, f[flipped ? 3 : 1] + 8 * box, f[2] + 8 * box,
-                     f[flipped ? 1 : 3] + 8 * box);
+        std::fprintf(file, "f %d %d %d %d\n", f[0] + 8 * box, f[flipped ? 3 : 1] + 8 * box,
+                     f[2] + 8 * box, f[flipped ? 1 : 3] + 8 * box);
       }
     std::fclose(file);
-    const Wrench w = ReferenceWrench(scene, 0.25e-3).at({Vec3(-0.02, 0, -2e-3), Quat::Identity()}).wrench;
+    const Wrench w =
+        ReferenceWrench(scene, 0.25e-3).at({Vec3(-0.02, 0, -2e-3), Quat::Identity()}).wrench;
     std::remove(path.c_str());
     return w;
   };
   const Wrench good = wrench(false, false);
   EXPECT_NEAR(good.force.z(), 2 * 2e-3 * 0.01 * 0.01, 1e-3 * good.force.z());
-  for (const auto& [first, second] : {std::pair(true, true), std::pair(true, false), std::pair(false, true)}) {
+  for (const auto& [first, second] :
+       {std::pair(true, true), std::pair(true, false), std::pair(false, true)}) {
     const Wrench w = wrench(first, second);
     EXPECT_LT((w.force - good.force).norm(), 1e-9 * good.force.norm()) << first << second;
     EXPECT_LT((w.torque - good.torque).norm(), 1e-9 * good.force.norm() * 0.02) << first << second;
@@ -117,7 +126,8 @@ TEST(ReferenceWrench, ConvergesAsItsResolutionIsHalved) {
   RecordProperty("relative_error_half_millimetre", std::to_string((b - c).norm() / c.norm()));
 }
 
-/// F = -grad E, torque likewise: the work round a closed way is nothing, over a curved wall and into its edge too.
+/// F = -grad E, torque likewise: the work round a closed way is nothing, over a curved wall and
+/// into its edge too.
 TEST(ReferenceWrench, IsConservative) {
   const ReferenceWrench reference(shipped("cylinder"), 0.5e-3);
   const Vec3 touch = shipped("cylinder").motions.at("hit").path.back();
@@ -131,7 +141,9 @@ TEST(ReferenceWrench, IsConservative) {
   for (int n = 0; n < kSteps; ++n) {
     const Pose from = pose(n), to = pose(n + 1);
     const Wrench w =
-        reference.at({0.5 * (from.position + to.position), from.orientation.slerp(0.5, to.orientation)}).wrench;
+        reference
+            .at({0.5 * (from.position + to.position), from.orientation.slerp(0.5, to.orientation)})
+            .wrench;
     const Eigen::AngleAxisd turn(to.orientation * from.orientation.conjugate());
     work += w.force.dot(to.position - from.position) + w.torque.dot(turn.angle() * turn.axis());
     way += (to.position - from.position).norm();
@@ -141,8 +153,8 @@ TEST(ReferenceWrench, IsConservative) {
   EXPECT_LT(std::abs(work), 0.002 * most * way);
 }
 
-/// The way of before is what the faster one is held beside: at random attitudes, in faces, edges, a fillet and teeth, at depths as
-/// `voxtouch accuracy` has them.
+/// The way of before is what the faster one is held beside: at random attitudes, in faces, edges, a
+/// fillet and teeth, at depths as `voxtouch accuracy` has them.
 TEST(ReferenceWrench, IsWhatSamplingEverywhereGivesForFewerQuestions) {
   const std::filesystem::path folder = ::testing::TempDir();
   scene::Scene scene = shipped("plane");
@@ -152,8 +164,11 @@ TEST(ReferenceWrench, IsWhatSamplingEverywhereGivesForFewerQuestions) {
   scene.dynamic_mesh.path = folder / "voxtouch_wrench_peg.obj";
   test::write_obj(test::peg(), scene.dynamic_mesh.path);
   std::mt19937_64 random(5);
-  const auto uniform = [&](double low, double high) { return low + (high - low) * static_cast<double>(random() >> 11) * 0x1p-53; };
-  for (const auto& [name, part, share] : {std::tuple("bracket", test::bracket(), 0.18), std::tuple("gear", test::gear(), 0.205)}) {
+  const auto uniform = [&](double low, double high) {
+    return low + (high - low) * static_cast<double>(random() >> 11) * 0x1p-53;
+  };
+  for (const auto& [name, part, share] :
+       {std::tuple("bracket", test::bracket(), 0.18), std::tuple("gear", test::gear(), 0.205)}) {
     scene.static_meshes[0].path = folder / ("voxtouch_wrench_" + std::string(name) + ".obj");
     test::write_obj(part, scene.static_meshes[0].path);
     const ReferenceWrench fast(scene, 1e-3), slow(scene, 1e-3, WrenchWay::kSampledEverywhere);
@@ -162,21 +177,28 @@ TEST(ReferenceWrench, IsWhatSamplingEverywhereGivesForFewerQuestions) {
     for (int n = 0; n < 200 && contacts < 4; ++n) {
       const Vec3 axis(uniform(-1, 1), uniform(-1, 1), uniform(-1, 1));
       const Vec3 corner = part.vertices[random() % part.vertices.size()];
-      const Pose pose{corner + Vec3(uniform(-8, 8), uniform(-8, 8), uniform(-12, 12)) * 1e-3, Quat(Eigen::AngleAxisd(uniform(0, 3), axis.normalized()))};
+      const Pose pose{corner + Vec3(uniform(-8, 8), uniform(-8, 8), uniform(-12, 12)) * 1e-3,
+                      Quat(Eigen::AngleAxisd(uniform(0, 3), axis.normalized()))};
       const TrueWrench a = fast.at(pose);
-      if (a.depth_m < 2e-4 || a.depth_m > 4e-3) continue;
+      if (a.depth_m < 2e-4 || a.depth_m > 4e-3)
+        continue;
       ++contacts;
       const TrueWrench b = slow.at(pose, a.depth_m), again = fast.at(pose, a.depth_m);
       const double error = (again.wrench.force - b.wrench.force).norm() / b.wrench.force.norm();
       EXPECT_LT(error, 0.02) << name << ' ' << n << ", depth " << a.depth_m;
-      EXPECT_LT((again.wrench.torque - b.wrench.torque).norm(), 0.02 * 0.015 * b.wrench.force.norm()) << name << ' ' << n;
+      EXPECT_LT((again.wrench.torque - b.wrench.torque).norm(),
+                0.02 * 0.015 * b.wrench.force.norm())
+          << name << ' ' << n;
       EXPECT_NEAR(again.depth_m, b.depth_m, 0.1 * b.depth_m);
       largest = std::max(largest, error);
       asked += static_cast<double>(again.samples), asked_before += static_cast<double>(b.samples);
     }
     EXPECT_EQ(contacts, 4);
-    std::printf("%s: %.2f %% off at most, %.0f distances a contact, %.0f where sampled everywhere\n", name, 100 * largest, asked / 4.0, asked_before / 4.0);
-    EXPECT_LT(asked, share * asked_before) << "what neighbours share is asked for once, and what the corners' distances cover is not asked for";
+    std::printf(
+        "%s: %.2f %% off at most, %.0f distances a contact, %.0f where sampled everywhere\n", name,
+        100 * largest, asked / 4.0, asked_before / 4.0);
+    EXPECT_LT(asked, share * asked_before) << "what neighbours share is asked for once, and what "
+                                              "the corners' distances cover is not asked for";
     std::filesystem::remove(scene.static_meshes[0].path);
   }
   std::filesystem::remove(scene.dynamic_mesh.path);

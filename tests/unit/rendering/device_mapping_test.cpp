@@ -15,7 +15,9 @@ class Random {
   Vec3 vec() { return {u(), u(), u()}; }
   Quat quat() { return Quat(u(), u(), u(), u()).normalized(); }
   Pose pose() { return {vec(), quat()}; }
-  scene::WorkspaceMapping spec() { return {0.2 + 2 * std::abs(u()), 0.1 + std::abs(u()), pose(), pose(), 2U}; }
+  scene::WorkspaceMapping spec() {
+    return {0.2 + 2 * std::abs(u()), 0.1 + std::abs(u()), pose(), pose(), 2U};
+  }
 
  private:
   std::mt19937_64 engine_{77};
@@ -23,13 +25,15 @@ class Random {
 };
 
 double distance(const Pose& a, const Pose& b) {
-  return (a.position - b.position).norm() + (a.orientation.toRotationMatrix() - b.orientation.toRotationMatrix()).norm();
+  return (a.position - b.position).norm() +
+         (a.orientation.toRotationMatrix() - b.orientation.toRotationMatrix()).norm();
 }
 
 /// The pose after `dt` seconds of a twist in the pose's outer frame.
 Pose moved(const Pose& p, const Twist& v, double dt) {
   const double angle = v.angular.norm() * dt;
-  const Quat turn = angle > 0 ? Quat(Eigen::AngleAxisd(angle, v.angular.normalized())) : Quat::Identity();
+  const Quat turn =
+      angle > 0 ? Quat(Eigen::AngleAxisd(angle, v.angular.normalized())) : Quat::Identity();
   return {p.position + dt * v.linear, turn * p.orientation};
 }
 
@@ -39,7 +43,8 @@ TEST(DeviceMapping, TipGoesThroughBaseScaleAndToolOffset) {
     const scene::WorkspaceMapping spec = r.spec();
     const Pose tip = r.pose();
     DeviceMapping mapping(spec);
-    const Pose wanted = spec.pose_WD * Pose{spec.position_scale * tip.position, tip.orientation} * spec.pose_PT;
+    const Pose wanted =
+        spec.pose_WD * Pose{spec.position_scale * tip.position, tip.orientation} * spec.pose_PT;
     EXPECT_LE(distance(mapping.update(tip, {}, 0).pose, wanted), 1e-14);
   }
   DeviceMapping plain{scene::WorkspaceMapping{}};
@@ -51,11 +56,14 @@ TEST(DeviceMapping, TwistIsThePosesDerivativeAlsoAfterAClutch) {
   Random r;
   for (int n = 0; n < 50; ++n) {
     DeviceMapping mapping(r.spec());
-    if (n % 2) mapping.update(r.pose(), {}, 4), mapping.update(r.pose(), {}, 4), mapping.update(r.pose(), {}, 0);
+    if (n % 2)
+      mapping.update(r.pose(), {}, 4), mapping.update(r.pose(), {}, 4),
+          mapping.update(r.pose(), {}, 0);
     const Pose tip = r.pose();
     const Twist twist{r.vec(), r.vec()};
     const double dt = 1e-6;
-    const ToolState now = mapping.update(tip, twist, 0), later = mapping.update(moved(tip, twist, dt), twist, 0);
+    const ToolState now = mapping.update(tip, twist, 0),
+                    later = mapping.update(moved(tip, twist, dt), twist, 0);
     EXPECT_LE(((later.pose.position - now.pose.position) / dt - now.twist.linear).norm(), 1e-4);
     const Eigen::AngleAxisd turn(later.pose.orientation * now.pose.orientation.conjugate());
     EXPECT_LE((turn.angle() / dt * turn.axis() - now.twist.angular).norm(), 1e-4);
@@ -68,14 +76,17 @@ TEST(DeviceMapping, PowerAtTheHandIsPowerInTheWorldTimesTheScales) {
   for (int n = 0; n < 200; ++n) {
     const scene::WorkspaceMapping spec = r.spec();
     DeviceMapping mapping(spec);
-    if (n % 2) mapping.update(r.pose(), {}, 4), mapping.update(r.pose(), {}, 4);
+    if (n % 2)
+      mapping.update(r.pose(), {}, 4), mapping.update(r.pose(), {}, 4);
     const Twist hand{r.vec(), r.vec()};
     const ToolState tool = mapping.update(r.pose(), hand, 0);
     const Wrench contact{r.vec(), r.vec()};
     const Wrench at_hand = wrench_to_device(spec, contact, tool.pose.orientation);
-    const double in_world = contact.force.dot(tool.twist.linear) + contact.torque.dot(tool.twist.angular);
+    const double in_world =
+        contact.force.dot(tool.twist.linear) + contact.torque.dot(tool.twist.angular);
     const double in_hand = at_hand.force.dot(hand.linear) + at_hand.torque.dot(hand.angular);
-    EXPECT_NEAR(in_hand, spec.force_scale / spec.position_scale * in_world, 1e-12 * (1 + std::abs(in_world)) * 20);
+    EXPECT_NEAR(in_hand, spec.force_scale / spec.position_scale * in_world,
+                1e-12 * (1 + std::abs(in_world)) * 20);
   }
 }
 
@@ -88,7 +99,8 @@ TEST(WrenchToDevice, AnOrientationThatIsNoneDoesNotMakeTheCommandNone) {
   const Wrench good = to_device(wrench, turned);
   EXPECT_EQ(good.torque, wrench_to_device(device, wrench, turned).torque) << "bit for bit";
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-  for (const Quat& bad : {Quat(kNan, 0, 0, 0), Quat(0, 0, 0, 0), Quat(1e200, 1e200, 0, 0), Quat(INFINITY, 0, 0, 0)}) {
+  for (const Quat& bad :
+       {Quat(kNan, 0, 0, 0), Quat(0, 0, 0, 0), Quat(1e200, 1e200, 0, 0), Quat(INFINITY, 0, 0, 0)}) {
     const Wrench kept = to_device(wrench, bad);
     EXPECT_TRUE(kept.finite());
     EXPECT_EQ(kept.torque, good.torque) << "as it was turned last";
@@ -101,13 +113,17 @@ TEST(DeviceMapping, ForceComesBackAlongTheHandTimesTheForceScale) {
   spec.pose_WD.orientation = Quat(Eigen::AngleAxisd(std::numbers::pi / 2, Vec3::UnitZ()));
   DeviceMapping mapping(spec);
   mapping.update({}, {}, 0);
-  const Wrench hand = wrench_to_device(spec, {{0, 2, 0}, {0, 8, 0}}, mapping.tool().pose.orientation);
+  const Wrench hand =
+      wrench_to_device(spec, {{0, 2, 0}, {0, 8, 0}}, mapping.tool().pose.orientation);
   EXPECT_LE((hand.force - Vec3(1, 0, 0)).norm(), 1e-15) << "W's y is the hand's x";
   EXPECT_LE((hand.torque - Vec3(1, 0, 0)).norm(), 1e-15);
   spec.pose_PT.position = Vec3(0, 0, -0.1);  // the tool hangs below the tip
   DeviceMapping lever(spec);
   lever.update({}, {}, 0);
-  EXPECT_LE((wrench_to_device(spec, {{0, 2, 0}, {0, 0, 0}}, lever.tool().pose.orientation).torque - Vec3(0, -0.025, 0)).norm(), 1e-15)
+  EXPECT_LE((wrench_to_device(spec, {{0, 2, 0}, {0, 0, 0}}, lever.tool().pose.orientation).torque -
+             Vec3(0, -0.025, 0))
+                .norm(),
+            1e-15)
       << "0.1 m of W is 0.025 m in the hand: 1 N there";
 }
 
@@ -135,7 +151,8 @@ TEST(DeviceMapping, ClutchHoldsTheToolAndGoesOnWithoutAJump) {
       tip = moved(tip, {r.vec(), r.vec()}, 0.2);
       before = mapping.update(tip, {}, 0);
       const Quat base = spec.pose_WD.orientation;
-      const Quat hand_turn = base * tip.orientation * start.orientation.conjugate() * base.conjugate();
+      const Quat hand_turn =
+          base * tip.orientation * start.orientation.conjugate() * base.conjugate();
       const Quat tool_turn = before.pose.orientation * released.pose.orientation.conjugate();
       EXPECT_LE((hand_turn.toRotationMatrix() - tool_turn.toRotationMatrix()).norm(), 1e-13);
     }
@@ -158,7 +175,8 @@ TEST(DeviceMapping, WithoutAButtonInTheSceneNoButtonClutches) {
 
 TEST(DeviceMapping, RefusesSamplesThatAreNoPoseAndKeepsTheLastOne) {
   Random r;
-  const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
+  const double nan = std::numeric_limits<double>::quiet_NaN(),
+               inf = std::numeric_limits<double>::infinity();
   DeviceMapping mapping(r.spec());
   const Pose good = r.pose();
   const ToolState before = mapping.update(good, {r.vec(), r.vec()}, 0);

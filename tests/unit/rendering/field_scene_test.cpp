@@ -20,11 +20,13 @@ bool any_has(const std::vector<std::string>& lines, const std::string& text) {
 std::string box_obj(const Vec3& size, std::size_t faces = 12) {
   std::string text;
   for (int n = 0; n < 8; ++n)
-    text += "v " + std::to_string(n & 1 ? size.x() : 0.0) + " " + std::to_string(n & 2 ? size.y() : 0.0) + " " +
-            std::to_string(n & 4 ? size.z() : 0.0) + "\n";
+    text += "v " + std::to_string(n & 1 ? size.x() : 0.0) + " " +
+            std::to_string(n & 2 ? size.y() : 0.0) + " " + std::to_string(n & 4 ? size.z() : 0.0) +
+            "\n";
   const char* const all[] = {"1 3 2", "2 3 4", "5 6 7", "6 8 7", "1 2 5", "2 6 5",
                              "3 7 4", "4 7 8", "1 5 3", "3 5 7", "2 4 6", "4 8 6"};
-  for (std::size_t n = 0; n < faces; ++n) text += "f " + std::string(all[n]) + "\n";
+  for (std::size_t n = 0; n < faces; ++n)
+    text += "f " + std::string(all[n]) + "\n";
   return text;
 }
 
@@ -48,7 +50,8 @@ class FieldScene : public scene::SceneFolder {
 };
 
 TEST_F(FieldScene, BuildsTheFieldWhereTheModelAsksForItAndOnlyThere) {
-  const auto with = built("{mesh: thick.obj}", kField), without = built("{mesh: thick.obj}", kAdapted);
+  const auto with = built("{mesh: thick.obj}", kField),
+             without = built("{mesh: thick.obj}", kAdapted);
   ASSERT_NE(with->field(), nullptr);
   EXPECT_EQ(with->renderer().model(), contact::ContactModelKind::kField);
   EXPECT_EQ(without->field(), nullptr);
@@ -59,19 +62,23 @@ TEST_F(FieldScene, BuildsTheFieldWhereTheModelAsksForItAndOnlyThere) {
   EXPECT_EQ(with->plan().bytes - without->plan().bytes, with->field()->bytes());
   EXPECT_GT(with->plan().expected_ns_per_frame, without->plan().expected_ns_per_frame);
   // Asked for on the command line, of a scene that names another model.
-  EXPECT_NE(built("{mesh: thick.obj}", kAdapted, contact::ContactModelKind::kField)->field(), nullptr);
-  EXPECT_EQ(built("{mesh: thick.obj}", kField, contact::ContactModelKind::kAdapted)->field(), nullptr);
+  EXPECT_NE(built("{mesh: thick.obj}", kAdapted, contact::ContactModelKind::kField)->field(),
+            nullptr);
+  EXPECT_EQ(built("{mesh: thick.obj}", kField, contact::ContactModelKind::kAdapted)->field(),
+            nullptr);
 }
 
 TEST_F(FieldScene, WarnsOfTheThinnestBodyByNameAndOfNoneThatIsThickEnough) {
   EXPECT_FALSE(any_has(built("{mesh: thick.obj}", kField)->plan().warnings, "thinnest"));
   const auto thin = built("{mesh: thick.obj}, {mesh: thin.obj, position: [0, 0, 0.1]}", kField);
   ASSERT_TRUE(any_has(thin->plan().warnings, "thinnest"));
-  for (const char* figure : {"about 5 mm", "2.5 voxels", "2.5 mm only"}) EXPECT_TRUE(any_has(thin->plan().warnings, figure)) << figure;
+  for (const char* figure : {"about 5 mm", "2.5 voxels", "2.5 mm only"})
+    EXPECT_TRUE(any_has(thin->plan().warnings, figure)) << figure;
   EXPECT_FALSE(any_has(built("{mesh: thin.obj}", kAdapted)->plan().warnings, "thinnest"));
 }
 
-/// As `virtual_tool_trials plates` measures it: walls of a quarter to one voxel 0.7 degrees, of 1.25 voxels askew 5.7, of 2.5 voxels 0.2 (95 %).
+/// As `virtual_tool_trials plates` measures it: walls of a quarter to one voxel 0.7 degrees,
+/// of 1.25 voxels askew 5.7, of 2.5 voxels 0.2 (95 %).
 TEST_F(FieldScene, WarnsOfWallsThatPushAVirtualToolAskew) {
   const char* const kTool = "rendering: virtual_tool}\ncoupling: {design: auto";
   const auto warnings = [&](double thick_m) {
@@ -80,17 +87,25 @@ TEST_F(FieldScene, WarnsOfWallsThatPushAVirtualToolAskew) {
   };
   EXPECT_TRUE(any_has(warnings(0.001), "at most 0.7 degrees"));
   EXPECT_FALSE(any_has(warnings(0.001), "6 degrees"));
-  EXPECT_TRUE(any_has(warnings(0.0025), "1.25 voxels. It holds a virtual tool, but where a wall of 1.1 to 1.5 voxels lies askew in the grid it pushes up to 8 degrees"));
+  EXPECT_TRUE(any_has(warnings(0.0025),
+                      "1.25 voxels. It holds a virtual tool, but where a wall of 1.1 to 1.5 voxels "
+                      "lies askew in the grid it pushes up to 8 degrees"));
   EXPECT_FALSE(any_has(warnings(0.005), "thinnest"));
 }
 
 TEST_F(FieldScene, AnOpenMeshIsAWallForAVirtualToolAndForNothingElse) {
   const char* const kTool = "rendering: virtual_tool}\ncoupling: {design: auto";
-  const auto alone = built("{mesh: open.obj}", kTool), beside = built("{mesh: thick.obj}, {mesh: open.obj, position: [0, 0, 0.1]}", kTool);
-  const auto forces = built("{mesh: thick.obj}, {mesh: open.obj, position: [0, 0, 0.1]}", kField), closed = built("{mesh: thick.obj}", kField);
+  const auto alone = built("{mesh: open.obj}", kTool),
+             beside = built("{mesh: thick.obj}, {mesh: open.obj, position: [0, 0, 0.1]}", kTool);
+  const auto forces = built("{mesh: thick.obj}, {mesh: open.obj, position: [0, 0, 0.1]}", kField),
+             closed = built("{mesh: thick.obj}", kField);
   for (const auto* scene : {&alone, &beside})
-    EXPECT_TRUE(any_has((*scene)->plan().warnings, "open.obj: the mesh is open. What of it is not closed holds a virtual tool from either side as a wall of 0.25 mm"));
-  const auto at = [](const BuiltScene& scene, const Vec3& x) { return scene.field()->at(scene.field()->grid().to_grid(x)).distance_m; };
+    EXPECT_TRUE(any_has((*scene)->plan().warnings,
+                        "open.obj: the mesh is open. What of it is not closed holds a virtual tool "
+                        "from either side as a wall of 0.25 mm"));
+  const auto at = [](const BuiltScene& scene, const Vec3& x) {
+    return scene.field()->at(scene.field()->grid().to_grid(x)).distance_m;
+  };
   EXPECT_NEAR(at(*alone, Vec3(0.04, 0.04, -0.002)), 0.002 - 0.0625 * 0.002, 1e-6);
   EXPECT_NEAR(at(*beside, Vec3(0.04, 0.04, 0.098)), 0.002 - 0.0625 * 0.002, 1e-6);
   EXPECT_EQ(at(*forces, Vec3(0.04, 0.04, 0.098)), 0.004) << "forces of depth know of no wall there";
@@ -111,7 +126,8 @@ TEST_F(FieldScene, AnOpenMeshIsNamedAndRefusedWhereItIsAllThereIs) {
   };
   EXPECT_NE(refusal("{mesh: open.obj}").find("closed"), std::string::npos);
   write("sheet.obj", box_obj({0.08, 0.08, 0.0004}));
-  EXPECT_NE(refusal("{mesh: sheet.obj, position: [0, 0, 0.0011]}").find("corner"), std::string::npos);
+  EXPECT_NE(refusal("{mesh: sheet.obj, position: [0, 0, 0.0011]}").find("corner"),
+            std::string::npos);
 }
 
 TEST_F(FieldScene, ThePlansStiffnessBoundsEveryFrame) {
@@ -124,8 +140,9 @@ TEST_F(FieldScene, ThePlansStiffnessBoundsEveryFrame) {
     const contact::ContactResult r = scene->renderer().probe(pose);
     EXPECT_LE(r.stiffness_bound_n_per_m, plan.contact_n_per_m.all_points * (1 + 1e-12));
     const Mat3 rotation = r.stiffness.bottomRightCorner<3, 3>();
-    EXPECT_LE(Eigen::SelfAdjointEigenSolver<Mat3>(rotation, Eigen::EigenvaluesOnly).eigenvalues()[2],
-              plan.contact_nm_per_rad.all_points * (1 + 1e-12));
+    EXPECT_LE(
+        Eigen::SelfAdjointEigenSolver<Mat3>(rotation, Eigen::EigenvaluesOnly).eigenvalues()[2],
+        plan.contact_nm_per_rad.all_points * (1 + 1e-12));
     most = std::max(most, r.stiffness_bound_n_per_m);
   }
   EXPECT_GT(most, 0.2 * plan.contact_n_per_m.all_points);

@@ -28,7 +28,8 @@ TEST(LiveScene, RendersItsOnlySceneBitForBit) {
   const auto one = plane(0.002), same = plane(0.002);
   LiveScene live(*one);
   for (int i = 0; i < 20; ++i) {
-    const SceneFrame a = live.render(pressed(), 0.001 * i), b = same->scene_renderer().render(pressed(), 0.001 * i);
+    const SceneFrame a = live.render(pressed(), 0.001 * i),
+                     b = same->scene_renderer().render(pressed(), 0.001 * i);
     ASSERT_EQ(a.wrench.force, b.wrench.force);
     ASSERT_EQ(a.stiffness, b.stiffness);
   }
@@ -68,9 +69,11 @@ TEST(LiveScene, TellsOfTheSceneWithMoreWeight) {
   LiveScene live(*old_scene);
   live.render(pressed(), 0.0);
   live.swap_to(*new_scene);
-  for (int i = 1; i <= 99; ++i) live.render(pressed(), 0.001 * i);
+  for (int i = 1; i <= 99; ++i)
+    live.render(pressed(), 0.001 * i);
   EXPECT_EQ(&live.dominant(), old_scene.get());
-  for (int i = 100; i <= 110; ++i) live.render(pressed(), 0.001 * i);
+  for (int i = 100; i <= 110; ++i)
+    live.render(pressed(), 0.001 * i);
   EXPECT_EQ(&live.dominant(), new_scene.get());
 }
 

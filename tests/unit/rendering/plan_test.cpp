@@ -23,10 +23,13 @@ BuildCounts counts() {
   n.shell_points = 1500, n.voxmap_bytes = 2'500'000, n.shell_bytes = 96'000;
   return n;
 }
-/// Which sentence of `lines` holds all of `words`; empty where none does. Sentences may be put otherwise, what they tell may not.
-std::string line_with(const std::vector<std::string>& lines, std::initializer_list<const char*> words) {
+/// Which sentence of `lines` holds all of `words`; empty where none does. Sentences may be put
+/// otherwise, what they tell may not.
+std::string line_with(const std::vector<std::string>& lines,
+                      std::initializer_list<const char*> words) {
   const auto found = std::find_if(lines.begin(), lines.end(), [&](const std::string& line) {
-    return std::all_of(words.begin(), words.end(), [&](const char* word) { return line.find(word) != std::string::npos; });
+    return std::all_of(words.begin(), words.end(),
+                       [&](const char* word) { return line.find(word) != std::string::npos; });
   });
   return found == lines.end() ? std::string() : *found;
 }
@@ -34,7 +37,8 @@ bool any_has(const std::vector<std::string>& lines, std::initializer_list<const 
   return !line_with(lines, words).empty();
 }
 effects::EffectSpec oil(const char* name, bool on) {
-  effects::EffectSpec spec{.name = name, .kind = effects::find_effect_kind("viscosity"), .values = {}, .region = {}};
+  effects::EffectSpec spec{
+      .name = name, .kind = effects::find_effect_kind("viscosity"), .values = {}, .region = {}};
   spec.values = effects::EffectValues(spec.kind->parameters);
   spec.values.at(0)[0] = 1.5;
   spec.on = on;
@@ -47,7 +51,8 @@ TEST(Plan, SaysWhereEachVoxelGridBeginsAndHowToHaveTheOneAtMultiplesOfTheVoxel) 
              {"lid", Vec3(1, 2, 3), Vec3(1, 2, 3), false},
              {"given", Vec3(0.1, 0.2, 0.3), Vec3(0, 0, 0), true}};
   const Plan p = make_plan(cup(), n);
-  EXPECT_TRUE(any_has(p.built, {"'ground'", "[-0.123, -0.123, -0.023] m", "[-0.122, -0.122, -0.022]"}));
+  EXPECT_TRUE(
+      any_has(p.built, {"'ground'", "[-0.123, -0.123, -0.023] m", "[-0.122, -0.122, -0.022]"}));
   EXPECT_TRUE(any_has(p.built, {"'lid'", "[1, 2, 3] m", "clear of"}));
   EXPECT_TRUE(any_has(p.built, {"'given'", "[0.1, 0.2, 0.3] m"}));
 }
@@ -75,13 +80,15 @@ TEST(Plan, SaysWhatIsBuiltWithTheNumbersThatWereCounted) {
 TEST(Plan, SaysWhatIsLeftOutUntilTheSceneAsksForIt) {
   scene::Scene s = cup();
   const Plan bare = make_plan(s, counts());
-  for (const char* what : {"distance field", "Distances outside", "velocity", "viscosity", "Clutch"})
+  for (const char* what :
+       {"distance field", "Distances outside", "velocity", "viscosity", "Clutch"})
     EXPECT_TRUE(any_has(bare.left_out, {what})) << what;
   EXPECT_FALSE(any_has(bare.left_out, {"Interior"}));
   s.device.clutch_button = 0;
   s.effects = {oil("oil", false)};
   const Plan p = make_plan(s, counts());
-  for (const char* what : {"velocity", "viscosity", "Clutch"}) EXPECT_FALSE(any_has(p.left_out, {what})) << what;
+  for (const char* what : {"velocity", "viscosity", "Clutch"})
+    EXPECT_FALSE(any_has(p.left_out, {what})) << what;
   EXPECT_TRUE(any_has(p.left_out, {"Distances outside"}));
   EXPECT_TRUE(any_has(p.built, {"'oil'", "viscosity", "velocity", "1.5 Ns/m", "off at"}));
 }
@@ -121,7 +128,8 @@ TEST(Plan, CostsMoreForMorePointsAndForAnEffectThatIsOn) {
   scene::Scene s = cup();
   BuildCounts twice = counts();
   twice.shell_points *= 2;
-  EXPECT_GT(make_plan(s, twice).expected_ns_per_frame, 1.5 * make_plan(s, counts()).expected_ns_per_frame);
+  EXPECT_GT(make_plan(s, twice).expected_ns_per_frame,
+            1.5 * make_plan(s, counts()).expected_ns_per_frame);
   s.effects = {oil("oil", true)};
   const double on = make_plan(s, counts()).expected_ns_per_frame;
   s.effects = {oil("oil", false)};
@@ -132,8 +140,9 @@ TEST(Plan, HasAPartForTheFieldWhereTheModelIsTheField) {
   scene::Scene s = cup();
   BuildCounts n = counts();
   const auto fields = [](const Plan& plan) {
-    return std::count_if(plan.parts.begin(), plan.parts.end(),
-                         [](const PlanPart& part) { return part.name == "distance field" && part.bytes == 1000U; });
+    return std::count_if(plan.parts.begin(), plan.parts.end(), [](const PlanPart& part) {
+      return part.name == "distance field" && part.bytes == 1000U;
+    });
   };
   EXPECT_EQ(fields(make_plan(s, n)), 0);
   n.field_bytes = 1000, s.contact.model = "field";
@@ -145,7 +154,8 @@ TEST(Plan, PassesWarningsOnAndAddsItsOwn) {
   s.warnings = {"scene.yaml:1:1: doubtful."};
   BuildCounts n = counts();
   n.mesh_warnings = {"3 triangles have no area."};
-  EXPECT_EQ(make_plan(s, n).warnings, (std::vector<std::string>{s.warnings[0], n.mesh_warnings[0]}));
+  EXPECT_EQ(make_plan(s, n).warnings,
+            (std::vector<std::string>{s.warnings[0], n.mesh_warnings[0]}));
   n.shell_points = 166'658;
   EXPECT_TRUE(any_has(make_plan(s, n).warnings, {"period"})) << "a frame of three milliseconds";
   n.shell_points = 0, n.surface_voxels = 0;
@@ -165,15 +175,18 @@ TEST(Plan, NamesTheOtherCouplingsAndTheReference) {
 TEST(Plan, NamesWhatACouplingAddsAndWhatADesignIsAskedFor) {
   scene::Scene s = cup();
   EXPECT_FALSE(any_has(make_plan(s, counts()).built, {"capped"}));
-  s.coupling.stiffness_cap_n_per_m = 800, s.coupling.stiffness_cap_nm_per_rad = 2, s.coupling.injected_damping_ns_per_m = 3;
+  s.coupling.stiffness_cap_n_per_m = 800, s.coupling.stiffness_cap_nm_per_rad = 2,
+  s.coupling.injected_damping_ns_per_m = 3;
   for (const char* value : {"800 N/m", "2 Nm/rad", "3 Ns/m"})
     EXPECT_TRUE(any_has(make_plan(s, counts()).built, {value})) << value;
   s.design = scene::DesignOptions{};
   EXPECT_TRUE(any_has(make_plan(s, counts()).built, {"designed", "auto", "5 Hz", "margin 2"}));
   EXPECT_FALSE(any_has(make_plan(s, counts()).built, {"shaping filter"}));
-  s.design->stiffness_cap_n_per_m = 700, s.design->released = false, s.design->hand = scene::HandOption::kArm;
+  s.design->stiffness_cap_n_per_m = 700, s.design->released = false,
+  s.design->hand = scene::HandOption::kArm;
   s.design->kind = "spring_damper", s.design->inject_damping = false;
-  EXPECT_TRUE(any_has(make_plan(s, counts()).built, {"spring_damper", "hand: arm", "never let", "700 N/m", "no injected"}));
+  EXPECT_TRUE(any_has(make_plan(s, counts()).built,
+                      {"spring_damper", "hand: arm", "never let", "700 N/m", "no injected"}));
 }
 
 }  // namespace

@@ -7,7 +7,9 @@
 namespace voxtouch::rendering {
 namespace {
 
-scene::Scene shipped() { return scene::load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml"); }
+scene::Scene shipped() {
+  return scene::load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml");
+}
 
 std::string why_not(const std::function<void(scene::Scene&)>& change) {
   scene::Scene next = shipped();
@@ -17,7 +19,10 @@ std::string why_not(const std::function<void(scene::Scene&)>& change) {
 
 effects::EffectSpec external(const std::string& topic) {
   const effects::EffectKind* kind = effects::find_effect_kind("external");
-  effects::EffectSpec spec{.name = "external", .kind = kind, .values = effects::EffectValues(kind->parameters), .region = {}};
+  effects::EffectSpec spec{.name = "external",
+                           .kind = kind,
+                           .values = effects::EffectValues(kind->parameters),
+                           .region = {}};
   spec.values.at(1) = {1.0, 0.0, 0.0};
   spec.text = topic;
   return spec;
@@ -25,7 +30,8 @@ effects::EffectSpec external(const std::string& topic) {
 
 effects::EffectSpec oil(double damping, const std::string& name = "viscosity") {
   const effects::EffectKind* kind = effects::find_effect_kind("viscosity");
-  effects::EffectSpec spec{.name = name, .kind = kind, .values = effects::EffectValues(kind->parameters), .region = {}};
+  effects::EffectSpec spec{
+      .name = name, .kind = kind, .values = effects::EffectValues(kind->parameters), .region = {}};
   spec.values.at(0) = {damping, 0.0, 0.0};
   return spec;
 }
@@ -40,15 +46,21 @@ TEST(ReloadCheck, TakesOtherMeshesVoxelsContactsEffectsAndMotions) {
 }
 
 TEST(ReloadCheck, RefusesWhatOtherNodesWouldHaveToReadAgain) {
-  const auto names = [](const std::string& why, const char* section) { return why.find(section) != std::string::npos; };
+  const auto names = [](const std::string& why, const char* section) {
+    return why.find(section) != std::string::npos;
+  };
   EXPECT_TRUE(names(why_not([](scene::Scene& s) { s.device.force_scale = 2.0; }), "'device'"));
   EXPECT_TRUE(names(why_not([](scene::Scene& s) { s.device.clutch_button = 1; }), "'device'"));
-  EXPECT_TRUE(names(why_not([](scene::Scene& s) { s.device.pose_PT.position.z() = 0.1; }), "'device'"));
+  EXPECT_TRUE(
+      names(why_not([](scene::Scene& s) { s.device.pose_PT.position.z() = 0.1; }), "'device'"));
   EXPECT_TRUE(names(why_not([](scene::Scene& s) { s.design->gain_margin = 3.0; }), "'coupling'"));
-  EXPECT_TRUE(names(why_not([](scene::Scene& s) { s.design->given_rotation = coupling::design::HandRange{}; }), "'coupling'"));
+  EXPECT_TRUE(names(
+      why_not([](scene::Scene& s) { s.design->given_rotation = coupling::design::HandRange{}; }),
+      "'coupling'"));
   EXPECT_TRUE(names(why_not([](scene::Scene& s) { s.design.reset(); }), "'coupling'"));
   EXPECT_TRUE(names(why_not([](scene::Scene& s) { s.coupling.cutoff_hz = 3.0; }), "'coupling'"));
-  EXPECT_TRUE(names(why_not([](scene::Scene& s) { s.effects = {external("")}; }), "'external'")) << "nobody reads its topic";
+  EXPECT_TRUE(names(why_not([](scene::Scene& s) { s.effects = {external("")}; }), "'external'"))
+      << "nobody reads its topic";
 }
 
 TEST(ReloadCheck, RefusesAnotherTopicOfAnOutsideWrenchAndTakesOtherValuesOfIt) {
@@ -63,12 +75,14 @@ TEST(ReloadCheck, RefusesAnotherTopicOfAnOutsideWrenchAndTakesOtherValuesOfIt) {
   const std::vector<effects::EffectSpec> before = {external("/a")}, elsewhere = {external("/b")};
   std::vector<effects::EffectSpec> changed = before;
   changed[0].gain = 0.5;
-  EXPECT_EQ(carried_over(before, changed, elsewhere)[0].gain, 1.0) << "of another topic nothing is carried over";
+  EXPECT_EQ(carried_over(before, changed, elsewhere)[0].gain, 1.0)
+      << "of another topic nothing is carried over";
 }
 
 TEST(CarriedOver, KeepsWhatWasChangedWhereTheFileSaysTheSameAndTheFileWhereNot) {
   const std::vector<effects::EffectSpec> before = {oil(1.0), oil(2.0, "viscosity2")};
-  std::vector<effects::EffectSpec> now = before, next = {oil(3.0), oil(2.0, "viscosity2"), oil(4.0, "viscosity3")};
+  std::vector<effects::EffectSpec> now = before, next = {oil(3.0), oil(2.0, "viscosity2"),
+                                                         oil(4.0, "viscosity3")};
   now[0].on = false, now[0].values.at(0)[0] = 9.0;
   now[1].on = false, now[1].gain = 0.5;
   const std::vector<effects::EffectSpec> runs = carried_over(before, now, next);

@@ -16,7 +16,8 @@ struct Slide {
   int touched = 0;
 };
 
-/// The tool along the path of the scene's motion `slide`, in steps of 0.05 mm, with what the effects do.
+/// The tool along the path of the scene's motion `slide`, in steps of 0.05 mm, with what the
+/// effects do.
 Slide slide(const scene::Scene& scene) {
   const auto built = build_scene(scene, serial_for());
   constexpr double kStep = 5e-5, kDt = 1e-3;
@@ -55,8 +56,8 @@ TEST(CupScenes, RubDampAndHaveARelief) {
     RecordProperty(std::string(name) + "_given_j", std::to_string(result.given_j));
     RecordProperty(std::string(name) + "_largest_step_n", std::to_string(result.largest_step_n));
     RecordProperty(std::string(name) + "_most_n", std::to_string(result.most_n));
-    std::printf("%s: %d samples in contact, %.4f J, at most %.3f N, largest step %.4f N\n", name, result.touched,
-                result.given_j, result.most_n, result.largest_step_n);
+    std::printf("%s: %d samples in contact, %.4f J, at most %.3f N, largest step %.4f N\n", name,
+                result.touched, result.given_j, result.most_n, result.largest_step_n);
     EXPECT_GT(result.touched, 300) << name;
     EXPECT_GT(result.most_n, 0.02) << name;
     EXPECT_LT(result.largest_step_n, 0.05) << name;

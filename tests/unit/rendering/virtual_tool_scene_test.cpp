@@ -17,14 +17,18 @@ namespace {
 
 constexpr double kSpring = 300.0;
 
-scene::Scene scene_of(const std::string& effects = "[]", const std::string& statics = "[{mesh: plane.obj}]", const std::string& more = "") {
+scene::Scene scene_of(const std::string& effects = "[]",
+                      const std::string& statics = "[{mesh: plane.obj}]",
+                      const std::string& more = "") {
   return scene::parse_scene("scene: tool\nvoxel_size: 0.002\nstatic: " + statics +
-                         "\ndynamic: {mesh: sphere.obj, scale: 0.01}\ncontact: {rendering: virtual_tool}\ncoupling: {design: auto}\neffects: " +
-                         effects + "\n" + more,
-                     std::string(VOXTOUCH_DEPLOY) + "/meshes/test.yaml");
+                                "\ndynamic: {mesh: sphere.obj, scale: 0.01}\ncontact: {rendering: "
+                                "virtual_tool}\ncoupling: {design: auto}\neffects: " +
+                                effects + "\n" + more,
+                            std::string(VOXTOUCH_DEPLOY) + "/meshes/test.yaml");
 }
 
-/// The tool's origin is at z; the block's top is z = 0 and its bottom z = -0.02, the ball's radius 10 mm.
+/// The tool's origin is at z; the block's top is z = 0 and its bottom z = -0.02, the ball's radius
+/// 10 mm.
 ToolState at(double z, double x = 0.003) {
   ToolState tool;
   tool.pose.position = Vec3(x, 0.002, z);
@@ -33,17 +37,21 @@ ToolState at(double z, double x = 0.003) {
 
 /// A scene that renders a frame a millisecond.
 struct Rig {
-  explicit Rig(const scene::Scene& scene) : built(build_scene(scene, serial_for())), live(*built) { live.aim_for_spring(kSpring); }
+  explicit Rig(const scene::Scene& scene) : built(build_scene(scene, serial_for())), live(*built) {
+    live.aim_for_spring(kSpring);
+  }
   SceneFrame operator()(const ToolState& tool) { return live.render(tool, 1e-3 * n++); }
   SceneFrame hold(const ToolState& tool, int frames) {
     SceneFrame frame;
-    for (int i = 0; i < frames; ++i) frame = (*this)(tool);
+    for (int i = 0; i < frames; ++i)
+      frame = (*this)(tool);
     return frame;
   }
   /// From above down to z, 50 mm/s, after the fade.
   SceneFrame press(double z) {
     SceneFrame frame = hold(at(0.012), 250);
-    for (double now = 0.012; now > z; now -= 5e-5) frame = (*this)(at(now));
+    for (double now = 0.012; now > z; now -= 5e-5)
+      frame = (*this)(at(now));
     return hold(at(z), 20);
   }
   std::unique_ptr<BuiltScene> built;
@@ -68,23 +76,27 @@ TEST(VirtualToolScene, GivesTheSpringTimesTheHandsWayAtEveryDepthAndRisesAllTheW
   rig.press(0.0095);
   double last = 0.0;
   for (double depth = 0.001; depth <= 0.04; depth += 0.001) {
-    for (int i = 1; i <= 20; ++i) rig(at(0.01 - depth + 1e-3 - 5e-5 * i));
+    for (int i = 1; i <= 20; ++i)
+      rig(at(0.01 - depth + 1e-3 - 5e-5 * i));
     const SceneFrame frame = rig.hold(at(0.01 - depth), 20);
     const double force = frame.wrench.force.z();
     ASSERT_TRUE(frame.tool.constrained);
-    EXPECT_NEAR(force, kSpring * depth, 0.07) << depth << ": what the shell's points lack of a ball";
+    EXPECT_NEAR(force, kSpring * depth, 0.07)
+        << depth << ": what the shell's points lack of a ball";
     EXPECT_GT(force, last);
     EXPECT_LT(frame.wrench.force.head<2>().norm(), 1e-3 * force);
     EXPECT_NEAR(frame.object.position.z(), 0.01, 3e-4) << "outside";
     EXPECT_EQ(frame.stiffness_bound_n_per_m, kSpring);
-    const double most = Eigen::SelfAdjointEigenSolver<Mat3>(frame.stiffness.topLeftCorner<3, 3>()).eigenvalues()[2];
+    const double most =
+        Eigen::SelfAdjointEigenSolver<Mat3>(frame.stiffness.topLeftCorner<3, 3>()).eigenvalues()[2];
     EXPECT_LE(most, kSpring);
     EXPECT_GE(most, 0.99 * kSpring);
     last = force;
   }
 }
 
-/// While the coupling is still being designed: it is told, so that no force where the hand is deep in is not taken for a wrong one.
+/// While the coupling is still being designed: it is told, so that no force where the hand is deep
+/// in is not taken for a wrong one.
 TEST(VirtualToolScene, TellsThatNothingPullsItUntilItsSpringIsKnown) {
   Rig rig(scene_of());
   rig.live.aim_for_spring(0.0);
@@ -119,7 +131,8 @@ TEST(VirtualToolScene, GivesNoForceBeforeTheHandHasBeenOutsideAndThenFadesIn) {
 TEST(VirtualToolScene, IsPlacedAnewAfterTheClutchALossAJumpAndASession) {
   const auto pressed = [](Rig& rig) { ASSERT_GT(rig.press(0.0).wrench.force.z(), 2.8); };
   Rig clutch(scene_of()), loss(scene_of()), jump(scene_of()), session(scene_of());
-  for (Rig* rig : {&clutch, &loss, &jump, &session}) pressed(*rig);
+  for (Rig* rig : {&clutch, &loss, &jump, &session})
+    pressed(*rig);
   ToolState clutched = at(0.0);
   clutched.clutched = true;
   EXPECT_TRUE(clutch(clutched).wrench.zero());
@@ -151,7 +164,8 @@ TEST(VirtualToolScene, ChangesItsSpringOnARampAndTellsWhatThatGave) {
   double last = frame.wrench.force.z(), largest_step = 0.0;
   for (int i = 0; i < 250; ++i) {
     frame = rig(at(0.0));
-    largest_step = std::max(largest_step, std::abs(frame.wrench.force.z() - last)), last = frame.wrench.force.z();
+    largest_step = std::max(largest_step, std::abs(frame.wrench.force.z() - last)),
+    last = frame.wrench.force.z();
   }
   EXPECT_NEAR(last, 2.0 * kSpring * 0.01, 0.1);
   EXPECT_LT(largest_step, 0.02);
@@ -169,14 +183,16 @@ TEST(VirtualToolScene, KeepsTheToolWhenASceneThatWasBuiltAnewTakesItsPlace) {
   finer.voxel_size_m = 0.001;
   const auto next = build_scene(finer, serial_for());
   rig.live.swap_to(*next);
-  for (int i = 0; i < 300; ++i) EXPECT_NEAR(rig(at(0.0)).wrench.force.z(), before, 0.1) << i;
+  for (int i = 0; i < 300; ++i)
+    EXPECT_NEAR(rig(at(0.0)).wrench.force.z(), before, 0.1) << i;
   EXPECT_EQ(rig.live.retired(), rig.built.get());
 }
 
 TEST(VirtualToolScene, DropsTheToolWhereTheNewSceneHasAWallThere) {
   Rig rig(scene_of());
   rig.press(0.0);
-  const auto next = build_scene(scene_of("[]", "[{mesh: plane.obj, position: [0, 0, 0.012]}]"), serial_for());
+  const auto next =
+      build_scene(scene_of("[]", "[{mesh: plane.obj, position: [0, 0, 0.012]}]"), serial_for());
   rig.live.swap_to(*next);
   const SceneFrame frame = rig.hold(at(0.0), 300);
   EXPECT_TRUE(frame.wrench.zero());
@@ -184,7 +200,9 @@ TEST(VirtualToolScene, DropsTheToolWhereTheNewSceneHasAWallThere) {
 }
 
 TEST(VirtualToolScene, IsPushedByWhatMovesWhichTellsItsWork) {
-  Rig rig(scene_of("[]", "[{mesh: plane.obj, object: {name: lift, moves: {path: [[0, 0, -0.02], [0, 0, 0.02]], speed_m_per_s: 0.02}}}]"));
+  Rig rig(scene_of("[]",
+                   "[{mesh: plane.obj, object: {name: lift, moves: {path: [[0, 0, -0.02], [0, 0, "
+                   "0.02]], speed_m_per_s: 0.02}}}]"));
   SceneFrame frame;
   double work = 0.0, last_z = 0.0;
   for (int i = 0; i < 5000; ++i) {
@@ -199,17 +217,22 @@ TEST(VirtualToolScene, IsPushedByWhatMovesWhichTellsItsWork) {
 }
 
 TEST(VirtualToolScene, PutsEffectsOfSpaceAtTheHandAndThoseOfTheSurfaceAtTheTool) {
-  Rig magnet(scene_of("[{guide_plane: {point: [0, 0, 0], normal: [0, 0, 1], stiffness_n_per_m: 100, limit_n: 5}}]"));
+  Rig magnet(
+      scene_of("[{guide_plane: {point: [0, 0, 0], normal: [0, 0, 1], stiffness_n_per_m: 100, "
+               "limit_n: 5}}]"));
   const SceneFrame drawn = magnet.press(0.0);
   Rig none(scene_of());
   const SceneFrame bare = none.press(0.0);
-  EXPECT_NEAR(drawn.effects.wrench.force.norm(), 0.0, 1e-6) << "the hand is in the plane; the tool is 10 mm above it";
-  EXPECT_NEAR((drawn.touch.contact.wrench.force - bare.touch.contact.wrench.force).norm(), 0.0, 1e-9);
+  EXPECT_NEAR(drawn.effects.wrench.force.norm(), 0.0, 1e-6)
+      << "the hand is in the plane; the tool is 10 mm above it";
+  EXPECT_NEAR((drawn.touch.contact.wrench.force - bare.touch.contact.wrench.force).norm(), 0.0,
+              1e-9);
 
   Rig oil(scene_of("[{surface_damping: {damping_ns_per_m: 2}}]"));
   oil.press(0.0);
   SceneFrame frame;
-  for (int i = 0; i < 200; ++i) frame = oil(at(0.0, 0.003 + 5e-5 * i));
+  for (int i = 0; i < 200; ++i)
+    frame = oil(at(0.0, 0.003 + 5e-5 * i));
   EXPECT_NEAR(frame.effects.wrench.force.x(), -2.0 * 0.05, 0.02) << "50 mm/s of the tool";
 }
 
@@ -217,17 +240,22 @@ TEST(VirtualToolScene, RubsByTheEffectOfThatName) {
   Rig rig(scene_of("[{friction: {coulomb: 0.4}}]"));
   rig.press(0.0);
   SceneFrame frame;
-  for (int i = 0; i < 600; ++i) frame = rig(at(0.0, 0.003 + 5e-5 * i));
+  for (int i = 0; i < 600; ++i)
+    frame = rig(at(0.0, 0.003 + 5e-5 * i));
   EXPECT_NEAR(-frame.wrench.force.x() / frame.wrench.force.z(), 0.4, 0.01);
   EXPECT_TRUE(frame.effects.wrench.zero()) << "not twice";
 }
 
 TEST(VirtualToolScene, AsksNoMemoryInAFrame) {
-  if (!test::heap_is_counted()) GTEST_SKIP() << "the sanitizer owns malloc";
-  Rig rig(scene_of("[{friction: {coulomb: 0.4}}, {texture: {pattern: noise, wavelength_m: 0.006, force_n: 0.1, full_force_n: 0.3, reach_m: 0.02}}]"));
+  if (!test::heap_is_counted())
+    GTEST_SKIP() << "the sanitizer owns malloc";
+  Rig rig(
+      scene_of("[{friction: {coulomb: 0.4}}, {texture: {pattern: noise, wavelength_m: 0.006, "
+               "force_n: 0.1, full_force_n: 0.3, reach_m: 0.02}}]"));
   rig.press(0.0);
   EXPECT_EQ(test::heap_count_of([&] {
-              for (int i = 0; i < 200; ++i) rig(at(0.0, 0.003 + 5e-5 * i));
+              for (int i = 0; i < 200; ++i)
+                rig(at(0.0, 0.003 + 5e-5 * i));
               rig.live.lose_tool();
               rig.live.aim_for_spring(100.0);
               rig(at(0.0));
@@ -238,10 +266,12 @@ TEST(VirtualToolScene, AsksNoMemoryInAFrame) {
 
 /// A plate of 60 mm whose top is z = 0, as a file.
 std::string plate(double thick) {
-  const std::string file = std::filesystem::temp_directory_path() / ("voxtouch_plate_" + std::to_string(thick) + ".obj");
+  const std::string file =
+      std::filesystem::temp_directory_path() / ("voxtouch_plate_" + std::to_string(thick) + ".obj");
   std::ofstream out(file);
   for (int k = 0; k < 8; ++k)
-    out << "v " << (k & 1 ? 0.03 : -0.03) << " " << (k & 2 ? 0.03 : -0.03) << " " << (k & 4 ? 0.0 : -thick) << "\n";
+    out << "v " << (k & 1 ? 0.03 : -0.03) << " " << (k & 2 ? 0.03 : -0.03) << " "
+        << (k & 4 ? 0.0 : -thick) << "\n";
   out << "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
   return file;
 }
@@ -253,28 +283,40 @@ void holds_plate(double thick) {
   hand.pose.position.y() = 0.0;
   rig.hold(hand, 250);
   SceneFrame frame;
-  for (double z = 0.012; z > -0.02; z -= 1e-4) hand.pose.position.z() = z, frame = rig(hand);
-  EXPECT_GT(frame.wrench.force.z(), 0.95 * kSpring * 0.03) << "the hand is through; the tool at " << frame.object.position.transpose();
+  for (double z = 0.012; z > -0.02; z -= 1e-4)
+    hand.pose.position.z() = z, frame = rig(hand);
+  EXPECT_GT(frame.wrench.force.z(), 0.95 * kSpring * 0.03)
+      << "the hand is through; the tool at " << frame.object.position.transpose();
 }
 
 TEST(VirtualToolScene, HoldsPlatesOfAVoxelAndLess) {
-  for (const double thick : {0.0005, 0.002, 0.003}) holds_plate(thick);
+  for (const double thick : {0.0005, 0.002, 0.003})
+    holds_plate(thick);
 }
 
-/// Square onto the rim of a thick plate, at rest and carried by an object: the spring's force for the exact ball's way.
+/// Square onto the rim of a thick plate, at rest and carried by an object: the spring's force for
+/// the exact ball's way.
 TEST(VirtualToolScene, GivesTheExactBallsForceAtAConvexEdge) {
   const double depth = 0.005;
   for (const bool moves : {false, true}) {
-    const std::string lift = ", object: {name: lift, moves: {path: [[0, 0, 0.004], [0, 0, 0.0041]], speed_m_per_s: 0.0001}}";
+    const std::string lift =
+        ", object: {name: lift, moves: {path: [[0, 0, 0.004], [0, 0, 0.0041]], speed_m_per_s: "
+        "0.0001}}";
     Rig rig(scene_of("[]", "[{mesh: " + plate(0.02) + (moves ? lift : "") + "}]"));
     EXPECT_NE(rig.built->contacts().object(0).edges, nullptr);
     ToolState hand;
     const Vec3 slant = Vec3(1, 0, 1).normalized();
     SceneFrame frame;
-    const auto hand_at = [&](double way) { hand.pose.position = Vec3(0.03, 0.0007, moves ? 0.004 + 1e-7 * rig.n : 0.0) + (0.01 + way) * slant; };
-    for (int n = 0; n < 250; ++n) hand_at(0.002), frame = rig(hand);
-    for (int n = 0; n <= 140; ++n) hand_at(0.002 - n * (0.002 + depth) / 140), frame = rig(hand);
-    for (int n = 0; n < 50; ++n) hand_at(-depth), frame = rig(hand);
+    const auto hand_at = [&](double way) {
+      hand.pose.position =
+          Vec3(0.03, 0.0007, moves ? 0.004 + 1e-7 * rig.n : 0.0) + (0.01 + way) * slant;
+    };
+    for (int n = 0; n < 250; ++n)
+      hand_at(0.002), frame = rig(hand);
+    for (int n = 0; n <= 140; ++n)
+      hand_at(0.002 - n * (0.002 + depth) / 140), frame = rig(hand);
+    for (int n = 0; n < 50; ++n)
+      hand_at(-depth), frame = rig(hand);
     EXPECT_NEAR(frame.wrench.force.norm(), kSpring * depth, 0.02 * kSpring * depth) << moves;
     EXPECT_GT(frame.wrench.force.normalized().dot(slant), 0.998);
   }
@@ -283,18 +325,22 @@ TEST(VirtualToolScene, GivesTheExactBallsForceAtAConvexEdge) {
 /// What is looked up at edges, and why not.
 TEST(VirtualToolScene, TellsOfItsEdgesAndWhyThereAreNone) {
   const auto has = [](const std::vector<std::string>& lines, const char* one, const char* other) {
-    return std::any_of(lines.begin(), lines.end(),
-                       [&](const std::string& line) { return line.find(one) != std::string::npos && line.find(other) != std::string::npos; });
+    return std::any_of(lines.begin(), lines.end(), [&](const std::string& line) {
+      return line.find(one) != std::string::npos && line.find(other) != std::string::npos;
+    });
   };
   const auto built = build_scene(scene_of(), serial_for());
   EXPECT_TRUE(has(built->plan().built, "Sharp edges and rims", "points"));
-  EXPECT_TRUE(std::any_of(built->plan().parts.begin(), built->plan().parts.end(),
-                          [](const PlanPart& part) { return part.name == "sharp edges" && part.bytes > 0 && part.expected_ns > 0.0; }));
+  EXPECT_TRUE(
+      std::any_of(built->plan().parts.begin(), built->plan().parts.end(), [](const PlanPart& part) {
+        return part.name == "sharp edges" && part.bytes > 0 && part.expected_ns > 0.0;
+      }));
   const std::string open = std::filesystem::temp_directory_path() / "voxtouch_open_tool.obj";
   std::ofstream(open) << "v 0 0 0\nv 0.01 0 0\nv 0 0.01 0\nv 0 0 0.01\nf 1 3 2\nf 1 2 4\nf 1 4 3\n";
-  const scene::Scene scene = scene::parse_scene("scene: tool\nvoxel_size: 0.002\nstatic: [{mesh: plane.obj}]\ndynamic: {mesh: " + open +
-                                 "}\ncontact: {rendering: virtual_tool}\ncoupling: {design: auto}\neffects: []\n",
-                             std::string(VOXTOUCH_DEPLOY) + "/meshes/test.yaml");
+  const scene::Scene scene = scene::parse_scene(
+      "scene: tool\nvoxel_size: 0.002\nstatic: [{mesh: plane.obj}]\ndynamic: {mesh: " + open +
+          "}\ncontact: {rendering: virtual_tool}\ncoupling: {design: auto}\neffects: []\n",
+      std::string(VOXTOUCH_DEPLOY) + "/meshes/test.yaml");
   const auto without = build_scene(scene, serial_for());
   EXPECT_EQ(without->contacts().object(0).edges, nullptr);
   EXPECT_TRUE(has(without->plan().left_out, "Sharp edges", "not closed"));

@@ -9,14 +9,16 @@ namespace {
 Mat6 labelled() {
   Mat6 m;
   for (int row = 0; row < 6; ++row)
-    for (int column = 0; column < 6; ++column) m(row, column) = 10 * std::min(row, column) + std::max(row, column) + 11;
+    for (int column = 0; column < 6; ++column)
+      m(row, column) = 10 * std::min(row, column) + std::max(row, column) + 11;
   return m;
 }
 
 TEST(Convert, AStiffnessMatrixIsItsUpperTriangleByRows) {
   msg::ContactState state{};
   to_msg(labelled(), state.stiffness);
-  const std::vector<double> wanted = {11, 12, 13, 14, 15, 16, 22, 23, 24, 25, 26, 33, 34, 35, 36, 44, 45, 46, 55, 56, 66};
+  const std::vector<double> wanted = {11, 12, 13, 14, 15, 16, 22, 23, 24, 25, 26,
+                                      33, 34, 35, 36, 44, 45, 46, 55, 56, 66};
   EXPECT_EQ(std::vector<double>(std::begin(state.stiffness), std::end(state.stiffness)), wanted);
 }
 

@@ -1,4 +1,5 @@
-// Which of two that play one role is followed: every order of arrival, and two that fail, wake up and lose messages at random.
+// Which of two that play one role is followed: every order of arrival, and two that fail, wake up
+// and lose messages at random.
 #include "nodes/runtime/failover.hpp"
 
 #include <gtest/gtest.h>
@@ -23,7 +24,8 @@ using Verdict = Failover::Verdict;
 TEST(FailoverRule, TakesTheActingOneAloneWhileItAnswers) {
   Failover rule;
   for (std::uint64_t n = 0; n < 100; ++n) {
-    EXPECT_EQ(rule.hear(Place::kSecond, n), Verdict::kFenced) << "nobody takes over before the first answer, or beside it";
+    EXPECT_EQ(rule.hear(Place::kSecond, n), Verdict::kFenced)
+        << "nobody takes over before the first answer, or beside it";
     EXPECT_EQ(rule.hear(Place::kFirst, n), Verdict::kTaken);
     EXPECT_EQ(rule.hear(Place::kSecond, n), Verdict::kFenced);
     EXPECT_EQ(rule.hear(Place::kFirst, n), Verdict::kOld);
@@ -34,10 +36,12 @@ TEST(FailoverRule, TakesTheActingOneAloneWhileItAnswers) {
 TEST(FailoverRule, LetsTheOtherOneTakeOverWithTheFourthSampleAndFencesTheFirst) {
   Failover rule;
   rule.hear(Place::kFirst, 10);
-  for (std::uint64_t n = 11; n <= 13; ++n) EXPECT_EQ(rule.hear(Place::kSecond, n), Verdict::kFenced);
+  for (std::uint64_t n = 11; n <= 13; ++n)
+    EXPECT_EQ(rule.hear(Place::kSecond, n), Verdict::kFenced);
   EXPECT_EQ(rule.hear(Place::kSecond, 14), Verdict::kTakenOver);
   EXPECT_EQ(rule.acting(), Place::kSecond);
-  for (std::uint64_t n = 11; n <= 17; ++n) EXPECT_EQ(rule.hear(Place::kFirst, n), Verdict::kFenced) << n;
+  for (std::uint64_t n = 11; n <= 17; ++n)
+    EXPECT_EQ(rule.hear(Place::kFirst, n), Verdict::kFenced) << n;
   EXPECT_EQ(rule.hear(Place::kSecond, 15), Verdict::kTaken);
 }
 
@@ -72,7 +76,8 @@ void expect_sound(const std::vector<Answer>& arrivals) {
   std::optional<Place> last_place;
   for (const Answer& a : arrivals) {
     const Verdict verdict = rule.hear(a.place, a.sequence);
-    if (verdict == Verdict::kFenced || verdict == Verdict::kOld) continue;
+    if (verdict == Verdict::kFenced || verdict == Verdict::kOld)
+      continue;
     if (last) {
       ASSERT_GT(a.sequence, *last) << "answered twice, or backwards";
     }
@@ -84,17 +89,21 @@ void expect_sound(const std::vector<Answer>& arrivals) {
   }
 }
 
-/// The first answers 1, 2 and 4, wakes up with 5 and 12; the second takes over with 8. All 362,880 orders of the nine arrivals.
+/// The first answers 1, 2 and 4, wakes up with 5 and 12; the second takes over with 8. All 362,880
+/// orders of the nine arrivals.
 TEST(FailoverRule, AnswersNoSampleTwiceInAnyOrderOfArrival) {
-  const std::vector<Answer> all{{Place::kFirst, 1}, {Place::kFirst, 2}, {Place::kFirst, 4},  {Place::kFirst, 5},  {Place::kFirst, 12},
-                                {Place::kSecond, 8}, {Place::kSecond, 9}, {Place::kSecond, 12}, {Place::kSecond, 13}};
+  const std::vector<Answer> all{{Place::kFirst, 1},  {Place::kFirst, 2},   {Place::kFirst, 4},
+                                {Place::kFirst, 5},  {Place::kFirst, 12},  {Place::kSecond, 8},
+                                {Place::kSecond, 9}, {Place::kSecond, 12}, {Place::kSecond, 13}};
   std::vector<std::size_t> order(all.size());
   std::iota(order.begin(), order.end(), 0);
   std::vector<Answer> arrivals(all.size(), all.front());
   do {
-    for (std::size_t i = 0; i < order.size(); ++i) arrivals[i] = all[order[i]];
+    for (std::size_t i = 0; i < order.size(); ++i)
+      arrivals[i] = all[order[i]];
     expect_sound(arrivals);
-    if (HasFatalFailure()) return;
+    if (HasFatalFailure())
+      return;
   } while (std::next_permutation(order.begin(), order.end()));
 }
 
@@ -107,15 +116,18 @@ TEST(FailoverRule, AnswersNoSampleTwiceOfNumbersAtRandom) {
     std::uint64_t now = random() % 10;
     for (int n = 0; n < 60; ++n) {
       now += random() % 3;
-      const std::uint64_t far = random() % 50 == 0 ? random() : now - std::min<std::uint64_t>(now, random() % 8);
+      const std::uint64_t far =
+          random() % 50 == 0 ? random() : now - std::min<std::uint64_t>(now, random() % 8);
       arrivals.push_back({random() % 2 ? Place::kFirst : Place::kSecond, far});
     }
     expect_sound(arrivals);
-    if (HasFatalFailure()) return;
+    if (HasFatalFailure())
+      return;
   }
 }
 
-/// Two nodes, two readers, and what is between them: messages are late, lost, or overtaken by newer ones, nodes stand still and wake up.
+/// Two nodes, two readers, and what is between them: messages are late, lost, or overtaken by newer
+/// ones, nodes stand still and wake up.
 class Ring {
  public:
   explicit Ring(std::uint64_t seed) : random_(seed) {}
@@ -124,24 +136,32 @@ class Ring {
   void step(bool lossy) {
     ++sample_;
     for (int n = 0; n < 2; ++n)
-      if (lossy && random_() % 40 == 0) still_[n] = still_[n] ? 0 : 1 + random_() % 30;
+      if (lossy && random_() % 40 == 0)
+        still_[n] = still_[n] ? 0 : 1 + random_() % 30;
     for (int n : {random_() % 2 ? 0 : 1, 2}) {
       const int who = n == 2 ? last_who_ ^ 1 : (last_who_ = n);
       if (still_[who] > 0) {
-        if (lossy || still_[who] < 1'000'000) --still_[who];
+        if (lossy || still_[who] < 1'000'000)
+          --still_[who];
         continue;
       }
-      if (withheld_ || (lossy && random_() % 20 == 0)) continue;  // the sample was lost
+      if (withheld_ || (lossy && random_() % 20 == 0))
+        continue;  // the sample was lost
       hear(who);
-      if (!node_[who].answers(sample_, {.entitled = true, .yields = who == 1})) continue;
+      if (!node_[who].answers(sample_, {.entitled = true, .yields = who == 1}))
+        continue;
       ++sent_[who];
       for (auto* way : {&to_node_[who ^ 1], &to_reader_[0], &to_reader_[1]})
-        if (!lossy || random_() % 20 != 0) way->push_back({who == 0 ? Place::kFirst : Place::kSecond, sample_});
+        if (!lossy || random_() % 20 != 0)
+          way->push_back({who == 0 ? Place::kFirst : Place::kSecond, sample_});
     }
     for (int r = 0; r < 2; ++r) {
-      if (lossy && random_() % 4 == 0) continue;  // later
-      if (lossy && random_() % 4 == 0) std::ranges::shuffle(to_reader_[r], random_);
-      for (; !to_reader_[r].empty(); to_reader_[r].pop_front()) take(r, to_reader_[r].front());
+      if (lossy && random_() % 4 == 0)
+        continue;  // later
+      if (lossy && random_() % 4 == 0)
+        std::ranges::shuffle(to_reader_[r], random_);
+      for (; !to_reader_[r].empty(); to_reader_[r].pop_front())
+        take(r, to_reader_[r].front());
     }
   }
 
@@ -159,11 +179,13 @@ class Ring {
  private:
   void hear(int who) {
     for (; !to_node_[who].empty(); to_node_[who].pop_front())
-      node_[who].hear(to_node_[who].front().sequence, sample_, {.entitled = true, .yields = who == 1});
+      node_[who].hear(to_node_[who].front().sequence, sample_,
+                      {.entitled = true, .yields = who == 1});
   }
   void take(int r, const Answer& a) {
     const Verdict verdict = reader_[r].hear(a.place, a.sequence);
-    if (verdict == Verdict::kTaken || verdict == Verdict::kTakenOver) taken_[r].push_back(a.sequence);
+    if (verdict == Verdict::kTaken || verdict == Verdict::kTakenOver)
+      taken_[r].push_back(a.sequence);
   }
 
   std::mt19937_64 random_;
@@ -178,30 +200,37 @@ class Ring {
 };
 
 void expect_rising(const std::vector<std::uint64_t>& taken) {
-  for (std::size_t i = 1; i < taken.size(); ++i) ASSERT_LT(taken[i - 1], taken[i]);
+  for (std::size_t i = 1; i < taken.size(); ++i)
+    ASSERT_LT(taken[i - 1], taken[i]);
 }
 
 std::uint64_t longest_gap(const std::vector<std::uint64_t>& taken, std::uint64_t from) {
   std::uint64_t longest = 0;
   for (std::size_t i = 1; i < taken.size(); ++i)
-    if (taken[i] > from) longest = std::max(longest, taken[i] - taken[i - 1]);
+    if (taken[i] > from)
+      longest = std::max(longest, taken[i] - taken[i - 1]);
   return longest;
 }
 
 TEST(Pairs, TakeOverWithinFivePeriodsAndWhoReturnsStandsBy) {
   Ring ring(1);
-  for (int n = 0; n < 50; ++n) ring.step(false);
+  for (int n = 0; n < 50; ++n)
+    ring.step(false);
   ring.stop(0);
-  for (int n = 0; n < 50; ++n) ring.step(false);
+  for (int n = 0; n < 50; ++n)
+    ring.step(false);
   EXPECT_TRUE(ring.acts(1));
   EXPECT_LE(longest_gap(ring.taken(0), 0), 5U);
   ring.wake(0);
   const std::uint64_t sent = ring.sent(0);
-  for (int n = 0; n < 50; ++n) ring.step(false);
+  for (int n = 0; n < 50; ++n)
+    ring.step(false);
   EXPECT_FALSE(ring.acts(0));
-  EXPECT_EQ(ring.sent(0), sent) << "who returns hears that the other one answers, and sends nothing";
+  EXPECT_EQ(ring.sent(0), sent)
+      << "who returns hears that the other one answers, and sends nothing";
   ring.stop(1);
-  for (int n = 0; n < 50; ++n) ring.step(false);
+  for (int n = 0; n < 50; ++n)
+    ring.step(false);
   EXPECT_TRUE(ring.acts(0)) << "and back";
   for (int r = 0; r < 2; ++r) {
     EXPECT_EQ(ring.followed(r), Place::kFirst);
@@ -213,11 +242,14 @@ TEST(Pairs, TakeOverWithinFivePeriodsAndWhoReturnsStandsBy) {
 TEST(Pairs, DoNotChangeWhereSamplesComeToNeither) {
   for (std::uint64_t seed = 0; seed < 50; ++seed) {  // whichever of the two gets the next one first
     Ring ring(seed);
-    for (int n = 0; n < 50; ++n) ring.step(false);
+    for (int n = 0; n < 50; ++n)
+      ring.step(false);
     ring.withhold(true);
-    for (int n = 0; n < 10; ++n) ring.step(false);
+    for (int n = 0; n < 10; ++n)
+      ring.step(false);
     ring.withhold(false);
-    for (int n = 0; n < 50; ++n) ring.step(false);
+    for (int n = 0; n < 50; ++n)
+      ring.step(false);
     ASSERT_TRUE(ring.acts(0));
     ASSERT_EQ(ring.sent(1), 0U);
   }
@@ -226,7 +258,8 @@ TEST(Pairs, DoNotChangeWhereSamplesComeToNeither) {
 TEST(Pairs, HearTheOtherOneAlsoWhereTheyAreAlwaysLaterThanIt) {
   ActingPair slow(false);
   const ActingPair::Known pair{.entitled = true, .yields = true};
-  for (std::uint64_t n = 1; n < 200; n += 2) {  // of two samples it gets the later one, and when that is computed the next has been answered
+  for (std::uint64_t n = 1; n < 200; n += 2) {  // of two samples it gets the later one, and when
+                                                // that is computed the next has been answered
     slow.hear(n + 1, n, pair);
     ASSERT_FALSE(slow.answers(n, pair)) << n;
   }
@@ -234,21 +267,26 @@ TEST(Pairs, HearTheOtherOneAlsoWhereTheyAreAlwaysLaterThanIt) {
 
 TEST(Pairs, FallSilentWhereTheyWorkOffWhatCameWhileTheyStoodStill) {
   ActingPair first(true), second(false);
-  const ActingPair::Known stays{.entitled = true, .yields = false}, yields{.entitled = true, .yields = true};
+  const ActingPair::Known stays{.entitled = true, .yields = false},
+      yields{.entitled = true, .yields = true};
   for (std::uint64_t n = 0; n <= 10; ++n) {
     ASSERT_TRUE(first.answers(n, stays));
     second.hear(n, n, yields);
     ASSERT_FALSE(second.answers(n, yields));
   }
   std::uint64_t n = 11;
-  while (!second.answers(n, yields)) ++n;
+  while (!second.answers(n, yields))
+    ++n;
   EXPECT_EQ(n, 14U);
-  for (++n; n < 100; ++n) EXPECT_TRUE(second.answers(n, yields));
+  for (++n; n < 100; ++n)
+    EXPECT_TRUE(second.answers(n, yields));
   // The first wakes up, and is given each sample since with the answer of the other one behind it.
   int stale = 0;
   for (std::uint64_t k = 11; k < 100; ++k) {
-    if (first.answers(k, stays)) ++stale, second.hear(k, 99, yields);
-    if (k >= 14) first.hear(k, k, stays);
+    if (first.answers(k, stays))
+      ++stale, second.hear(k, 99, yields);
+    if (k >= 14)
+      first.hear(k, k, stays);
   }
   EXPECT_LE(stale, 6);
   EXPECT_FALSE(first.acts());
@@ -262,14 +300,18 @@ TEST(Pairs, AnswerNoSampleTwiceAndEndWithOneThatActsWhateverIsLost) {
   for (int run = 0; run < 3'000; ++run) {
     SCOPED_TRACE(run);
     Ring ring(random());
-    for (int n = 0; n < 20; ++n) ring.step(false);
-    for (int n = 0; n < 200; ++n) ring.step(true);
+    for (int n = 0; n < 20; ++n)
+      ring.step(false);
+    for (int n = 0; n < 200; ++n)
+      ring.step(true);
     ring.wake_all();
-    for (int n = 0; n < 40; ++n) ring.step(false);
+    for (int n = 0; n < 40; ++n)
+      ring.step(false);
     ASSERT_NE(ring.acts(0), ring.acts(1)) << "one acts";
     const Place acting = ring.acts(0) ? Place::kFirst : Place::kSecond;
     const std::uint64_t settled = ring.sample();
-    for (int n = 0; n < 20; ++n) ring.step(false);
+    for (int n = 0; n < 20; ++n)
+      ring.step(false);
     for (int r = 0; r < 2; ++r) {
       expect_rising(ring.taken(r));
       ASSERT_FALSE(HasFatalFailure());
@@ -279,8 +321,10 @@ TEST(Pairs, AnswerNoSampleTwiceAndEndWithOneThatActsWhateverIsLost) {
     // Whoever of the two is lost now, the other one goes on.
     ring.stop(ring.acts(0) ? 0 : 1);
     const std::uint64_t lost = ring.sample();
-    for (int n = 0; n < 20; ++n) ring.step(false);
-    for (int r = 0; r < 2; ++r) ASSERT_LE(longest_gap(ring.taken(r), lost), 5U);
+    for (int n = 0; n < 20; ++n)
+      ring.step(false);
+    for (int r = 0; r < 2; ++r)
+      ASSERT_LE(longest_gap(ring.taken(r), lost), 5U);
   }
 }
 

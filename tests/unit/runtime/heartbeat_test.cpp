@@ -26,7 +26,8 @@ TEST(StallWatch, BlamesNobodyForATimeInWhichItDidNotLook) {
   clock.look(20 * kMs);
   clock.look(3'000 * kMs);  // stopped itself
   EXPECT_LE(watch.stalled_ns(7, clock), 120 * kMs);
-  for (int n = 1; n <= 15; ++n) clock.look((3'000 + 20 * n) * kMs);
+  for (int n = 1; n <= 15; ++n)
+    clock.look((3'000 + 20 * n) * kMs);
   EXPECT_GT(watch.stalled_ns(7, clock), kHungNs) << "but now it has looked long enough";
 }
 

@@ -7,9 +7,13 @@ namespace own_line_test {
 
 TEST(OwnLine, HasRateAndForceOfTheLastSecond) {
   Figures before{{"samples", {1000, "samples"}}};
-  Figures now{{"samples", {3000, "samples"}}, {"last_second_max_force_n", {0.256, "N"}}, {"last_second_answered_share", {0.5, "1"}}};
-  EXPECT_EQ(own_line("device", now, before, 2.0), "device:    3000 samples at 1000.0 Hz  force   0.26 N at most  answered  50.0 %");
-  EXPECT_EQ(own_line("validator", {{"checked", {50, "samples"}}}, {}, 1.0), "validator:      50 samples at   50.0 Hz");
+  Figures now{{"samples", {3000, "samples"}},
+              {"last_second_max_force_n", {0.256, "N"}},
+              {"last_second_answered_share", {0.5, "1"}}};
+  EXPECT_EQ(own_line("device", now, before, 2.0),
+            "device:    3000 samples at 1000.0 Hz  force   0.26 N at most  answered  50.0 %");
+  EXPECT_EQ(own_line("validator", {{"checked", {50, "samples"}}}, {}, 1.0),
+            "validator:      50 samples at   50.0 Hz");
   EXPECT_EQ(own_line("logger", {{"written", {50, "messages"}}}, {}, 1.0), "");
   EXPECT_EQ(own_line("device", {{"samples", {0, "samples"}}}, {}, 1.0), "") << "nothing has begun";
 }

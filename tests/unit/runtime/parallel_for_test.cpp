@@ -20,7 +20,8 @@ TEST(ThreadedFor, CallsTheBodyOnceForEachIndexWhateverTheNumberOfThreads) {
     for (const std::size_t count : {0U, 1U, 2U, 7U, 1000U}) {
       std::vector<std::atomic<int>> calls(count);
       threaded_for(threads)(count, [&](std::size_t i) { ++calls.at(i); });
-      for (const auto& n : calls) ASSERT_EQ(n, 1) << threads << " threads, " << count;
+      for (const auto& n : calls)
+        ASSERT_EQ(n, 1) << threads << " threads, " << count;
     }
 }
 
@@ -29,7 +30,8 @@ TEST(ThreadedFor, RunsAsManyAtOnceAsItHasThreads) {
   std::atomic<int> begun{0};
   threaded_for(2)(2, [&](std::size_t) {
     ++begun;
-    while (begun < 2) std::this_thread::yield();
+    while (begun < 2)
+      std::this_thread::yield();
   });
   EXPECT_EQ(begun, 2);
 }
@@ -39,7 +41,8 @@ TEST(ThreadedFor, HandsOnWhatTheLowestIndexThrewAndGoesOnBeingOfUse) {
     const ParallelFor loop = threaded_for(4);
     try {
       loop(100, [](std::size_t i) {
-        if (i >= 20) throw std::runtime_error(std::to_string(i));
+        if (i >= 20)
+          throw std::runtime_error(std::to_string(i));
       });
       FAIL() << "nothing was thrown";
     } catch (const std::runtime_error& error) {
@@ -64,7 +67,8 @@ TEST(ThreadedFor, TakesNoRealTimePriorityFromItsCaller) {
       policies.insert(sched_getscheduler(0));
     });
   }).join();
-  if (!real_time) GTEST_SKIP() << "SCHED_FIFO is not allowed here";
+  if (!real_time)
+    GTEST_SKIP() << "SCHED_FIFO is not allowed here";
   EXPECT_EQ(policies, std::set<int>{SCHED_OTHER});
 }
 

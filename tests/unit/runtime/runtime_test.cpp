@@ -31,7 +31,8 @@ TEST(Deadline, IsNeverInThePast) {
 
 TEST(LatencyHistogram, GivesQuantilesAndMaximum) {
   LatencyHistogram h;
-  for (int i = 1; i <= 100; ++i) h.record(i * 1'000);
+  for (int i = 1; i <= 100; ++i)
+    h.record(i * 1'000);
   EXPECT_EQ(h.count(), 100U);
   EXPECT_NEAR(h.quantile_us(0.5), 51.0, 1.0);
   EXPECT_NEAR(h.quantile_us(0.99), 100.0, 1.0);
@@ -40,13 +41,17 @@ TEST(LatencyHistogram, GivesQuantilesAndMaximum) {
   EXPECT_EQ(h.max_us(), 1e7);
 }
 
-TEST(LatencyHistogram, SaysZeroWithoutSamples) { EXPECT_EQ(LatencyHistogram().quantile_us(0.5), 0.0); }
+TEST(LatencyHistogram, SaysZeroWithoutSamples) {
+  EXPECT_EQ(LatencyHistogram().quantile_us(0.5), 0.0);
+}
 
 TEST(NodeOptions, TakeOnlyCpusThatThereAre) {
   cpu_set_t allowed;
   ASSERT_EQ(sched_getaffinity(0, sizeof allowed, &allowed), 0);
   for (int cpu = 0; cpu < 2000; ++cpu)
-    EXPECT_EQ(require_cpu(std::to_string(cpu)).empty(), cpu < CPU_SETSIZE && CPU_ISSET(static_cast<unsigned>(cpu), &allowed)) << cpu;
+    EXPECT_EQ(require_cpu(std::to_string(cpu)).empty(),
+              cpu < CPU_SETSIZE && CPU_ISSET(static_cast<unsigned>(cpu), &allowed))
+        << cpu;
   for (const char* text : {"", "-1", "99999", "0x1", "1.0", " 0", "nan"}) {
     EXPECT_FALSE(require_cpu(text).empty()) << text;
     EXPECT_NE(require_cpu(text).find("; there "), std::string::npos) << require_cpu(text);
@@ -65,7 +70,8 @@ TEST(NodeOptions, TakeOnlyCpusThatThereAre) {
 }
 
 TEST(NodeOptions, RefuseWhatWouldBeTakenForSomethingElse) {
-  for (const char* text : {"", "-1", "+1", "1.5", "1e3", "0x10", "nan", "18446744073709551616", "99999999999999999999999"}) {
+  for (const char* text : {"", "-1", "+1", "1.5", "1e3", "0x10", "nan", "18446744073709551616",
+                           "99999999999999999999999"}) {
     EXPECT_FALSE(require_whole(text).empty()) << text;
     EXPECT_FALSE(require_count(text).empty()) << text;
   }
@@ -73,8 +79,10 @@ TEST(NodeOptions, RefuseWhatWouldBeTakenForSomethingElse) {
   EXPECT_EQ(require_whole("0"), "");
   EXPECT_EQ(require_count("1"), "");
   EXPECT_FALSE(require_count("0").empty());
-  for (const char* name : {"rt/joint_states", "rt/*", "DCPSTopic"}) EXPECT_EQ(check_topic(name), "") << name;
-  for (const std::string& name : {std::string(), std::string("a b"), std::string("a\x1b[2J"), std::string(257, 'x')})
+  for (const char* name : {"rt/joint_states", "rt/*", "DCPSTopic"})
+    EXPECT_EQ(check_topic(name), "") << name;
+  for (const std::string& name :
+       {std::string(), std::string("a b"), std::string("a\x1b[2J"), std::string(257, 'x')})
     EXPECT_FALSE(check_topic(name).empty()) << name;
   const auto parses = [](const std::string& argument) {
     CLI::App app;
@@ -88,11 +96,15 @@ TEST(NodeOptions, RefuseWhatWouldBeTakenForSomethingElse) {
     return true;
   };
   const std::string huge(1 << 20, 'x');
-  for (const std::string& name : {std::string("haptic"), std::string(64, 'x')}) EXPECT_TRUE(parses("--rig=" + name));
-  for (const std::string& name : {huge, std::string(65, 'x'), std::string("a/b"), std::string("9"), std::string("a\n")})
+  for (const std::string& name : {std::string("haptic"), std::string(64, 'x')})
+    EXPECT_TRUE(parses("--rig=" + name));
+  for (const std::string& name :
+       {huge, std::string(65, 'x'), std::string("a/b"), std::string("9"), std::string("a\n")})
     EXPECT_FALSE(parses("--rig=" + name)) << name.substr(0, 80);
-  for (const char* name : {"lo", "eth0.7", "wlp2s0", "192.168.0.1", "fe80::1%eth0"}) EXPECT_TRUE(parses(std::string("--interface=") + name)) << name;
-  for (const std::string& name : {huge, std::string("a b"), std::string("\"/><x"), std::string("a\x1b[2J")})
+  for (const char* name : {"lo", "eth0.7", "wlp2s0", "192.168.0.1", "fe80::1%eth0"})
+    EXPECT_TRUE(parses(std::string("--interface=") + name)) << name;
+  for (const std::string& name :
+       {huge, std::string("a b"), std::string("\"/><x"), std::string("a\x1b[2J")})
     EXPECT_FALSE(parses("--interface=" + name)) << name.substr(0, 80);
 }
 
@@ -140,7 +152,8 @@ TEST(NodeOptions, RefuseARigNameThatRosWouldRefuse) {
 TEST(Participation, CountsOnlyTheNodesThatTakePart) {
   NodeOptions options;
   options.peers = {"coupling"};
-  EXPECT_EQ(taking_part(options, {"device", "coupling", "logger"}), (std::vector<std::string>{"device", "coupling"}));
+  EXPECT_EQ(taking_part(options, {"device", "coupling", "logger"}),
+            (std::vector<std::string>{"device", "coupling"}));
 }
 
 }  // namespace

@@ -12,12 +12,14 @@ bus::Guid guid(std::uint8_t n) {
   return guid;
 }
 
-NodeReport report(const std::string& node, std::uint8_t n, const std::string& duty = "", NodeState state = NodeState::kRunning) {
+NodeReport report(const std::string& node, std::uint8_t n, const std::string& duty = "",
+                  NodeState state = NodeState::kRunning) {
   NodeReport report;
   report.node = node, report.participant = guid(n), report.session_id = 7, report.state = state;
   report.values = {{"scene_hash", "a"}};
   report.figures = {{"changes", {2, "changes"}}};
-  if (!duty.empty()) report.values[kDuty] = duty;
+  if (!duty.empty())
+    report.values[kDuty] = duty;
   return report;
 }
 
@@ -41,7 +43,8 @@ TEST(Standby, TellsARivalFromOneThatHasAStandby) {
 }
 
 TEST(Standby, FindsTheOneThatActsAndNoneOfTwo) {
-  std::vector<NodeReport> all{report("device", 1), report("coupling", 2), report("coupling_standby", 3, kStandsBy)};
+  std::vector<NodeReport> all{report("device", 1), report("coupling", 2),
+                              report("coupling_standby", 3, kStandsBy)};
   EXPECT_EQ(who_acts(all, "coupling", guid(3)), guid(2));
   EXPECT_EQ(who_acts(all, "coupling", guid(2)), std::nullopt) << "not itself";
   all.push_back(report("coupling", 4));
@@ -52,14 +55,17 @@ TEST(Standby, FindsTheOneThatActsAndNoneOfTwo) {
 
 TEST(Standby, TakesWhoIsReadyForTheSessionAndAsItIs) {
   const NodeReport own = report("coupling", 1);
-  const auto takes = [&](const NodeReport& other) { return who_could_stand_by({own, other}, "coupling", own, guid(1), kSame).size() == 1; };
+  const auto takes = [&](const NodeReport& other) {
+    return who_could_stand_by({own, other}, "coupling", own, guid(1), kSame).size() == 1;
+  };
   const NodeReport good = report("coupling_standby", 2, kStandsBy, NodeState::kReady);
   EXPECT_TRUE(takes(good));
   EXPECT_TRUE(takes(report("coupling", 2, kStandsBy))) << "one that came back";
   EXPECT_FALSE(takes(report("coupling", 2))) << "a rival";
   EXPECT_FALSE(takes(report("coupling_standby", 2, kActs)));
   EXPECT_FALSE(takes(report("rendering_standby", 2, kStandsBy)));
-  for (const NodeState state : {NodeState::kStarting, NodeState::kStopped, NodeState::kFailed}) EXPECT_FALSE(takes(report("coupling_standby", 2, kStandsBy, state)));
+  for (const NodeState state : {NodeState::kStarting, NodeState::kStopped, NodeState::kFailed})
+    EXPECT_FALSE(takes(report("coupling_standby", 2, kStandsBy, state)));
   NodeReport other = good;
   other.session_id = 8;
   EXPECT_FALSE(takes(other));
@@ -81,7 +87,8 @@ TEST(Standby, IsNamedByItsGuidAndByNothingElse) {
   own.values[kStandby] = kNoStandby;
   EXPECT_TRUE(named_standby(own).says);
   EXPECT_EQ(named_standby(own).participant, std::nullopt);
-  for (const std::string wrong : {"", "a7", "zz", "A7A7A7A7A7A7A7A7A7A7A7A7A7A7A7A7", "a7a7a7a7a7a7a7a7a7a7a7a7a7a7a7a7a7"}) {
+  for (const std::string wrong :
+       {"", "a7", "zz", "A7A7A7A7A7A7A7A7A7A7A7A7A7A7A7A7", "a7a7a7a7a7a7a7a7a7a7a7a7a7a7a7a7a7"}) {
     own.values[kStandby] = wrong;
     EXPECT_FALSE(named_standby(own).says) << wrong;
   }

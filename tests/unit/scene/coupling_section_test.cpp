@@ -8,13 +8,17 @@ namespace {
 
 class CouplingSection : public SceneFolder {
  protected:
-  Scene with(const std::string& coupling) const { return parse(kSmall + "coupling: {" + coupling + "}\n"); }
+  Scene with(const std::string& coupling) const {
+    return parse(kSmall + "coupling: {" + coupling + "}\n");
+  }
 };
 
 TEST_F(CouplingSection, SetByHandMayCapAndDamp) {
   const Scene s = with(
-      "kind: direct, stiffness_cap_n_per_m: 800, stiffness_cap_nm_per_rad: 2.5, injected_damping_ns_per_m: 3, "
-      "injected_damping_nms_per_rad: 0.01, velocity_filter_hz: 60, velocity_window: 3, slow_velocity_hz: 12, velocity_band_m_per_s: 0.004");
+      "kind: direct, stiffness_cap_n_per_m: 800, stiffness_cap_nm_per_rad: 2.5, "
+      "injected_damping_ns_per_m: 3, "
+      "injected_damping_nms_per_rad: 0.01, velocity_filter_hz: 60, velocity_window: 3, "
+      "slow_velocity_hz: 12, velocity_band_m_per_s: 0.004");
   EXPECT_FALSE(s.design);
   EXPECT_EQ(s.coupling.kind, "direct");
   EXPECT_EQ(s.coupling.stiffness_cap_n_per_m, 800);
@@ -30,7 +34,8 @@ TEST_F(CouplingSection, SetByHandMayCapAndDamp) {
 TEST_F(CouplingSection, CapsNothingAndDampsNothingUnlessAsked) {
   const Scene s = with("gain: 0.5");
   EXPECT_FALSE(s.design);
-  EXPECT_TRUE(std::isinf(s.coupling.stiffness_cap_n_per_m) && std::isinf(s.coupling.stiffness_cap_nm_per_rad));
+  EXPECT_TRUE(std::isinf(s.coupling.stiffness_cap_n_per_m) &&
+              std::isinf(s.coupling.stiffness_cap_nm_per_rad));
   EXPECT_EQ(s.coupling.injected_damping_ns_per_m + s.coupling.injected_damping_nms_per_rad, 0);
 }
 
@@ -52,8 +57,11 @@ TEST_F(CouplingSection, ADesignHasDefaultsForAllItsKeys) {
 
 TEST_F(CouplingSection, EveryKeyOfADesignArrives) {
   const Scene s = with(
-      "design: auto, kind: shaping_filter, cutoff_hz: 7, gain_margin: 1, stiffness_cap_n_per_m: 700, "
-      "stiffness_cap_nm_per_rad: 0.25, hand: arm, released: false, inject_damping: false, velocity_windows: false, damping_floor: 0.2, rotation_damping_floor: 0.1, run_infeasible: true");
+      "design: auto, kind: shaping_filter, cutoff_hz: 7, gain_margin: 1, stiffness_cap_n_per_m: "
+      "700, "
+      "stiffness_cap_nm_per_rad: 0.25, hand: arm, released: false, inject_damping: false, "
+      "velocity_windows: false, damping_floor: 0.2, rotation_damping_floor: 0.1, run_infeasible: "
+      "true");
   ASSERT_TRUE(s.design);
   EXPECT_EQ(s.design->kind, "shaping_filter");
   EXPECT_EQ(s.design->cutoff_hz, 7);
@@ -67,7 +75,8 @@ TEST_F(CouplingSection, EveryKeyOfADesignArrives) {
   EXPECT_EQ(s.design->rotation_damping_floor, 0.1);
   EXPECT_TRUE(s.design->run_infeasible);
   EXPECT_EQ(with("design: auto, kind: spring_damper").design->kind, "spring_damper");
-  EXPECT_EQ(with("design: auto, cutoff_hz: 150").warnings.size(), 1U) << "a wish near the sample rate is doubtful";
+  EXPECT_EQ(with("design: auto, cutoff_hz: 150").warnings.size(), 1U)
+      << "a wish near the sample rate is doubtful";
   EXPECT_NE(with("design: auto").hash, with("design: auto, gain_margin: 2").hash);
 }
 
@@ -80,14 +89,15 @@ TEST_F(CouplingSection, ADampersShareIsTheDesignersAndByHandTheStandardUnlessThe
 }
 
 TEST_F(CouplingSection, AHandMayBeGivenInRanges) {
-  const std::string translation = "mass_kg: [0.1, 0.2], damping_ns_per_m: [0, 3], stiffness_n_per_m: [5, 5]";
+  const std::string translation =
+      "mass_kg: [0.1, 0.2], damping_ns_per_m: [0, 3], stiffness_n_per_m: [5, 5]";
   const DesignOptions half = *with("design: auto, hand: {" + translation + "}").design;
   EXPECT_EQ(half.hand, HandOption::kGiven);
   EXPECT_FALSE(half.given_rotation);
   const DesignOptions whole = *with("design: auto, hand: {" + translation +
-                                ", inertia_kg_m2: [1, 2], damping_nms_per_rad: "
-                                "[3, 4], stiffness_nm_per_rad: [5, 6]}")
-                               .design;
+                                    ", inertia_kg_m2: [1, 2], damping_nms_per_rad: "
+                                    "[3, 4], stiffness_nm_per_rad: [5, 6]}")
+                                   .design;
   const coupling::design::OperatorRange hand = operator_range(whole, coupling::design::Grip::kPen);
   EXPECT_EQ(hand.translation.mass_min, 0.1);
   EXPECT_EQ(hand.translation.mass_max, 0.2);
@@ -111,20 +121,25 @@ TEST(HandRanges, AreNamedOrTheDevicesOwn) {
   EXPECT_EQ(operator_range(ask, coupling::design::Grip::kPen).translation.mass_max, 0.2);
   EXPECT_EQ(operator_range(ask, coupling::design::Grip::kArm).translation.mass_max, 2.0);
   ask.hand = HandOption::kPen;
-  EXPECT_EQ(operator_range(ask, coupling::design::Grip::kArm).translation.mass_max, 0.2) << "the scene has the last word";
+  EXPECT_EQ(operator_range(ask, coupling::design::Grip::kArm).translation.mass_max, 0.2)
+      << "the scene has the last word";
   EXPECT_TRUE(operator_range(ask, coupling::design::Grip::kArm).translation.may_release);
   ask.hand = HandOption::kArm, ask.released = false;
   const coupling::design::OperatorRange held = operator_range(ask, coupling::design::Grip::kPen);
   EXPECT_EQ(held.rotation.stiffness_max, 15.0);
-  EXPECT_FALSE(held.translation.may_release || held.rotation.may_release || held.translation.any_passive);
+  EXPECT_FALSE(held.translation.may_release || held.rotation.may_release ||
+               held.translation.any_passive);
   ask.hand = HandOption::kAnyPassive, ask.released = true;
   const coupling::design::OperatorRange any = operator_range(ask, coupling::design::Grip::kPen);
-  EXPECT_TRUE(any.translation.any_passive && any.rotation.any_passive && any.translation.may_release);
+  EXPECT_TRUE(any.translation.any_passive && any.rotation.any_passive &&
+              any.translation.may_release);
 }
 
 TEST(HandRanges, AreRangesAndTheArmIsTheHeavierHand) {
-  const coupling::design::OperatorRange pen = hand_range(coupling::design::Grip::kPen), arm = hand_range(coupling::design::Grip::kArm);
-  for (const coupling::design::HandRange& r : {pen.translation, pen.rotation, arm.translation, arm.rotation}) {
+  const coupling::design::OperatorRange pen = hand_range(coupling::design::Grip::kPen),
+                                        arm = hand_range(coupling::design::Grip::kArm);
+  for (const coupling::design::HandRange& r :
+       {pen.translation, pen.rotation, arm.translation, arm.rotation}) {
     EXPECT_TRUE(r.mass_min > 0 && r.mass_min < r.mass_max);
     EXPECT_TRUE(r.damping_min > 0 && r.damping_min < r.damping_max);
     EXPECT_TRUE(r.stiffness_min > 0 && r.stiffness_min < r.stiffness_max);

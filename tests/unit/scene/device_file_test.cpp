@@ -71,22 +71,24 @@ TEST(DeviceFile, EveryKeyArrivesWhereItBelongs) {
 }
 
 TEST(DeviceFile, MayLeaveTheBandwidthOut) {
-  EXPECT_TRUE(std::isinf(
-      parse_device_file(changed("force_bandwidth_hz: 53\n", ""), "a.yaml").description.force_bandwidth_hz));
+  EXPECT_TRUE(std::isinf(parse_device_file(changed("force_bandwidth_hz: 53\n", ""), "a.yaml")
+                             .description.force_bandwidth_hz));
 }
 
 TEST(DeviceFile, OfAllExamplesThatAreShippedIsRead) {
   int read = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(VOXTOUCH_DEPLOY) / "devices")) {
-    if (entry.path().extension() != ".yaml") continue;  // the folder also holds pages and rules for a lab
+  for (const auto& entry :
+       std::filesystem::directory_iterator(std::filesystem::path(VOXTOUCH_DEPLOY) / "devices")) {
+    if (entry.path().extension() != ".yaml")
+      continue;  // the folder also holds pages and rules for a lab
     const DeviceFile file = load_device_file(entry.path());
     EXPECT_EQ(what_is_wrong(file.description), "") << entry.path();
     EXPECT_TRUE(file.workspace_m) << entry.path();
     ++read;
   }
   EXPECT_GE(read, 13);
-  const coupling::design::DeviceModel premium =
-      coupling::design::model_of(load_device_file(std::string(VOXTOUCH_DEPLOY) + "/devices/premium_3.yaml").description);
+  const coupling::design::DeviceModel premium = coupling::design::model_of(
+      load_device_file(std::string(VOXTOUCH_DEPLOY) + "/devices/premium_3.yaml").description);
   EXPECT_EQ(premium.translation.max_effort, 22);
   EXPECT_EQ(premium.translation.max_stiffness, 1000);
   EXPECT_FALSE(premium.gives_torque);
@@ -139,8 +141,10 @@ const std::vector<Bad> kBad = {
     {"[0.1, 0.2]", "^[0.3, 0.2]", "'inertia_kg_m2' goes from 0.3 to 0.2"},
     {"damping_nms_per_rad: 0.3", "damping_nms_per_rad: ^-1", "0 or above"},
     {"coulomb_friction_nm: 0.25", "coulomb_friction_nm: ^-1", "0 or above"},
-    {"orientation_resolution_rad: 1e-4", "orientation_resolution_rad: ^1", "'orientation_resolution_rad'|0 to 0.1."},
-    {"max_stiffness_nm_per_rad: 300", "max_stiffness_nm_per_rad: ^0", "'max_stiffness_nm_per_rad' is 0"},
+    {"orientation_resolution_rad: 1e-4", "orientation_resolution_rad: ^1",
+     "'orientation_resolution_rad'|0 to 0.1."},
+    {"max_stiffness_nm_per_rad: 300", "max_stiffness_nm_per_rad: ^0",
+     "'max_stiffness_nm_per_rad' is 0"},
     {"max_stiffness_nm_per_rad: 300", "^max_stiffness: 300", "'max_stiffness_nm_per_rad'"},
     {"rate_hz: 2000", "rate_hz: ^!!int 2000", "tags"},
     {"rate_hz: 2000", "rate_hz: ^&a 2000", "anchors"},
@@ -151,7 +155,8 @@ std::string head_at(const std::string& text, std::size_t mark) {
   SourcePlace place{1, 1};
   for (std::size_t i = 0; i < mark; ++i) {
     ++place.column;
-    if (text[i] == '\n') ++place.line, place.column = 1;
+    if (text[i] == '\n')
+      ++place.line, place.column = 1;
   }
   return at_place("arm.yaml", place, "");
 }
@@ -160,14 +165,17 @@ TEST(DeviceFile, SaysWhereAndWhatIsWrong) {
   for (const Bad& bad : kBad) {
     std::string text = changed(bad.from, bad.to);
     const std::size_t mark = text.find('^');
-    if (mark != std::string::npos) text.erase(mark, 1);
-    const std::string head = head_at(text, mark == std::string::npos ? text.find("rotation") : mark);
+    if (mark != std::string::npos)
+      text.erase(mark, 1);
+    const std::string head =
+        head_at(text, mark == std::string::npos ? text.find("rotation") : mark);
     try {
       parse_device_file(text, "arm.yaml");
       ADD_FAILURE() << "was accepted: " << bad.to;
     } catch (const SceneError& error) {
       const std::string said = error.what();
-      EXPECT_TRUE(said.starts_with(head)) << bad.to << "\n  wanted " << head << "\n  got    " << said;
+      EXPECT_TRUE(said.starts_with(head))
+          << bad.to << "\n  wanted " << head << "\n  got    " << said;
       EXPECT_EQ(test::missing_fact(said, bad.facts), "") << bad.to << "\n  " << said;
       EXPECT_TRUE(said.ends_with('.') || said.ends_with('?')) << said;
     }
@@ -185,16 +193,24 @@ std::string refusal_of(const std::string& text) {
 
 TEST(DeviceFile, TellsAllThatIsMissingAtOnceWithItsRangeAndWhatItDoes) {
   const std::string said = refusal_of("device: third\ngrip: pen\n");
-  EXPECT_TRUE(said.starts_with("6 keys ") && said.contains("\n  rate_hz: 500 to 4000 Hz (stylus), 200 to 1000 Hz (arm)")) << said;
-  for (const char* key : {"max_force_n", "max_torque_nm", "max_stiffness_n_per_m", "mass_kg", "position_resolution_m"})
-    EXPECT_NE(said.find(std::string("\n  ") + key + ": "), std::string::npos) << key << "\n" << said;
+  EXPECT_TRUE(said.starts_with("6 keys ") &&
+              said.contains("\n  rate_hz: 500 to 4000 Hz (stylus), 200 to 1000 Hz (arm)"))
+      << said;
+  for (const char* key : {"max_force_n", "max_torque_nm", "max_stiffness_n_per_m", "mass_kg",
+                          "position_resolution_m"})
+    EXPECT_NE(said.find(std::string("\n  ") + key + ": "), std::string::npos) << key << "\n"
+                                                                              << said;
   EXPECT_EQ(said.find("delay_s"), std::string::npos) << "has a standard";
-  EXPECT_TRUE(refusal_of(changed("mass_kg: [3, 6]\n", "")).contains("\n  mass_kg: 0.03 to 0.3 kg")) << said;
+  EXPECT_TRUE(refusal_of(changed("mass_kg: [3, 6]\n", "")).contains("\n  mass_kg: 0.03 to 0.3 kg"))
+      << said;
 }
 
 TEST(DeviceFile, TakesWhatDataSheetsLeaveOutFromTheClassAndSaysSo) {
-  const std::string sheet = "rate_hz: 1000\nmax_force_n: 5\nmax_torque_nm: 1\nmax_stiffness_n_per_m: 900\nposition_resolution_m: 1e-5\n";
-  const DeviceFile pen = parse_device_file("device: p\ngrip: pen\nmass_kg: 0.25\n" + sheet, "a.yaml");
+  const std::string sheet =
+      "rate_hz: 1000\nmax_force_n: 5\nmax_torque_nm: 1\nmax_stiffness_n_per_m: "
+      "900\nposition_resolution_m: 1e-5\n";
+  const DeviceFile pen =
+      parse_device_file("device: p\ngrip: pen\nmass_kg: 0.25\n" + sheet, "a.yaml");
   EXPECT_EQ(pen.description.mass_min_kg, 0.25);
   EXPECT_EQ(pen.description.mass_max_kg, 0.25);
   EXPECT_EQ(pen.description.damping_ns_per_m, 0.005);
@@ -205,20 +221,25 @@ TEST(DeviceFile, TakesWhatDataSheetsLeaveOutFromTheClassAndSaysSo) {
   EXPECT_EQ(pen.description.output_dof, 6U);
   EXPECT_EQ(pen.assumed.size(), 10U);
   EXPECT_TRUE(assumed_sentence(pen).contains("stylus: delay_s 0.001, ")) << assumed_sentence(pen);
-  const DeviceFile arm = parse_device_file("device: a\ngrip: arm\nmass_kg: 2\nrotation: {inertia_kg_m2: 0.2}\n" + sheet, "a.yaml");
+  const DeviceFile arm = parse_device_file(
+      "device: a\ngrip: arm\nmass_kg: 2\nrotation: {inertia_kg_m2: 0.2}\n" + sheet, "a.yaml");
   EXPECT_EQ(arm.description.delay_s, 0.002);
   EXPECT_EQ(arm.description.inertia_max_kg_m2, 0.2);
   EXPECT_EQ(arm.assumed.size(), 9U);
   EXPECT_EQ(assumed_sentence(parse_device_file(kArm, "a.yaml")), "");
-  for (const DeviceFile* file : {&pen, &arm}) EXPECT_EQ(what_is_wrong(file->description), "");
+  for (const DeviceFile* file : {&pen, &arm})
+    EXPECT_EQ(what_is_wrong(file->description), "");
 }
 
 TEST(DeviceFile, ReadsEveryKeyOfItsOwnDocumentation) {
   for (const Key& key : keys::device_file.keys) {
-    if (key.kind == KeyKind::kMap || key.name == "workspace_m" || key.name == "force_bandwidth_hz") continue;
-    EXPECT_EQ(device_figure(key.name).pen_standard.has_value(), key.rule == KeyRule::kOptional) << key.name;
+    if (key.kind == KeyKind::kMap || key.name == "workspace_m" || key.name == "force_bandwidth_hz")
+      continue;
+    EXPECT_EQ(device_figure(key.name).pen_standard.has_value(), key.rule == KeyRule::kOptional)
+        << key.name;
   }
-  for (const Key& key : keys::device_rotation.keys) EXPECT_TRUE(device_figure(key.name).arm_standard) << key.name;
+  for (const Key& key : keys::device_rotation.keys)
+    EXPECT_TRUE(device_figure(key.name).arm_standard) << key.name;
 }
 
 TEST(DeviceFile, SaysWhereAMotionLeavesTheWorkspace) {
@@ -226,7 +247,9 @@ TEST(DeviceFile, SaysWhereAMotionLeavesTheWorkspace) {
   motion.path = {Vec3(0, 0, 0), Vec3(0.1, 0, 0)};
   EXPECT_EQ(beyond_workspace(motion, {0.1, 0.05, 0.05}, "d"), "");
   const std::string beyond = beyond_workspace(motion, {0.05, 0.05, 0.05}, "d");
-  for (const char* fact : {" 0.1 x 0 x 0 m ", " d is 0.05 x 0.05 x 0.05 m", "position_scale", " 2 times "}) EXPECT_TRUE(beyond.contains(fact)) << beyond;
+  for (const char* fact :
+       {" 0.1 x 0 x 0 m ", " d is 0.05 x 0.05 x 0.05 m", "position_scale", " 2 times "})
+    EXPECT_TRUE(beyond.contains(fact)) << beyond;
   motion.circle_centre = Vec3(0.1, 0.1, 0);  // a circle of 0.1 m about it
   EXPECT_EQ(beyond_workspace(motion, {0.3, 0.3, 0.1}, "d"), "");
   EXPECT_NE(beyond_workspace(motion, {0.3, 0.15, 0.1}, "d"), "");

@@ -6,12 +6,14 @@ namespace {
 using EffectsSection = SceneFolder;
 
 TEST_F(EffectsSection, EveryKeyArrivesWhereItBelongs) {
-  const Scene s = parse(
-      kSmall +
-      "effects:\n"
-      "  - {viscosity: {damping_ns_per_m: 1.5, damping_nms_per_rad: 0.02}, name: oil, gain: 0.5, on: false,\n"
-      "     region: {box: {size: [0.1, 0.2, 0.3], position: [1, 2, 3], orientation: [0, 1, 0, 0]}, blend_m: 0.004}}\n"
-      "  - {viscosity: {damping_ns_per_m: 2}, region: {sphere: {centre: [4, 5, 6], radius: 0.1}}}\n");
+  const Scene s = parse(kSmall +
+                        "effects:\n"
+                        "  - {viscosity: {damping_ns_per_m: 1.5, damping_nms_per_rad: 0.02}, name: "
+                        "oil, gain: 0.5, on: false,\n"
+                        "     region: {box: {size: [0.1, 0.2, 0.3], position: [1, 2, 3], "
+                        "orientation: [0, 1, 0, 0]}, blend_m: 0.004}}\n"
+                        "  - {viscosity: {damping_ns_per_m: 2}, region: {sphere: {centre: [4, 5, "
+                        "6], radius: 0.1}}}\n");
   ASSERT_EQ(s.effects.size(), 2u);
   const effects::EffectSpec& oil = s.effects[0];
   EXPECT_EQ(oil.name, "oil");

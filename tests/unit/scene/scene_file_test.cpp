@@ -108,17 +108,25 @@ TEST_F(SceneFile, FieldWithoutAStiffnessIsAVirtualToolAndWithOneForcesOfDepth) {
   EXPECT_TRUE(with_contact("model: field").virtual_tool());
   EXPECT_TRUE(with_contact("rendering: virtual_tool").virtual_tool());
   EXPECT_FALSE(with_contact("model: field, stiffness_n_per_m3: 1e6").virtual_tool());
-  EXPECT_FALSE(with_contact("model: field, rendering: penalty, stiffness_n_per_m3: 1e6").virtual_tool());
+  EXPECT_FALSE(
+      with_contact("model: field, rendering: penalty, stiffness_n_per_m3: 1e6").virtual_tool());
   EXPECT_FALSE(with_contact("model: adapted, stiffness_n_per_m: 10").virtual_tool());
-  EXPECT_EQ(with_contact("model: adapted, stiffness_n_per_m: 10").contact.rendering, RenderingKind::kPenalty);
-  EXPECT_EQ(with_contact("model: adapted, stiffness_n_per_m: 10, rendering: model_alone").contact.rendering, RenderingKind::kModelAlone);
-  EXPECT_EQ(with_contact("model: field, stiffness_n_per_m3: 1e6, rendering: model_alone").contact.rendering, RenderingKind::kModelAlone);
+  EXPECT_EQ(with_contact("model: adapted, stiffness_n_per_m: 10").contact.rendering,
+            RenderingKind::kPenalty);
+  EXPECT_EQ(with_contact("model: adapted, stiffness_n_per_m: 10, rendering: model_alone")
+                .contact.rendering,
+            RenderingKind::kModelAlone);
+  EXPECT_EQ(with_contact("model: field, stiffness_n_per_m3: 1e6, rendering: model_alone")
+                .contact.rendering,
+            RenderingKind::kModelAlone);
 }
 
-TEST_F(SceneFile, AKeyThatIsLeftOutMeansTheSameInTheTableOfKeysAndInTheValuesThatAreMadeWithoutAScene) {
-  const Scene s = parse(kSmall +
-                        "coupling: {}\ndevice: {}\nmotions: {m: {path: [[0, 0, 0]]}}\neffects: [{viscosity: "
-                        "{damping_ns_per_m: 1}, region: {sphere: {centre: [0, 0, 0], radius: 1}}}]\n");
+TEST_F(SceneFile,
+       AKeyThatIsLeftOutMeansTheSameInTheTableOfKeysAndInTheValuesThatAreMadeWithoutAScene) {
+  const Scene s =
+      parse(kSmall +
+            "coupling: {}\ndevice: {}\nmotions: {m: {path: [[0, 0, 0]]}}\neffects: [{viscosity: "
+            "{damping_ns_per_m: 1}, region: {sphere: {centre: [0, 0, 0], radius: 1}}}]\n");
   const coupling::CouplingSpec coupling;
   EXPECT_EQ(s.coupling.damping_ratio, coupling.damping_ratio);
   EXPECT_EQ(s.coupling.gain, coupling.gain);
@@ -155,7 +163,8 @@ TEST_F(SceneFile, AKeyThatIsLeftOutMeansTheSameInTheTableOfKeysAndInTheValuesTha
 }
 
 TEST_F(SceneFile, OtherCouplingsTakeTheirOwnKeys) {
-  const Scene s = parse(kSmall + "coupling: {kind: spring_damper, stiffness_n_per_m: 300, damping_ns_per_m: 0}\n");
+  const Scene s = parse(
+      kSmall + "coupling: {kind: spring_damper, stiffness_n_per_m: 300, damping_ns_per_m: 0}\n");
   EXPECT_EQ(s.coupling.kind, "spring_damper");
   EXPECT_EQ(s.coupling.stiffness_n_per_m, 300);
   EXPECT_EQ(s.coupling.damping_ns_per_m, 0);
@@ -165,7 +174,8 @@ TEST_F(SceneFile, OtherCouplingsTakeTheirOwnKeys) {
 TEST_F(SceneFile, WarnsOfACutoffNearTheSampleRate) {
   const Scene s = parse(kSmall + "coupling: {cutoff_hz: 200}\n");
   ASSERT_EQ(s.warnings.size(), 1U);
-  EXPECT_NE(s.warnings[0].find("s.yaml:6:23: cutoff_hz is 200"), std::string::npos) << s.warnings[0];
+  EXPECT_NE(s.warnings[0].find("s.yaml:6:23: cutoff_hz is 200"), std::string::npos)
+      << s.warnings[0];
 }
 
 TEST_F(SceneFile, NumbersMayBeWrittenInEveryPlainWay) {
@@ -178,7 +188,8 @@ TEST_F(SceneFile, NumbersMayBeWrittenInEveryPlainWay) {
 TEST_F(SceneFile, LineEndsOfWindowsAndAByteOrderMarkAreRead) {
   std::string text = "\xEF\xBB\xBF";
   for (const char c : kFull) {
-    if (c == '\n') text.push_back('\r');
+    if (c == '\n')
+      text.push_back('\r');
     text.push_back(c);
   }
   EXPECT_EQ(parse(text).motions.size(), 2U);
@@ -189,7 +200,8 @@ TEST_F(SceneFile, NoLocaleChangesANumber) {
   const std::string before = std::setlocale(LC_ALL, nullptr);
   const char* found = nullptr;
   for (const char* name : {"de_DE.UTF-8", "de_DE.utf8", "de_DE", "fr_FR.UTF-8", "ru_RU.UTF-8"})
-    if (found == nullptr) found = std::setlocale(LC_ALL, name);
+    if (found == nullptr)
+      found = std::setlocale(LC_ALL, name);
   if (found == nullptr) {
     // None installed: make one in the test's folder.
     std::string make = "localedef -i de_DE -f UTF-8 '";
@@ -199,7 +211,8 @@ TEST_F(SceneFile, NoLocaleChangesANumber) {
       found = std::setlocale(LC_ALL, "de_DE.UTF-8");
     }
   }
-  ASSERT_NE(found, nullptr) << "no locale with a decimal comma: is the package 'locales' of deploy/packages.txt installed?";
+  ASSERT_NE(found, nullptr) << "no locale with a decimal comma: is the package 'locales' of "
+                               "deploy/packages.txt installed?";
   EXPECT_EQ(std::string(std::localeconv()->decimal_point), ",") << "the locale is in force";
   const Scene s = parse(kFull);
   std::string message;
@@ -212,7 +225,8 @@ TEST_F(SceneFile, NoLocaleChangesANumber) {
   unsetenv("LOCPATH");
   EXPECT_EQ(s.voxel_size_m, 0.002);
   EXPECT_EQ(s.contact.stiffness_n_per_m, 12.5);
-  EXPECT_NE(message.find("-0.5"), std::string::npos) << "messages keep the point as well: " << message;
+  EXPECT_NE(message.find("-0.5"), std::string::npos)
+      << "messages keep the point as well: " << message;
   EXPECT_EQ(s.hash, parse(kFull).hash);
 }
 
@@ -224,7 +238,8 @@ TEST_F(SceneFile, HashTellsContentAndNotPlace) {
   EXPECT_EQ(parse(kFull).hash, hash);
   const auto other = folder_ / "elsewhere";
   std::filesystem::create_directory(other);
-  for (const char* name : {"s.yaml", "a.obj", "b.obj"}) std::filesystem::copy_file(folder_ / name, other / name);
+  for (const char* name : {"s.yaml", "a.obj", "b.obj"})
+    std::filesystem::copy_file(folder_ / name, other / name);
   std::filesystem::rename(other / "s.yaml", other / "renamed.yaml");
   EXPECT_EQ(load_scene(other / "renamed.yaml").hash, hash);
   EXPECT_NE(parse(kFull + "# a comment\n").hash, hash);
@@ -241,7 +256,8 @@ TEST(SceneHash, IsFnv1aOverPartsWithTheirLengths) {
   SceneHash known;  // FNV-1a of "a" followed by its length 1 in eight bytes
   known.add("a");
   std::uint64_t h = 0xcbf29ce484222325ULL;
-  for (const std::uint64_t c : {0x61, 1, 0, 0, 0, 0, 0, 0, 0}) h = (h ^ c) * 0x100000001b3ULL;
+  for (const std::uint64_t c : {0x61, 1, 0, 0, 0, 0, 0, 0, 0})
+    h = (h ^ c) * 0x100000001b3ULL;
   char text[17];
   std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(h));
   EXPECT_EQ(known.hex(), text);
@@ -276,12 +292,20 @@ TEST_F(SceneFile, MangledScenesNeverDoWorseThanAnError) {
     for (std::size_t k = 0; k <= below(4); ++k) {
       const std::size_t at = below(text.size());
       switch (below(4)) {
-        case 0: text[at] = spice[below(spice.size())]; break;
-        case 1: text.insert(at, 1, spice[below(spice.size())]); break;
-        case 2: text.erase(at, 1 + below(20)); break;
-        default: text.insert(at, text.substr(below(text.size()), below(60)));
+        case 0:
+          text[at] = spice[below(spice.size())];
+          break;
+        case 1:
+          text.insert(at, 1, spice[below(spice.size())]);
+          break;
+        case 2:
+          text.erase(at, 1 + below(20));
+          break;
+        default:
+          text.insert(at, text.substr(below(text.size()), below(60)));
       }
-      if (text.empty()) text.push_back('x');
+      if (text.empty())
+        text.push_back('x');
     }
     try {
       const Scene s = parse(text);

@@ -14,4 +14,11 @@ import jsonschema
 schema, values = (json.loads(pathlib.Path(name).read_text()) for name in sys.argv[1:])
 jsonschema.Draft202012Validator.check_schema(schema)
 validator = jsonschema.Draft202012Validator(schema)
-print(json.dumps([[f"{error.json_path}: {error.message}" for error in validator.iter_errors(value)] for value in values]))
+print(
+    json.dumps(
+        [
+            [f"{error.json_path}: {error.message}" for error in validator.iter_errors(value)]
+            for value in values
+        ]
+    )
+)

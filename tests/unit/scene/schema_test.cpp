@@ -1,4 +1,5 @@
-/// The schema for editors against the reader: the same keys, both ways, and nothing refused that the reader takes.
+/// The schema for editors against the reader: the same keys, both ways, and nothing refused that
+/// the reader takes.
 #include "core/scene/schema.hpp"
 
 #include <algorithm>
@@ -26,42 +27,57 @@ std::string text_of(const std::filesystem::path& file) {
 }
 std::vector<std::filesystem::path> shipped_scenes() {
   std::vector<std::filesystem::path> files;
-  for (const auto& entry : std::filesystem::directory_iterator(std::string(VOXTOUCH_DEPLOY) + "/scenes"))
-    if (entry.path().extension() == ".yaml") files.push_back(entry.path());
+  for (const auto& entry :
+       std::filesystem::directory_iterator(std::string(VOXTOUCH_DEPLOY) + "/scenes"))
+    if (entry.path().extension() == ".yaml")
+      files.push_back(entry.path());
   return files;
 }
 std::string joined(const std::vector<std::string>& lines) {
   std::string text;
-  for (const std::string& line : lines) text += line + "\n";
+  for (const std::string& line : lines)
+    text += line + "\n";
   return text;
 }
 
 const Json& resolved(const Json& node) {
-  return node.contains("$ref") ? schema().at(Json::json_pointer(node["$ref"].get<std::string>().substr(1))) : node;
+  return node.contains("$ref")
+             ? schema().at(Json::json_pointer(node["$ref"].get<std::string>().substr(1)))
+             : node;
 }
 
-/// The keys of which an object has exactly one; a key that makes all of them superfluous is none of them.
+/// The keys of which an object has exactly one; a key that makes all of them superfluous is none of
+/// them.
 std::vector<std::string> alternatives(const Json& object) {
   std::vector<std::string> keys;
   if (object.contains("oneOf"))
     for (const Json& one : object["oneOf"])
-      if (!one.contains("not")) keys.push_back(one["required"][0]);
+      if (!one.contains("not"))
+        keys.push_back(one["required"][0]);
   return keys;
 }
 
 /// A value that the reader takes at this place, with no key that may be left out.
 Json least(const Json& place) {
-  if (place.contains("default")) return place["default"];
+  if (place.contains("default"))
+    return place["default"];
   const Json& node = resolved(place);
-  if (node.contains("enum")) return node["enum"][0];
-  const std::string type = node.contains("type") && node["type"].is_string() ? node["type"] : Json("string");
-  if (type == "string") return "a.obj";
-  if (type == "boolean") return true;
-  if (type == "number" || type == "integer") return node.value("minimum", 0.0) > 0.0 ? node["minimum"] : Json(1);
+  if (node.contains("enum"))
+    return node["enum"][0];
+  const std::string type =
+      node.contains("type") && node["type"].is_string() ? node["type"] : Json("string");
+  if (type == "string")
+    return "a.obj";
+  if (type == "boolean")
+    return true;
+  if (type == "number" || type == "integer")
+    return node.value("minimum", 0.0) > 0.0 ? node["minimum"] : Json(1);
   if (type == "array") {
-    if (node["minItems"] == 3) return {0, 0, 1};
+    if (node["minItems"] == 3)
+      return {0, 0, 1};
     Json list = Json::array();
-    for (int n = 0; n < node.value("minItems", 0); ++n) list.push_back(least(node["items"]));
+    for (int n = 0; n < node.value("minItems", 0); ++n)
+      list.push_back(least(node["items"]));
     return list;
   }
   Json object = Json::object();
@@ -83,8 +99,10 @@ Json with(const Json& object, const std::string& key, const Json& value) {
   Json out = least(object);
   const std::vector<std::string> one = alternatives(object);
   if (std::find(one.begin(), one.end(), key) != one.end())
-    for (const std::string& other : one) out.erase(other);
-  if (key == "hand") out["design"] = "auto";  // a hand is read where a design is asked for
+    for (const std::string& other : one)
+      out.erase(other);
+  if (key == "hand")
+    out["design"] = "auto";  // a hand is read where a design is asked for
   out[key] = value;
   return out;
 }
@@ -96,10 +114,12 @@ void walk(const Json& place, const std::string& at, const Wrap& wrap, const Visi
     visit(at, node, wrap);
     for (const auto& [key, sub] : node["properties"].items())
       walk(
-          sub, at + "/" + key, [&, k = key](const Json& value) { return wrap(with(node, k, value)); }, visit);
+          sub, at + "/" + key,
+          [&, k = key](const Json& value) { return wrap(with(node, k, value)); }, visit);
   } else if (node.contains("items")) {
     walk(
-        node["items"], at + "[]", [&](const Json& value) { return wrap(Json::array({value})); }, visit);
+        node["items"], at + "[]", [&](const Json& value) { return wrap(Json::array({value})); },
+        visit);
   } else if (node.contains("additionalProperties")) {
     walk(
         node["additionalProperties"], at + "/m",
@@ -108,7 +128,8 @@ void walk(const Json& place, const std::string& at, const Wrap& wrap, const Visi
         },
         visit);
   } else if (node.contains("oneOf")) {
-    for (const Json& one : node["oneOf"]) walk(one, at, wrap, visit);
+    for (const Json& one : node["oneOf"])
+      walk(one, at, wrap, visit);
   }
 }
 void walk_all(const Visit& visit) {
@@ -120,11 +141,13 @@ void walk_all(const Visit& visit) {
 std::string yaml(const Json& value) {
   std::string text;
   if (value.is_object()) {
-    for (const auto& [key, sub] : value.items()) text += (text.empty() ? "" : ", ") + key + ": " + yaml(sub);
+    for (const auto& [key, sub] : value.items())
+      text += (text.empty() ? "" : ", ") + key + ": " + yaml(sub);
     return "{" + text + "}";
   }
   if (value.is_array()) {
-    for (const Json& sub : value) text += (text.empty() ? "" : ", ") + yaml(sub);
+    for (const Json& sub : value)
+      text += (text.empty() ? "" : ", ") + yaml(sub);
     return "[" + text + "]";
   }
   return value.is_string() ? value.get<std::string>() : value.dump();
@@ -158,12 +181,15 @@ TEST_F(Schema, HoldsForEachShippedSceneWhichNamesItInItsFirstLine) {
     scenes.push_back(test::to_json(parse_yaml(text, file)));
   }
   const auto wrong = violations(schema(), scenes);
-  for (std::size_t n = 0; n < files.size(); ++n) EXPECT_EQ(joined(wrong[n]), "") << files[n];
+  for (std::size_t n = 0; n < files.size(); ++n)
+    EXPECT_EQ(joined(wrong[n]), "") << files[n];
 }
 
 TEST_F(Schema, HoldsForASceneWithAllKeysAndForTheLeastOne) {
-  const auto wrong = violations(schema(), {test::to_json(parse_yaml(kFull, "s.yaml")), test::to_json(parse_yaml(kSmall, "s.yaml"))});
-  for (const auto& one : wrong) EXPECT_EQ(joined(one), "");
+  const auto wrong = violations(schema(), {test::to_json(parse_yaml(kFull, "s.yaml")),
+                                           test::to_json(parse_yaml(kSmall, "s.yaml"))});
+  for (const auto& one : wrong)
+    EXPECT_EQ(joined(one), "");
   EXPECT_EQ(said(least(schema())), "");
 }
 
@@ -177,8 +203,10 @@ TEST_F(Schema, NamesAtEachPlaceTheKeysThatTheReaderAllowsAndNoOthers) {
     ASSERT_NE(list, std::string::npos) << error;
     std::set<std::string> reader, named;
     std::stringstream words(error.substr(list + 9, error.rfind('.') - list - 9));
-    for (std::string word; std::getline(words >> std::ws, word, ',');) reader.insert(word);
-    for (const auto& [key, unused] : object["properties"].items()) named.insert(key);
+    for (std::string word; std::getline(words >> std::ws, word, ',');)
+      reader.insert(word);
+    for (const auto& [key, unused] : object["properties"].items())
+      named.insert(key);
     EXPECT_EQ(reader, named);
     ++places;
   });
@@ -188,7 +216,8 @@ TEST_F(Schema, NamesAtEachPlaceTheKeysThatTheReaderAllowsAndNoOthers) {
 TEST_F(Schema, RequiresTheKeysThatTheReaderMisses) {
   walk_all([&](const std::string& at, const Json& object, const Wrap& wrap) {
     SCOPED_TRACE(at);
-    EXPECT_EQ(said(wrap(least(object))).find("is missing"), std::string::npos) << said(wrap(least(object)));
+    EXPECT_EQ(said(wrap(least(object))).find("is missing"), std::string::npos)
+        << said(wrap(least(object)));
     for (const std::string key : object["required"]) {
       Json without = least(object);
       without.erase(key);
@@ -200,8 +229,20 @@ TEST_F(Schema, RequiresTheKeysThatTheReaderMisses) {
 }
 
 TEST_F(Schema, RefusesNothingThatTheReaderTakes) {
-  const std::vector<Json> candidates = {
-      -1, 0, 0.5, 1, 2, 32, 1e9, "word", "auto", true, Json::array(), {1, 0, 0}, {1, 0, 0, 0}, Json::object()};
+  const std::vector<Json> candidates = {-1,
+                                        0,
+                                        0.5,
+                                        1,
+                                        2,
+                                        32,
+                                        1e9,
+                                        "word",
+                                        "auto",
+                                        true,
+                                        Json::array(),
+                                        {1, 0, 0},
+                                        {1, 0, 0, 0},
+                                        Json::object()};
   int refused = 0;
   Json accepted = Json::array();
   std::vector<std::string> places;
@@ -220,7 +261,8 @@ TEST_F(Schema, RefusesNothingThatTheReaderTakes) {
   EXPECT_GT(refused, 1000);
   ASSERT_GT(accepted.size(), 100U);
   const auto wrong = violations(schema(), accepted);
-  for (std::size_t n = 0; n < wrong.size(); ++n) EXPECT_EQ(joined(wrong[n]), "") << places[n];
+  for (std::size_t n = 0; n < wrong.size(); ++n)
+    EXPECT_EQ(joined(wrong[n]), "") << places[n];
 }
 
 TEST_F(Schema, SeesTheSlipsThatEditorsAreToShow) {
@@ -240,7 +282,8 @@ TEST_F(Schema, SeesTheSlipsThatEditorsAreToShow) {
       {"stiffness_n_per_m: 10", "model: field, stiffness_n_per_m3: 10", false},
       {"stiffness_n_per_m: 10", "model: field, rendering: penalty"},
       {"stiffness_n_per_m: 10", "model: adapted"},
-      {"stiffness_n_per_m: 10", "model: adapted, stiffness_n_per_m: 10, rendering: model_alone", false},
+      {"stiffness_n_per_m: 10", "model: adapted, stiffness_n_per_m: 10, rendering: model_alone",
+       false},
       {"stiffness_n_per_m: 10", "model: adapted, rendering: model_alone"},
       {"contact:", "effects: [{gravity: {}}]\ncontact:"},
       {"contact:", "effects: [{viscosity: {}}]\ncontact:"},
@@ -260,7 +303,8 @@ TEST_F(Schema, SeesTheSlipsThatEditorsAreToShow) {
     scenes.push_back(test::to_json(parse_yaml(text, "s.yaml")));
   }
   const auto wrong = violations(schema(), scenes);
-  for (std::size_t n = 0; n < slips.size(); ++n) EXPECT_EQ(!wrong[n].empty(), slips[n].wrong) << slips[n].to;
+  for (std::size_t n = 0; n < slips.size(); ++n)
+    EXPECT_EQ(!wrong[n].empty(), slips[n].wrong) << slips[n].to;
 }
 
 }  // namespace

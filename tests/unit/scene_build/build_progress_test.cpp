@@ -10,13 +10,22 @@ namespace {
 using scene_build::in_words;
 
 TEST(BuildProgress, SaysTheShareAndWhatTheRestMayTake) {
-  EXPECT_EQ(in_words({.name = "field", .for_s = 9.0, .loop = 2, .loop_s = 4.0, .done = 40, .count = 100}),
-            "field, loop 2: 40 %, about 6 s more");
-  EXPECT_EQ(in_words({.name = "field", .for_s = 9.0, .loop = 1, .loop_s = 4.0, .done = 999, .count = 1000}),
-            "field, loop 1: 99 %, about 1 s more");
-  EXPECT_EQ(in_words({.name = "voxmap", .for_s = 9.0, .loop = 1, .loop_s = 8.0, .done = 1000, .count = 1000}), "voxmap: 9 s so far") << "what follows the loop has no share";
+  EXPECT_EQ(
+      in_words({.name = "field", .for_s = 9.0, .loop = 2, .loop_s = 4.0, .done = 40, .count = 100}),
+      "field, loop 2: 40 %, about 6 s more");
+  EXPECT_EQ(
+      in_words(
+          {.name = "field", .for_s = 9.0, .loop = 1, .loop_s = 4.0, .done = 999, .count = 1000}),
+      "field, loop 1: 99 %, about 1 s more");
+  EXPECT_EQ(
+      in_words(
+          {.name = "voxmap", .for_s = 9.0, .loop = 1, .loop_s = 8.0, .done = 1000, .count = 1000}),
+      "voxmap: 9 s so far")
+      << "what follows the loop has no share";
   EXPECT_EQ(in_words({.name = "meshes", .for_s = 3.1}), "meshes: 3 s so far");
-  EXPECT_EQ(in_words({.name = "voxmap", .for_s = 2.0, .loop = 1, .loop_s = 1.0, .done = 0, .count = 10}), "voxmap: 2 s so far");
+  EXPECT_EQ(
+      in_words({.name = "voxmap", .for_s = 2.0, .loop = 1, .loop_s = 1.0, .done = 0, .count = 10}),
+      "voxmap: 2 s so far");
 }
 
 TEST(BuildProgress, CountsTheBodiesOfEachLoopOnAnyNumberOfThreads) {
@@ -32,7 +41,12 @@ TEST(BuildProgress, CountsTheBodiesOfEachLoopOnAnyNumberOfThreads) {
   loop(7, [](std::size_t) {});
   EXPECT_EQ(progress.so_far().loop, 2U);
   EXPECT_EQ(progress.so_far().done, 7U);
-  EXPECT_THROW(loop(5, [](std::size_t i) { if (i == 2) throw std::runtime_error("stopped"); }), std::runtime_error);
+  EXPECT_THROW(loop(5,
+                    [](std::size_t i) {
+                      if (i == 2)
+                        throw std::runtime_error("stopped");
+                    }),
+               std::runtime_error);
   progress.begin_step("pointshell");
   EXPECT_EQ(progress.so_far().name, "pointshell");
   EXPECT_EQ(progress.so_far().loop, 0U);

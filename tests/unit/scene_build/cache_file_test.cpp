@@ -23,14 +23,17 @@ class CacheFile : public testing::Test {
  protected:
   CacheFile() : file_(folder_ / "a.scene") {
     std::mt19937_64 random(3);
-    for (int n = 0; n < 1000; ++n) content_ += static_cast<char>(random());
+    for (int n = 0; n < 1000; ++n)
+      content_ += static_cast<char>(random());
     scene_build::write_cache_file(file_, kRecipe, content_);
   }
   std::string bytes() const {
     std::ifstream in(file_, std::ios::binary);
     return {std::istreambuf_iterator<char>(in), {}};
   }
-  void put(const std::string& bytes) const { std::ofstream(file_, std::ios::binary | std::ios::trunc) << bytes; }
+  void put(const std::string& bytes) const {
+    std::ofstream(file_, std::ios::binary | std::ios::trunc) << bytes;
+  }
   std::string why_not(const std::string& recipe = kRecipe, std::uint64_t most = kMax) const {
     try {
       EXPECT_TRUE(read_cache_file(file_, recipe, most).memory != nullptr);
@@ -47,13 +50,15 @@ class CacheFile : public testing::Test {
 
 TEST_F(CacheFile, GivesBackWhatWasWrittenAndIsThisUsersAlone) {
   EXPECT_TRUE(read_cache_file(file_, kRecipe, kMax).content == content_);
-  struct stat is{};
+  struct stat is {};
   ASSERT_EQ(::stat(file_.c_str(), &is), 0);
   EXPECT_EQ(is.st_mode & 0777, 0600U);
   EXPECT_EQ(file_count(folder_.path()), 1U) << "nothing is left beside it";
 }
 
-TEST_F(CacheFile, ThatIsNotThereIsNoFault) { EXPECT_EQ(read_cache_file(folder_ / "none.scene", kRecipe, kMax).memory, nullptr); }
+TEST_F(CacheFile, ThatIsNotThereIsNoFault) {
+  EXPECT_EQ(read_cache_file(folder_ / "none.scene", kRecipe, kMax).memory, nullptr);
+}
 
 TEST_F(CacheFile, IsRefusedWithAnyBitOfItChanged) {
   const std::string whole = bytes();

@@ -1,4 +1,5 @@
-// The folder of built scenes: bounded, shared by programs that start together, and no fault where it cannot be used.
+// The folder of built scenes: bounded, shared by programs that start together, and no fault where
+// it cannot be used.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -33,7 +34,10 @@ TEST(SceneDiskCache, ReplacesAFileThatIsNotRight) {
   const TemporaryFolder folder;
   DiskCache cache(folder.path(), 10'000, "test");
   cache.keep("one", "built one");
-  std::ofstream(cache.file_of("one"), std::ios::binary | std::ios::in | std::ios::out).seekp(40).put('\x55').put('\x66');
+  std::ofstream(cache.file_of("one"), std::ios::binary | std::ios::in | std::ios::out)
+      .seekp(40)
+      .put('\x55')
+      .put('\x66');
   EXPECT_EQ(cache.find("one").memory, nullptr);
   cache.keep("one", "built one");
   EXPECT_EQ(cache.find("one").content, "built one");
@@ -44,14 +48,18 @@ TEST(SceneDiskCache, ForgetsWhatWasUsedLongestAgo) {
   DiskCache cache(folder.path(), 4'000, "test");
   const std::string kilo(1'000, 'x');
   const auto used = [&](const std::string& recipe, int hours_ago) {
-    std::filesystem::last_write_time(cache.file_of(recipe), std::filesystem::file_time_type::clock::now() - std::chrono::hours(hours_ago));
+    std::filesystem::last_write_time(
+        cache.file_of(recipe),
+        std::filesystem::file_time_type::clock::now() - std::chrono::hours(hours_ago));
   };
-  for (const char* recipe : {"a", "b", "c"}) cache.keep(recipe, kilo);
+  for (const char* recipe : {"a", "b", "c"})
+    cache.keep(recipe, kilo);
   used("a", 3), used("b", 2), used("c", 1);
   EXPECT_NE(cache.find("a").memory, nullptr);  // used now
   cache.keep("d", kilo);                       // more than 4000 bytes with their heads
   EXPECT_FALSE(std::filesystem::exists(cache.file_of("b")));
-  for (const char* recipe : {"a", "c", "d"}) EXPECT_NE(cache.find(recipe).memory, nullptr) << recipe;
+  for (const char* recipe : {"a", "c", "d"})
+    EXPECT_NE(cache.find(recipe).memory, nullptr) << recipe;
   cache.keep("larger than all", std::string(5'000, 'x'));
   EXPECT_EQ(file_count(folder.path()), 3U);
   cache.keep("whole", std::string(3'900, 'x'));
@@ -62,9 +70,14 @@ TEST(SceneDiskCache, ForgetsWhatWasUsedLongestAgo) {
 TEST(SceneDiskCache, ClearsWhatProgramsThatWereEndedLeft) {
   const TemporaryFolder folder;
   DiskCache cache(folder.path(), 4'000, "test");
-  const std::filesystem::path old = cache.file_of("a").string() + ".AbCdEf", fresh = cache.file_of("a").string() + ".GhIjKl", other = folder / "notes.txt";
-  for (const auto& file : {old, fresh, other}) std::ofstream(file) << "half";
-  for (const auto& file : {old, other}) std::filesystem::last_write_time(file, std::filesystem::file_time_type::clock::now() - std::chrono::hours(2));
+  const std::filesystem::path old = cache.file_of("a").string() + ".AbCdEf",
+                              fresh = cache.file_of("a").string() + ".GhIjKl",
+                              other = folder / "notes.txt";
+  for (const auto& file : {old, fresh, other})
+    std::ofstream(file) << "half";
+  for (const auto& file : {old, other})
+    std::filesystem::last_write_time(
+        file, std::filesystem::file_time_type::clock::now() - std::chrono::hours(2));
   cache.keep("b", "built");
   EXPECT_FALSE(std::filesystem::exists(old));
   EXPECT_TRUE(std::filesystem::exists(fresh) && std::filesystem::exists(other));
@@ -72,7 +85,9 @@ TEST(SceneDiskCache, ClearsWhatProgramsThatWereEndedLeft) {
 
 TEST(SceneDiskCache, ServesManyAtOnceThatWriteReadAndForget) {
   const TemporaryFolder folder;
-  const auto content_of = [](int number) { return std::string(20'000, static_cast<char>('a' + number)); };
+  const auto content_of = [](int number) {
+    return std::string(20'000, static_cast<char>('a' + number));
+  };
   std::atomic<int> wrong{0}, found{0};
   std::vector<std::thread> programs;
   for (int p = 0; p < 6; ++p)
@@ -87,10 +102,12 @@ TEST(SceneDiskCache, ServesManyAtOnceThatWriteReadAndForget) {
           cache.keep(recipe, content_of(which));
       }
     });
-  for (std::thread& program : programs) program.join();
+  for (std::thread& program : programs)
+    program.join();
   EXPECT_EQ(wrong, 0);
   EXPECT_GT(found, 0);
-  for (const auto& entry : std::filesystem::directory_iterator(folder.path())) EXPECT_EQ(entry.path().extension(), ".scene");
+  for (const auto& entry : std::filesystem::directory_iterator(folder.path()))
+    EXPECT_EQ(entry.path().extension(), ".scene");
   EXPECT_LE(file_count(folder.path()), 5U);
 }
 
@@ -122,7 +139,8 @@ TEST(SceneDiskCache, LiesWhereTheUserHasSuchThings) {
 }
 
 TEST(SceneDiskCache, IsNotOpenedWhereItIsOff) {
-  EXPECT_EQ(scene_build::open_cache({}, "test"), nullptr) << "no test may find what another one built";
+  EXPECT_EQ(scene_build::open_cache({}, "test"), nullptr)
+      << "no test may find what another one built";
   ::unsetenv("VOXTOUCH_NO_CACHE");
   EXPECT_NE(scene_build::open_cache({}, "test"), nullptr);
   EXPECT_EQ(scene_build::open_cache({.off = true}, "test"), nullptr);

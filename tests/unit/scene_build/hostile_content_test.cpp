@@ -1,4 +1,5 @@
-// Content with a right checksum that somebody else made: it is refused, or it gives a scene which every lookup stands.
+// Content with a right checksum that somebody else made: it is refused, or it gives a scene which
+// every lookup stands.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -28,7 +29,8 @@ bool stands_all_lookups(const scene::Scene& scene, rendering::BuiltScene& built)
   bool finite = true;
   for (int n = 0; n < 60; ++n) {
     rendering::ToolState tool{};
-    tool.pose.position = Vec3(0.05 * std::sin(1.7 * n), 0.05 * std::sin(2.3 * n + 1.0), 0.06 * std::sin(0.9 * n + 2.0));
+    tool.pose.position = Vec3(0.05 * std::sin(1.7 * n), 0.05 * std::sin(2.3 * n + 1.0),
+                              0.06 * std::sin(0.9 * n + 2.0));
     const rendering::SceneFrame frame = built.scene_renderer().render(tool, 0.001 * n);
     finite = finite && frame.wrench.force.allFinite() && frame.wrench.torque.allFinite();
   }
@@ -70,7 +72,8 @@ TEST_F(HostileContent, IsRefusedWhereverItIsCut) {
   ASSERT_TRUE(reads(content_));
   std::mt19937_64 random(1);
   for (std::size_t n = 0; n < 600; ++n) {
-    const std::size_t most = n < 300 ? std::min<std::size_t>(content_.size(), 300) : content_.size();
+    const std::size_t most =
+        n < 300 ? std::min<std::size_t>(content_.size(), 300) : content_.size();
     EXPECT_FALSE(reads(content_.substr(0, n < 300 ? n : random() % most)));
   }
   EXPECT_FALSE(reads(content_ + '\0'));
@@ -86,24 +89,27 @@ TEST_F(HostileContent, WithAnyBytesChangedIsRefusedOrStandsAllLookups) {
     // Numbers of all kinds lie at both ends; in between there are rows of them.
     const std::size_t reach = n % 2 == 0 ? 256 : changed.size();
     for (std::size_t k = 0, count = 1 + random() % 3; k < count; ++k) {
-      const std::size_t at = random() % reach, place = random() % 2 == 0 ? at : changed.size() - 1 - at;
+      const std::size_t at = random() % reach,
+                        place = random() % 2 == 0 ? at : changed.size() - 1 - at;
       constexpr char kBytes[] = {'\0', '\x01', '\x7f', '\x80', '\xff', '\xf0'};
-      changed[place] = random() % 2 == 0 ? static_cast<char>(changed[place] ^ (1 << random() % 8)) : kBytes[random() % std::size(kBytes)];
+      changed[place] = random() % 2 == 0 ? static_cast<char>(changed[place] ^ (1 << random() % 8))
+                                         : kBytes[random() % std::size(kBytes)];
     }
     if (!reads(changed)) {
       ++unread;
       continue;
     }
     ++read;
-    if (read % 25 == 0) ++used, refused(changed);  // a few of them at work: that takes longer
+    if (read % 25 == 0)
+      ++used, refused(changed);  // a few of them at work: that takes longer
   }
   EXPECT_GT(unread, 500U);
   EXPECT_GT(read, 500U);
   EXPECT_GT(used, 20U);
 }
 
-/// Maps and fields begin alike: grid, first voxel, cells, then the table (of a map: of blocks) with its length before it, then (of a map) the pages
-/// and the bricks likewise.
+/// Maps and fields begin alike: grid, first voxel, cells, then the table (of a map: of blocks) with
+/// its length before it, then (of a map) the pages and the bricks likewise.
 constexpr std::size_t kTable = 24 + 8 + 12 + 24 + 8;
 
 template <class T>
@@ -134,19 +140,27 @@ TEST_F(HostileContent, WhoseTableNamesABrickThatIsNotThereIsRefused) {
   const auto built = rendering::build_scene(scene_, serial_for());
   ByteWriter map, field;
   built->voxmap().put(map), built->field()->put(field);
-  ASSERT_TRUE(is_taken<voxmap::Voxmap>(map.bytes()) && is_taken<voxmap::DistanceField>(field.bytes()));
+  ASSERT_TRUE(is_taken<voxmap::Voxmap>(map.bytes()) &&
+              is_taken<voxmap::DistanceField>(field.bytes()));
   for (std::size_t entry = 0; entry < entries_of(map.bytes()); ++entry)
     for (const std::int32_t wrong : {0x7fffffff, -0x7fffffff, -1}) {
-      EXPECT_FALSE(is_taken<voxmap::Voxmap>(with(map.bytes(), kTable + 8 * entry, wrong))) << "page " << wrong;
-      EXPECT_FALSE(is_taken<voxmap::Voxmap>(with(map.bytes(), kTable + 8 * entry + 4, wrong))) << "first brick " << wrong;
+      EXPECT_FALSE(is_taken<voxmap::Voxmap>(with(map.bytes(), kTable + 8 * entry, wrong)))
+          << "page " << wrong;
+      EXPECT_FALSE(is_taken<voxmap::Voxmap>(with(map.bytes(), kTable + 8 * entry + 4, wrong)))
+          << "first brick " << wrong;
     }
   const std::size_t pages_of_map = kTable + 8 * entries_of(map.bytes()) + 8;
   for (const char wrong : {'\x3f', '\x42', '\xff'}) {
-    EXPECT_FALSE(is_taken<voxmap::Voxmap>(with(map.bytes(), pages_of_map, wrong))) << "a shared page";
-    EXPECT_FALSE(is_taken<voxmap::Voxmap>(with(map.bytes(), pages_of_map + 3 * sizeof(voxmap::Voxmap::Page), wrong))) << "a page";
+    EXPECT_FALSE(is_taken<voxmap::Voxmap>(with(map.bytes(), pages_of_map, wrong)))
+        << "a shared page";
+    EXPECT_FALSE(is_taken<voxmap::Voxmap>(
+        with(map.bytes(), pages_of_map + 3 * sizeof(voxmap::Voxmap::Page), wrong)))
+        << "a page";
   }
   for (std::size_t entry = 0; entry < entries_of(field.bytes()); entry += 7)
-    for (const std::int32_t wrong : {0x7fffffff, -0x7fffffff, -3}) EXPECT_FALSE(is_taken<voxmap::DistanceField>(with(field.bytes(), kTable + 4 * entry, wrong))) << wrong;
+    for (const std::int32_t wrong : {0x7fffffff, -0x7fffffff, -3})
+      EXPECT_FALSE(is_taken<voxmap::DistanceField>(with(field.bytes(), kTable + 4 * entry, wrong)))
+          << wrong;
 }
 
 TEST_F(HostileContent, WithAVoxelOfNoKindOrADistanceThatIsNoneIsRefused) {
@@ -156,10 +170,15 @@ TEST_F(HostileContent, WithAVoxelOfNoKindOrADistanceThatIsNoneIsRefused) {
   const std::size_t pages_of_map = kTable + 8 * entries_of(map.bytes()) + 8;
   std::uint64_t pages = 0;
   std::memcpy(&pages, map.bytes().data() + pages_of_map - 8, sizeof pages);
-  const std::size_t bricks_of_map = pages_of_map + pages * sizeof(voxmap::Voxmap::Page) + 8, bricks_of_field = kTable + 4 * entries_of(field.bytes()) + 8;
-  EXPECT_FALSE(is_taken<voxmap::Voxmap>(with(map.bytes(), bricks_of_map + 3 * sizeof(voxmap::Voxmap::Brick), ~std::uint64_t{0})));
-  for (const float wrong : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), 1e30F, -13.0F})
-    EXPECT_FALSE(is_taken<voxmap::DistanceField>(with(field.bytes(), bricks_of_field + 4 * 100, wrong))) << wrong;
+  const std::size_t bricks_of_map = pages_of_map + pages * sizeof(voxmap::Voxmap::Page) + 8,
+                    bricks_of_field = kTable + 4 * entries_of(field.bytes()) + 8;
+  EXPECT_FALSE(is_taken<voxmap::Voxmap>(
+      with(map.bytes(), bricks_of_map + 3 * sizeof(voxmap::Voxmap::Brick), ~std::uint64_t{0})));
+  for (const float wrong : {std::numeric_limits<float>::quiet_NaN(),
+                            std::numeric_limits<float>::infinity(), 1e30F, -13.0F})
+    EXPECT_FALSE(
+        is_taken<voxmap::DistanceField>(with(field.bytes(), bricks_of_field + 4 * 100, wrong)))
+        << wrong;
 }
 
 TEST_F(HostileContent, ForAnotherSceneIsRefused) {

@@ -16,7 +16,8 @@ class MemoryStore : public rendering::SceneStore {
   std::string digest(std::string_view bytes) const override { return scene_build::sha256({bytes}); }
   rendering::Kept find(const std::string& recipe) override {
     const auto found = kept.find(recipe);
-    if (found == kept.end()) return {};
+    if (found == kept.end())
+      return {};
     auto memory = std::make_unique<char[]>(found->second.size() + 1);
     std::memcpy(memory.get(), found->second.data(), found->second.size());
     rendering::Kept out;
@@ -25,7 +26,9 @@ class MemoryStore : public rendering::SceneStore {
     return out;
   }
   void refuse(const std::string&, const std::string& why) override { refused.push_back(why); }
-  void keep(const std::string& recipe, std::string_view content) override { kept[recipe] = content; }
+  void keep(const std::string& recipe, std::string_view content) override {
+    kept[recipe] = content;
+  }
   std::uint64_t most_bytes() const noexcept override { return most; }
 
   std::map<std::string, std::string> kept;

@@ -21,10 +21,14 @@ struct Recipes {
   rendering::BuildChoices choices;
   ContactModelKind model = ContactModelKind::kAdapted;
 
-  std::string of(const scene::Scene& scene) const { return rendering::recipe_of({scene, choices, model}, store); }
+  std::string of(const scene::Scene& scene) const {
+    return rendering::recipe_of({scene, choices, model}, store);
+  }
 };
 
-scene::Scene shipped(const char* name) { return scene::load_scene(std::string(VOXTOUCH_DEPLOY "/scenes/") + name + ".yaml"); }
+scene::Scene shipped(const char* name) {
+  return scene::load_scene(std::string(VOXTOUCH_DEPLOY "/scenes/") + name + ".yaml");
+}
 
 TEST(PartsRecipe, ChangesWithEachSettingThatIsBuiltIn) {
   const scene::Scene objects = shipped("objects");
@@ -32,7 +36,9 @@ TEST(PartsRecipe, ChangesWithEachSettingThatIsBuiltIn) {
   const std::string before = recipes.of(objects);
   ASSERT_FALSE(before.empty());
   std::set<std::string> all{before};
-  const auto differs = [&](const char* what, const std::string& recipe) { EXPECT_TRUE(all.insert(recipe).second) << what; };
+  const auto differs = [&](const char* what, const std::string& recipe) {
+    EXPECT_TRUE(all.insert(recipe).second) << what;
+  };
   const auto changed = [&](const char* what, const std::function<void(scene::Scene&)>& change) {
     scene::Scene other = objects;
     change(other);
@@ -40,15 +46,19 @@ TEST(PartsRecipe, ChangesWithEachSettingThatIsBuiltIn) {
   };
   changed("voxel_size", [](scene::Scene& s) { s.voxel_size_m *= 1.0000001; });
   changed("grid_origin", [](scene::Scene& s) { s.grid_origin = Vec3(0.0, 0.0, 1e-9); });
-  changed("grid_origin of an object", [](scene::Scene& s) { s.objects.at(0).grid_origin = Vec3(0.0, 1e-9, 0.0); });
+  changed("grid_origin of an object",
+          [](scene::Scene& s) { s.objects.at(0).grid_origin = Vec3(0.0, 1e-9, 0.0); });
   changed("name of an object", [](scene::Scene& s) { s.objects.at(0).name += "_"; });
   changed("object of a mesh", [](scene::Scene& s) { s.static_meshes.back().object = 0; });
   changed("scale", [](scene::Scene& s) { s.static_meshes.at(0).scale *= 1.0000001; });
   changed("position", [](scene::Scene& s) { s.static_meshes.at(0).pose.position.x() += 1e-9; });
-  changed("orientation", [](scene::Scene& s) { s.dynamic_mesh.pose.orientation = Quat(Eigen::AngleAxisd(1e-6, Vec3::UnitX())); });
+  changed("orientation", [](scene::Scene& s) {
+    s.dynamic_mesh.pose.orientation = Quat(Eigen::AngleAxisd(1e-6, Vec3::UnitX()));
+  });
   changed("scale of the tool", [](scene::Scene& s) { s.dynamic_mesh.scale *= 1.0000001; });
   changed("shell", [](scene::Scene& s) { s.shell = scene::ShellKind::kNaive; });
-  changed("virtual tool", [](scene::Scene& s) { s.contact.rendering = scene::RenderingKind::kVirtualTool; });
+  changed("virtual tool",
+          [](scene::Scene& s) { s.contact.rendering = scene::RenderingKind::kVirtualTool; });
   changed("one mesh less", [](scene::Scene& s) { s.static_meshes.pop_back(); });
   Recipes other;
   other.model = ContactModelKind::kField;
@@ -69,7 +79,8 @@ TEST(PartsRecipe, IsTheSameWhateverTheLawIs) {
   scene::Scene scene = shipped("cup");
   const std::string before = recipes.of(scene);
   EXPECT_TRUE(before == recipes.of(shipped("cup_friction")));
-  scene.contact.stiffness_n_per_m *= 2.0, scene.name = "other", scene.motions.clear(), scene.device.force_scale = 0.5;
+  scene.contact.stiffness_n_per_m *= 2.0, scene.name = "other", scene.motions.clear(),
+                                          scene.device.force_scale = 0.5;
   EXPECT_TRUE(before == recipes.of(scene));
   Recipes original;
   original.model = ContactModelKind::kOriginal;
@@ -82,10 +93,11 @@ TEST(PartsRecipe, HasTheMeshesByContentAndNotByPlace) {
     std::filesystem::create_directory(folder / name);
     std::filesystem::copy_file(VOXTOUCH_DEPLOY "/meshes/plane.obj", folder / name / "part.obj");
     std::ofstream(folder / name / "part.obj", std::ios::app) << more;
-    std::ofstream(folder / name / "scene.yaml") << "scene: s\nvoxel_size: 0.004\nstatic: [{mesh: part.obj}]\n"
-                                                << "dynamic: {mesh: " VOXTOUCH_DEPLOY "/meshes/sphere.obj, scale: 0.01}\n"
-                                                << "contact: {model: adapted, stiffness_n_per_m: 10}\n"
-                                                << "coupling: {design: auto}\n";
+    std::ofstream(folder / name / "scene.yaml")
+        << "scene: s\nvoxel_size: 0.004\nstatic: [{mesh: part.obj}]\n"
+        << "dynamic: {mesh: " VOXTOUCH_DEPLOY "/meshes/sphere.obj, scale: 0.01}\n"
+        << "contact: {model: adapted, stiffness_n_per_m: 10}\n"
+        << "coupling: {design: auto}\n";
     return scene::load_scene(folder / name / "scene.yaml");
   };
   const Recipes recipes;

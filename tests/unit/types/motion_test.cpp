@@ -22,20 +22,23 @@ Motion round_trip() {
   Motion m;
   m.path = {{0, 0, 0.1}, {0.03, 0, 0}};
   m.speed_m_per_s = 0.05;
-  m.circle_centre = Vec3(0, 0, 0.02);  // off the circle's plane: only the distance across the axis counts
+  m.circle_centre =
+      Vec3(0, 0, 0.02);  // off the circle's plane: only the distance across the axis counts
   return m;
 }
 
-/// Steps through a motion: a position step never beats the peak speed, a velocity step never the peak acceleration, and
-/// the velocity is the position's derivative.
+/// Steps through a motion: a position step never beats the peak speed, a velocity step never the
+/// peak acceleration, and the velocity is the position's derivative.
 void expect_smooth(const Motion& m, double end_s, double peak_acceleration) {
   const double dt = 1e-4;
   MotionPoint before = motion_at(m, 0.0);
   double fastest = 0.0;
   for (double t = dt; t < end_s; t += dt) {
     const MotionPoint now = motion_at(m, t);
-    ASSERT_LE((now.position - before.position).norm(), m.speed_m_per_s * dt * (1 + 1e-9) + 1e-15) << "t " << t;
-    ASSERT_LE((now.velocity - before.velocity).norm(), peak_acceleration * dt * 1.01 + 1e-12) << "t " << t;
+    ASSERT_LE((now.position - before.position).norm(), m.speed_m_per_s * dt * (1 + 1e-9) + 1e-15)
+        << "t " << t;
+    ASSERT_LE((now.velocity - before.velocity).norm(), peak_acceleration * dt * 1.01 + 1e-12)
+        << "t " << t;
     const Vec3 mean = 0.5 * (now.velocity + before.velocity);
     ASSERT_LE(((now.position - before.position) / dt - mean).norm(), 1e-6) << "t " << t;
     fastest = std::max(fastest, now.velocity.norm());
@@ -61,7 +64,8 @@ TEST(Motion, CircleStartsSmoothlyAndKeepsItsSpeed) {
   const Motion m = round_trip();
   const double radius = 0.03, full = m.speed_m_per_s / radius;
   const double rise = 1.5 * full * full / std::numbers::pi;  // of the angular speed
-  expect_smooth(m, approach_duration(m) + 20.0, std::max(hardest(m, 0.1), radius * std::hypot(rise, full * full)));
+  expect_smooth(m, approach_duration(m) + 20.0,
+                std::max(hardest(m, 0.1), radius * std::hypot(rise, full * full)));
   const double start = approach_duration(m);
   for (double t = start + std::numbers::pi / full; t < start + 20.0; t += 0.0137) {
     const MotionPoint p = motion_at(m, t);
@@ -98,7 +102,8 @@ TEST(Motion, BackAndForthHasAPeriod) {
   m.repeat_from = 1;
   double period = 0;
   for (std::size_t i = 1; i + 1 < m.path.size(); ++i)
-    period += 2 * (kMinimumJerkPeak * (m.path[i + 1] - m.path[i]).norm() / m.speed_m_per_s + m.hold_s);
+    period +=
+        2 * (kMinimumJerkPeak * (m.path[i + 1] - m.path[i]).norm() / m.speed_m_per_s + m.hold_s);
   const double start = approach_duration(m);
   for (double t = start; t < start + 2 * period; t += 0.0173) {
     const MotionPoint a = motion_at(m, t), b = motion_at(m, t + 1000 * period);
@@ -107,14 +112,16 @@ TEST(Motion, BackAndForthHasAPeriod) {
     EXPECT_GE(a.position.x(), 0.02 - 1e-12) << "never back to point 0, which is before repeat_from";
     EXPECT_TRUE(a.position.y() > -1e-12);
   }
-  EXPECT_LE((motion_at(m, start + 0.5 * period - 0.5 * m.hold_s).position - m.path[1]).norm(), 1e-12);
+  EXPECT_LE((motion_at(m, start + 0.5 * period - 0.5 * m.hold_s).position - m.path[1]).norm(),
+            1e-12);
   EXPECT_LE((motion_at(m, start + period - 0.5 * m.hold_s).position - m.path.back()).norm(), 1e-12);
 }
 
 TEST(Motion, SinglePointAndZeroLengthPiecesStayWhereTheyAre) {
   Motion m;
   m.path = {{1, 2, 3}};
-  for (const double t : {0.0, 1.0, 1e9}) EXPECT_EQ(motion_at(m, t).position, m.path[0]);
+  for (const double t : {0.0, 1.0, 1e9})
+    EXPECT_EQ(motion_at(m, t).position, m.path[0]);
   m.path = {{1, 2, 3}, {1, 2, 3}, {1, 2, 3}};
   m.repeat_from = 0;
   for (const double hold : {0.0, 0.5}) {
@@ -134,9 +141,11 @@ TEST(Motion, SinglePointAndZeroLengthPiecesStayWhereTheyAre) {
 TEST(Motion, AnyTimeMayBeAsked) {
   Motion walk = zigzag();
   walk.repeat_from = 1;
-  const double inf = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
+  const double inf = std::numeric_limits<double>::infinity(),
+               nan = std::numeric_limits<double>::quiet_NaN();
   for (const Motion& m : {zigzag(), walk, round_trip()}) {
-    for (const double t : {nan, -inf, -1.0, -0.0}) EXPECT_EQ(motion_at(m, t).position, m.path[0]);
+    for (const double t : {nan, -inf, -1.0, -0.0})
+      EXPECT_EQ(motion_at(m, t).position, m.path[0]);
     for (const double t : {1e6, 1e9, 1e12, 1e15, 1e300, inf}) {
       const MotionPoint p = motion_at(m, t);
       EXPECT_TRUE(p.position.allFinite() && p.velocity.allFinite());
@@ -168,7 +177,8 @@ TEST(Motion, ADeviceThatFollowsItsOwnMotionMovesTheToolAsTheWorldAsks) {
       const MotionPoint in_w = motion_at(w, t), in_d = motion_at(d, t);
       const Pose tool = base * Pose{scale * in_d.position, turn_at(d, t).orientation} * offset;
       // The hand turns about the device's tip, and the tool's origin about it.
-      const Vec3 arm = base.orientation * (d.orientation * offset.position), turned = base.orientation * (turn_at(d, t).orientation * offset.position);
+      const Vec3 arm = base.orientation * (d.orientation * offset.position),
+                 turned = base.orientation * (turn_at(d, t).orientation * offset.position);
       EXPECT_LE((tool.position - in_w.position - (turned - arm)).norm(), 1e-12);
       EXPECT_LE(tool.orientation.angularDistance(turn_at(w, t).orientation), 1e-7);
       EXPECT_LE((scale * (base.orientation * in_d.velocity) - in_w.velocity).norm(), 1e-12);
@@ -191,10 +201,14 @@ TEST(Motion, TurnsFromRestToRestAndKeepsIt) {
   }
   constexpr double kStep = 1e-5;
   for (double t = 1.05; t < 3.0; t += 0.1) {
-    const Quat before = turn_at(m, t - kStep).orientation, after = turn_at(m, t + kStep).orientation;
-    EXPECT_LE((2.0 * (after * before.conjugate()).vec() / (2 * kStep) - turn_at(m, t).rate).norm(), 1e-7);
+    const Quat before = turn_at(m, t - kStep).orientation,
+               after = turn_at(m, t + kStep).orientation;
+    EXPECT_LE((2.0 * (after * before.conjugate()).vec() / (2 * kStep) - turn_at(m, t).rate).norm(),
+              1e-7);
   }
-  EXPECT_LE(turn_at(m, 2.0).orientation.angularDistance(Quat(Eigen::AngleAxisd(0.1, Vec3::UnitY())) * m.orientation), 1e-12);
+  EXPECT_LE(turn_at(m, 2.0).orientation.angularDistance(
+                Quat(Eigen::AngleAxisd(0.1, Vec3::UnitY())) * m.orientation),
+            1e-12);
 }
 
 }  // namespace

@@ -13,7 +13,8 @@ namespace {
 TEST(ParseNumber, TakesWhatIsANumberAsAWhole) {
   EXPECT_EQ(parse_number<double>("-2.5e-3"), -2.5e-3);
   EXPECT_EQ(parse_number<double>("inf"), std::numeric_limits<double>::infinity());
-  EXPECT_EQ(parse_number<std::uint64_t>("18446744073709551615"), std::numeric_limits<std::uint64_t>::max());
+  EXPECT_EQ(parse_number<std::uint64_t>("18446744073709551615"),
+            std::numeric_limits<std::uint64_t>::max());
   EXPECT_EQ(parse_number<int>("-7"), -7);
 }
 
@@ -37,7 +38,8 @@ TEST(ParseNumber, TellsANumberThatDoesNotFitFromNone) {
 
 TEST(ParseNumber, ReadsAPointAsAPointInEveryLocale) {
   const std::string before = std::setlocale(LC_ALL, nullptr);
-  for (const char* name : {"de_DE.UTF-8", "de_DE", "fr_FR.UTF-8"}) std::setlocale(LC_ALL, name);
+  for (const char* name : {"de_DE.UTF-8", "de_DE", "fr_FR.UTF-8"})
+    std::setlocale(LC_ALL, name);
   EXPECT_EQ(parse_number<double>("0.5"), 0.5);
   EXPECT_FALSE(parse_number<double>("0,5"));
   std::setlocale(LC_ALL, before.c_str());
@@ -45,7 +47,8 @@ TEST(ParseNumber, ReadsAPointAsAPointInEveryLocale) {
 
 TEST(ParseFinite, TakesNoInfinityAndNoNan) {
   EXPECT_EQ(parse_finite("0.25"), 0.25);
-  for (const char* text : {"inf", "-inf", "nan", "1e999", "x"}) EXPECT_FALSE(parse_finite(text)) << text;
+  for (const char* text : {"inf", "-inf", "nan", "1e999", "x"})
+    EXPECT_FALSE(parse_finite(text)) << text;
 }
 
 }  // namespace

@@ -9,7 +9,8 @@ TEST(ViewAccess, AnswersToItsOwnNamesAlone) {
   const Access local{"127.0.0.1", 8765, "t"};
   EXPECT_TRUE(local.admits_host("127.0.0.1:8765"));
   EXPECT_TRUE(local.admits_host("localhost:8765"));
-  for (const char* host : {"", "localhost", "127.0.0.1", "127.0.0.1:87650", "example.org:8765", "localhost:8765.example.org"})
+  for (const char* host : {"", "localhost", "127.0.0.1", "127.0.0.1:87650", "example.org:8765",
+                           "localhost:8765.example.org"})
     EXPECT_FALSE(local.admits_host(host)) << host;
   const Access network{"192.168.1.5", 8765, "t"};
   EXPECT_TRUE(network.admits_host("192.168.1.5:8765"));
@@ -20,14 +21,16 @@ TEST(ViewAccess, AdmitsPagesOfItsOwnAndProgramsThatAreNoBrowser) {
   const Access local{"127.0.0.1", 8765, "t"};
   EXPECT_TRUE(local.admits_origin(""));
   EXPECT_TRUE(local.admits_origin("http://localhost:8765"));
-  for (const char* origin : {"null", "http://example.org", "https://localhost:8765", "http://localhost", "localhost:8765"})
+  for (const char* origin : {"null", "http://example.org", "https://localhost:8765",
+                             "http://localhost", "localhost:8765"})
     EXPECT_FALSE(local.admits_origin(origin)) << origin;
 }
 
 TEST(ViewAccess, AsksForTheWholeToken) {
   const Access access{"127.0.0.1", 1, "0123456789abcdef"};
   EXPECT_TRUE(access.admits_token("0123456789abcdef"));
-  for (const char* token : {"", "0", "0123456789abcdee", "0123456789abcdef0"}) EXPECT_FALSE(access.admits_token(token)) << token;
+  for (const char* token : {"", "0", "0123456789abcdee", "0123456789abcdef0"})
+    EXPECT_FALSE(access.admits_token(token)) << token;
   EXPECT_FALSE((Access{"127.0.0.1", 1, ""}.admits_token("")));
 }
 

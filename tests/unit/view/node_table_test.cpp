@@ -7,7 +7,8 @@ namespace {
 
 constexpr std::int64_t kS = 1'000'000'000;
 
-runtime::NodeReport report(const std::string& node, double samples, runtime::NodeState state = runtime::NodeState::kRunning) {
+runtime::NodeReport report(const std::string& node, double samples,
+                           runtime::NodeState state = runtime::NodeState::kRunning) {
   runtime::NodeReport r;
   r.node = node, r.state = state;
   r.figures["samples"] = {samples, "samples"};
@@ -17,7 +18,8 @@ runtime::NodeReport report(const std::string& node, double samples, runtime::Nod
 TEST(ViewNodeTable, CountsRatesAndKeepsTheWayOfASample) {
   NodeTable table;
   for (int n = 0; n <= 20; ++n)
-    for (const char* node : {"coupling", "device"}) table.update(report(node, 100.0 * n), n * kS / 10);
+    for (const char* node : {"coupling", "device"})
+      table.update(report(node, 100.0 * n), n * kS / 10);
   const auto rows = table.rows(2 * kS);
   ASSERT_EQ(rows.size(), 2u);
   EXPECT_EQ(rows[0].report.node, "device");
@@ -38,7 +40,8 @@ TEST(ViewNodeTable, ShowsWhoHasGoneWithoutAWord) {
 
 TEST(ViewNodeTable, HasRoomForSoManyAndNoMore) {
   NodeTable table;
-  for (int n = 0; n < 1000; ++n) table.update(report("node" + std::to_string(n), 0), 0);
+  for (int n = 0; n < 1000; ++n)
+    table.update(report("node" + std::to_string(n), 0), 0);
   EXPECT_EQ(table.rows(0).size(), NodeTable::kMaxNodes);
 }
 

@@ -12,9 +12,11 @@ namespace {
 constexpr std::int64_t kMs = 1'000'000;
 
 /// One sample of a session, all round the ring; the force has this size and the contact this depth.
-void sample(Picture& picture, std::uint64_t session, std::int64_t n, double force_n, double depth_m) {
+void sample(Picture& picture, std::uint64_t session, std::int64_t n, double force_n,
+            double depth_m) {
   msg::DeviceState state{};
-  state.session_id = session, state.sequence_number = static_cast<std::uint64_t>(n), state.sample_time_ns = n * kMs;
+  state.session_id = session, state.sequence_number = static_cast<std::uint64_t>(n),
+  state.sample_time_ns = n * kMs;
   picture.take(state, 1'000 * kMs + n * kMs);
   msg::ContactState contact{};
   contact.session_id = session, contact.sequence_number = state.sequence_number;
@@ -23,14 +25,16 @@ void sample(Picture& picture, std::uint64_t session, std::int64_t n, double forc
   contact.object_pose.orientation.w = contact.tool_pose.orientation.w = 1.0;
   picture.take(contact);
   msg::ForceCommand command{};
-  command.session_id = session, command.sequence_number = state.sequence_number, command.sample_time_ns = n * kMs;
+  command.session_id = session, command.sequence_number = state.sequence_number,
+  command.sample_time_ns = n * kMs;
   command.wrench.force.x = force_n;
   picture.take(command, 1'000 * kMs + n * kMs + 200'000);
 }
 
 TEST(ViewPicture, KeepsThePeakOfEachRow) {
   Picture picture;
-  for (std::int64_t n = 0; n < 100; ++n) sample(picture, 1, n, n == 37 ? -3.0 : 0.1, n == 38 ? 0.004 : 0.001);
+  for (std::int64_t n = 0; n < 100; ++n)
+    sample(picture, 1, n, n == 37 ? -3.0 : 0.1, n == 38 ? 0.004 : 0.001);
   const nlohmann::json rows = picture.frame(nullptr)["rows"];
   ASSERT_GT(rows.size(), 8u);
   EXPECT_DOUBLE_EQ(rows[4][0].get<double>(), 0.032);
@@ -42,7 +46,8 @@ TEST(ViewPicture, KeepsThePeakOfEachRow) {
 
 TEST(ViewPicture, GivesEachRowOnceAndAllOfThePastAgain) {
   Picture picture;
-  for (std::int64_t n = 0; n < 12'000; ++n) sample(picture, 1, n, 0.1, 0.0);
+  for (std::int64_t n = 0; n < 12'000; ++n)
+    sample(picture, 1, n, 0.1, 0.0);
   EXPECT_FALSE(picture.frame(nullptr)["rows"].empty());
   EXPECT_TRUE(picture.frame(nullptr)["rows"].empty());
   EXPECT_FALSE(picture.has_news());
@@ -52,7 +57,8 @@ TEST(ViewPicture, GivesEachRowOnceAndAllOfThePastAgain) {
 
 TEST(ViewPicture, BeginsAnewWithASession) {
   Picture picture;
-  for (std::int64_t n = 0; n < 100; ++n) sample(picture, 1, n, 0.1, 0.0);
+  for (std::int64_t n = 0; n < 100; ++n)
+    sample(picture, 1, n, 0.1, 0.0);
   sample(picture, 2, 0, 0.2, 0.0);
   EXPECT_EQ(picture.frame(nullptr)["session"], "2");
   EXPECT_TRUE(picture.past(nullptr)["rows"].empty());
@@ -76,7 +82,8 @@ TEST(ViewPicture, IsNotFilledByStampsThatCannotBe) {
 
 TEST(ViewPicture, CountsLatencyFromWriteToWrite) {
   Picture picture;
-  for (std::int64_t n = 0; n < 100; ++n) sample(picture, 1, n, 0.1, 0.0);
+  for (std::int64_t n = 0; n < 100; ++n)
+    sample(picture, 1, n, 0.1, 0.0);
   const nlohmann::json latency = picture.latency();
   EXPECT_EQ(latency["samples"], 100);
   EXPECT_EQ(latency["p50_us"], 200.0);
@@ -88,7 +95,8 @@ TEST(ViewPicture, HasNoWordForWhatIsNoNumber) {
   EXPECT_TRUE(rounded(std::numeric_limits<double>::infinity()).is_null());
   EXPECT_EQ(rounded(1.23456789), 1.23457);
   EXPECT_EQ(rounded(-0.000123456789), -0.000123457);
-  EXPECT_EQ(rounded(std::numeric_limits<double>::denorm_min()), std::numeric_limits<double>::denorm_min());
+  EXPECT_EQ(rounded(std::numeric_limits<double>::denorm_min()),
+            std::numeric_limits<double>::denorm_min());
 }
 
 }  // namespace

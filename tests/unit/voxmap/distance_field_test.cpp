@@ -25,7 +25,9 @@ double number(std::mt19937_64& random, double low, double high) {
 }
 Quat turned(double angle) { return Quat(Eigen::AngleAxisd(angle, Vec3(1, 2, -1).normalized())); }
 
-voxmap::FieldSample sample(const voxmap::DistanceField& field, const Vec3& x) { return field.at(field.grid().to_grid(x)); }
+voxmap::FieldSample sample(const voxmap::DistanceField& field, const Vec3& x) {
+  return field.at(field.grid().to_grid(x));
+}
 
 /// Signed distance of a box of that size about the origin.
 double box_distance(const Vec3& size, const Vec3& x) {
@@ -33,24 +35,29 @@ double box_distance(const Vec3& size, const Vec3& x) {
   return q.cwiseMax(0.0).norm() + std::min(0.0, q.maxCoeff());
 }
 
-/// Distance to all triangles: each triangle's nearest point as a convex combination of its corners, found by trying every
-/// set of corners that may carry it.
+/// Distance to all triangles: each triangle's nearest point as a convex combination of its corners,
+/// found by trying every set of corners that may carry it.
 double brute_distance(const mesh::TriangleMesh& mesh, const Vec3& x) {
   double best = HUGE_VAL;
   for (const auto& t : mesh.triangles) {
-    const Vec3 corner[3] = {mesh.vertices[t[0]] - x, mesh.vertices[t[1]] - x, mesh.vertices[t[2]] - x};
+    const Vec3 corner[3] = {mesh.vertices[t[0]] - x, mesh.vertices[t[1]] - x,
+                            mesh.vertices[t[2]] - x};
     for (int k = 0; k < 3; ++k) {
       const Vec3 &a = corner[k], &b = corner[(k + 1) % 3];
       best = std::min(best, a.norm());
       const double along = a.dot(a - b) / (a - b).squaredNorm();
-      if (along > 0.0 && along < 1.0) best = std::min(best, (a + along * (b - a)).norm());
+      if (along > 0.0 && along < 1.0)
+        best = std::min(best, (a + along * (b - a)).norm());
     }
-    Mat3 equal;  // the foot f = sum w_i c_i has f . (c_1 - c_0) = f . (c_2 - c_0) = 0 and sum w_i = 1
+    Mat3 equal;  // the foot f = sum w_i c_i has f . (c_1 - c_0) = f . (c_2 - c_0) = 0 and sum w_i =
+                 // 1
     for (int k = 0; k < 3; ++k)
-      equal.col(k) = Vec3(corner[k].dot(corner[1] - corner[0]), corner[k].dot(corner[2] - corner[0]), 1.0);
+      equal.col(k) =
+          Vec3(corner[k].dot(corner[1] - corner[0]), corner[k].dot(corner[2] - corner[0]), 1.0);
     const Vec3 weights = equal.inverse() * Vec3(0, 0, 1);
     if (weights.minCoeff() > 0.0)
-      best = std::min(best, (weights[0] * corner[0] + weights[1] * corner[1] + weights[2] * corner[2]).norm());
+      best = std::min(
+          best, (weights[0] * corner[0] + weights[1] * corner[1] + weights[2] * corner[2]).norm());
   }
   return best;
 }
@@ -62,8 +69,10 @@ TEST(DistanceField, SmoothGradientIsAPlanesNormalToRoundingWhereverItLiesInBrick
   std::mt19937_64 random(2);
   for (int n = 0; n < 2000; ++n) {
     const double depth = number(random, -2.0, 0.1) * kEdge;
-    const Vec3 x(number(random, -0.018, 0.018), number(random, -0.013, 0.013), 0.5 * size.z() + depth);
-    const Vec3 gradient = ground.field.smooth_gradient(ground.field.grid().to_grid(pose.position + pose.orientation * x));
+    const Vec3 x(number(random, -0.018, 0.018), number(random, -0.013, 0.013),
+                 0.5 * size.z() + depth);
+    const Vec3 gradient = ground.field.smooth_gradient(
+        ground.field.grid().to_grid(pose.position + pose.orientation * x));
     EXPECT_LT((gradient - pose.orientation * Vec3::UnitZ()).norm(), 2e-6) << x.transpose();
   }
 }
@@ -75,11 +84,14 @@ TEST(DistanceField, SmoothGradientPointsAwayFromABallsCentreAndDoesNotJumpAtVoxe
   std::mt19937_64 random(3);
   double off = 0.0, jump = 0.0, plain_off = 0.0, plain_jump = 0.0;
   for (int n = 0; n < 2000; ++n) {
-    const Vec3 way = Vec3(number(random, -1, 1), number(random, -1, 1), number(random, -1, 1)).normalized();
+    const Vec3 way =
+        Vec3(number(random, -1, 1), number(random, -1, 1), number(random, -1, 1)).normalized();
     Vec3 u = field.grid().to_grid(kRadius * way);
     const Vec3 radial = (field.grid().origin + kEdge * u).normalized();
-    off = std::max(off, std::acos(std::min(1.0, field.smooth_gradient(u).normalized().dot(radial))));
-    plain_off = std::max(plain_off, std::acos(std::min(1.0, field.at(u).gradient.normalized().dot(radial))));
+    off =
+        std::max(off, std::acos(std::min(1.0, field.smooth_gradient(u).normalized().dot(radial))));
+    plain_off = std::max(plain_off,
+                         std::acos(std::min(1.0, field.at(u).gradient.normalized().dot(radial))));
     const int axis = n % 3;
     const double border = std::round(u[axis]);
     Vec3 beside = u;
@@ -110,16 +122,19 @@ Vec3 plain_smooth_gradient(const voxmap::DistanceField& field, const Vec3& u, do
         at[axis] += n - 1, at[second] += k & 1, at[third] += k >> 1;
         d[n] = field.node({at[0], at[1], at[2]});
       }
-      const double before = d[0] >= band ? 2.0 * d[1] - d[2] : d[0], after = d[3] >= band ? 2.0 * d[2] - d[1] : d[3];
+      const double before = d[0] >= band ? 2.0 * d[1] - d[2] : d[0],
+                   after = d[3] >= band ? 2.0 * d[2] - d[1] : d[3];
       line[k] = 0.5 * mix(d[2] - before, after - d[1], t[axis]);
     }
-    gradient[axis] = mix(mix(line[0], line[1], t[second]), mix(line[2], line[3], t[second]), t[third]);
+    gradient[axis] =
+        mix(mix(line[0], line[1], t[second]), mix(line[2], line[3], t[second]), t[third]);
   }
   return gradient;
 }
 
 TEST(DistanceField, SmoothGradientsOfManyPlacesAreThoseOfEachToTheBit) {
-  const Ground ground(box_mesh(Vec3(0.05, 0.04, 0.031), {Vec3(0.2, -0.1, 0.33), turned(0.5)}), kEdge);
+  const Ground ground(box_mesh(Vec3(0.05, 0.04, 0.031), {Vec3(0.2, -0.1, 0.33), turned(0.5)}),
+                      kEdge);
   const voxmap::DistanceField& field = ground.field;
   constexpr std::size_t kMost = voxmap::DistanceField::kSmoothTogether;
   std::mt19937_64 random(4);
@@ -129,7 +144,8 @@ TEST(DistanceField, SmoothGradientsOfManyPlacesAreThoseOfEachToTheBit) {
     const std::size_t count = 1 + random() % kMost;
     Vec3 u[kMost], many[kMost];
     for (std::size_t k = 0; k < count; ++k)  // in the body, in its band, and beyond the table
-      u[k] = middle + Vec3(number(random, -40, 40), number(random, -40, 40), number(random, -40, 40));
+      u[k] =
+          middle + Vec3(number(random, -40, 40), number(random, -40, 40), number(random, -40, 40));
     field.smooth_gradients(count, u, many);
     for (std::size_t k = 0; k < count; ++k) {
       const Vec3 one = plain_smooth_gradient(field, u[k], field.arrays().band_voxels);
@@ -147,20 +163,23 @@ TEST(DistanceField, IsTheDistanceToABoxThatStandsAskew) {
   std::mt19937_64 random(1);
   int inside = 0, outside = 0;
   for (int n = 0; n < 20000; ++n) {
-    const Vec3 local(number(random, -0.03, 0.03), number(random, -0.03, 0.03), number(random, -0.02, 0.02));
+    const Vec3 local(number(random, -0.03, 0.03), number(random, -0.03, 0.03),
+                     number(random, -0.02, 0.02));
     const double truth = box_distance(size, local);
     const voxmap::FieldSample s = sample(ground.field, pose * local);
-    if (truth > 2 * kEdge) continue;
+    if (truth > 2 * kEdge)
+      continue;
     if (truth < -12 * kEdge) {
       EXPECT_LE(s.distance_m, -11.5 * kEdge);
       continue;
     }
-    // Where the nearest faces change the interpolation rounds the ridge off; else it is exact for planes.
+    // Where the nearest faces change the interpolation rounds the ridge off; else it is exact for
+    // planes.
     const Vec3 q = local.cwiseAbs() - 0.5 * size;
     Vec3 sorted = q;
     std::sort(sorted.data(), sorted.data() + 3);
-    const bool one_face =
-        sorted[2] - sorted[1] > 3 * kEdge && truth < 0.25 * kEdge && truth > -10.2 * kEdge;  // no node cut off
+    const bool one_face = sorted[2] - sorted[1] > 3 * kEdge && truth < 0.25 * kEdge &&
+                          truth > -10.2 * kEdge;  // no node cut off
     ASSERT_NEAR(s.distance_m, truth, (one_face ? 1e-6 : 0.6) * kEdge) << local.transpose();
     if (one_face) {
       EXPECT_TRUE(s.known);
@@ -185,7 +204,8 @@ TEST(DistanceField, NodesHoldTheDistanceToTheTrianglesOfACurvedMesh) {
     const voxmap::FieldSample s = ground.field.at(u);
     const Vec3 x = grid.from_grid(u);
     const double truth = brute_distance(mesh, x);
-    if (truth > 1.99 * kEdge && x.norm() > 0.009) continue;
+    if (truth > 1.99 * kEdge && x.norm() > 0.009)
+      continue;
     ASSERT_NEAR(std::abs(s.distance_m), truth, 1e-6 * kEdge);
     if (truth > 0.3 * kEdge) {  // facets lie less than that below the sphere
       ASSERT_EQ(s.distance_m < 0, x.norm() < 0.009);
@@ -195,14 +215,16 @@ TEST(DistanceField, NodesHoldTheDistanceToTheTrianglesOfACurvedMesh) {
   EXPECT_GE(compared, 400);
 }
 
-/// What makes contacts begin and end without a step: shell points in free voxels are never looked at.
+/// What makes contacts begin and end without a step: shell points in free voxels are never looked
+/// at.
 TEST(DistanceField, IsPositiveInEveryFreeVoxelAndNegativeInEveryInteriorOne) {
   std::mt19937_64 random(3);
-  const mesh::TriangleMesh groove =
-      joined(box_mesh(Vec3(0.02, 0.02, 0.008), {Vec3::Zero(), turned(0.7)}),
-             box_mesh(Vec3(0.008, 0.02, 0.02), {turned(0.7) * Vec3(-0.008, 0, 0.006), turned(0.7)}));
-  for (const mesh::TriangleMesh& mesh : {groove, sphere_mesh(0.012, 2), cylinder_mesh(0.006, 0.02, 7),
-                                   inside_out(box_mesh(Vec3(0.015, 0.01, 0.012), {Vec3::Zero(), turned(0.4)}))}) {
+  const mesh::TriangleMesh groove = joined(
+      box_mesh(Vec3(0.02, 0.02, 0.008), {Vec3::Zero(), turned(0.7)}),
+      box_mesh(Vec3(0.008, 0.02, 0.02), {turned(0.7) * Vec3(-0.008, 0, 0.006), turned(0.7)}));
+  for (const mesh::TriangleMesh& mesh :
+       {groove, sphere_mesh(0.012, 2), cylinder_mesh(0.006, 0.02, 7),
+        inside_out(box_mesh(Vec3(0.015, 0.01, 0.012), {Vec3::Zero(), turned(0.4)}))}) {
     const Ground ground(mesh, kEdge);
     int free = 0, interior = 0;
     for (int n = 0; n < 60000; ++n) {
@@ -221,7 +243,8 @@ TEST(DistanceField, IsPositiveInEveryFreeVoxelAndNegativeInEveryInteriorOne) {
   }
 }
 
-/// In a wall hardly thicker than a voxel there is no interior voxel: the flood fill says nothing, the winding number does.
+/// In a wall hardly thicker than a voxel there is no interior voxel: the flood fill says nothing,
+/// the winding number does.
 TEST(DistanceField, KnowsTheInsideOfAWallThatHasNoInteriorVoxels) {
   const Vec3 size(0.03, 0.03, 0.0014);
   const Pose pose{Vec3(0.1, 0.2, 0.3), turned(0.5)};
@@ -234,7 +257,8 @@ TEST(DistanceField, KnowsTheInsideOfAWallThatHasNoInteriorVoxels) {
       for (int k = 0; k < 40; ++k) {
         const Vec3 u(i, j, k);
         const double truth = box_distance(size, pose.inverse() * grid.from_grid(u));
-        if (truth > 1.9 * kEdge) continue;
+        if (truth > 1.9 * kEdge)
+          continue;
         ASSERT_NEAR(ground.field.at(u).distance_m, truth, 1e-6 * kEdge);
         inside += truth < -0.1 * kEdge;
       }
@@ -257,18 +281,21 @@ TEST(DistanceField, HasTheSignsOfTheSolidWhicheverWayItsTrianglesFace) {
 }
 
 TEST(DistanceField, IsContinuousAcrossVoxelsBricksAndItsOwnBorders) {
-  const Ground ground(box_mesh(Vec3(0.05, 0.045, 0.04), {Vec3(1.3, 0.2, -0.4), turned(0.4)}), kEdge, 5.0);
+  const Ground ground(box_mesh(Vec3(0.05, 0.045, 0.04), {Vec3(1.3, 0.2, -0.4), turned(0.4)}), kEdge,
+                      5.0);
   std::mt19937_64 random(5);
   const double tiny = 1e-7;
   int bricks = 0, deep = 0, far = 0;
   for (int n = 0; n < 200000; ++n) {
     Vec3 u(number(random, -2, 75), number(random, -2, 75), number(random, -2, 75));
     const int axis = n % 3;
-    u[axis] = std::round(u[axis]) + (n % 2 == 0 ? 0.0 : 8 * std::round(number(random, 0, 8)) - std::round(u[axis]));
+    u[axis] = std::round(u[axis]) +
+              (n % 2 == 0 ? 0.0 : 8 * std::round(number(random, 0, 8)) - std::round(u[axis]));
     Vec3 before = u, after = u;
     before[axis] -= tiny, after[axis] += tiny;
     const voxmap::FieldSample a = ground.field.at(before), b = ground.field.at(after);
-    ASSERT_LE(std::abs(a.distance_m - b.distance_m), 2.1 * tiny * std::sqrt(3.0) * kEdge) << u.transpose();
+    ASSERT_LE(std::abs(a.distance_m - b.distance_m), 2.1 * tiny * std::sqrt(3.0) * kEdge)
+        << u.transpose();
     bricks += std::fmod(u[axis], 8.0) == 0.0 && a.known;
     deep += a.saturated != b.saturated;
     far += a.known != b.known;
@@ -299,8 +326,10 @@ TEST(DistanceField, EndsWhereItSaysAndKnowsNothingOfWhatIsNoPlace) {
   }
   EXPECT_GT(shallow, 300);
   EXPECT_GT(ended, 1000);
-  const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
-  for (const Vec3& u : {Vec3(nan, 5, 5), Vec3(5, inf, 5), Vec3(5, 5, -inf), Vec3(1e300, 0, 0), Vec3(-1e9, 5, 5)}) {
+  const double nan = std::numeric_limits<double>::quiet_NaN(),
+               inf = std::numeric_limits<double>::infinity();
+  for (const Vec3& u :
+       {Vec3(nan, 5, 5), Vec3(5, inf, 5), Vec3(5, 5, -inf), Vec3(1e300, 0, 0), Vec3(-1e9, 5, 5)}) {
     const voxmap::FieldSample s = ground.field.at(u);
     EXPECT_FALSE(s.known || s.saturated);
     EXPECT_DOUBLE_EQ(s.distance_m, 2 * kEdge);
@@ -331,9 +360,11 @@ TEST(DistanceField, AnOpenMeshHasNoInsideAndDisturbsNone) {
 /// Where walls are asked for: the unsigned distance less half of 0.125 voxels.
 TEST(DistanceField, OpenPartsAreThinWallsWhereTheyAreAskedFor) {
   constexpr double kHalfWall = 0.0625;
-  const mesh::TriangleMesh sheet = plate_mesh(0.02, 0.0, {Vec3(0.2e-3, 0.3e-3, 0.1e-3), turned(0.5)});
+  const mesh::TriangleMesh sheet =
+      plate_mesh(0.02, 0.0, {Vec3(0.2e-3, 0.3e-3, 0.1e-3), turned(0.5)});
   const Vec3 size(0.01, 0.01, 0.01), aside(0.03, 0, 0);
-  const Ground ground(joined(sheet, box_mesh(size, {aside, Quat::Identity()})), kEdge, 12.0, voxmap::kOpenWallVoxels);
+  const Ground ground(joined(sheet, box_mesh(size, {aside, Quat::Identity()})), kEdge, 12.0,
+                      voxmap::kOpenWallVoxels);
   int inside = 0, of_box = 0, near = 0;
   for (std::int32_t x = -3; x < 50; ++x)
     for (std::int32_t y = -3; y < 24; ++y)
@@ -341,7 +372,8 @@ TEST(DistanceField, OpenPartsAreThinWallsWhereTheyAreAskedFor) {
         const Vec3 at = ground.field.grid().origin + kEdge * Vec3(x, y, z);
         const double face = brute_distance(sheet, at) / kEdge - kHalfWall;
         const double box = box_distance(size, at - aside) / kEdge;
-        ASSERT_NEAR(ground.field.node({x, y, z}), std::min({face, box, 2.0}), 1e-6) << x << " " << y << " " << z;
+        ASSERT_NEAR(ground.field.node({x, y, z}), std::min({face, box, 2.0}), 1e-6)
+            << x << " " << y << " " << z;
         inside += face < 0.0, of_box += box < 0.0, near += face < 1.9;
       }
   EXPECT_GT(inside, 20);
@@ -351,10 +383,12 @@ TEST(DistanceField, OpenPartsAreThinWallsWhereTheyAreAskedFor) {
 
 TEST(DistanceField, OverlappingBodiesAreOne) {
   const Vec3 size(0.03, 0.02, 0.02);
-  const Ground ground(joined(box_mesh(size), box_mesh(size, {Vec3(0.02, 0, 0), Quat::Identity()})), kEdge);
+  const Ground ground(joined(box_mesh(size), box_mesh(size, {Vec3(0.02, 0, 0), Quat::Identity()})),
+                      kEdge);
   std::mt19937_64 random(7);
   for (int n = 0; n < 20000; ++n) {
-    const Vec3 x(number(random, -0.017, 0.037), number(random, -0.012, 0.012), number(random, -0.012, 0.012));
+    const Vec3 x(number(random, -0.017, 0.037), number(random, -0.012, 0.012),
+                 number(random, -0.012, 0.012));
     const double truth = std::min(box_distance(size, x), box_distance(size, x - Vec3(0.02, 0, 0)));
     const double d = sample(ground.field, x).distance_m;
     if (std::abs(truth) > 1.8 * kEdge) {
@@ -368,20 +402,24 @@ TEST(DistanceField, IsTheSameWhoeverBuildsIt) {
   const mesh::TriangleMesh mesh = sphere_mesh(0.02, 3);
   const voxmap::Grid grid = voxmap::default_grid(mesh, kEdge);
   const voxmap::Voxmap voxmap = voxmap::voxelise(mesh, grid, serial_for());
-  const ParallelFor backwards = [](std::size_t count, const std::function<void(std::size_t)>& body) {
-    for (std::size_t n = count; n-- > 0;) body(n);
+  const ParallelFor backwards = [](std::size_t count,
+                                   const std::function<void(std::size_t)>& body) {
+    for (std::size_t n = count; n-- > 0;)
+      body(n);
   };
   const ParallelFor threads = [](std::size_t count, const std::function<void(std::size_t)>& body) {
     std::vector<std::thread> pool;
     for (std::size_t t = 0; t < 3; ++t)
       pool.emplace_back([&, t] {
-        for (std::size_t n = t; n < count; n += 3) body(n);
+        for (std::size_t n = t; n < count; n += 3)
+          body(n);
       });
-    for (std::thread& thread : pool) thread.join();
+    for (std::thread& thread : pool)
+      thread.join();
   };
   const voxmap::DistanceField one = voxmap::build_distance_field(mesh, voxmap, {}, serial_for()),
-                      two = voxmap::build_distance_field(mesh, voxmap, {}, backwards),
-                      three = voxmap::build_distance_field(mesh, voxmap, {}, threads);
+                              two = voxmap::build_distance_field(mesh, voxmap, {}, backwards),
+                              three = voxmap::build_distance_field(mesh, voxmap, {}, threads);
   EXPECT_EQ(one.bytes(), two.bytes());
   EXPECT_EQ(one.steepest_gradient(), three.steepest_gradient());
   std::mt19937_64 random(8);
@@ -396,10 +434,12 @@ TEST(DistanceField, IsTheSameAMillionMetresAway) {
   // Multiples of 2^-20 m: exact at either place.
   const double e = 0x1p-10;
   mesh::TriangleMesh here = sphere_mesh(20 * e, 3);
-  for (Vec3& v : here.vertices) v = (v * 0x1p20).array().round().matrix() * 0x1p-20;
+  for (Vec3& v : here.vertices)
+    v = (v * 0x1p20).array().round().matrix() * 0x1p-20;
   mesh::TriangleMesh there = here;
   const Vec3 offset(1e6, -1e6, 5e5);
-  for (Vec3& v : there.vertices) v += offset;
+  for (Vec3& v : there.vertices)
+    v += offset;
   voxmap::Grid grid = voxmap::default_grid(here, e);
   const Ground a(here, grid, 12.0);
   grid.origin += offset;
@@ -412,23 +452,26 @@ TEST(DistanceField, IsTheSameAMillionMetresAway) {
   }
 }
 
-/// Four bytes a node, 9^3 nodes for 8^3 voxels, in whole bricks round the surface layer. The thinner the body, the more of its
-/// bricks is air.
+/// Four bytes a node, 9^3 nodes for 8^3 voxels, in whole bricks round the surface layer. The
+/// thinner the body, the more of its bricks is air.
 TEST(DistanceField, TakesThisMuchMemory) {
   struct Case {
     const char* name;
     mesh::TriangleMesh mesh;
     double bytes_a_voxel;  ///< at most, for each surface or interior voxel
   };
-  for (const Case& c :
-       {Case{"solid ball of 60 voxels", sphere_mesh(0.03, 4), 15.0},
-        Case{"plate of 5 voxels", box_mesh(Vec3(0.1, 0.1, 0.005), {Vec3::Zero(), turned(0.4)}), 24.0},
-        Case{"plate of 2 voxels", box_mesh(Vec3(0.1, 0.1, 0.002), {Vec3::Zero(), turned(0.4)}), 36.0}}) {
+  for (const Case& c : {Case{"solid ball of 60 voxels", sphere_mesh(0.03, 4), 15.0},
+                        Case{"plate of 5 voxels",
+                             box_mesh(Vec3(0.1, 0.1, 0.005), {Vec3::Zero(), turned(0.4)}), 24.0},
+                        Case{"plate of 2 voxels",
+                             box_mesh(Vec3(0.1, 0.1, 0.002), {Vec3::Zero(), turned(0.4)}), 36.0}}) {
     const Ground ground(c.mesh, kEdge);
-    const double voxels = static_cast<double>(ground.voxmap.surface_count() + ground.voxmap.interior_count());
+    const double voxels =
+        static_cast<double>(ground.voxmap.surface_count() + ground.voxmap.interior_count());
     const double bytes = static_cast<double>(ground.field.bytes());
-    std::printf("%s: %.3g voxels, %.4g bytes, %.2f a voxel, %.3f a node (voxmap %.2f a voxel)\n", c.name, voxels, bytes,
-                bytes / voxels, bytes / static_cast<double>(ground.field.stored_nodes()),
+    std::printf("%s: %.3g voxels, %.4g bytes, %.2f a voxel, %.3f a node (voxmap %.2f a voxel)\n",
+                c.name, voxels, bytes, bytes / voxels,
+                bytes / static_cast<double>(ground.field.stored_nodes()),
                 static_cast<double>(ground.voxmap.bytes()) / voxels);
     EXPECT_LE(bytes / voxels, c.bytes_a_voxel) << c.name;
     EXPECT_LE(bytes / static_cast<double>(ground.field.stored_nodes()), 4.2) << c.name;
@@ -437,14 +480,18 @@ TEST(DistanceField, TakesThisMuchMemory) {
 
 TEST(DistanceField, RefusesWhatItCannotHold) {
   const mesh::TriangleMesh mesh = box_mesh(Vec3(0.02, 0.02, 0.02));
-  const voxmap::Voxmap voxmap = voxmap::voxelise(mesh, voxmap::default_grid(mesh, kEdge), serial_for());
+  const voxmap::Voxmap voxmap =
+      voxmap::voxelise(mesh, voxmap::default_grid(mesh, kEdge), serial_for());
   for (const double bad : {1.0, -1.0, 1e9, std::numeric_limits<double>::quiet_NaN()}) {
-    EXPECT_THROW(voxmap::build_distance_field(mesh, voxmap, {.depth_voxels = bad, .band_voxels = 2.0}, serial_for()),
+    EXPECT_THROW(voxmap::build_distance_field(
+                     mesh, voxmap, {.depth_voxels = bad, .band_voxels = 2.0}, serial_for()),
                  std::invalid_argument);
-    EXPECT_THROW(voxmap::build_distance_field(mesh, voxmap, {.depth_voxels = 12.0, .band_voxels = bad}, serial_for()),
+    EXPECT_THROW(voxmap::build_distance_field(
+                     mesh, voxmap, {.depth_voxels = 12.0, .band_voxels = bad}, serial_for()),
                  std::invalid_argument);
   }
-  EXPECT_THROW(voxmap::build_distance_field(mesh, voxmap, {}, serial_for(), 1000), voxmap::VoxelBudgetError);
+  EXPECT_THROW(voxmap::build_distance_field(mesh, voxmap, {}, serial_for(), 1000),
+               voxmap::VoxelBudgetError);
 }
 
 TEST(ThinnestWall, IsFoundThroughTheSolidOnly) {
@@ -457,16 +504,20 @@ TEST(ThinnestWall, IsFoundThroughTheSolidOnly) {
   EXPECT_NEAR(thinnest(inside_out(box_mesh(Vec3(0.05, 0.04, 0.0001), askew))), 0.0001, 1e-12);
   EXPECT_NEAR(thinnest(sphere_mesh(0.02, 3)), 0.04, 0.0008);
   // A hollow ball: the cavity's wall faces inward.
-  EXPECT_NEAR(thinnest(joined(sphere_mesh(0.02, 3), inside_out(sphere_mesh(0.017, 3)))), 0.003, 0.0003);
+  EXPECT_NEAR(thinnest(joined(sphere_mesh(0.02, 3), inside_out(sphere_mesh(0.017, 3)))), 0.003,
+              0.0003);
   // Two thin plates that overlap are one thick one; the walls inside do not count.
-  const mesh::TriangleMesh two = joined(box_mesh(Vec3(0.05, 0.05, 0.006)),
-                                  box_mesh(Vec3(0.05, 0.05, 0.006), {Vec3(0, 0, 0.004), Quat::Identity()}));
+  const mesh::TriangleMesh two =
+      joined(box_mesh(Vec3(0.05, 0.05, 0.006)),
+             box_mesh(Vec3(0.05, 0.05, 0.006), {Vec3(0, 0, 0.004), Quat::Identity()}));
   EXPECT_NEAR(thinnest(two), 0.010, 1e-12);
   const mesh::TriangleMesh thick = box_mesh(Vec3(0.05, 0.05, 0.03)),
-                     thin = box_mesh(Vec3(0.05, 0.05, 0.002), {Vec3(0, 0, 0.1), Quat::Identity()});
+                           thin = box_mesh(Vec3(0.05, 0.05, 0.002),
+                                           {Vec3(0, 0, 0.1), Quat::Identity()});
   const mesh::TriangleMesh both = joined(thick, thin);
   const voxmap::Grid grid = voxmap::default_grid(both, kEdge);
-  const voxmap::ThinnestWall wall = voxmap::thinnest_wall(voxmap::ClosedMesh(both, grid), grid, serial_for());
+  const voxmap::ThinnestWall wall =
+      voxmap::thinnest_wall(voxmap::ClosedMesh(both, grid), grid, serial_for());
   EXPECT_NEAR(wall.thickness_m, 0.002, 1e-12);
   EXPECT_GE(wall.triangle, 12U);
   mesh::TriangleMesh open = box_mesh(Vec3(0.02, 0.02, 0.02));

@@ -1,5 +1,6 @@
 #pragma once
-/// Readers for the reference vectors, and the shapes and loops that the tests of voxmap and pointshell share.
+/// Readers for the reference vectors, and the shapes and loops that the tests of voxmap and
+/// pointshell share.
 #include <cmath>
 #include <fstream>
 #include <map>
@@ -18,14 +19,15 @@
 namespace voxtouch::test {
 
 inline const std::vector<std::string>& vector_meshes() {
-  static const std::vector<std::string> names{"sphere", "slab_tilted", "cylinder", "lshape", "aligned_box",
-                                              "degenerate_tris"};
+  static const std::vector<std::string> names{"sphere", "slab_tilted", "cylinder",
+                                              "lshape", "aligned_box", "degenerate_tris"};
   return names;
 }
 
 inline std::ifstream open_vector(const std::string& path) {
   std::ifstream in(std::string(VOXTOUCH_TEST_DATA "/vectors/") + path);
-  if (!in) throw std::runtime_error("cannot open " + path);
+  if (!in)
+    throw std::runtime_error("cannot open " + path);
   return in;
 }
 
@@ -43,7 +45,8 @@ inline mesh::TriangleMesh read_obj(const std::string& name) {
       mesh.vertices.push_back(x);
     } else if (kind == "f") {
       std::array<std::uint32_t, 3> t{};
-      for (auto& v : t) words >> v, --v;
+      for (auto& v : t)
+        words >> v, --v;
       mesh.triangles.push_back(t);
     }
   }
@@ -57,7 +60,8 @@ inline const nlohmann::json& vector_index() {
 
 inline voxmap::Grid vector_grid(const std::string& name) {
   const auto& entry = vector_index().at("meshes").at(name);
-  return {Vec3(entry["origin"][0], entry["origin"][1], entry["origin"][2]), entry["e"].get<double>()};
+  return {Vec3(entry["origin"][0], entry["origin"][1], entry["origin"][2]),
+          entry["e"].get<double>()};
 }
 
 /// Rows of a CSV file by column name.
@@ -69,19 +73,23 @@ inline std::vector<std::map<std::string, double>> read_csv(std::istream& in) {
     std::map<std::string, double> row;
     std::size_t column = 0;
     for (std::string cell; std::getline(cells, cell, ','); ++column)
-      if (rows.empty() && row.empty() && names.size() == column && !(std::isdigit(cell[0]) || cell[0] == '-'))
+      if (rows.empty() && row.empty() && names.size() == column &&
+          !(std::isdigit(cell[0]) || cell[0] == '-'))
         names.push_back(cell);
       else
         row[names.at(column)] = std::stod(cell);
-    if (!row.empty()) rows.push_back(row);
+    if (!row.empty())
+      rows.push_back(row);
   }
   return rows;
 }
 
-inline std::vector<voxmap::VoxelIndex> voxels_of(const voxmap::Voxmap& map, voxmap::VoxelKind kind) {
+inline std::vector<voxmap::VoxelIndex> voxels_of(const voxmap::Voxmap& map,
+                                                 voxmap::VoxelKind kind) {
   std::vector<voxmap::VoxelIndex> out;
   map.for_each_occupied([&](const voxmap::VoxelIndex& v, voxmap::VoxelKind k) {
-    if (k == kind) out.push_back(v);
+    if (k == kind)
+      out.push_back(v);
   });
   return out;
 }
@@ -90,17 +98,19 @@ inline std::vector<voxmap::VoxelIndex> voxels_of(const voxmap::Voxmap& map, voxm
 inline ParallelFor scrambled_for() {
   return [](std::size_t count, const std::function<void(std::size_t)>& body) {
     std::vector<std::size_t> order(count);
-    for (std::size_t i = 0; i < count; ++i) order[i] = i;
+    for (std::size_t i = 0; i < count; ++i)
+      order[i] = i;
     std::shuffle(order.begin(), order.end(), std::mt19937(7));
-    for (const std::size_t i : order) body(i);
+    for (const std::size_t i : order)
+      body(i);
   };
 }
 
 inline mesh::TriangleMesh box(const Vec3& low, const Vec3& high) {
   mesh::TriangleMesh mesh;
   for (int n = 0; n < 8; ++n)
-    mesh.vertices.push_back({n & 1 ? high.x() : low.x(), n & 2 ? high.y() : low.y(),
-                             n & 4 ? high.z() : low.z()});
+    mesh.vertices.push_back(
+        {n & 1 ? high.x() : low.x(), n & 2 ? high.y() : low.y(), n & 4 ? high.z() : low.z()});
   mesh.triangles = {{0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}, {0, 1, 5}, {0, 5, 4},
                     {2, 6, 7}, {2, 7, 3}, {0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}};
   return mesh;
@@ -113,9 +123,9 @@ inline mesh::TriangleMesh sphere(const Vec3& centre, double radius, int n) {
   for (int a = 1; a < n; ++a)
     for (int b = 0; b < n; ++b) {
       const double polar = std::numbers::pi * a / n, turn = 2 * std::numbers::pi * b / n;
-      mesh.vertices.push_back(centre +
-                              radius * Vec3(std::sin(polar) * std::cos(turn),
-                                            std::sin(polar) * std::sin(turn), std::cos(polar)));
+      mesh.vertices.push_back(centre + radius * Vec3(std::sin(polar) * std::cos(turn),
+                                                     std::sin(polar) * std::sin(turn),
+                                                     std::cos(polar)));
     }
   mesh.vertices.push_back(centre - Vec3(0, 0, radius));
   const auto at = [n](int a, int b) { return static_cast<std::uint32_t>(1 + (a - 1) * n + b % n); };
@@ -132,19 +142,22 @@ inline mesh::TriangleMesh sphere(const Vec3& centre, double radius, int n) {
 }
 
 inline mesh::TriangleMesh flipped(mesh::TriangleMesh mesh) {
-  for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
+  for (auto& t : mesh.triangles)
+    std::swap(t[1], t[2]);
   return mesh;
 }
 
 inline mesh::TriangleMesh joined(mesh::TriangleMesh a, const mesh::TriangleMesh& b) {
   const auto offset = static_cast<std::uint32_t>(a.vertices.size());
   a.vertices.insert(a.vertices.end(), b.vertices.begin(), b.vertices.end());
-  for (const auto& t : b.triangles) a.triangles.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
+  for (const auto& t : b.triangles)
+    a.triangles.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
   return a;
 }
 
 inline mesh::TriangleMesh moved(mesh::TriangleMesh mesh, const Vec3& by, double scale = 1.0) {
-  for (Vec3& x : mesh.vertices) x = scale * x + by;
+  for (Vec3& x : mesh.vertices)
+    x = scale * x + by;
   return mesh;
 }
 
@@ -156,10 +169,18 @@ inline mesh::TriangleMesh littered(mesh::TriangleMesh mesh, unsigned seed) {
     const auto t = mesh.triangles[random() % sound];
     const auto [a, b, c] = t;
     switch (n % 6) {
-      case 0: mesh.triangles.push_back({a, a, b}); break;
-      case 1: mesh.triangles.push_back({c, c, c}); break;
-      case 2: mesh.triangles.push_back({b, c, a}); break;
-      case 3: mesh.triangles.push_back({a, c, b}); break;
+      case 0:
+        mesh.triangles.push_back({a, a, b});
+        break;
+      case 1:
+        mesh.triangles.push_back({c, c, c});
+        break;
+      case 2:
+        mesh.triangles.push_back({b, c, a});
+        break;
+      case 3:
+        mesh.triangles.push_back({a, c, b});
+        break;
       case 4: {  // a copy of a corner: the same place under another number
         mesh.vertices.push_back(mesh.vertices[a]);
         mesh.triangles.push_back({static_cast<std::uint32_t>(mesh.vertices.size() - 1), b, a});
@@ -167,7 +188,8 @@ inline mesh::TriangleMesh littered(mesh::TriangleMesh mesh, unsigned seed) {
       }
       default: {  // the whole triangle again with vertices of its own
         const auto v = static_cast<std::uint32_t>(mesh.vertices.size());
-        for (const std::uint32_t corner : {b, c, a}) mesh.vertices.push_back(Vec3(mesh.vertices[corner]));
+        for (const std::uint32_t corner : {b, c, a})
+          mesh.vertices.push_back(Vec3(mesh.vertices[corner]));
         mesh.triangles.push_back({v, v + 1, v + 2});
       }
     }

@@ -21,7 +21,8 @@ struct Voxels {
   }
 };
 
-Voxels voxels(const mesh::TriangleMesh& mesh, const Grid& grid, const ParallelFor& loop = serial_for()) {
+Voxels voxels(const mesh::TriangleMesh& mesh, const Grid& grid,
+              const ParallelFor& loop = serial_for()) {
   Voxels out;
   const Voxmap map = voxelise(mesh, grid, loop);
   out.report = voxel_report(mesh, grid);
@@ -32,15 +33,17 @@ Voxels voxels(const mesh::TriangleMesh& mesh, const Grid& grid, const ParallelFo
   return out;
 }
 
-/// Voxels that a walk over faces reaches from outside without crossing surface must not be interior: no hole.
+/// Voxels that a walk over faces reaches from outside without crossing surface must not be
+/// interior: no hole.
 bool has_hole(const Voxels& v) {
   const std::set<VoxelIndex> interior(v.interior.begin(), v.interior.end()),
       surface(v.surface.begin(), v.surface.end());
   for (const VoxelIndex& at : v.interior)
-    for (const auto& [di, dj, dk] :
-         std::vector<std::array<int, 3>>{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}}) {
+    for (const auto& [di, dj, dk] : std::vector<std::array<int, 3>>{
+             {1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}}) {
       const VoxelIndex next{at.i + di, at.j + dj, at.k + dk};
-      if (!interior.contains(next) && !surface.contains(next)) return true;
+      if (!interior.contains(next) && !surface.contains(next))
+        return true;
     }
   return false;
 }
@@ -51,7 +54,8 @@ TEST(Voxelise, EqualsEveryReferenceVector) {
     const Voxels got = voxels(read_obj(name), vector_grid(name));
     std::vector<VoxelIndex> surface, interior;
     std::ifstream surface_file = open_vector("voxels/" + name + "_surface.csv");
-    for (auto& row : read_csv(surface_file)) surface.push_back({int(row["i"]), int(row["j"]), int(row["k"])});
+    for (auto& row : read_csv(surface_file))
+      surface.push_back({int(row["i"]), int(row["j"]), int(row["k"])});
     std::ifstream interior_file = open_vector("voxels/" + name + "_interior.csv");
     for (auto& row : read_csv(interior_file))
       for (int k = int(row["k_first"]); k <= int(row["k_last"]); ++k)
@@ -69,8 +73,8 @@ TEST(Voxelise, TheDefaultGridStartsOneLayerBeforeTheUsedVertices) {
     const mesh::TriangleMesh mesh = read_obj(name);
     const double e = vector_grid(name).edge;
     const Vec3 origin = default_grid(mesh, e).origin;
-    EXPECT_EQ(origin, vector_grid(name).origin + Vec3::Constant(e)) << name <<
-        ": the vectors leave two layers";
+    EXPECT_EQ(origin, vector_grid(name).origin + Vec3::Constant(e))
+        << name << ": the vectors leave two layers";
   }
 }
 
@@ -81,7 +85,8 @@ TEST(Voxelise, ScalingByPowersOfTwoChangesNoVoxel) {
     const Voxels at_one = voxels(mesh, default_grid(mesh, edge));
     for (const double scale : {0x1p-20, 0x1p20}) {
       const mesh::TriangleMesh scaled = moved(mesh, Vec3::Zero(), scale);
-      EXPECT_TRUE(voxels(scaled, default_grid(scaled, edge * scale)) == at_one) << name << ' ' << scale;
+      EXPECT_TRUE(voxels(scaled, default_grid(scaled, edge * scale)) == at_one)
+          << name << ' ' << scale;
     }
   }
 }
@@ -91,7 +96,8 @@ TEST(Voxelise, AFarPoseChangesNoVoxel) {
     const mesh::TriangleMesh mesh = read_obj(name);
     const double edge = vector_grid(name).edge;
     const mesh::TriangleMesh far = moved(mesh, Vec3(1e6, -1e6, 1e6));
-    EXPECT_TRUE(voxels(far, default_grid(far, edge)) == voxels(mesh, default_grid(mesh, edge))) << name;
+    EXPECT_TRUE(voxels(far, default_grid(far, edge)) == voxels(mesh, default_grid(mesh, edge)))
+        << name;
   }
 }
 
@@ -103,9 +109,11 @@ TEST(Voxelise, ACubeOnTheGridHasNoHoleAndIsSymmetric) {
     const Voxels got = voxels(box(Vec3::Constant(-0.4 + shift), Vec3::Constant(0.4 + shift)), grid);
     EXPECT_FALSE(has_hole(got)) << shift;
     EXPECT_GE(got.interior.size(), 6U * 6U * 6U) << shift;
-    // The cube's diagonal is an axis of symmetry of the whole set-up: (i,j,k) and (j,k,i) are alike.
+    // The cube's diagonal is an axis of symmetry of the whole set-up: (i,j,k) and (j,k,i) are
+    // alike.
     const std::set<VoxelIndex> surface(got.surface.begin(), got.surface.end());
-    for (const VoxelIndex& v : got.surface) ASSERT_TRUE(surface.contains({v.j, v.k, v.i})) << shift;
+    for (const VoxelIndex& v : got.surface)
+      ASSERT_TRUE(surface.contains({v.j, v.k, v.i})) << shift;
   }
   const Voxels exact = voxels(box(Vec3::Constant(1.0), Vec3::Constant(5.0)), {Vec3::Zero(), 1.0});
   EXPECT_EQ(exact.surface.size(), 6U * 6U * 6U - 2U * 2U * 2U);
@@ -167,12 +175,15 @@ TEST(Voxelise, NestedAndOverlappingShellsGoByWindingNumber) {
     return voxelise(mesh, grid, serial_for()).at(Grid::voxel_of(grid.to_grid(Vec3::Zero())));
   };
   EXPECT_EQ(centre(joined(outer, flipped(inner))), VoxelKind::kFree) << "a cavity";
-  EXPECT_EQ(centre(flipped(joined(outer, flipped(inner)))), VoxelKind::kFree) << "a cavity, all inside out";
+  EXPECT_EQ(centre(flipped(joined(outer, flipped(inner)))), VoxelKind::kFree)
+      << "a cavity, all inside out";
   EXPECT_EQ(centre(joined(outer, inner)), VoxelKind::kInterior) << "a body in a body";
-  EXPECT_EQ(centre(joined(joined(outer, flipped(inner)), box(Vec3::Constant(-0.3), Vec3::Constant(0.3)))),
-            VoxelKind::kInterior) << "a body in a cavity";
-  const mesh::TriangleMesh overlap =
-      joined(box(Vec3(-1.5, -1, -1), Vec3(0.5, 1, 1)), box(Vec3(-0.5, -0.9, -0.9), Vec3(1.5, 0.9, 0.9)));
+  EXPECT_EQ(
+      centre(joined(joined(outer, flipped(inner)), box(Vec3::Constant(-0.3), Vec3::Constant(0.3)))),
+      VoxelKind::kInterior)
+      << "a body in a cavity";
+  const mesh::TriangleMesh overlap = joined(box(Vec3(-1.5, -1, -1), Vec3(0.5, 1, 1)),
+                                            box(Vec3(-0.5, -0.9, -0.9), Vec3(1.5, 0.9, 0.9)));
   EXPECT_EQ(centre(overlap), VoxelKind::kInterior);
   EXPECT_EQ(centre(joined(outer, outer)), VoxelKind::kInterior) << "the same mesh twice";
 }
@@ -182,7 +193,8 @@ TEST(Voxelise, AnOpenPartTakesNothingFromAClosedOne) {
   mesh::TriangleMesh sheet = box(Vec3(2, 0, 0), Vec3(3, 1, 1));
   sheet.triangles.resize(10);
   const mesh::TriangleMesh both = joined(solid, sheet);
-  const Voxels got = voxels(both, default_grid(both, 0.11)), alone = voxels(solid, default_grid(solid, 0.11));
+  const Voxels got = voxels(both, default_grid(both, 0.11)),
+               alone = voxels(solid, default_grid(solid, 0.11));
   EXPECT_EQ(got.interior, alone.interior);
   EXPECT_EQ(got.report.shells.open_parts, 1U);
   EXPECT_EQ(got.report.shells.closed_parts, 1U);
@@ -215,7 +227,8 @@ TEST(Voxelise, ATwoSidedFinTakesNothingFromABody) {
 }
 
 TEST(Voxelise, TwoCubesThatShareAnEdgeAreSolid) {
-  const mesh::TriangleMesh both = joined(box(Vec3::Zero(), Vec3::Ones()), box(Vec3(1, 1, 0), Vec3(2, 2, 1)));
+  const mesh::TriangleMesh both =
+      joined(box(Vec3::Zero(), Vec3::Ones()), box(Vec3(1, 1, 0), Vec3(2, 2, 1)));
   const Voxels got = voxels(both, default_grid(both, 0.11));
   EXPECT_EQ(got.report.shells.open_parts, 0U);
   EXPECT_FALSE(got.interior.empty());
@@ -227,7 +240,8 @@ TEST(Voxelise, AZeroAreaTriangleMayCloseATJunction) {
   // Split the edge 4-5 of one triangle only, and fill the slit with a zero-area triangle.
   mesh.vertices.push_back(Vec3(0.5, 0, 1));
   for (auto& t : mesh.triangles)
-    if (t == std::array<std::uint32_t, 3>{4, 5, 7}) t = {4, 8, 7};
+    if (t == std::array<std::uint32_t, 3>{4, 5, 7})
+      t = {4, 8, 7};
   mesh.triangles.push_back({8, 5, 7});
   EXPECT_TRUE(voxels(mesh, default_grid(mesh, 0.11)).interior.empty()) << "the slit is open";
   mesh.triangles.push_back({4, 5, 8});
@@ -236,7 +250,8 @@ TEST(Voxelise, AZeroAreaTriangleMayCloseATJunction) {
   EXPECT_EQ(got.report.shells.open_parts, 0U);
 }
 
-/// A Klein bottle as a figure of eight swept round with half a turn: closed, but no side is the outside.
+/// A Klein bottle as a figure of eight swept round with half a turn: closed, but no side is the
+/// outside.
 mesh::TriangleMesh klein_bottle(int n) {
   mesh::TriangleMesh mesh;
   for (int a = 0; a < n; ++a)
@@ -276,13 +291,16 @@ TEST(Voxelise, InteriorEqualsTheWindingNumberOfEveryVoxel) {
   for (int i = 0; i < 20; ++i)
     for (int j = 0; j < 20; ++j)
       for (int k = 0; k < 20; ++k) {
-        if (map.at({i, j, k}) == VoxelKind::kSurface) continue;
+        if (map.at({i, j, k}) == VoxelKind::kSurface)
+          continue;
         double angle = 0.0;  // solid angle (van Oosterom and Strackee, 1983)
         const Vec3 c = grid.centre({i, j, k});
         for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-          const Vec3 a = mesh.corner(t, 0) - c, b = mesh.corner(t, 1) - c, d = mesh.corner(t, 2) - c;
-          angle += 2.0 * std::atan2(a.dot(b.cross(d)), a.norm() * b.norm() * d.norm() + a.dot(b) * d.norm() +
-                                                           b.dot(d) * a.norm() + d.dot(a) * b.norm());
+          const Vec3 a = mesh.corner(t, 0) - c, b = mesh.corner(t, 1) - c,
+                     d = mesh.corner(t, 2) - c;
+          angle += 2.0 * std::atan2(a.dot(b.cross(d)),
+                                    a.norm() * b.norm() * d.norm() + a.dot(b) * d.norm() +
+                                        b.dot(d) * a.norm() + d.dot(a) * b.norm());
         }
         const bool expected = std::abs(angle) / (4.0 * std::numbers::pi) >= 0.5;
         inside += expected;
@@ -352,7 +370,8 @@ TEST(VoxelBudget, RefusesScatteredTrianglesThatTouchMoreThanForeseen) {
   std::uniform_real_distribution<double> pick(0.0, 1.0);
   for (std::uint32_t n = 0; n < 20000; ++n) {
     const Vec3 x(pick(random), pick(random), pick(random));
-    for (const Vec3& d : {Vec3(0, 0, 0), Vec3(1e-5, 0, 0), Vec3(0, 1e-5, 0)}) specks.vertices.push_back(x + d);
+    for (const Vec3& d : {Vec3(0, 0, 0), Vec3(1e-5, 0, 0), Vec3(0, 1e-5, 0)})
+      specks.vertices.push_back(x + d);
     specks.triangles.push_back({3 * n, 3 * n + 1, 3 * n + 2});
   }
   const Grid grid = default_grid(specks, 0.005);

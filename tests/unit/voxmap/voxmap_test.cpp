@@ -46,7 +46,8 @@ TEST(Voxmap, VisitsOccupiedVoxelsInOrderAndCountsThem) {
   std::set<VoxelIndex> expected;
   for (int x = 0; x < 8; ++x)
     for (int y = 0; y < 8; ++y)
-      for (int z = 0; z < 8; ++z) expected.insert({-8 + x, y, z}), expected.insert({8 + x, 8 + y, 8 + z});
+      for (int z = 0; z < 8; ++z)
+        expected.insert({-8 + x, y, z}), expected.insert({8 + x, 8 + y, 8 + z});
   for (int n = 0; n < 500; ++n) {
     const VoxelIndex v = random_voxel(random, -20, 20);
     map.set(v, VoxelKind::kSurface);
@@ -69,7 +70,8 @@ TEST(Voxmap, VisitsOccupiedVoxelsInOrderAndCountsThem) {
 TEST(Voxmap, SetsACellFromBitsWithSurfaceOverInterior) {
   std::mt19937_64 random(5);
   BrickMask surface, interior;
-  for (std::size_t z = 0; z < 8; ++z) surface[z] = random() & random(), interior[z] = random();
+  for (std::size_t z = 0; z < 8; ++z)
+    surface[z] = random() & random(), interior[z] = random();
   Voxmap map({}, {0, 0, 0}, {20, 20, 20});
   map.set_cell({8, 8, 8}, surface, interior);
   for (int x = 0; x < 8; ++x)
@@ -78,17 +80,21 @@ TEST(Voxmap, SetsACellFromBitsWithSurfaceOverInterior) {
         const auto bit = [&](const BrickMask& m) {
           return (m[static_cast<std::size_t>(z)] >> (x + 8 * y)) & 1;
         };
-        const VoxelKind expected =
-            bit(surface) ? VoxelKind::kSurface : bit(interior) ? VoxelKind::kInterior : VoxelKind::kFree;
+        const VoxelKind expected = bit(surface)    ? VoxelKind::kSurface
+                                   : bit(interior) ? VoxelKind::kInterior
+                                                   : VoxelKind::kFree;
         ASSERT_EQ(map.at({8 + x, 8 + y, 8 + z}), expected);
       }
 }
 
 VoxelIndex first_of_cell(const Voxmap& map, std::int64_t x, std::int64_t y, std::int64_t z) {
-  return {static_cast<std::int32_t>(map.base().i + 8 * x), static_cast<std::int32_t>(map.base().j + 8 * y), static_cast<std::int32_t>(map.base().k + 8 * z)};
+  return {static_cast<std::int32_t>(map.base().i + 8 * x),
+          static_cast<std::int32_t>(map.base().j + 8 * y),
+          static_cast<std::int32_t>(map.base().k + 8 * z)};
 }
 
-/// What kernels look up: the table of a small map and the pages of any name the brick that holds each voxel, in whatever order cells got theirs.
+/// What kernels look up: the table of a small map and the pages of any name the brick that holds
+/// each voxel, in whatever order cells got theirs.
 TEST(Voxmap, PagesAndTableNameTheSameBricks) {
   std::mt19937 random(9);
   for (const bool in_order : {true, false}) {
@@ -98,29 +104,36 @@ TEST(Voxmap, PagesAndTableNameTheSameBricks) {
     std::vector<VoxelIndex> wanted;
     map.for_each_cell([&](std::int64_t x, std::int64_t y, std::int64_t z) {
       const VoxelIndex v = first_of_cell(map, x, y, z);
-      if (v.i < -70 || v.j < -70 || v.k < -70 || v.i > 62 || v.j > 62 || v.k > 62) return;
+      if (v.i < -70 || v.j < -70 || v.k < -70 || v.i > 62 || v.j > 62 || v.k > 62)
+        return;
       if (x > 11 && y > 11 && z > 11)
         map.fill_cell(v, VoxelKind::kInterior);  // whole blocks among them
       else if (random() % 5 == 0)
         wanted.push_back(v);
     });
-    if (!in_order) std::ranges::shuffle(wanted, random);
-    for (const VoxelIndex& v : wanted) map.set(v, VoxelKind::kSurface);
+    if (!in_order)
+      std::ranges::shuffle(wanted, random);
+    for (const VoxelIndex& v : wanted)
+      map.set(v, VoxelKind::kSurface);
     map.finish();
     const Voxmap::Arrays a = map.arrays();
     ASSERT_NE(a.table, nullptr);
     ASSERT_EQ(a.brick_count, wanted.size() + 2);
     std::int32_t last = 1;
     map.for_each_cell([&](std::int64_t x, std::int64_t y, std::int64_t z) {
-      const Voxmap::Block block = a.blocks[(x >> 2) + a.blocks_along[0] * ((y >> 2) + a.blocks_along[1] * (z >> 2))];
-      const std::int32_t code = a.pages[block.page][static_cast<std::size_t>((x & 3) | (y & 3) << 2 | (z & 3) << 4)];
-      const std::int32_t brick = code < Voxmap::kSharedCode ? block.first_brick + code : code - Voxmap::kSharedCode;
+      const Voxmap::Block block =
+          a.blocks[(x >> 2) + a.blocks_along[0] * ((y >> 2) + a.blocks_along[1] * (z >> 2))];
+      const std::int32_t code =
+          a.pages[block.page][static_cast<std::size_t>((x & 3) | (y & 3) << 2 | (z & 3) << 4)];
+      const std::int32_t brick =
+          code < Voxmap::kSharedCode ? block.first_brick + code : code - Voxmap::kSharedCode;
       ASSERT_EQ(brick, a.table[x + a.cells_along[0] * (y + a.cells_along[1] * z)]);
       ASSERT_LT(brick, static_cast<std::int32_t>(a.brick_count));
       last = std::max(last, brick);
     });
     EXPECT_EQ(last + 1, static_cast<std::int32_t>(a.brick_count));
-    for (const VoxelIndex& v : wanted) ASSERT_EQ(map.at(v), VoxelKind::kSurface);
+    for (const VoxelIndex& v : wanted)
+      ASSERT_EQ(map.at(v), VoxelKind::kSurface);
     EXPECT_EQ(map.surface_count(), wanted.size());
   }
 }
@@ -161,11 +174,13 @@ TEST(Voxmap, FreeDistanceIsALowerBoundEverywhere) {
     for (int n = 0; n < 20000; ++n) {
       const Vec3 u(pick(random), pick(random), pick(random));
       double nearest = 1e9;
-      for (const VoxelIndex& v : occupied) nearest = std::min(nearest, distance_to(v, u));
+      for (const VoxelIndex& v : occupied)
+        nearest = std::min(nearest, distance_to(v, u));
       const double bound = map.free_distance_voxels(u);
       ASSERT_LE(bound, nearest) << u.transpose();
       closest = std::min(closest, nearest - bound);
-      // Not a feeble one: the true chessboard distance is less than three cells more within the table.
+      // Not a feeble one: the true chessboard distance is less than three cells more within the
+      // table.
       if ((u.array() > -39.0).all() && (u.array() < 40.0).all())
         tightest = std::min(tightest, bound - nearest / 1.7320508 + 12.0);
     }
@@ -175,7 +190,8 @@ TEST(Voxmap, FreeDistanceIsALowerBoundEverywhere) {
   }
 }
 
-/// Of a table much larger than its surface: cells are longer, so that bytes stay few, and bounds are as much coarser.
+/// Of a table much larger than its surface: cells are longer, so that bytes stay few, and bounds
+/// are as much coarser.
 TEST(Voxmap, FreeDistanceTakesLongerCellsInALargeTable) {
   std::mt19937 random(7);
   Voxmap map({}, {0, 0, 0}, {1100, 1100, 1100});
@@ -187,18 +203,23 @@ TEST(Voxmap, FreeDistanceTakesLongerCellsInALargeTable) {
   map.finish();
   ASSERT_GT(map.arrays().free_shift, free_distance::kMinShift);
   const double step = free_distance::step_of(map.arrays().free_shift);
-  EXPECT_LE(map.table_bytes(), static_cast<std::size_t>(map.cells()[0] * map.cells()[1] * map.cells()[2]) / 6 + 42 * sizeof(Voxmap::Page));
+  EXPECT_LE(map.table_bytes(),
+            static_cast<std::size_t>(map.cells()[0] * map.cells()[1] * map.cells()[2]) / 6 +
+                42 * sizeof(Voxmap::Page));
   EXPECT_LE(map.bytes(), map.table_bytes() + 42 * sizeof(Voxmap::Brick) + free_distance::kFewBytes);
   std::uniform_real_distribution<double> pick(-200.0, 1300.0);
   for (int n = 0; n < 20000; ++n) {
     const Vec3 u(pick(random), pick(random), pick(random));
     double nearest = 1e9;
-    for (const VoxelIndex& v : occupied) nearest = std::min(nearest, distance_to(v, u));
+    for (const VoxelIndex& v : occupied)
+      nearest = std::min(nearest, distance_to(v, u));
     const double bound = map.free_distance_voxels(u);
     ASSERT_LE(bound, nearest) << u.transpose();
-    // Within the exact reach: the way to a cell's centre and back, what lies beside a voxel in its half of a cell, the byte's own steps.
+    // Within the exact reach: the way to a cell's centre and back, what lies beside a voxel in its
+    // half of a cell, the byte's own steps.
     if (nearest < 50.0 * step && (u.array() > 0.0).all() && (u.array() < 1100.0).all()) {
-      ASSERT_GE(bound, nearest - step * (4.0 * std::sqrt(3.0) + 2.0 * std::sqrt(3.0) + 0.5)) << u.transpose();
+      ASSERT_GE(bound, nearest - step * (4.0 * std::sqrt(3.0) + 2.0 * std::sqrt(3.0) + 0.5))
+          << u.transpose();
     }
   }
 }
@@ -208,7 +229,8 @@ TEST(Voxmap, FreeDistanceFallsShortOfTheTruthByLittle) {
   map.set({32, 0, 0}, VoxelKind::kSurface);
   map.finish();
   const double bound = map.free_distance_voxels(Vec3(8.1, 0, 0));
-  // By the way to the cell's centre and back, at most, and by what lies beside a voxel in its 2x2x2-cell.
+  // By the way to the cell's centre and back, at most, and by what lies beside a voxel in its
+  // 2x2x2-cell.
   EXPECT_LE(bound, 32.0 - 8.1);
   EXPECT_GE(bound, 32.0 - 8.1 - 2.0 * 2.0 * std::sqrt(3.0) - 0.25);
 }
@@ -232,26 +254,34 @@ TEST(BrickBits, GrowFollowsFacesOnly) {
   std::mt19937_64 random(8);
   for (int n = 0; n < 200; ++n) {
     BrickMask room;
-    for (auto& word : room) word = random() | random();
+    for (auto& word : room)
+      word = random() | random();
     BrickMask seed{};
     seed[3] = room[3] & (~room[3] + 1);
     std::set<int> reached, open;
     for (int v = 0; v < 512; ++v)
-      if ((seed[static_cast<std::size_t>(v / 64)] >> (v % 64)) & 1) open.insert(v);
+      if ((seed[static_cast<std::size_t>(v / 64)] >> (v % 64)) & 1)
+        open.insert(v);
     while (!open.empty()) {
       const int v = *open.begin();
       open.erase(open.begin());
-      if (!reached.insert(v).second) continue;
+      if (!reached.insert(v).second)
+        continue;
       const int x = v & 7, y = (v >> 3) & 7, z = v >> 6;
-      for (const auto& [nx, ny, nz] : std::vector<std::array<int, 3>>{
-               {x - 1, y, z}, {x + 1, y, z}, {x, y - 1, z}, {x, y + 1, z}, {x, y, z - 1}, {x, y, z + 1}})
+      for (const auto& [nx, ny, nz] : std::vector<std::array<int, 3>>{{x - 1, y, z},
+                                                                      {x + 1, y, z},
+                                                                      {x, y - 1, z},
+                                                                      {x, y + 1, z},
+                                                                      {x, y, z - 1},
+                                                                      {x, y, z + 1}})
         if (nx >= 0 && nx < 8 && ny >= 0 && ny < 8 && nz >= 0 && nz < 8 &&
             ((room[static_cast<std::size_t>(nz)] >> (nx + 8 * ny)) & 1))
           open.insert(nx + 8 * ny + 64 * nz);
     }
     const BrickMask grown = grow(seed, room);
     for (int v = 0; v < 512; ++v)
-      ASSERT_EQ(reached.contains(v), ((grown[static_cast<std::size_t>(v / 64)] >> (v % 64)) & 1) != 0);
+      ASSERT_EQ(reached.contains(v),
+                ((grown[static_cast<std::size_t>(v / 64)] >> (v % 64)) & 1) != 0);
   }
 }
 

@@ -9,12 +9,14 @@
 using namespace voxtouch;
 
 int main(int count, char** arguments) {
-  if (count != 2) return 2;
+  if (count != 2)
+    return 2;
   const scene::Scene scene = scene::load_scene(arguments[1]);
   const auto built = rendering::build_scene(scene, serial_for());
   double most_n = 0.0;
   for (double time_s = 0.0; time_s < 5.0; time_s += 0.001) {
-    const rendering::ToolState tool{.pose = {motion_at(scene.motions.at("slide"), time_s).position}, .twist = {}};
+    const rendering::ToolState tool{.pose = {motion_at(scene.motions.at("slide"), time_s).position},
+                                    .twist = {}};
     most_n = std::max(most_n, built->scene_renderer().render(tool, time_s).wrench.force.norm());
   }
   std::printf("%.3f N at most\n", most_n);
