@@ -2,7 +2,6 @@
 /// What opening a device by its name may need.
 #include <atomic>
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -11,10 +10,6 @@
 #include "core/types/device_description.hpp"
 #include "core/types/motion.hpp"
 #include "devices/sim/operator.hpp"
-
-namespace voxtouch::recorded {
-struct RecordedHand;
-}
 
 namespace voxtouch::devices {
 
@@ -29,8 +24,6 @@ struct DeviceOptions {
   std::optional<sim::OperatorConfig> hand;  ///< absent: the usual grip, usual_hand(name)
   bool lockstep = false;  ///< a simulated counterpart runs in virtual time; hardware cannot
   DeviceSettings settings;
-  std::shared_ptr<const recorded::RecordedHand>
-      recorded;  ///< of `replay:BAG`, whose bag the caller has read
   std::optional<DeviceDescription>
       described;  ///< of `sim:FILE`, whose file the caller has read: drivers read none
   /// Set by another thread when whoever opens the device no longer wants it: opening then ends with

@@ -85,9 +85,6 @@ class Driver {
   /// True where `write`, or `read`, advances simulated time by one period and `read` needs no
   /// waiting (lockstep can drive it).
   virtual bool simulated() const noexcept = 0;
-  /// How many samples a device gives that plays a recording, whose hand feels nothing; 0: it is no
-  /// recording.
-  virtual std::uint64_t recorded_samples() const noexcept { return 0; }
   /// What keeps the device from giving samples or taking force now, and what to do about it; empty:
   /// nothing that it knows of. For people: allocates, so not for the loop, but any other thread may
   /// ask while the loop runs.

@@ -16,12 +16,12 @@ struct GuardConfig {
   double max_torque_nm =
       0.0;  ///< [0, finite); 0: the device gives no torque, so torque is left out
   double max_force_rate_n_per_s =
-      0.0;  ///< at least max_force_n / fade_s, so that a fade never breaks it
+      0.0;  ///< derive_slew_limits; at least max_force_n / fade_s, so that a fade never breaks it
   double max_torque_rate_nm_per_s = 0.0;  ///< likewise
   double hold_periods = 3.0;              ///< a command is held this long at most, [1, 1000]
   double fade_s = 0.02;                   ///< then it is zero after this, (0, 1]
-  double start_ramp_s = 0.5;   ///< at the start full force is reached after this, [0, 10]
-  double return_ramp_s = 0.1;  ///< likewise after a fade, [0, 10]
+  double start_ramp_s = 0.5;            ///< at the start full force is reached after this, [0, 10]
+  double return_ramp_s = kReturnRampS;  ///< likewise after a fade, [0, 10]
 
   /// Throws std::runtime_error that names field, value and rule.
   void validate() const;
@@ -45,7 +45,7 @@ struct GuardCounts {
   std::uint64_t refused_sequence = 0;
   std::uint64_t clamped_force = 0;  ///< commands
   std::uint64_t clamped_torque = 0;
-  std::uint64_t clamped_slew = 0;  ///< periods
+  std::uint64_t clamped_slew = 0;  ///< periods; in a certified loop none
   std::uint64_t faded = 0;         ///< fades begun
   std::uint64_t clock_faults = 0;  ///< periods whose time stood still or went back
 

@@ -10,7 +10,6 @@
 #include "devices/fr3/counterpart.hpp"
 #include "devices/lwr/counterpart.hpp"
 #include "devices/phantom/counterpart.hpp"
-#include "devices/recorded/recorded_device.hpp"
 #include "devices/settings.hpp"
 #include "devices/sim/simulated_device.hpp"
 
@@ -55,11 +54,11 @@ const std::array kEntries{
           [](const DeviceOptions& o) { return open_simulated("sim-lwr", sim::sim_lwr(), o); },
           [](const DeviceOptions& o) { return describe_simulated("sim-lwr", sim::sim_lwr(), o); },
           [](const DeviceOptions&) { return sim::sim_lwr().hand; }},
-    Entry{"wire-phantom", phantom::open_wire_phantom, phantom::describe_wire_phantom,
+    Entry{"emulated-phantom", phantom::open_emulated_phantom, phantom::describe_emulated_phantom,
           [](const DeviceOptions&) { return sim::sim_phantom().hand; }},
-    Entry{"wire-lwr", lwr::open_wire_lwr, lwr::describe_wire_lwr,
+    Entry{"emulated-lwr", lwr::open_emulated_lwr, lwr::describe_emulated_lwr,
           [](const DeviceOptions&) { return arm::usual_hand_at_wire(); }},
-    Entry{"wire-fr3", fr3::open_wire_fr3, fr3::describe_wire_fr3,
+    Entry{"emulated-fr3", fr3::open_emulated_fr3, fr3::describe_emulated_fr3,
           [](const DeviceOptions&) { return arm::usual_hand_at_wire(); }},
     Entry{"phantom", phantom::open_phantom, phantom::describe_phantom_device, nullptr},
     Entry{"lwr", lwr::open_lwr, lwr::describe_lwr_device, nullptr},
@@ -75,21 +74,18 @@ const Entry kDescribed{kDescribedPrefix,
                        },
                        [](const DeviceOptions& o) { return sim::simulated(described(o)).hand; }};
 
-const Entry kRecorded{kRecordedPrefix, recorded::open_recorded, recorded::describe_recorded,
-                      nullptr};
-
 const Entry& find(std::string_view name) {
   if (name.starts_with(kDescribedPrefix))
     return kDescribed;
-  if (name.starts_with(kRecordedPrefix))
-    return kRecorded;
   const auto found = std::find_if(kEntries.begin(), kEntries.end(),
                                   [&](const Entry& e) { return e.name == name; });
-  if (found == kEntries.end())
+  if (found == kEntries.end() && name.starts_with("wire-"))
     throw DeviceOpenError(
-        fmt::format("device '{}' is unknown; known are {}, sim:FILE for a device that a file "
-                    "describes, and replay:BAG for a recorded hand",
-                    name, fmt::join(device_names(), ", ")));
+        fmt::format("device '{0}' is unknown: it is named 'emulated-{1}'", name, name.substr(5)));
+  if (found == kEntries.end())
+    throw DeviceOpenError(fmt::format(
+        "device '{}' is unknown; known are {}, and sim:FILE for a device that a file describes",
+        name, fmt::join(device_names(), ", ")));
   return *found;
 }
 
@@ -119,10 +115,10 @@ std::unique_ptr<Driver> open_device(std::string_view name, const DeviceOptions& 
     require_possible(name, driver->description());
     return driver;
   } catch (const DeviceOpenError& error) {
-    if (entry.hand != nullptr || is_recording(name))
+    if (entry.hand != nullptr)
       throw;
     throw DeviceOpenError(
-        fmt::format("{} (without the hardware: '--device wire-{}')", error.what(), name));
+        fmt::format("{} (without the hardware: '--device emulated-{}')", error.what(), name));
   } catch (const std::runtime_error& error) {
     throw DeviceOpenError(fmt::format("device '{}' cannot be opened: {}", name, error.what()));
   }
@@ -130,21 +126,15 @@ std::unique_ptr<Driver> open_device(std::string_view name, const DeviceOptions& 
 
 DeviceDescription describe_device(std::string_view name, const DeviceOptions& options) {
   DeviceDescription description = find(name).describe(options);
-  description.simulated =
-      name.starts_with("sim-") || name.starts_with(kDescribedPrefix) || is_recording(name);
+  description.simulated = name.starts_with("sim-") || name.starts_with(kDescribedPrefix);
   require_possible(name, description);
   return description;
 }
-
-bool is_recording(std::string_view name) noexcept { return name.starts_with(kRecordedPrefix); }
 
 bool has_simulated_hand(std::string_view name) { return find(name).hand != nullptr; }
 
 sim::OperatorConfig usual_hand(std::string_view name, const DeviceOptions& options) {
   const Entry& entry = find(name);
-  if (is_recording(name))
-    throw DeviceOpenError(
-        "a recorded hand goes where it was recorded: no other hand can be simulated on it");
   if (entry.hand == nullptr)
     throw DeviceOpenError(
         fmt::format("device '{}' is held by a person: no hand can be simulated on it", name));

@@ -11,8 +11,8 @@
 namespace voxtouch::devices {
 
 /// "sim-phantom", "sim-lwr": arithmetic alone; so is "sim:FILE", any device as a file describes it,
-/// which is not among the names. "wire-phantom", "wire-lwr", "wire-fr3": the drivers of the
-/// hardware, with the vendor's library or the controller's side of the network simulated.
+/// which is not among the names. "emulated-phantom", "emulated-lwr", "emulated-fr3": the drivers of
+/// the hardware, with the vendor's library or the controller's side of the network simulated.
 /// "phantom", "lwr", "fr3": the hardware.
 const std::vector<std::string>& device_names();
 
@@ -28,17 +28,11 @@ DeviceDescription describe_device(std::string_view name, const DeviceOptions& op
 /// A name that stands for a device in a file.
 inline constexpr std::string_view kDescribedPrefix = "sim:";
 
-/// Before the folder or file of a recording, whose device samples are played: a device without a
-/// hand that feels.
-inline constexpr std::string_view kRecordedPrefix = "replay:";
-/// Whether the name is one of those.
-bool is_recording(std::string_view name) noexcept;
-
-/// A simulated hand holds it, and follows options.motion; else it is a person's, or a recorded one.
+/// A simulated hand holds it, and follows options.motion; else it is a person's.
 bool has_simulated_hand(std::string_view name);
 
 /// How a simulated hand usually holds the device: a start for options.hand. Throws for an unknown
-/// name, for hardware and for a recording.
+/// name and for hardware.
 sim::OperatorConfig usual_hand(std::string_view name, const DeviceOptions& options = {});
 
 }  // namespace voxtouch::devices

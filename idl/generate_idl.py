@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
 """Writes DDS .idl files and C++ headers from ROS 2 .msg and .srv files.
 
-usage: generate_idl.py OUT_DIR PACKAGE=DIR ...      (DIR holds msg and srv; the first package is the project's own)
+usage: generate_idl.py OUT_DIR PACKAGE=DIR ...      (DIR holds msg and srv; the first package is the
+                                                    project's own)
 
-For `pkg/Name` it writes OUT_DIR/pkg/msg/Name_.idl with the type pkg::msg::dds_::Name_, which is how ROS 2 names it on
-DDS. OUT_DIR/voxtouch_msgs/messages.hpp gives each type a short C++ name and static_asserts on its layout;
-OUT_DIR/voxtouch_msgs/python_types.hpp carries the same types as Python text, OUT_DIR/voxtouch_msgs/definitions.hpp as .msg text. Of a service it
-writes OUT_DIR/pkg/srv/Name_.idl with request and response, and OUT_DIR/voxtouch_msgs/services.hpp.
-"""
+For `pkg/Name` it writes OUT_DIR/pkg/msg/Name_.idl with the type pkg::msg::dds_::Name_, which is how
+ROS 2 names it on DDS. OUT_DIR/voxtouch_msgs/messages.hpp gives each type a short C++ name and
+static_asserts on its layout; OUT_DIR/voxtouch_msgs/python_types.hpp carries the same types as
+Python text, OUT_DIR/voxtouch_msgs/definitions.hpp as .msg text. Of a service it writes
+OUT_DIR/pkg/srv/Name_.idl with request and response, and OUT_DIR/voxtouch_msgs/services.hpp. """
 import pathlib
 import re
 import sys
@@ -34,15 +35,19 @@ CONSTANT_TYPES = {
     "byte": "std::uint8_t",
     **{f"{u}int{n}": f"std::{u}int{n}_t" for u in ("", "u") for n in (8, 16, 32, 64)},
 }
-# Types that walk round the ring a thousand times a second: fixed size, no padding (padding bytes would reach the wire).
+# Types that walk round the ring a thousand times a second: fixed size, no padding (padding bytes
+# would reach the wire).
 RING = ("DeviceState", "ContactState", "ForceCommand", "ExternalSample")
 FIELD = re.compile(
-    r"^(?P<type>[\w/]+)(?P<array>\[(?P<bound><=)?(?P<size>\d*)\])?\s+(?P<name>\w+)\s*(?P<const>=\s*(?P<value>\S+))?$"
+    r"^(?P<type>[\w/]+)(?P<array>\[(?P<bound><=)?(?P<size>\d*)\])?"
+    r"\s+(?P<name>\w+)\s*(?P<const>=\s*(?P<value>\S+))?$"
 )
 
 
 def parse(path, package):
-    """(fields, constants) of a .msg file, two of them of a .srv file; a field is (type, package or None, array kind, size, name)."""
+    """(fields, constants) of a .msg file, two of them of a .srv file; a field is (type, package or
+    None, array kind, size, name).
+    """
     lines = list(enumerate(path.read_text().splitlines(), 1))
     if path.suffix != ".srv":
         return parse_lines(path, package, lines)
@@ -98,7 +103,9 @@ def idl_text(package, name, fields, constants):
 
 
 def service_idl_text(package, name, request, response):
-    """Request and response behind the header that rmw_cyclonedds puts into both: whose client's, and its number there."""
+    """Request and response behind the header that rmw_cyclonedds puts into both: whose client's,
+    and its number there.
+    """
     header = [("uint64", None, None, 0, "client_guid"), ("int64", None, None, 0, "request_number")]
     body = []
     for half, fields in (("Request", request), ("Response", response)):
@@ -155,7 +162,10 @@ def packed_size(messages, package, name):
 def header_text(messages, own):
     out = [
         "#pragma once",
-        "/// Written by generate_idl.py: short names of the wire types, and what their layout must be.",
+        (
+            "/// Written by generate_idl.py: short names of the wire types, and what their layout"
+            " must be."
+        ),
         "#include <cstddef>",
         "#include <cstdint>",
         "#include <string_view>",
@@ -166,13 +176,19 @@ def header_text(messages, own):
         "namespace voxtouch::msg {",
         "/// Descriptor and names of a wire type.",
         "template <class T> struct Type;",
-        "/// The same as a value. `hash` is the type's RIHS01 hash, which ROS 2 tools compare from Iron on.",
+        (
+            "/// The same as a value. `hash` is the type's RIHS01 hash, which ROS 2 tools compare"
+            " from Iron on."
+        ),
         "struct AnyType {",
         "  std::string_view ros_name;",
         "  const dds_topic_descriptor_t* descriptor;",
         "  std::string_view hash;",
         "};",
-        "template <class T> inline constexpr AnyType kAnyType{Type<T>::ros_name, Type<T>::descriptor, Type<T>::hash};",
+        (
+            "template <class T> inline constexpr AnyType kAnyType{Type<T>::ros_name,"
+            " Type<T>::descriptor, Type<T>::hash};"
+        ),
         "",
     ]
     for package, name in messages:
@@ -184,7 +200,10 @@ def header_text(messages, own):
             f"  static constexpr const dds_topic_descriptor_t* descriptor = &{c_name}_desc;",
             f'  static constexpr std::string_view ros_name = "{package}/msg/{name}";',
             f'  static constexpr std::string_view dds_name = "{package}::msg::dds_::{name}_";',
-            f'  static constexpr std::string_view hash = "{type_hash.type_hash(messages, package, name)}";',
+            (
+                "  static constexpr std::string_view hash ="
+                f' "{type_hash.type_hash(messages, package, name)}";'
+            ),
             "};",
         ]
         constants = [c for c in messages[package, name][1] if c[0] in CONSTANT_TYPES]
@@ -192,7 +211,9 @@ def header_text(messages, own):
             snake = re.sub(r"(?<!^)(?=[A-Z])", "_", name).lower()
             out.append(f"namespace {snake if package == own else f'{package}_{name}_constants'} {{")
             out += [
-                f"inline constexpr {CONSTANT_TYPES[kind]} k{''.join(w.capitalize() for w in constant.split('_'))} = {value};"
+                "inline constexpr"
+                f" {CONSTANT_TYPES[kind]} k{''.join(w.capitalize() for w in constant.split('_'))} ="
+                f" {value};"
                 for kind, constant, value in constants
             ]
             out.append("}")
@@ -201,7 +222,8 @@ def header_text(messages, own):
         size = packed_size(messages, own, name)
         if size is None or size % 8:
             sys.exit(
-                f"{name}.msg: a ring type must be fixed-size and a multiple of 8 bytes; add or remove a reserved field."
+                f"{name}.msg: a ring type must be fixed-size and a multiple of 8 bytes; add or"
+                " remove a reserved field."
             )
         out.append(
             f'static_assert(sizeof({name}) == {size}, "{name} holds padding; reorder its fields");'
@@ -226,16 +248,27 @@ def services_text(messages, services, own):
             f"  using Request = {c_name}_Request_;",
             f"  using Response = {c_name}_Response_;",
             f'  static constexpr std::string_view ros_name = "{package}/srv/{name}";',
-            f'  static constexpr std::string_view hash = "{type_hash.service_hash(messages, package, name, request[0], response[0])}";',
-            f'  static constexpr AnyType request{{"{package}/srv/{name}_Request", &{c_name}_Request__desc, hash}};',
-            f'  static constexpr AnyType response{{"{package}/srv/{name}_Response", &{c_name}_Response__desc, hash}};',
+            (
+                "  static constexpr std::string_view hash ="
+                f' "{type_hash.service_hash(messages, package, name, request[0], response[0])}";'
+            ),
+            (
+                f'  static constexpr AnyType request{{"{package}/srv/{name}_Request",'
+                f" &{c_name}_Request__desc, hash}};"
+            ),
+            (
+                f'  static constexpr AnyType response{{"{package}/srv/{name}_Response",'
+                f" &{c_name}_Response__desc, hash}};"
+            ),
             "};",
         ]
     return "\n".join([*out, "}  // namespace voxtouch::msg", ""])
 
 
 def all_types_text(messages, own):
-    """A C++ header with the descriptor of every type by its name, for what takes any topic of the table."""
+    """A C++ header with the descriptor of every type by its name, for what takes any topic of the
+    table.
+    """
     shorts = [name if package == own else f"{package}_{name}" for package, name in messages]
     return "\n".join(
         [
@@ -253,7 +286,9 @@ def all_types_text(messages, own):
 
 
 def definition(messages, texts, package, name):
-    """The .msg with those of all types that it uses, as ROS 2 puts them together ("ros2msg"): so a bag explains itself."""
+    """The .msg with those of all types that it uses, as ROS 2 puts them together ("ros2msg"): so a
+    bag explains itself.
+    """
     parts = [texts[package, name]]
     parts += [
         f"MSG: {owner}/{kind}\n{texts[owner, kind]}"
@@ -266,7 +301,10 @@ def definitions_text(messages, texts):
     """A C++ header with the definition of every type by its ROS name, for bags."""
     out = [
         "#pragma once",
-        "/// Written by generate_idl.py: every type as the text of its .msg file and of those that it uses.",
+        (
+            "/// Written by generate_idl.py: every type as the text of its .msg file and of those"
+            " that it uses."
+        ),
         "#include <string_view>",
         "namespace voxtouch::msg {",
         "struct Definition {",
@@ -275,7 +313,8 @@ def definitions_text(messages, texts):
         "inline constexpr Definition kDefinitions[] = {",
     ]
     out += [
-        f'    {{"{package}/msg/{name}", R"ros2msg({definition(messages, texts, package, name)})ros2msg"}},'
+        f'    {{"{package}/msg/{name}",'
+        f' R"ros2msg({definition(messages, texts, package, name)})ros2msg"}},'
         for package, name in messages
     ]
     return "\n".join(

@@ -1,4 +1,6 @@
-"""Python classes of the messages for PyPI `cyclonedds`, and the header by which a program carries their text."""
+"""Python classes of the messages for PyPI `cyclonedds`, and the header by which a program carries
+their text.
+"""
 
 INIT = '''"""Message types and topics of voxtouch for PyPI's cyclonedds 11; written by `voxtouch types --python`.
 
@@ -38,9 +40,15 @@ def field_line(package, kind, owner, array, size, field):
     if array == "fixed" and base == "types.uint8":
         return f"    {field}: types.array[{base}, {size}] = bytes({size})"
     if array == "fixed":
-        return f"    {field}: types.array[{base}, {size}] = field(default_factory=lambda: [{one} for _ in range({size})])"
+        return (
+            f"    {field}: types.array[{base}, {size}] = field(default_factory=lambda: [{one} for _"
+            f" in range({size})])"
+        )
     if array:
-        return f"    {field}: types.sequence[{base}{f', {size}' if array == 'bounded' else ''}] = field(default_factory=list)"
+        return (
+            f"    {field}: types.sequence[{base}{f', {size}' if array == 'bounded' else ''}] ="
+            " field(default_factory=list)"
+        )
     return f"    {field}: {base} = " + (f"field(default_factory={base})" if owner else one)
 
 
@@ -58,7 +66,9 @@ def class_text(package, name, fields, constants):
 
 
 def module_text(package, own):
-    """One package's module; `own` maps its names to (fields, constants). Classes follow those that they use."""
+    """One package's module; `own` maps its names to (fields, constants). Classes follow those that
+    they use.
+    """
     others = sorted(
         {owner for fields, _ in own.values() for _, owner, *_ in fields if owner} - {package}
     )
@@ -87,7 +97,9 @@ def module_text(package, own):
 
 
 def header_text(messages):
-    """A C++ header with every file's name and text; `messages` maps (package, name) to (fields, constants)."""
+    """A C++ header with every file's name and text; `messages` maps (package, name) to (fields,
+    constants).
+    """
     files = {"__init__.py": INIT}
     for package in {package: None for package, _ in messages}:
         files[f"{package}.py"] = module_text(
@@ -95,7 +107,10 @@ def header_text(messages):
         )
     out = [
         "#pragma once",
-        "/// Written by generate_idl.py: the Python package of `voxtouch types`, but for its topics.",
+        (
+            "/// Written by generate_idl.py: the Python package of `voxtouch types`, but for its"
+            " topics."
+        ),
         "#include <string_view>",
         "namespace voxtouch::msg {",
         "struct PythonFile {",

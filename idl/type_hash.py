@@ -1,4 +1,6 @@
-"""RIHS01 hashes of message and service types, as REP-2016 says: SHA-256 over the JSON of the type's description with all types that it uses."""
+"""RIHS01 hashes of message and service types, as REP-2016 says: SHA-256 over the JSON of the type's
+description with all types that it uses.
+"""
 import hashlib
 import json
 
@@ -77,7 +79,9 @@ def type_hash(messages, package, name, services=()):
 
 
 def service_hash(messages, package, name, request, response):
-    """Of a service as a whole, which ROS describes as a type of its request, its response and the event of both."""
+    """Of a service as a whole, which ROS describes as a type of its request, its response and the
+    event of both.
+    """
 
     def part(kind, field, array=None, owner=package):
         return kind, owner, array, 1 if array else 0, field

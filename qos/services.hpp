@@ -16,30 +16,29 @@ struct Service {
   std::string_view why;
 };
 
-inline constexpr Service kGetState{"get_state", "lifecycle_msgs/srv/GetState", kEveryNode,
-                                   "The node's state in the words of ROS's life cycle."};
 inline constexpr Service kChangeEffect{"change_effect", "voxtouch_msgs/srv/ChangeEffect",
                                        kRendering,
                                        "An EffectChange whose answer comes back to whoever asked."};
 inline constexpr Service kListParameters{"list_parameters", "rcl_interfaces/srv/ListParameters",
-                                         kRendering,
-                                         "Gains, switches and values of the scene's effects."};
+                                         kEveryNode,
+                                         "use_sim_time and settings of the node; of the rendering "
+                                         "also gains, switches and values of effects."};
 inline constexpr Service kGetParameters{"get_parameters", "rcl_interfaces/srv/GetParameters",
-                                        kRendering, "What they are set to."};
+                                        kEveryNode, "What they are set to."};
 inline constexpr Service kGetParameterTypes{
-    "get_parameter_types", "rcl_interfaces/srv/GetParameterTypes", kRendering, "Their types."};
+    "get_parameter_types", "rcl_interfaces/srv/GetParameterTypes", kEveryNode, "Their types."};
 inline constexpr Service kDescribeParameters{"describe_parameters",
-                                             "rcl_interfaces/srv/DescribeParameters", kRendering,
+                                             "rcl_interfaces/srv/DescribeParameters", kEveryNode,
                                              "Their meaning, unit and range."};
 inline constexpr Service kSetParameters{"set_parameters", "rcl_interfaces/srv/SetParameters",
-                                        kRendering, "Changes, each judged by itself."};
+                                        kEveryNode, "Changes, each judged by itself."};
 inline constexpr Service kSetParametersAtomically{
-    "set_parameters_atomically", "rcl_interfaces/srv/SetParametersAtomically", kRendering,
+    "set_parameters_atomically", "rcl_interfaces/srv/SetParametersAtomically", kEveryNode,
     "Changes that are all made in one sample, or none."};
 
 inline constexpr Service kServices[] = {
-    kGetState,          kChangeEffect,       kListParameters, kGetParameters,
-    kGetParameterTypes, kDescribeParameters, kSetParameters,  kSetParametersAtomically};
+    kChangeEffect,       kListParameters, kGetParameters,          kGetParameterTypes,
+    kDescribeParameters, kSetParameters,  kSetParametersAtomically};
 
 namespace detail {
 inline std::string service_name(std::string_view prefix, const Service& service,

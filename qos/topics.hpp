@@ -13,8 +13,6 @@ namespace voxtouch::qos {
 using Nodes = std::uint8_t;
 inline constexpr Nodes kNobody = 0, kDevice = 1, kRendering = 2, kCoupling = 4, kValidator = 8,
                        kLogger = 16, kEveryNode = 31;
-/// Beside nodes: who is no node of the ring writes it too.
-inline constexpr Nodes kAnybody = 128;
 
 /// Names of the nodes in a set, as they stand in statuses and options.
 inline std::vector<std::string> names_of(Nodes nodes) {
@@ -39,6 +37,7 @@ struct Topic {
   bool lockstep_only = false;  ///< there is no writer in real time
   bool with_external = false;  ///< its rendering's end is there only where the scene has the effect
                                ///< `external`, in real time
+  bool of_launcher = false;    ///< `voxtouch up` writes it
   bool of_arms =
       false;  ///< there is a writer only where the device is an arm whose joints are known
 };
@@ -109,10 +108,9 @@ inline constexpr Topic kEffectChange{
     "voxtouch_msgs/msg/EffectChange",
     ProfileId::kEvent,
     0,
-    kRendering | kAnybody,
+    kNobody,
     kRendering | kLogger,
-    "Who changes the scene while it runs writes it: voxtouch change, or any ROS 2 tool; the "
-    "rendering what came by a service."};
+    "Who changes the scene while it runs writes it: voxtouch change, or any ROS 2 tool."};
 inline constexpr Topic kEffectChanged{"rendering/changed",
                                       "voxtouch_msgs/msg/EffectChanged",
                                       ProfileId::kStatus,
@@ -135,6 +133,18 @@ inline constexpr Topic kRecover{"recover",
                                 kNobody,
                                 kDevice | kCoupling | kLogger,
                                 "A person lets a locked node give force again: voxtouch recover."};
+inline constexpr Topic kRigClaim{
+    "rig_claim",
+    "voxtouch_msgs/msg/RigClaim",
+    ProfileId::kStatus,
+    0,
+    kNobody,
+    kEveryNode,
+    "A rig is one `voxtouch up`'s; it names the participants that play its roles.",
+    false,
+    false,
+    false,
+    true};
 inline constexpr Topic kExternalWrench{
     "external",
     "geometry_msgs/msg/WrenchStamped",
@@ -196,6 +206,7 @@ inline constexpr Topic kJointStates{"joint_states",
                                     true,
                                     false,
                                     false,
+                                    false,
                                     true};
 inline constexpr Topic kRobotDescription{
     "robot_description",
@@ -206,6 +217,7 @@ inline constexpr Topic kRobotDescription{
     kNobody,
     "The arm itself, for ROS tools; written once, and only while somebody reads it.",
     true,
+    false,
     false,
     false,
     true};
@@ -239,12 +251,32 @@ inline constexpr Topic kMarkers{
     "markers", "visualization_msgs/msg/MarkerArray", ProfileId::kState, 10, kRendering, kNobody,
     kForRos};
 
-inline constexpr Topic kTopics[] = {
-    kDeviceState,    kContactState,     kForceCommand, kDeviceDescription, kScenePlan,
-    kCouplingDesign, kValidation,       kNodeStatus,   kEffectChange,      kEffectChanged,
-    kEffectMade,     kRecover,          kDiagnostics,  kParameterEvents,   kRosout,
-    kJointStates,    kRobotDescription, kTf,           kTfStatic,          kClock,
-    kPose,           kWrench,           kMarkers,      kExternalWrench,    kExternalSample};
+inline constexpr Topic kTopics[] = {kDeviceState,
+                                    kContactState,
+                                    kForceCommand,
+                                    kDeviceDescription,
+                                    kScenePlan,
+                                    kCouplingDesign,
+                                    kValidation,
+                                    kNodeStatus,
+                                    kEffectChange,
+                                    kEffectChanged,
+                                    kEffectMade,
+                                    kRecover,
+                                    kRigClaim,
+                                    kDiagnostics,
+                                    kParameterEvents,
+                                    kRosout,
+                                    kJointStates,
+                                    kRobotDescription,
+                                    kTf,
+                                    kTfStatic,
+                                    kClock,
+                                    kPose,
+                                    kWrench,
+                                    kMarkers,
+                                    kExternalWrench,
+                                    kExternalSample};
 
 enum class TimeMode : std::uint8_t { kRealTime, kLockstep };
 

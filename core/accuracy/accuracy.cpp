@@ -184,8 +184,7 @@ class Measurement {
         return row;
       }
       const pointshell::Pointshell& shell = built->renderer().query().shell();
-      if (setting.budget >= 1.0)
-        shells_.emplace(setting.shell_voxel_m, shell);
+      shells_.emplace(setting.shell_voxel_m, shell);
       judge(built->renderer(), law_stiffness(parameters(setting, shell), shell), row);
     } catch (const std::exception& error) {
       row = {};
@@ -212,7 +211,6 @@ class Measurement {
         {.model = setting.model,
          .weights = setting.weights,
          .shell_voxel_m = setting.shell_voxel_m,
-         .share_of_points = setting.budget < 1.0 ? std::optional(setting.budget) : std::nullopt,
          .field_depth_voxels =
              depth_m ? std::optional(std::max(0.0, *depth_m / setting.voxel_m) + kNodesBelowVoxels)
                      : std::nullopt,
@@ -264,9 +262,7 @@ class Measurement {
       progress_.at(static_cast<double>(n) / static_cast<double>(places_.size()));
       if (wanted[n].force.isZero(0.0))
         continue;
-      const contact::ContactResult given = renderer.probe(places_[n].at(depth));
-      pairs[n].given = given.wrench;
-      row.left_out_depth_m = std::max(row.left_out_depth_m, given.left_out.depth_m);
+      pairs[n].given = renderer.probe(places_[n].at(depth)).wrench;
       if (clear[n])
         onsets.push_back(onset_gap(renderer, places_[n], edge));
     }
@@ -405,8 +401,8 @@ class Measurement {
     std::unique_ptr<rendering::BuiltScene> ground;
     for (AccuracyRow& row : rows) {
       const AccuracySetting& setting = row.setting;
-      if (setting.voxel_m != voxel_m || !row.refused.empty() || setting.budget < 1.0)
-        continue;  // what a budget costs does not hang on the grid
+      if (setting.voxel_m != voxel_m || !row.refused.empty())
+        continue;
       try {
         ErrorFigures figures;
         if (setting.virtual_tool) {

@@ -23,8 +23,6 @@ struct AccuracySetting {
       0.0;  ///< voxel edge that the pointshell is made with; e, or another for another density
   bool virtual_tool = false;  ///< the spring to a virtual tool, with `field`; its truth is the
                               ///< exact ball drawn to the same hand (tool_row.hpp)
-  double budget = 1.0;  ///< share of the shell's points that a frame may test, as a time budget has
-                        ///< it; 1: none. Not with a virtual tool
 
   bool operator==(const AccuracySetting&) const = default;
 };
@@ -70,9 +68,7 @@ struct PhaseFigures {
 struct AccuracyRow : ErrorFigures {
   AccuracySetting setting;
   std::uint64_t shell_points = 0;
-  double left_out_depth_m = 0.0;  ///< most over the poses that were judged: how much deeper a point
-                                  ///< may be that was left out [m]; 0: none was
-  std::uint64_t bytes = 0;        ///< voxmap, pointshell, field: all that the contact model keeps
+  std::uint64_t bytes = 0;  ///< voxmap, pointshell, field: all that the contact model keeps
   double direction_median_deg = 0.0;
   double direction_p95_deg = 0.0;
   double torque_error_m = 0.0;  ///< median of |torque error| / |F|, about the tool's origin: a

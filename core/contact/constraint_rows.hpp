@@ -35,12 +35,11 @@ struct RowFrame {
 /// The rows of all hits, in their order, added to `rows`, which must have room for them; none of a
 /// hit where the field has no direction, or whose gap is so wide that no step can close it.
 ///
-/// As a rule u and the gap are the field's: u = g / |g|, gap = distance / |g|: the static side's
-/// gradient, not the point's own normal, along which the tool sticks on its own facets. A wall of a
-/// voxel or two bends the field, or has no inside in it at all: there, in surface voxels, u and gap
-/// are those of the wall's face on the tool's side, which the point's own normal names, fitted to
-/// the corners' distances (wall_faces.hpp). Where tool and wall are both thinner than a voxel, the
-/// normals of the tool's far side name the wrong face. Real-time safe.
+/// As a rule u = g / |g|, gap = distance / |g| of the field: along the point's own normal the tool
+/// would stick on its own facets. A wall of a voxel or two bends the field: there, in surface
+/// voxels, u and gap are those of the wall's face on the side that the point's own normal names
+/// (wall_faces.hpp). Where tool and wall are both thinner than a voxel, the tool's far side names
+/// the wrong face. Real-time safe.
 void add_rows(const Hits& hits, bool in_surface, const voxmap::DistanceField& field,
               const RowFrame& frame, std::vector<ConstraintRow>& rows) noexcept;
 

@@ -30,31 +30,24 @@ struct ContactResult {
   Vec3 deepest_point =
       Vec3::Zero();              ///< the point with the largest depth [m]; zero without contact
   double deepest_depth_m = 0.0;  ///< [m]
-  /// K times the weights of the points that push (their number, where they weigh one each). Bounds
-  /// the spectral norm of dF/dx, x the tool's position: while the colliding set stays, normals and
-  /// directions u_i do not depend on x, so -dF/dx = K sum u_i u_i^T over the points with d > 0, a
-  /// sum of that many matrices of norm K (times w_i) (all equal for `adapted`, so there the bound
-  /// is reached). Not bounded: the step when a point crosses a voxel border, and the stiffness
-  /// against rotation.
+  /// K sum w_i over the points that push. Bounds the spectral norm of dF/dx, x the tool's position,
+  /// while the colliding set stays: -dF/dx = K sum w_i u_i u_i^T. Not bounded: the step when a
+  /// point crosses a voxel border, and the stiffness against rotation.
   double stiffness_bound_n_per_m = 0.0;
-  /// K sum w_i J_i' J_i over the same points, J_i = [u_i', (arm_i x u_i)']: stiffness against
-  /// translation and rotation [N/m, N, Nm/rad], W axes, about the tool's origin; symmetric,
-  /// positive semidefinite, the trace of its translational part at most the bound above. It is how
-  /// -wrench changes with the depths while the colliding set stays: for translations that is all; a
-  /// rotation also turns the arms and directions, which adds terms of the size of the wrench
-  /// itself. A retained point, whose push does not depend on the pose, counts as one that does, so
-  /// that the matrix does not fall where points go through.
+  /// K sum w_i J_i' J_i over the same points, J_i = [u_i', (arm_i x u_i)']: stiffness [N/m, N,
+  /// Nm/rad], W axes, about the tool's origin; symmetric, positive semidefinite. How -wrench
+  /// changes with the depths while the colliding set stays; a rotation also turns arms and
+  /// directions, which adds terms of the size of the wrench. A retained point counts like any
+  /// other, so that the matrix does not fall where points go through.
   Mat6 stiffness = Mat6::Zero();
   bool fallback =
       false;  ///< normals face each other (coherence <= 0.3): `original` was used for this frame
-  /// `field`: some point that pushes is deeper than the distances held; or so near the middle of a
-  /// body that its depth hardly grows any more (|gradient| < 1/2); or pushed away from the nearest
-  /// way out (normal . gradient < -1/2): gone through the middle of a thin wall, or on the back of
-  /// a tool that is wholly inside. From here on going deeper need not meet more force.
+  /// `field`: going deeper need not meet more force. Some point that pushes is deeper than the
+  /// distances held, near the middle of a body
+  /// (|gradient| < 1/2), or pushed away from the nearest way out (normal . gradient < -1/2).
   bool saturated = false;
   PoseStatus pose_status = PoseStatus::kUsable;
   std::uint32_t points_tested = 0;  ///< points that culling left to test
-  LeftOut left_out;                 ///< where a time budget allowed no more
 };
 
 /// Turns the hits of one frame into a wrench. Memoryless; interior voxels give no force. Sums run

@@ -46,7 +46,7 @@ std::vector<float> rounded(const std::vector<double>& values) {
 }  // namespace
 
 ContactQuery::ContactQuery(const voxmap::Voxmap& voxmap, pointshell::Pointshell shell,
-                           PointWeights weights, pointshell::ShellLevels levels)
+                           PointWeights weights)
     : voxmap_(voxmap),
       shell_(std::move(shell)) {
   check(shell_);
@@ -68,13 +68,9 @@ ContactQuery::ContactQuery(const voxmap::Voxmap& voxmap, pointshell::Pointshell 
   source_.rough.place[2] = z_.data();
   if (!packed_normals_.empty())
     source_.rough.normal = packed_normals_.data();
-  if (!levels.empty())
-    levels_ = LevelQuery(shell_, std::move(levels),
-                         weights == PointWeights::kArea ? shell_.area_m2 : std::vector<double>());
 }
 
-void ContactQuery::find(const Pose& pose_WT, HitList& hits,
-                        const PointLimit& limit) const noexcept {
+void ContactQuery::find(const Pose& pose_WT, HitList& hits) const noexcept {
   hits.clear();
   Quat orientation = pose_WT.orientation;
   if (!pose_WT.position.allFinite() ||
@@ -107,16 +103,7 @@ void ContactQuery::find(const Pose& pose_WT, HitList& hits,
   source.rough.certain = frame.certain;
   FoundHits surface{hits.surface.room(shell_.size())}, interior{hits.interior.room(shell_.size())};
   const QueryData data{&voxmap_, shell_.size(), &tree_, x_.data(), y_.data(), z_.data()};
-  if (levels_.empty() || !hits.work.ready()) {
-    hits.tested = search(data, frame, surface, interior);
-  } else {
-    const LevelChoice choice = levels_.choose(data, frame, limit, hits.work);
-    if (choice.weights != nullptr)
-      frame.source.area = source.area = choice.weights;
-    hits.tested = search_leaves(data, frame, choice.leaves, surface, interior);
-    hits.left_out = choice.left_out;
-    hits.asked_end = choice.asked_end;
-  }
+  hits.tested = search(data, frame, surface, interior);
   hits.surface.keep(surface.count, source);
   hits.interior.keep(interior.count, source);
   hits.surface.set_sums(surface.normals, surface.weights);

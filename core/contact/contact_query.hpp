@@ -2,7 +2,6 @@
 /// Finds the shell points that lie in surface or interior voxels, culling whole parts of the shell
 /// that are far from them.
 #include "core/contact/contact_model.hpp"
-#include "core/contact/level_query.hpp"
 #include "core/contact/sphere_tree.hpp"
 #include "core/pointshell/pointshell.hpp"
 #include "core/voxmap/voxmap.hpp"
@@ -15,14 +14,13 @@ class ContactQuery {
  public:
   /// Throws std::invalid_argument where the shell's arrays differ in length or hold a number that
   /// is not finite, or where points are to be weighed by areas that are missing or negative.
-  /// `levels`: of the shell, which is in their order; none: every look-up is of all points.
   ContactQuery(const voxmap::Voxmap& voxmap, pointshell::Pointshell shell,
-               PointWeights weights = PointWeights::kOne, pointshell::ShellLevels levels = {});
+               PointWeights weights = PointWeights::kOne);
   ContactQuery(const ContactQuery&) =
       delete;  // hits point into the shell's arrays, which stay where they are when it is moved
   ContactQuery(ContactQuery&&) = default;
-  ContactQuery(voxmap::Voxmap&&, pointshell::Pointshell, PointWeights = PointWeights::kOne,
-               pointshell::ShellLevels = {}) = delete;
+  ContactQuery(voxmap::Voxmap&&, pointshell::Pointshell,
+               PointWeights = PointWeights::kOne) = delete;
 
   /// All hits at `pose_WT`, in a fixed order (the shell's), so that sums give the same bits on
   /// every run. Arithmetic is local to the grid: the grid's origin is taken off the pose first, so
@@ -33,13 +31,7 @@ class ContactQuery {
   /// Single precision decides where it is certain, doubles in a band beside the voxels' faces
   /// (query_kernel.hpp): which points hit is what doubles alone would say, to the last bit of the
   /// pose, on every processor.
-  void find(const Pose& pose_WT, HitList& hits) const noexcept { find(pose_WT, hits, {}); }
-  /// The same where no more points may be tested than `limit` says: of a shell in levels it leaves
-  /// out points (level_query.hpp), tells so in `hits.left_out`, and the hits weigh what they stand
-  /// for. Of one without levels it tests all. Real-time safe once `hits.work` has been reserved
-  /// too; until then nothing is left out.
-  void find(const Pose& pose_WT, HitList& hits, const PointLimit& limit) const noexcept;
-  const LevelQuery& levels() const noexcept { return levels_; }
+  void find(const Pose& pose_WT, HitList& hits) const noexcept;
 
   const pointshell::Pointshell& shell() const noexcept { return shell_; }
   const voxmap::Voxmap& voxmap() const noexcept { return voxmap_; }
@@ -58,7 +50,6 @@ class ContactQuery {
   std::vector<std::uint32_t>
       packed_normals_;  ///< likewise their normals; none: they are not of unit length
   SphereTree tree_;
-  LevelQuery levels_;
   HitSource source_;  ///< the shell's part of it
   double reach_m_ = 0.0;
 };

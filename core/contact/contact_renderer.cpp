@@ -27,34 +27,25 @@ std::optional<Vec3> middle_inside(const pointshell::Pointshell& shell) {
 
 ContactRenderer::ContactRenderer(const voxmap::Voxmap& voxmap, pointshell::Pointshell shell,
                                  ContactModelKind model, const ContactParameters& parameters,
-                                 const voxmap::DistanceField* field, FrameBudget budget)
-    : query_(voxmap, std::move(shell), parameters.weights, std::move(budget.levels)),
+                                 const voxmap::DistanceField* field)
+    : query_(voxmap, std::move(shell), parameters.weights),
       model_(make_contact_model(model, parameters, field)),
       stage_({query_.shell().size(), query_.reach_m(), voxmap.grid().edge, parameters.stiffness,
-              model, parameters.alone,
-              query_.levels().empty() ? nullptr : query_.levels().levels().stands_in.data()}),
+              model, parameters.alone}),
       alone_(parameters.alone),
-      middle_T_(alone_ ? middle_inside(query_.shell()) : std::nullopt),
-      budget_points_(query_.levels().empty() ? 0 : budget.points),
-      touched_(budget_points_ > 0 ? query_.shell().size() : 0) {
+      middle_T_(alone_ ? middle_inside(query_.shell()) : std::nullopt) {
   hits_.reserve(query_.shell().size());
-  if (budget_points_ > 0)
-    hits_.work.reserve(query_.shell().size());
 }
 
 StageResult ContactRenderer::render(const Pose& pose_WT) noexcept {
-  const PointLimit limit =
-      budget_points_ > 0 ? PointLimit{budget_points_, &touched_} : PointLimit{};
   ContactResult plain;
-  query_.find(pose_WT, hits_, limit);
+  query_.find(pose_WT, hits_);
   if (alone_)
     model_->evaluate(hits_, plain);
   else
     model_->evaluate_for_stage(hits_, plain);
   if (hits_.pose_status != PoseStatus::kUsable)
     return stage_.apply(hits_, plain, 0.0);
-  if (budget_points_ > 0)
-    touched_.take(hits_);
   const double moved_m = stage_.motion_to(hits_.pose_WT);
   StageResult result = stage_.apply(hits_, plain, moved_m);
   result.missed = result.fast && near_within(moved_m);
@@ -83,8 +74,7 @@ bool ContactRenderer::near_within(double moved_m) const noexcept {
 
 ContactResult ContactRenderer::probe(const Pose& pose_WT) noexcept {
   ContactResult result;
-  query_.find(pose_WT, hits_,
-              budget_points_ > 0 ? PointLimit{budget_points_, nullptr} : PointLimit{});
+  query_.find(pose_WT, hits_);
   model_->evaluate(hits_, result);
   return result;
 }

@@ -71,7 +71,6 @@ StageResult ContactStage::apply(const HitList& hits, const ContactResult& plain,
   }
   shared_points_ = frame.shared_points;
   last_pose_ = hits.pose_WT;
-  last_asked_end_ = hits.asked_end;
   has_last_pose_ = true;
   return result;
 }
@@ -189,19 +188,8 @@ void ContactStage::returning_point(const HitList& hits, const Hit& hit, const Re
 /// What a point that has just gone through pushes with from now on.
 ContactStage::RetainedHit ContactStage::gone_through(const HitList& hits,
                                                      const Hit& hit) const noexcept {
-  for (std::uint32_t point = hit.point;; point = config_.stands_in[point]) {
-    if (const std::size_t n = last_surface_.find(point); n < last_surface_.size())
-      return {hit.point, choose_direction(hits, hit),
-              plain_depth(last_surface_[n], last_direction_)};
-    const auto held =
-        std::lower_bound(retained_.begin(), retained_.end(), point,
-                         [](const RetainedHit& a, std::uint32_t b) { return a.point < b; });
-    if (held != retained_.end() && held->point == point)
-      return {hit.point, held->push, held->depth_m};
-    if (config_.stands_in == nullptr || point < last_asked_end_ ||
-        config_.stands_in[point] == point)
-      break;
-  }
+  if (const std::size_t n = last_surface_.find(hit.point); n < last_surface_.size())
+    return {hit.point, choose_direction(hits, hit), plain_depth(last_surface_[n], last_direction_)};
   return {hit.point, Push::kOwn, limits::kUnseenDepthEdges * config_.edge_m};
 }
 

@@ -29,9 +29,6 @@ struct StageConfig {
   double stiffness = 0.0;  ///< K of a weight of one, as ContactParameters
   ContactModelKind model = ContactModelKind::kAdapted;
   bool alone = false;  ///< as ContactParameters: nothing but the fast flag
-  /// Of a shell in levels, which may leave out points: who stands for each
-  /// (pointshell::ShellLevels::stands_in). Must outlive the stage; null: none is left out.
-  const std::uint32_t* stands_in = nullptr;
 };
 
 /// Whether the stage keeps a depth for each point: for the contact models that know none beyond the
@@ -40,37 +37,12 @@ constexpr bool remembers(ContactModelKind model) noexcept {
   return model == ContactModelKind::kOriginal || model == ContactModelKind::kAdapted;
 }
 
-/// Blend, retain, and the fast flag. Let rho = |sum_S w_i n_i| / sum_S w_i, m the mean normal, s =
-/// smoothstep(rho; 0.2, 0.5).
-///
-/// Blend (`adapted` only). A surface point pushes along u_i = s m + (1 - s) n_i, brought to unit
-/// length, with its depth along u_i. s = 1 gives the model's own bits, s = 0 those of `original`.
-/// Where u_i all but vanishes (n_i = -m at s = 1/2) it is divided by 0.1 instead of its length: the
-/// point's push fades through zero, never 0/0, and F stays continuous in rho, n_i.
-///
-/// Retain. Each point remembers the depth it last pushed with. In an interior voxel it goes on
-/// pushing with that depth (at least e/4); one that was in no surface voxel the frame before pushes
-/// with e along its own normal, or, where a budget had left it out, as the one that stood for it.
-/// The direction is chosen when the point goes through: the shared retained direction g or the
-/// point's own normal. g is the last coherent mean normal of all points in contact, those gone
-/// through included, while there are surface hits (without any gone through: m). It follows the
-/// present mean as far as that is coherent and agrees with g: round a curved wall it turns, beyond
-/// the tool's equator it does not turn over. A point whose own normal opposes g and that moved
-/// along g to get inside (the far wall of a slot) takes its own normal, since g would push it
-/// deeper.
-///
-/// Way back. A point that returns to the surface layer pushes with max(plain depth, remembered
-/// depth), and the remembered depth shrinks by 1 m for each metre the tool moved (the bound used
-/// for `fast`). So a returning point weakens its push by at most K w_i times that way (and by the
-/// turn from g to u_i), and strengthens it by at most K w_i sqrt(3)/2 e, which is the step of the
-/// plain law at any voxel border. A point that reaches free space forgets; without any contact the
-/// stage forgets all.
+/// Blends directions (`adapted` only), retains depths of points that have gone through, and sets
+/// the fast flag; formulas in laws.md.
 ///
 /// Where nothing is retained, and directions are not blended, this costs a copy of the points'
-/// numbers and nothing else a point.
-///
-/// `field`, and any model that is to be alone, passes through with the fast flag only: `field` has
-/// neither a fallback to blend nor a layer to go through.
+/// numbers and nothing else a point. `field`, and any model that is to be alone, passes through
+/// with the fast flag only: `field` has neither a fallback to blend nor a layer to go through.
 ///
 /// All memory is taken at construction; `apply` and `reset` are real-time safe. Not safe to share
 /// between threads.
@@ -132,7 +104,6 @@ class ContactStage {
   PushDirection last_direction_;
   std::vector<RetainedHit> retained_;
   std::vector<RetainedHit> returning_, inside_;  ///< of the frame in work
-  std::uint32_t last_asked_end_ = 0xffffffff;    ///< HitList::asked_end
   Pose last_pose_;
   bool has_last_pose_ = false;
   Vec3 shared_ = Vec3::Zero();       ///< last good direction; zero: none yet

@@ -39,13 +39,6 @@ std::size_t Hits::find(std::uint32_t point, std::size_t from) const noexcept {
   return n < size() && points_[n] == point ? n : size();
 }
 
-void Hits::push_back(const Hit& hit) {
-  points_.push_back(hit.point);
-  given_.push_back(hit);
-  normal_sum_ += hit.weight * hit.normal;
-  weight_sum_ += hit.weight;
-}
-
 std::uint32_t* Hits::room(std::size_t count) {
   points_.resize(count + kSpareRoom);
   return points_.data();
@@ -58,7 +51,6 @@ void Hits::keep(std::size_t found, const HitSource& source) {
 
 void Hits::clear() noexcept {
   points_.clear();
-  given_.clear();
   normal_sum_.setZero();
   weight_sum_ = 0.0;
 }

@@ -6,7 +6,6 @@
 #include <memory>
 #include <vector>
 
-#include "core/contact/level_work.hpp"
 #include "core/pointshell/pointshell.hpp"
 #include "core/types/geometry.hpp"
 
@@ -103,9 +102,7 @@ class Hits {
 
   std::size_t size() const noexcept { return points_.size(); }
   bool empty() const noexcept { return points_.empty(); }
-  Hit operator[](std::size_t n) const noexcept {
-    return given_.empty() ? source_.hit(points_[n]) : given_[n];
-  }
+  Hit operator[](std::size_t n) const noexcept { return source_.hit(points_[n]); }
   Iterator begin() const noexcept { return {*this, 0}; }
   Iterator end() const noexcept { return {*this, size()}; }
 
@@ -115,20 +112,14 @@ class Hits {
   std::size_t find(std::uint32_t point, std::size_t from = 0) const noexcept;
   /// Where the first point that is not below `point` stands, likewise.
   std::size_t not_below(std::uint32_t point, std::size_t from) const noexcept;
-  /// Sum of weight * normal and of weight: of a list that a query filled as `FoundHits` says, else
-  /// in the list's order.
+  /// Sum of weight * normal and of weight, as `set_sums` says.
   const Vec3& normal_sum() const noexcept { return normal_sum_; }
   double weight_sum() const noexcept { return weight_sum_; }
 
-  /// For kernels: the numbers, where to work hits out from, and the hits of a list that was written
-  /// by hand (else null).
+  /// For kernels: the numbers, and where to work hits out from.
   const std::uint32_t* points() const noexcept { return points_.data(); }
   const HitSource& source() const noexcept { return source_; }
-  const Hit* given() const noexcept { return given_.empty() ? nullptr : given_.data(); }
 
-  /// Adds one by hand, of no shell: for a list that no query fills. The point must be above the
-  /// last.
-  void push_back(const Hit& hit);
   /// A kernel may write so many numbers more than it has found.
   static constexpr std::size_t kSpareRoom = 8;
   /// For the query: room for `count` numbers and kSpareRoom more, none written yet.
@@ -149,7 +140,6 @@ class Hits {
  private:
   std::vector<std::uint32_t, Unwritten<std::uint32_t>> points_;
   HitSource source_;
-  std::vector<Hit> given_;
   Vec3 normal_sum_ = Vec3::Zero();
   double weight_sum_ = 0.0;
 };
@@ -161,15 +151,11 @@ struct HitList {
   Hits interior;  ///< points in interior voxels: gone through
   Pose pose_WT;   ///< the pose looked up, its quaternion brought to unit norm
   PoseStatus pose_status = PoseStatus::kUsable;
-  std::uint32_t tested = 0;              ///< points that culling left to test
-  LeftOut left_out;                      ///< where no more were allowed
-  std::uint32_t asked_end = 0xffffffff;  ///< of the points below this number nobody was left out
-  LevelWork work;                        ///< for look-ups with a limit; reserved apart
+  std::uint32_t tested = 0;  ///< points that culling left to test
 
   void reserve(std::size_t points) { surface.reserve(points), interior.reserve(points); }
   void clear() noexcept {
-    surface.clear(), interior.clear(), pose_WT = {}, pose_status = PoseStatus::kUsable, tested = 0,
-                                       left_out = {}, asked_end = 0xffffffff;
+    surface.clear(), interior.clear(), pose_WT = {}, pose_status = PoseStatus::kUsable, tested = 0;
   }
 };
 

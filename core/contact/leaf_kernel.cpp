@@ -3,6 +3,11 @@
 
 #include <cmath>
 
+#include "core/types/clones.hpp"
+#if VOXTOUCH_WIDE_KERNELS
+#include <immintrin.h>
+#endif
+
 namespace voxtouch::contact {
 namespace {
 
@@ -133,12 +138,104 @@ constexpr LeafKernel kPlain = {near_spheres, classify, append, add_normals};
 
 }  // namespace
 
+#if VOXTOUCH_WIDE_KERNELS
+static_assert(kRun == 8 && sizeof(voxmap::Voxmap::Block) == sizeof(long long));
+#pragma GCC push_options
+#pragma GCC target("avx2,fma,popcnt")
+namespace avx2 {
+namespace {
+
+constexpr std::size_t kWidth = 8;
+using Floats = float __attribute__((vector_size(4 * kWidth)));
+using Ints = std::int32_t __attribute__((vector_size(4 * kWidth)));
+using Doubles = double __attribute__((vector_size(4 * kWidth)));
+
+VOXTOUCH_INLINE Ints look_up(const int* from, Ints at) noexcept {
+  return (Ints)_mm256_i32gather_epi32(from, (__m256i)at, 4);
+}
+VOXTOUCH_INLINE void blocks_of(const voxmap::Voxmap::Block* blocks, Ints at, Ints& page,
+                               Ints& first) noexcept {
+  const auto* const from = reinterpret_cast<const long long*>(blocks);
+  const Ints low = (Ints)_mm256_i32gather_epi64(from, _mm256_castsi256_si128((__m256i)at), 8),
+             high = (Ints)_mm256_i32gather_epi64(from, _mm256_extracti128_si256((__m256i)at, 1), 8);
+  page = __builtin_shuffle(low, high, Ints{0, 2, 4, 6, 8, 10, 12, 14}),
+  first = __builtin_shuffle(low, high, Ints{1, 3, 5, 7, 9, 11, 13, 15});
+}
+VOXTOUCH_INLINE bool any(Ints lanes) noexcept {
+  return _mm256_testz_si256((__m256i)lanes, (__m256i)lanes) == 0;
+}
+/// The sign of each lane.
+VOXTOUCH_INLINE unsigned bits_of(Ints lanes) noexcept {
+  return static_cast<unsigned>(_mm256_movemask_ps((__m256)lanes));
+}
+VOXTOUCH_INLINE Floats of_leaves(const float* from, std::size_t a, std::size_t) noexcept {
+  return _mm256_loadu_ps(from + a);
+}
+VOXTOUCH_INLINE __m256i mask_of(unsigned bits, std::size_t half) noexcept {
+  const __m256i each =
+      half == 0 ? _mm256_setr_epi64x(1, 2, 4, 8) : _mm256_setr_epi64x(16, 32, 64, 128);
+  return _mm256_cmpeq_epi64(_mm256_and_si256(_mm256_set1_epi64x(bits), each), each);
+}
+/// Zero where the mask is not set, and nothing read there.
+VOXTOUCH_INLINE Doubles chosen_of(const double* from, __m256i mask) noexcept {
+  return _mm256_maskload_pd(from, mask);
+}
+#include "core/contact/leaf_kernel.inc"
+
+}  // namespace
+}  // namespace avx2
+#pragma GCC pop_options
+
+#pragma GCC push_options
+#pragma GCC target("avx512f,avx512dq,avx512bw,avx512vl,avx2,fma,popcnt")
+namespace avx512 {
+namespace {
+
+constexpr std::size_t kWidth = 16;
+using Floats = float __attribute__((vector_size(4 * kWidth)));
+using Ints = std::int32_t __attribute__((vector_size(4 * kWidth)));
+using Doubles = double __attribute__((vector_size(4 * kWidth)));
+
+VOXTOUCH_INLINE Ints look_up(const int* from, Ints at) noexcept {
+  return (Ints)_mm512_i32gather_epi32((__m512i)at, from, 4);
+}
+VOXTOUCH_INLINE void blocks_of(const voxmap::Voxmap::Block* from, Ints at, Ints& page,
+                               Ints& first) noexcept {
+  const Ints even = {0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30};
+  const Ints low = (Ints)_mm512_i32gather_epi64(_mm512_castsi512_si256((__m512i)at), from, 8),
+             high =
+                 (Ints)_mm512_i32gather_epi64(_mm512_extracti64x4_epi64((__m512i)at, 1), from, 8);
+  page = __builtin_shuffle(low, high, even), first = __builtin_shuffle(low, high, even + 1);
+}
+VOXTOUCH_INLINE bool any(Ints lanes) noexcept {
+  return _mm512_test_epi32_mask((__m512i)lanes, (__m512i)lanes) != 0;
+}
+VOXTOUCH_INLINE unsigned bits_of(Ints lanes) noexcept {
+  return _mm512_movepi32_mask((__m512i)lanes);
+}
+VOXTOUCH_INLINE Floats of_leaves(const float* from, std::size_t a, std::size_t b) noexcept {
+  return _mm512_insertf32x8(_mm512_castps256_ps512(_mm256_loadu_ps(from + a)),
+                            _mm256_loadu_ps(from + b), 1);
+}
+VOXTOUCH_INLINE __mmask8 mask_of(unsigned bits, std::size_t) noexcept {
+  return static_cast<__mmask8>(bits);
+}
+VOXTOUCH_INLINE Doubles chosen_of(const double* from, __mmask8 mask) noexcept {
+  return _mm512_maskz_loadu_pd(mask, from);
+}
+#include "core/contact/leaf_kernel.inc"
+
+}  // namespace
+}  // namespace avx512
+#pragma GCC pop_options
+#endif
+
 const LeafKernel& leaf_kernel(Instructions instructions) noexcept {
 #if VOXTOUCH_WIDE_KERNELS
   if (instructions == Instructions::kAvx512)
-    return kLeafKernelAvx512;
+    return avx512::kKernel;
   if (instructions == Instructions::kAvx2)
-    return kLeafKernelAvx2;
+    return avx2::kKernel;
 #endif
   static_cast<void>(instructions);
   return kPlain;

@@ -90,7 +90,4 @@ struct LeafKernel {
 
 const LeafKernel& leaf_kernel(Instructions instructions) noexcept;
 
-/// Those of one kind of processor; only where VOXTOUCH_WIDE_KERNELS.
-extern const LeafKernel kLeafKernelAvx2, kLeafKernelAvx512;
-
 }  // namespace voxtouch::contact

@@ -129,9 +129,6 @@ inline constexpr double kSnapEdges = 0.02;
 inline constexpr double kBumpShare = 2.0;
 /// So many queries may pass without such a pose before the frame goes back to the best one.
 inline constexpr int kMaxWorse = 3;
-/// No frame is cut short by a time budget before so many queries: with fewer a bump of the field
-/// could hold the tool for good.
-inline constexpr int kMinQueries = kMaxWorse + 1;
 
 /// Friction: a patch of pushes smaller than this share of the lever is a point.
 inline constexpr double kMinPatch = 1e-4;

@@ -2,9 +2,8 @@
 /// The loops over hits that a force law is summed up with, one set of them for each kind of
 /// processor.
 ///
-/// A sum over hits is eight sums, hit n of the list in lane n mod 8, each in the hits' order, and
-/// then added up in a fixed order. So it has the same bits whether two, four or eight numbers are
-/// added at once, which one sum in the hits' order would not allow.
+/// A sum over hits is eight sums, hit n of the list in lane n mod 8, each in the hits' order, added
+/// up in a fixed order: the same bits whether two, four or eight numbers are added at once.
 #include <cstddef>
 #include <cstdint>
 
@@ -15,10 +14,9 @@ namespace voxtouch::contact {
 
 inline constexpr std::size_t kLanes = 8;
 
-/// A few dozen hits as structure of arrays: worked out once, used while they are in the first
-/// cache. They come in groups of kLanes, each from a place in the list that is a multiple of
-/// kLanes, ascending, so that a hit's lane is the same whichever groups are left out. The list's
-/// last group is filled up with hits of no weight.
+/// A few dozen hits as structure of arrays, within the first cache. They come in groups of kLanes,
+/// each from a place in the list that is a multiple of kLanes, ascending, so a hit's lane does not
+/// depend on the groups left out. The last group is filled up with hits of no weight.
 struct HitBlock {
   static constexpr std::size_t kHits = 64, kGroups = kHits / kLanes;
   std::size_t groups = 0;

@@ -9,17 +9,6 @@
 namespace voxtouch::contact {
 namespace {
 
-/// Of a list that was written by hand.
-void copy_given(const Hit* given, HitBlock& block) noexcept {
-  for (std::size_t n = 0; n < block.filled(); ++n) {
-    const Hit& hit = given[n < block.count ? block.group_place(n) + n % kLanes : block.place[0]];
-    for (int row = 0; row < 3; ++row)
-      block.arm[row][n] = hit.arm[row], block.normal[row][n] = hit.normal[row],
-      block.to_centre[row][n] = hit.to_centre[row];
-    block.weight[n] = n < block.count ? hit.weight : 0.0;
-  }
-}
-
 /// The deepest of all lanes, where it is deeper than the result's so far.
 void tell_deepest(const Hits& hits, const double (&deepest)[kLanes],
                   const double (&deepest_hit)[kLanes], const Vec3& tool,
@@ -93,16 +82,13 @@ template <class Fill, class Each>
 void for_blocks_that_may_push(const Hits& hits, const PushDirection& direction,
                               const PushKernel& kernel, Fill&& fill, Each&& each) noexcept {
   RoughDirection rough;
-  const bool can_tell = hits.given() == nullptr && make_rough(hits.source(), direction, rough);
+  const bool can_tell = make_rough(hits.source(), direction, rough);
   Asking asking;
   HitBlock block;
   const auto flush = [&]() noexcept {
     if (block.groups == 0)
       return;
-    if (hits.given() != nullptr)
-      copy_given(hits.given(), block);
-    else
-      fill(hits, block);
+    fill(hits, block);
     each(block);
     block.groups = block.count = 0;
   };
@@ -131,10 +117,7 @@ void fill_block(const PushKernel& kernel, const Hits& hits, std::size_t begin,
   block.groups = block.count = 0;
   for (std::size_t g = 0; g < HitBlock::kGroups && begin + kLanes * g < hits.size(); ++g)
     take_group(hits, begin + kLanes * g, block);
-  if (hits.given() != nullptr)
-    copy_given(hits.given(), block);
-  else
-    kernel.fill(hits, block);
+  kernel.fill(hits, block);
 }
 
 void add_lanes(const Hits& hits, const PushLanes& lanes, double stiffness, const Vec3& tool,
@@ -191,7 +174,6 @@ void begin_result(const HitList& hits, ContactResult& result) noexcept {
   result.surface_hits = static_cast<std::uint32_t>(hits.surface.size());
   result.interior_hits = static_cast<std::uint32_t>(hits.interior.size());
   result.points_tested = hits.tested;
-  result.left_out = hits.left_out;
   result.pose_status = hits.pose_status;
 }
 

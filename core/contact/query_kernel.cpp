@@ -51,10 +51,9 @@ void set_sums(const HitSource& s, const NormalLanes& lanes, FoundHits& found) no
 }
 
 /// Depth first, one group of spheres a level: `left` are those of it still to go through. Calls
-/// `look()` before each group and `leaf(n)` for each leaf that may touch; where either is false the
-/// walk ends.
-template <class Look, class Leaf>
-void walk(const Lookup& lookup, const LeafKernel& kernel, const SphereTree& tree, Look&& look,
+/// `leaf(n)` for each leaf that may touch.
+template <class Leaf>
+void walk(const Lookup& lookup, const LeafKernel& kernel, const SphereTree& tree,
           Leaf&& leaf) noexcept {
   const std::vector<SphereTree::Level>& levels = tree.levels();
   if (levels.empty())
@@ -71,8 +70,6 @@ void walk(const Lookup& lookup, const LeafKernel& kernel, const SphereTree& tree
   };
   const std::size_t top = levels.size() - 1;
   std::size_t level = top;
-  if (!look())
-    return;
   enter(top, 0);
   for (;;) {
     if (left[level] == 0) {
@@ -83,18 +80,11 @@ void walk(const Lookup& lookup, const LeafKernel& kernel, const SphereTree& tree
     }
     const std::size_t node = base[level] + static_cast<std::size_t>(std::countr_zero(left[level]));
     left[level] &= left[level] - 1;
-    if (level > 0) {
-      if (!look())
-        return;
+    if (level > 0)
       enter(--level, kNodes * node);
-    } else if (!leaf(static_cast<std::uint32_t>(node))) {
-      return;
-    }
+    else
+      leaf(static_cast<std::uint32_t>(node));
   }
-}
-
-Lookup lookup_of(const QueryData& data, const QueryFrame& frame) noexcept {
-  return {data, frame, data.voxmap->arrays()};
 }
 
 /// One query on its way.
@@ -102,26 +92,13 @@ class Search {
  public:
   Search(const QueryData& data, const QueryFrame& frame, FoundHits& surface,
          FoundHits& interior) noexcept
-      : lookup_(lookup_of(data, frame)),
+      : lookup_{data, frame, data.voxmap->arrays()},
         kernel_(leaf_kernel(instructions())),
         surface_(surface),
         interior_(interior) {}
 
   std::uint32_t run() noexcept {
-    walk(
-        lookup_, kernel_, *lookup_.data.tree, [] { return true; },
-        [this](std::uint32_t leaf) { return add(leaf), true; });
-    return finish();
-  }
-
-  std::uint32_t run(std::span<const std::uint32_t> leaves) noexcept {
-    for (const std::uint32_t leaf : leaves)
-      add(leaf);
-    return finish();
-  }
-
- private:
-  std::uint32_t finish() noexcept {
+    walk(lookup_, kernel_, *lookup_.data.tree, [this](std::uint32_t leaf) noexcept { add(leaf); });
     if (leaves_.count > 0)
       test();
     set_sums(lookup_.frame.source, surface_lanes_, surface_);
@@ -129,6 +106,7 @@ class Search {
     return tested_;
   }
 
+ private:
   void add(std::uint32_t leaf) noexcept {
     leaves_.leaf[leaves_.count] = leaf;
     if (++leaves_.count == Leaves::kMax)
@@ -216,34 +194,6 @@ bool make_query_frame(const voxmap::Voxmap& voxmap, const HitSource& source, dou
   f.margin = static_cast<float>(limits::kCullSafetyVoxels + 16.0 * kFloat * (reach + largest) +
                                 of_doubles);
   return beyond <= reach + f.margin;
-}
-
-NearLeaves near_leaves(const QueryData& data, const QueryFrame& frame, const SphereTree& tree,
-                       std::uint32_t first_leaf, std::size_t most_work,
-                       std::uint32_t* leaves) noexcept {
-  NearLeaves out;
-  const auto costs = [&](std::size_t points) noexcept {
-    out.work += points;
-    out.too_many = out.work > most_work;
-    return !out.too_many;
-  };
-  walk(
-      lookup_of(data, frame), leaf_kernel(instructions()), tree,
-      [&]() noexcept { return costs(kPointsPerLook); },
-      [&](std::uint32_t leaf) noexcept {
-        if (!costs(kRun))
-          return false;
-        leaves[out.count++] = first_leaf + leaf;
-        return true;
-      });
-  return out;
-}
-
-std::uint32_t search_leaves(const QueryData& data, const QueryFrame& frame,
-                            std::span<const std::uint32_t> leaves, FoundHits& surface,
-                            FoundHits& interior) noexcept {
-  surface.count = interior.count = 0;
-  return Search(data, frame, surface, interior).run(leaves);
 }
 
 std::uint32_t search(const QueryData& data, const QueryFrame& frame, FoundHits& surface,

@@ -2,7 +2,6 @@
 /// The part of the query that runs over many points: through the tree, and leaf by leaf into the
 /// voxels. Its loops are in leaf_kernel.hpp.
 #include <cstdint>
-#include <span>
 
 #include "core/contact/hit_list.hpp"
 #include "core/contact/sphere_tree.hpp"
@@ -58,29 +57,6 @@ struct FoundHits {
                                 ///< place in a leaf, turned once
   double weights = 0.0;
 };
-
-/// What a walk through a tree found and cost.
-struct NearLeaves {
-  std::size_t count = 0;
-  /// In points: those of the leaves, and what looking at spheres takes beside them.
-  std::size_t work = 0;
-  bool too_many =
-      false;  ///< the walk was broken off, since it would have cost more than it was allowed
-};
-/// What a look at a group of sixteen spheres counts as [points]; it takes less than twice as long
-/// as to test one.
-inline constexpr std::size_t kPointsPerLook = 2;
-
-/// Writes the numbers of the leaves of `tree` that may touch, ascending and counted from
-/// `first_leaf`, as long as they cost at most `most_work`. `leaves` has room for all of the tree.
-/// Real-time safe; the same on every processor.
-NearLeaves near_leaves(const QueryData& data, const QueryFrame& frame, const SphereTree& tree,
-                       std::uint32_t first_leaf, std::size_t most_work,
-                       std::uint32_t* leaves) noexcept;
-/// As `search`, of the given leaves alone, which ascend. `data.tree` is not looked at.
-std::uint32_t search_leaves(const QueryData& data, const QueryFrame& frame,
-                            std::span<const std::uint32_t> leaves, FoundHits& surface,
-                            FoundHits& interior) noexcept;
 
 /// Finds the points that collide. \returns the points that culling left to test. The hits, the sums
 /// and what is returned have the same bits on every processor.

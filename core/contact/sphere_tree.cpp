@@ -65,14 +65,15 @@ constexpr std::size_t in_groups(std::size_t nodes) {
 
 }  // namespace
 
-SphereTree::SphereTree(const pointshell::Pointshell& shell, std::size_t first, std::size_t end) {
+SphereTree::SphereTree(const pointshell::Pointshell& shell) {
+  const std::size_t end = shell.size();
   if (shell.size() > std::size_t{1} << 31)
     throw std::length_error(
         "contact: the pointshell has more than 2^31 points; use a larger voxel size");
-  for (std::size_t span = kLeafPoints;
-       levels_.empty() ? end > first : levels_.back().count > kFanOut; span *= kFanOut) {
+  for (std::size_t span = kLeafPoints; levels_.empty() ? end > 0 : levels_.back().count > kFanOut;
+       span *= kFanOut) {
     Level& level = levels_.emplace_back();
-    for (std::size_t begin = first; begin < end; begin += span)
+    for (std::size_t begin = 0; begin < end; begin += span)
       add_sphere({shell, begin, std::min(end, begin + span)}, level);
     const std::size_t filled = in_groups(level.count);
     for (std::vector<float>* const column : {&level.x, &level.y, &level.z, &level.radius})

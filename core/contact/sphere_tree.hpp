@@ -31,9 +31,7 @@ class SphereTree {
 
   SphereTree() = default;
   /// Throws std::length_error for more than 2^31 points.
-  explicit SphereTree(const pointshell::Pointshell& shell) : SphereTree(shell, 0, shell.size()) {}
-  /// Over the points [first, end) alone: leaf n holds the points [first + 8 n, first + 8 n + 8).
-  SphereTree(const pointshell::Pointshell& shell, std::size_t first, std::size_t end);
+  explicit SphereTree(const pointshell::Pointshell& shell);
 
   /// Leaves first; the last has at most kFanOut spheres. Empty for a shell without points.
   const std::vector<Level>& levels() const noexcept { return levels_; }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/contact/limits.hpp"
+#include "core/types/smoothstep.hpp"
 
 namespace voxtouch::contact {
 namespace {
@@ -44,6 +45,10 @@ Patch patch_of(std::span<const ConstraintRow> rows, const Vec6& delta, double le
 }
 
 Vec3 across(const Vec3& normal, const Vec3& v) noexcept { return v - normal * normal.dot(v); }
+
+/// Part of its limit that a friction must be away from it to hold with all of the spring's
+/// stiffness.
+constexpr double kFirmSlack = 0.5;
 
 /// The step without slip.
 EquilibriumStep sticking_step(std::span<const ConstraintRow> rows, const Vec6& spring,
@@ -86,8 +91,13 @@ EquilibriumStep with_friction(std::span<const ConstraintRow> rows, const Vec6& s
                           ? patch.normal.dot(unbalanced.tail<3>()) * lever_m / patch.radius_m
                           : 0.0;
   const double needed = std::hypot(shift, turn), at_most = friction * push_sticking;
-  if (needed <= at_most)
+  if (needed <= at_most) {
+    // Near the limit the hold fades: the encoder's steps make a slide stick and slip by turns, and
+    // damping follows the stiffness.
+    const double slack = smoothstep(0.0, kFirmSlack, at_most > 0.0 ? 1.0 - needed / at_most : 0.0);
+    sticking.loose = Mat6::Identity() - slack * (Mat6::Identity() - sticking.loose);
     return sticking;
+  }
   // needed (1 - slide) = friction (push_sticking + slide (patch.push_m - push_sticking))
   const double slide = std::clamp(
       (needed - at_most) / (needed + friction * (patch.push_m - push_sticking)), 0.0, 1.0);

@@ -127,16 +127,13 @@ void VirtualTool::look_up(const Pose& tool, std::span<const ToolGround> grounds,
     out.surface_hits += static_cast<std::uint32_t>(hits_.surface.size());
     out.interior_hits += static_cast<std::uint32_t>(hits_.interior.size());
     out.points_tested += hits_.tested;
-    ++lookups_;
     if (ground.edges == nullptr)
       continue;
     const Quat orientation = hits_.pose_WT.orientation, back = orientation.conjugate();
     ground.edges->find({back * -frame.local, back}, hits_);
     add_edge_rows(hits_, *ground.edges, *ground.tool_field, smooth, frame, orientation, rows_);
     out.points_tested += hits_.tested;
-    ++lookups_;
   }
-  tested_ += out.points_tested;
   rows_energy_ = worst_depth_m_ = 0.0;
   for (const ConstraintRow& row : rows_) {
     const double depth = std::max(0.0, -row.gap_m);
@@ -268,10 +265,8 @@ EquilibriumStep VirtualTool::follow(const Pose& hand, double friction,
     out.residual_m = way;
     const bool rests =
         (way < rest && (step.pushed || !pulled)) || (way == 0.0 && same(tool_, hand));
-    out.cut_short = queries >= limits::kMinQueries && !rests && work_is_done(out);
     const bool done =
-        queries >= (step.pushed ? limits::kMaxQueriesInContact : limits::kMaxQueries) || rests ||
-        out.cut_short;
+        queries >= (step.pushed ? limits::kMaxQueriesInContact : limits::kMaxQueries) || rests;
     const double energy = spring_energy(length, pull) + rows_energy_;
     const double bump = limits::kBumpShare * reach.hand_m * std::min(length, pull);
     if (worse == 0 || energy <= best.energy + bump) {
@@ -305,17 +300,6 @@ EquilibriumStep VirtualTool::follow(const Pose& hand, double friction,
     look_up(tool_, grounds, way <= limits::kSmoothWayEdges * edge, out);
     way_left_m -= share * way;
   }
-}
-
-/// Whether one more query with its step would cost more than is left.
-bool VirtualTool::work_is_done(const VirtualToolFrame& out) const noexcept {
-  const ToolWork& work = options_.work;
-  const double lookups = static_cast<double>(lookups_), queries = std::max(1, out.queries);
-  const double so_far = work.per_query * lookups + work.per_point * static_cast<double>(tested_) +
-                        work.per_iteration * out.iterations;
-  const double next = work.per_query * lookups / queries + work.per_point * out.points_tested +
-                      work.per_iteration * out.iterations / queries;
-  return so_far + next > work.most;
 }
 
 /// The step from where the tool is: what still pulls and pushes there.
@@ -368,7 +352,6 @@ VirtualToolFrame VirtualTool::frame(const HandSample& sample,
   out.tool = tool_;
   out.unplaced = !placed_;
   std::fill(pushes_.begin(), pushes_.end(), Wrench{});
-  tested_ = lookups_ = 0;
   Pose hand = sample.pose;
   out.pose_status = status_of(hand, grounds);
   if (out.pose_status != PoseStatus::kUsable)

@@ -14,7 +14,6 @@
 /// tool at rest. In contact the tool goes no farther in a frame than the hand and a share of d
 /// (kSnapShare), so that an edge that gives way is a ramp.
 #include <cstdint>
-#include <limits>
 #include <span>
 #include <vector>
 
@@ -34,15 +33,6 @@ struct ToolGround {
   const voxmap::DistanceField* tool_field = nullptr;  ///< with them: distances to the tool, in T
 };
 
-/// What a frame may cost, as reckoned from what it counts; a unit is whatever the costs are given
-/// in.
-struct ToolWork {
-  double most = std::numeric_limits<double>::infinity();
-  double per_query = 0.0, per_point = 0.0,
-         per_iteration =
-             0.0;  ///< of each look-up; of each point tested; of each iteration of a step
-};
-
 struct VirtualToolOptions {
   std::size_t points = 0;       ///< of the shell
   std::size_t edge_points = 0;  ///< of all objects together
@@ -52,10 +42,6 @@ struct VirtualToolOptions {
   double edge_m = 0.0;   ///< voxel edge, the smallest of all objects
   double lever_m = 0.0;  ///< weighs turns against shifts; 0: `reach_m`
   double fade_s = 0.2;   ///< after the tool was placed the force comes in over this time
-  /// A frame ends before a query that would cost more than is left, reckoned as the last one;
-  /// kMinQueries are always made. No point is ever left out: the tool comes to its place later, and
-  /// passes no wall.
-  ToolWork work = {};
 };
 
 /// What the hand does in one frame.
@@ -91,7 +77,6 @@ struct VirtualToolFrame {
   bool lag =
       false;  ///< nothing is touched, and the hand is faster than a frame can follow: no force
   bool unplaced = false;  ///< there is no virtual tool yet: the hand has not been outside the scene
-  bool cut_short = false;  ///< the work allowed was done before the tool had come to its place
   bool saturated = false;  ///< the hand is more than kPullEdges away
   bool moved_too_far =
       false;  ///< an object went more than half a voxel in this frame: it may have passed the tool
@@ -167,7 +152,6 @@ class VirtualTool {
   void go_back_to(const Kept& kept, VirtualToolFrame& out) noexcept;
   EquilibriumStep follow(const Pose& hand, double friction, std::span<const ToolGround> grounds,
                          const Reach& reach, VirtualToolFrame& out) noexcept;
-  bool work_is_done(const VirtualToolFrame& out) const noexcept;
   EquilibriumStep balance(const Pose& hand, double friction, VirtualToolFrame& out) noexcept;
   void tell(const EquilibriumStep& step, VirtualToolFrame& out) noexcept;
 
@@ -181,8 +165,6 @@ class VirtualTool {
   double rows_energy_ = 0.0;    ///< rho/2 sum of squared depths, all rows at `tool_`
   double worst_depth_m_ = 0.0;  ///< likewise
   double placed_s_ = 0.0;
-  std::uint64_t tested_ = 0,
-                lookups_ = 0;  ///< points tested and lists looked up, in all queries of this frame
   bool placed_ = false, rows_known_ = false;
   bool pressed_ = false;  ///< the last frame gave a force
   bool blocked_ = false;  ///< the last frame went back to a better pose than the way on led to

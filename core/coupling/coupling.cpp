@@ -126,9 +126,6 @@ std::vector<CouplingIssue> validate(const CouplingSpec& spec, const CouplingLimi
   find.not_negative("velocity_band_m_per_s", spec.velocity_band_m_per_s);
   find.not_negative("damper_share", spec.damper_share);
   find.not_negative("damper_free_n", spec.damper_free_n);
-  find.not_negative("passivity_damping_limit_ns_per_m", spec.passivity_damping_limit_ns_per_m);
-  find.not_negative("passivity_damping_limit_nms_per_rad",
-                    spec.passivity_damping_limit_nms_per_rad);
   return out;
 }
 

@@ -24,14 +24,20 @@ struct CouplingInput {
   /// semidefinite, [N/m, N, Nm/rad].
   Mat6 contact_stiffness = Mat6::Zero();
   Pose tool = {};  ///< T in W at this sample
+  /// |sum of the normals| over their number: 1 where all push the same way, 0 where walls push
+  /// against each other.
+  double coherence = 1.0;
   /// What effects and moving objects may have given the tool so far [J]: the passivity observer
   /// allows their growth.
   double supplied_energy_j = 0.0;
-  /// Depth of this contact's deepest point [m], as far as its model tells it; 0 or below: not told.
-  double contact_depth_m = 0.0;
-  bool depth_goes_on = false;  ///< that depth is held: how much deeper the tool goes from there the
-                               ///< model does not tell
 };
+
+/// Of points that touch; nothing that touches, and a virtual tool, which has one spring, push one
+/// way. Real-time safe.
+constexpr double coherence_of(std::uint32_t surface_hits, std::uint32_t tool_queries,
+                              double coherence) noexcept {
+  return surface_hits > 0 && tool_queries == 0 ? coherence : 1.0;
+}
 
 /// Seconds over which the input is faded in after a start in contact, a reset to a force or a gap.
 inline constexpr double kDefaultRampS = 0.2;

@@ -24,8 +24,9 @@ struct CouplingSpec {
   double gain = 1.0;  ///< K, dimensionless (force in, force out), > 0 in a scene, >= 0 at run time
   double stiffness_n_per_m = 500.0;  ///< spring-damper: c, > 0
   double damping_ns_per_m = 2.0;     ///< spring-damper: r, >= 0
-  /// All kinds. The contact's wrench is scaled down so that its stiffness, as a matrix, stays below
-  /// both caps: a few points keep what they have, many share the cap. Infinity: no cap.
+  /// All kinds. What the hand is shown of the contact's stiffness, as a matrix, stays below both
+  /// caps: by a spring in series with the contact (core/rendering/series_spring.hpp). Infinity: no
+  /// cap.
   double stiffness_cap_n_per_m = std::numeric_limits<double>::infinity();
   double stiffness_cap_nm_per_rad = std::numeric_limits<double>::infinity();
   /// All kinds. Damping against the tool's motion while in contact, along the directions that the
@@ -48,9 +49,6 @@ struct CouplingSpec {
   /// bound.
   double damper_share = kDamperShare;
   double damper_free_n = kQuietForceN;
-  double passivity_damping_limit_ns_per_m =
-      0.0;  ///< most that the passivity controller may add; 0: it only observes
-  double passivity_damping_limit_nms_per_rad = 0.0;
   bool operator==(const CouplingSpec&) const = default;
 };
 
@@ -60,6 +58,11 @@ struct CouplingSpec {
 struct CouplingLimits {
   double max_force_n = std::numeric_limits<double>::infinity();
   double max_torque_nm = std::numeric_limits<double>::infinity();
+  /// What a swing is judged by, likewise in W: encoder step, what the device's own damping and
+  /// friction take, and how late its force is: delay, and time constant behind it. 0: unknown, or
+  /// none.
+  double resolution_m = 0.0, damping_ns_per_m = 0.0, coulomb_friction_n = 0.0;
+  double delay_s = 0.0, force_lag_s = 0.0;
 };
 
 /// Above this w0 T [rad] the sampled filter rings visibly and its cut-off is off by more than 3 %:
@@ -85,8 +88,8 @@ bool damps_on_slow_velocity(const CouplingSpec& spec) noexcept;
 /// Low-frequency lag [s] that the coupling puts into the loop: 2 d / w0 of the shaping filter, 0 of
 /// the others (the spring-damper leads, it does not lag).
 double lag_s(const CouplingSpec& spec) noexcept;
-/// Stiffness that reaches the hand where the contact has `contact_n_per_m`: with k the smaller of
-/// it and the cap, K k, c k / (c + k), or k. At rest, in W.
+/// Most stiffness that reaches the hand where the contact has `contact_n_per_m`: with k the smaller
+/// of it and the cap, K k, c k / (c + k), or k. At rest, in W.
 double displayed_stiffness_n_per_m(const CouplingSpec& spec, double contact_n_per_m) noexcept;
 
 }  // namespace voxtouch::coupling

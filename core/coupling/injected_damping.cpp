@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/coupling/stiffness_cap.hpp"
+#include "core/coupling/stiffness_scale.hpp"
 #include "core/types/clamp.hpp"
 
 namespace voxtouch::coupling {
@@ -23,13 +23,18 @@ Mat3 pushing_directions(const Mat3& stiffness, const Vec3& push) noexcept {
   return along * along.transpose();
 }
 
-void never_pull(Vec3& sum, const Vec3& push) noexcept {
+double one_sided(double coherence) noexcept {
+  const double x = std::clamp((coherence - 0.2) / 0.3, 0.0, 1.0);
+  return x * x * (3.0 - 2.0 * x);
+}
+
+void never_pull(Vec3& sum, const Vec3& push, double part) noexcept {
   const double size = push.stableNorm();
   if (!(size > kNoStiffness))
     return;
   const Vec3 along = push / size;
   if (const double pull = along.dot(sum); pull < 0.0)
-    sum -= pull * along;
+    sum -= part * pull * along;
 }
 
 bool bound_addition(Vec3& damping, const Vec3& push, double most) noexcept {

@@ -14,8 +14,12 @@ Mat3 pushing_directions(const Mat3& stiffness, const Vec3& push) noexcept;
 
 /// Takes the part of `sum` that is against `push` out of it: afterwards push . sum >= 0. Two walls
 /// of a corner push as one here; only their common force is kept from pulling. `push` zero: nothing
-/// is done. Real-time safe.
-void never_pull(Vec3& sum, const Vec3& push) noexcept;
+/// is done. `part`: of that, from 0 to 1. Real-time safe.
+void never_pull(Vec3& sum, const Vec3& push, double part = 1.0) noexcept;
+/// Where walls push against each other, their common force passes through zero in the middle, and a
+/// pull is less push of one of them. That damping then counts only on the way out lets a tool in a
+/// slot swing. 0 up to a coherence of 0.2, 1 from 0.5 on.
+double one_sided(double coherence) noexcept;
 
 /// Cuts the part of `damping` that is along `push` or across it to a length of at most `most`; what
 /// is against `push` stays. Where `push` is zero nothing is left. True where something was cut.

@@ -16,8 +16,7 @@ bool usable(const CouplingInput& in) noexcept {
   return usable(in.contact.force) && usable(in.contact.torque) &&
          in.contact_stiffness_n_per_m >= 0.0 && in.contact_stiffness_n_per_m <= kLargestInput &&
          in.contact_stiffness.allFinite() &&
-         in.contact_stiffness.cwiseAbs().maxCoeff() <= kLargestInput &&
-         std::abs(in.contact_depth_m) <= kLargestInput;
+         in.contact_stiffness.cwiseAbs().maxCoeff() <= kLargestInput;
 }
 
 void InputPolicy::restart(bool gives_force) noexcept {

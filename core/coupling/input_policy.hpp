@@ -24,8 +24,8 @@ struct PolicedSample {
                      ///< at the force given last
 };
 
-/// Whether contact, bound, stiffness matrix and depth are numbers that a law can take. The pose is
-/// not asked. Real-time safe.
+/// Whether contact, bound and stiffness matrix are numbers that a law can take. The pose is not
+/// asked. Real-time safe.
 bool usable(const CouplingInput& input) noexcept;
 
 /// Real-time safe; one per coupling. An input that is not usable is replaced by the last good one

@@ -17,10 +17,6 @@ CouplingKind kind_of(const CouplingSpec& spec) noexcept {
   return kind;
 }
 
-PassivityLimits limits_of(const CouplingSpec& spec) noexcept {
-  return {spec.passivity_damping_limit_ns_per_m, spec.passivity_damping_limit_nms_per_rad};
-}
-
 const CouplingSpec& checked(const CouplingSpec& spec, const CouplingLimits& limits,
                             double sample_time_s, double ramp_s, const ToolSpeedLimits& speeds) {
   for (const CouplingIssue& issue : validate(spec, limits, sample_time_s))
@@ -35,6 +31,9 @@ const CouplingSpec& checked(const CouplingSpec& spec, const CouplingLimits& limi
         speeds.linear_m_per_s, speeds.angular_rad_per_s));
   return spec;
 }
+
+/// By as much a contact that is just at the caps may seem to be above them.
+constexpr double kScaleRounding = 1e-6;
 
 constexpr double kMaxSuppliedN = 100.0, kMaxSuppliedMPerS = 2.0;
 
@@ -51,12 +50,12 @@ RunningCoupling::RunningCoupling(const CouplingSpec& spec, const CouplingLimits&
       nominal_s_(sample_time_s),
       policy_(sample_time_s, ramp_s),
       law_(law_of(checked(spec, limits, sample_time_s, ramp_s, speeds), sample_time_s)),
-      cap_(spec),
+      scale_(spec),
       motion_(sample_time_s, spec.velocity_filter_hz, speeds,
               static_cast<int>(spec.velocity_window)),
       injected_(spec),
-      passivity_(sample_time_s),
-      passivity_limits_(limits_of(spec)) {
+      swing_({limits.resolution_m, limits.max_force_n, limits.damping_ns_per_m,
+              limits.coulomb_friction_n, limits.delay_s, limits.force_lag_s}) {
   motion_.set_slow(spec.slow_velocity_hz, spec.velocity_band_m_per_s);
 }
 
@@ -89,7 +88,6 @@ void RunningCoupling::start_law_at(const Wrench& start) noexcept {
   clamp_wrench(given_, limits_.max_force_n, limits_.max_torque_nm);
   policy_.restart(!given_.zero());
   contact_ = {};
-  cap_.forget_contact();
   std::visit([this](auto& law) { law.start_at(given_); }, law_);
 }
 
@@ -105,21 +103,21 @@ bool RunningCoupling::redesign(const CouplingSpec& spec) {
   } else if (SpringDamper* spring = std::get_if<SpringDamper>(&law_)) {
     spring->redesign(spec);
   }
-  cap_.redesign(spec);
+  scale_.redesign(spec);
   injected_.redesign(
       spec,
       ramp_behind_filter_s(kind() == CouplingKind::kShapingFilter ? cutoff_rad_per_s(spec) : 0.0));
   motion_.set_filter(spec.velocity_filter_hz, static_cast<int>(spec.velocity_window));
   motion_.set_slow(spec.slow_velocity_hz, spec.velocity_band_m_per_s);
-  passivity_limits_ = limits_of(spec);
   return true;
 }
 
 void RunningCoupling::reset(const Wrench& start) noexcept {
   start_law_at(start);
-  cap_.reset();
   motion_.forget();
   passivity_.reset();
+  swing_.restart();
+  left_ = 1.0;
   in_contact_ = false;
   supplied_j_.reset();
 }
@@ -130,7 +128,9 @@ CouplingOutput RunningCoupling::step(const CouplingInput& input, double dt_s) no
     passivity_.reset();
   way_ = motion_.step(input.tool, dt_s);
   count_way();
-  passivity_.observe(way_, in_contact_, sample.dt_s, newly_supplied(input, sample.dt_s));
+  const double supplied_j = newly_supplied(input, sample.dt_s);
+  passivity_.observe(way_, in_contact_, sample.dt_s, supplied_j);
+  swing_.see(way_, passivity_.applied().force, passivity_.normal(), sample.dt_s, supplied_j);
 
   CouplingOutput out;
   const Wrench law = run_law(input, sample, out);
@@ -138,7 +138,8 @@ CouplingOutput RunningCoupling::step(const CouplingInput& input, double dt_s) no
   injected_.advance(sample.dt_s);
   add_damping(sum, law, out);
   finish(sum, law, out);
-  passivity_.command(sum);
+  give_up(sample.dt_s, sum, out);
+  passivity_.command(sum, contact_.contact.force);
   out.wrench = sum;
   out.energy_j = passivity_.energy().translation_j();
   out.energy_rotation_j = passivity_.energy().rotation_j;
@@ -158,20 +159,16 @@ double RunningCoupling::newly_supplied(const CouplingInput& input, double dt_s) 
   return std::clamp(shown_ * more, -most, most);
 }
 
-/// The contact, capped and cut, through the law.
+/// The contact, scaled and cut, through the law.
 Wrench RunningCoupling::run_law(const CouplingInput& input, const PolicedSample& sample,
                                 CouplingOutput& out) noexcept {
   if (sample.good) {
-    if (sample.gap)
-      cap_.forget_contact();
-    const CapShares shares = cap_.step(input, way_, sample.dt_s);
-    out.scale = shares.wrench;
+    out.scale = scale_.step(input, sample.dt_s);
     contact_ = input;
-    contact_.contact.force = shares.wrench * input.contact.force + shares.beside.force;
-    contact_.contact.torque = shares.wrench * input.contact.torque + shares.beside.torque;
-    contact_.contact_stiffness_n_per_m *= shares.stiffness;
-    contact_.contact_stiffness *= shares.stiffness;
-    out.capped = out.scale < 1.0 && pushes(input);
+    contact_.contact.force *= out.scale, contact_.contact.torque *= out.scale;
+    contact_.contact_stiffness_n_per_m *= out.scale;
+    contact_.contact_stiffness *= out.scale;
+    out.capped = out.scale < 1.0 - kScaleRounding && pushes(input);
     shown_ = out.scale * gain();
   } else if (sample.lost) {
     contact_ = {};
@@ -207,25 +204,13 @@ void RunningCoupling::add_damping(Wrench& sum, const Wrench& law, CouplingOutput
       injected_.of(contact_, law.force, velocity);  // none where the contact does not push
   sum.force += injected.wrench.force, sum.torque += injected.wrench.torque;
   out.bounded = injected.bounded, out.injected_n = injected.wrench.force.stableNorm();
-  // Within the band on the slow velocity too: a device without friction that rests on the encoder's
-  // steps calls for it, and on the fast one it would answer each of them. Its limit, half of what
-  // the loop bears on the fast one, is less than what it bears on a slower one.
-  PassivityDamping more =
-      passivity_.control(contact_.contact.force, way_, velocity, passivity_limits_);
-  // Across the contact it works as friction does: no more than the push, so that it comes and goes
-  // with it.
-  clamp_length(more.tangential, law.force.stableNorm());
-  sum.force += more.normal + more.tangential, sum.torque += more.torque;
-  if (law.zero() && !in_contact_)
-    return;  // in free space `finish` takes it all away
-  out.damping_ns_per_m = more.linear_ns_per_m, out.damping_nms_per_rad = more.angular_nms_per_rad;
-  out.passivity = more.linear_ns_per_m > 0.0 || more.angular_nms_per_rad > 0.0;
 }
 
 /// Never pulling, nothing in free space, within the limits, finite.
 void RunningCoupling::finish(Wrench& sum, const Wrench& law, CouplingOutput& out) noexcept {
-  never_pull(sum.force, law.force.isZero(0.0) ? contact_.contact.force : law.force);
-  never_pull(sum.torque, law.torque.isZero(0.0) ? contact_.contact.torque : law.torque);
+  const double part = one_sided(contact_.coherence);
+  never_pull(sum.force, law.force.isZero(0.0) ? contact_.contact.force : law.force, part);
+  never_pull(sum.torque, law.torque.isZero(0.0) ? contact_.contact.torque : law.torque, part);
   if (!sum.finite()) {
     ++counters_.not_finite;
     sum = law;
@@ -234,6 +219,15 @@ void RunningCoupling::finish(Wrench& sum, const Wrench& law, CouplingOutput& out
   if (!in_contact_)
     clamp_wrench(sum, law.force.stableNorm(), law.torque.stableNorm());
   out.clamped |= clamp_wrench(sum, limits_.max_force_n, limits_.max_torque_nm).any();
+}
+
+/// A force that has grown by itself fades, and stays away.
+void RunningCoupling::give_up(double dt_s, Wrench& sum, CouplingOutput& out) noexcept {
+  if (!swing_.growing())
+    return;
+  out.growing = true;
+  left_ = std::max(0.0, left_ - dt_s / kGiveUpS);
+  sum.force *= left_, sum.torque *= left_;
 }
 
 /// The way that the last command has worked on.
@@ -253,13 +247,14 @@ void RunningCoupling::count(const CouplingOutput& out) noexcept {
   counters_.faults = policy_.faults();
   counters_.repeated += out.repeated_input, counters_.clamped += out.clamped,
       counters_.capped += out.capped;
-  counters_.controlled += out.passivity, counters_.bounded += out.bounded;
+  counters_.bounded += out.bounded;
   counters_.pose_jumps = motion_.jumps();
+  counters_.swing = swing_.largest();
+  counters_.growing = out.growing && left_ == 0.0;
   counters_.lowest_energy_j =
       std::min({counters_.lowest_energy_j, energy.normal_j, energy.tangential_j});
   counters_.lowest_energy_rotation_j =
       std::min(counters_.lowest_energy_rotation_j, energy.rotation_j);
-  counters_.most_damping_ns_per_m = std::max(counters_.most_damping_ns_per_m, out.damping_ns_per_m);
 }
 
 }  // namespace voxtouch::coupling

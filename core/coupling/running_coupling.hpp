@@ -1,11 +1,13 @@
 #pragma once
 /// All that stands between contact and device at run time, in one step a sample.
 ///
-///   contact -> input policy -> stiffness cap -> clamp -> law -> + injected damping -> + passivity
-///   controller -> never pulling
-///           -> limits -> command
+///   contact -> input policy -> scale -> clamp -> law -> + injected damping -> never pulling ->
+///   limits -> command
 ///
-/// The law is one of the three couplings.
+/// Where force grows over three periods without the hand's work (swing_watch.hpp) the command goes
+/// to zero over kGiveUpS and stays there until `reset`.
+///
+/// The law is one of the three couplings. The passivity observer looks on.
 #include <cstdint>
 #include <optional>
 #include <variant>
@@ -16,7 +18,8 @@
 #include "core/coupling/passivity.hpp"
 #include "core/coupling/shaping_filter.hpp"
 #include "core/coupling/spring_damper.hpp"
-#include "core/coupling/stiffness_cap.hpp"
+#include "core/coupling/stiffness_scale.hpp"
+#include "core/coupling/swing_watch.hpp"
 #include "core/coupling/tool_motion.hpp"
 
 namespace voxtouch::coupling {
@@ -28,14 +31,12 @@ struct CouplingOutput {
   bool repeated_input = false;  ///< the input was not usable; the last good one was used again
   bool clamped = false;         ///< input or command was over the device's range and was cut
   bool capped = false;          ///< the contact was stiffer than the cap: its wrench was scaled
-  bool passivity = false;       ///< the passivity controller adds damping
   bool bounded = false;         ///< injected damping wanted to add more than it may, and was cut
-  double scale = 1.0;           ///< share of the contact's wrench that the stiffness cap leaves
+  double scale = 1.0;  ///< part of the contact's wrench that is within the caps; see StiffnessScale
   double energy_j = 0.0;  ///< translation: what the hand has put in, net, since this contact began;
                           ///< see passivity.hpp
   double energy_rotation_j = 0.0;
-  double damping_ns_per_m = 0.0;  ///< what the passivity controller adds now; 0: it rests
-  double damping_nms_per_rad = 0.0;
+  bool growing = false;  ///< force grew by itself: the command fades to zero and stays there
   double injected_n =
       0.0;  ///< size of the force that injected damping adds to the law's, or takes from it
 };
@@ -46,14 +47,14 @@ struct CouplingCounters {
   std::uint64_t faults = 0;    ///< bad periods and bad inputs
   std::uint64_t repeated = 0;  ///< samples answered with the last good input once more
   std::uint64_t clamped = 0, capped = 0;
-  std::uint64_t bounded = 0;     ///< samples in which injected damping was cut to what it may add
-  std::uint64_t controlled = 0;  ///< samples in which the passivity controller added damping
+  std::uint64_t bounded = 0;  ///< samples in which injected damping was cut to what it may add
   std::uint64_t pose_jumps = 0;
   std::uint64_t not_finite =
       0;  ///< commands that no longer were numbers; the law was started again
   double lowest_energy_j = 0.0;  ///< of any single account of translation
   double lowest_energy_rotation_j = 0.0;
-  double most_damping_ns_per_m = 0.0;                  ///< that the controller has added
+  Swing swing;           ///< the largest
+  bool growing = false;  ///< force grew by itself, and the command has gone to zero for good
   double most_force_n = 0.0, most_torque_nm = 0.0;     ///< that was commanded
   double longest_way_m = 0.0, longest_turn_rad = 0.0;  ///< of one sample to the next, under force
 };
@@ -78,10 +79,10 @@ class RunningCoupling {
 
   /// Other parameters while running, also in contact, without a jump: cut-off and damping ratio at
   /// once (the filter's state cannot grow by it), the gain at kGainSlewPerS, the spring-damper's c
-  /// and r and the caps over kDefaultRampS, injected damping over `ramp_behind_filter_s`, velocity
-  /// estimate and controller limits at once. Another kind starts at the force that the old law gave
-  /// and fades to its own. False, and nothing changed, where `validate` refuses. Between two steps
-  /// of the loop: allocates only to word what validate finds.
+  /// and r and the caps over kDefaultRampS, injected damping over `ramp_behind_filter_s`, the
+  /// velocity estimate at once. Another kind starts at the force that the old law gave and fades to
+  /// its own. False, and nothing changed, where `validate` refuses. Between two steps of the loop:
+  /// allocates only to word what validate finds.
   bool redesign(const CouplingSpec& spec);
 
   CouplingKind kind() const noexcept;
@@ -102,24 +103,28 @@ class RunningCoupling {
   void add_damping(Wrench& sum, const Wrench& law, CouplingOutput& out) noexcept;
   void finish(Wrench& sum, const Wrench& law, CouplingOutput& out) noexcept;
   void count_way() noexcept;
+  void give_up(double dt_s, Wrench& sum, CouplingOutput& out) noexcept;
   void count(const CouplingOutput& out) noexcept;
 
   CouplingLimits limits_;
   double nominal_s_;
   InputPolicy policy_;
   Law law_;
-  StiffnessCap cap_;
+  StiffnessScale scale_;
   ToolMotion motion_;
   ToolStep way_;
   InjectedDamping injected_;
   Passivity passivity_;
-  PassivityLimits passivity_limits_;
-  CouplingInput contact_;  ///< the last usable one, capped
+  SwingWatch swing_;
+  double left_ = 1.0;      ///< of the command, once force has grown by itself
+  CouplingInput contact_;  ///< the last usable one, scaled
   Wrench given_;           ///< by the law
   bool in_contact_ = false;
-  double shown_ = 1.0;                ///< of a force in W, by cap and gain
+  double shown_ = 1.0;                ///< of a force in W, by scale and gain
   std::optional<double> supplied_j_;  ///< as last told
   CouplingCounters counters_;
+
+  static constexpr double kGiveUpS = 0.05;
 };
 
 }  // namespace voxtouch::coupling

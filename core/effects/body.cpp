@@ -21,12 +21,11 @@ constexpr std::array kParameters = {
     row::number("grip_n_per_m", 1.0, 1e4, 200.0,
                 "Spring between the tool and the body while it is held [N/m]: all that the hand "
                 "feels of it."),
-    row::number(
-        "grip_nm_per_rad", 0.0, 100.0, 0.3,
-        "The same against turning [Nm/rad]; a device without torque turns the body all the same."),
+    row::number("grip_nm_per_rad", 0.0, 100.0, 0.3,
+                "The same for rotation [Nm/rad]; a device without torque rotates the body too."),
     row::number(
         "grip_damping_ratio", 0.1, 2.0, 1.0,
-        "Damping of that spring with the body's mass; 1: it comes to rest without swinging."),
+        "Damping of each mode of that spring with the body; 1: it comes to rest without swinging."),
     row::number(
         "grab_button", -1.0, 31.0, -1.0,
         "Button of the device that holds the body while pressed, counted from 0; -1: always held."),
@@ -85,8 +84,10 @@ extern const EffectKind kBody = {
         "(Baraff and Witkin 1998), so "
         "that no contact is too stiff for it; the hand feels the grip's spring and damper alone: F "
         "= -k (x_tool - x_body) - "
-        "2 zeta sqrt(k m) (v_tool - v_body). Stable at the device up to the stiffness that its "
-        "coupling certifies. "
+        "D (v_tool - v_body), D = 2 zeta M^1/2 (M^-1/2 K M^-1/2)^1/2 M^1/2, in which K includes "
+        "how the body's weight "
+        "turns it back. Its spring is no stiffer at the device than the coupling is certified for; "
+        "the weight is held whole. "
         "Conservative but for damping: it gives back what lifting and speed have stored.",
     .energy = EnergyBehaviour::kBounded,
     .alone = true,

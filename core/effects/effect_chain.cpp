@@ -25,6 +25,11 @@ EffectFrame narrowed(const EffectFrame& frame, std::uint32_t object) noexcept {
   return one;
 }
 
+/// Without memory, and the same wherever the contact is.
+bool is_of_position(const EffectSpec& spec, const EffectValues& now) noexcept {
+  return spec.kind->energy == EnergyBehaviour::kConservative && !spec.kind->needs(now).contact;
+}
+
 }  // namespace
 
 EffectChain::EffectChain(std::vector<EffectSpec> effects) {
@@ -94,14 +99,35 @@ double EffectChain::friction_at(const Vec3& x, std::uint32_t object) const noexc
   return sum;
 }
 
-EffectPush EffectChain::apply(const EffectFrame& at_hand, const EffectFrame* surface) noexcept {
+EffectPush EffectChain::of_position(const EffectFrame& frame) const noexcept {
+  EffectPush sum;
+  for (const Link& link : links_) {
+    if (!(link.gain.now() > 0.0) || !is_of_position(link.goal, link.now))
+      continue;
+    const RegionWeight weight = weight_at(link.goal.region, frame.tool.position);
+    if (weight.weight <= 0.0 && weight.gradient.isZero(0.0))
+      continue;
+    EffectPush own, with = sum;
+    EffectFrame felt = frame;
+    felt.share = link.gain.now() * weight.weight;
+    link.effect->apply(felt, link.now, own);
+    weigh(link, weight, own, with);
+    if (usable(with))
+      sum = with;
+  }
+  return sum;
+}
+
+EffectPush EffectChain::apply(const EffectFrame& at_hand, const EffectFrame* surface,
+                              const EffectFrame* softened) noexcept {
   EffectPush sum;
   for (Link& link : links_) {
     advance(link, at_hand.dt_s);
     if (surface != nullptr && link.goal.kind->friction != nullptr)
       continue;
-    const EffectFrame& frame =
-        surface != nullptr && link.goal.kind->needs(link.now).contact ? *surface : at_hand;
+    const bool feels_contact = surface != nullptr && link.goal.kind->needs(link.now).contact;
+    const bool behind_spring = softened != nullptr && is_of_position(link.goal, link.now);
+    const EffectFrame& frame = behind_spring ? *softened : feels_contact ? *surface : at_hand;
     const RegionWeight weight = link.gain.now() > 0.0
                                     ? weight_at(link.goal.region, frame.tool.position)
                                     : RegionWeight{0.0};

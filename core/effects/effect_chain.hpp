@@ -12,11 +12,10 @@ namespace voxtouch::effects {
 
 /// All effects of one tool. Construction allocates, `apply` does not. One thread at a time.
 ///
-/// Region and gain. A conservative effect of potential U becomes one of potential g w U: F = g (w F
-/// - U grad w). Any other has its wrench weighed: what only takes energy still does. Change. Gains
-/// and numbers go to their new value on a straight line over kEffectRampS, directions on the chord
-/// (shorter than 1 on their way: effects take them as they are, so that a push turns round through
-/// zero). No change is a force step.
+/// Region and gain: a conservative effect of potential U becomes one of potential g w U, F = g (w F
+/// - U grad w). The wrench of any other is scaled, so a dissipative one stays dissipative. Change:
+/// gains and numbers go to their new value on a straight line over kEffectRampS, directions on the
+/// chord. No change is a force step.
 class EffectChain {
  public:
   static constexpr double kEffectRampS = 0.1;
@@ -29,8 +28,13 @@ class EffectChain {
   EffectPush apply(const EffectFrame& frame) noexcept { return apply(frame, nullptr); }
   /// The same beside a virtual tool: kinds that feel the contact are given `surface`, the tool
   /// where it touches, all others `frame`, the tool at the hand. Kinds with a `friction` of their
-  /// own give nothing: the virtual tool rubs. Real-time safe.
-  EffectPush apply(const EffectFrame& frame, const EffectFrame* surface) noexcept;
+  /// own give nothing: the virtual tool rubs. Real-time safe. `softened`: not null, for what a
+  /// spring of its own softens: conservative kinds that do not feel the contact.
+  EffectPush apply(const EffectFrame& frame, const EffectFrame* surface,
+                   const EffectFrame* softened = nullptr) noexcept;
+  /// What conservative kinds that do not feel the contact give in `frame`, gains and numbers as
+  /// they are: the same as often as it is asked. Real-time safe.
+  EffectPush of_position(const EffectFrame& frame) const noexcept;
   /// Sum of the coefficients of such kinds behind their gains and regions, for a tool at `x` in W
   /// that touches `object`. Real-time safe.
   double friction_at(const Vec3& x, std::uint32_t object) const noexcept;

@@ -148,8 +148,8 @@ EffectBound bound(const EffectValues& values) {
 extern const EffectKind kExternal = {
     .name = "external",
     .says =
-        "A wrench that somebody outside the ring writes is felt, bounded in force, slew and "
-        "energy, and fades when it is late.",
+        "Displays a wrench that a program outside the ring writes, bounded in force, slew and "
+        "energy; it fades when it is late.",
     .equations =
         "F goes to the newest value, cut to max_force_n, at slew_n_per_s; without one for "
         "timeout_s it goes to zero within fade_s. Then F is "

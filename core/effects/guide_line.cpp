@@ -59,7 +59,7 @@ extern const EffectKind kGuideLine = {
     .equations =
         "U = phi(distance to the line or segment), F = -grad U, phi as of guide_point. The "
         "distance to a convex set is "
-        "convex, so |dF/dx| <= k beside the line and round its ends. Conservative. Stable for k < "
+        "convex, so |dF/dx| <= k around the line and round its ends. Conservative. Stable for k < "
         "b / (T/2 + t_d) "
         "(Colgate and Schenkel 1997), b the damping of hand and device.",
     .energy = EnergyBehaviour::kConservative,

@@ -12,8 +12,8 @@ enum : std::size_t { kPoint, kRadius, kForce };
 
 constexpr std::array kParameters = {
     row::place("point", "What the tool's origin is drawn to, W [m]."),
-    row::number("radius_m", 0.0005, 10.0, "Distance from which on nothing is felt [m]."),
-    row::number("force_n", 0.0, 100.0, "Largest pull [N], felt at 0.447 of the radius."),
+    row::number("radius_m", 0.0005, 10.0, "Distance beyond which the force is zero [m]."),
+    row::number("force_n", 0.0, 100.0, "Largest pull [N], at 0.447 of the radius."),
 };
 
 /// F = 6 U0 r / R^2 (1 - q)^2 with q = r^2 / R^2 is largest at q = 1/5.

@@ -1,6 +1,7 @@
 #include "core/effects/rigid_body.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <cmath>
 
 #include "core/types/clamp.hpp"
@@ -34,25 +35,22 @@ MassMatrix mass_matrix(const BodyShape& shape, double mass_kg, const Mat3& turn,
 /// Spring and damper to where the body hangs on the tool; W axes.
 struct Grip {
   double c, c_turn;  ///< stiffness [N/m, Nm/rad]
-  double r, r_turn;  ///< damping [Ns/m, Nms/rad]
+  Mat6 damping;      ///< [Ns/m, Ns, Nms/rad]
   Pose goal_WB;
-  Vec3 goal_velocity_W;
+  Vec3 goal_velocity_W, spin_W;
   Vec3 stretch, twisted;  ///< from the body to the goal [m, rad]
 
-  Grip(const BodyShape& shape, const BodyParameters& p, double strength, const Pose& pose_WB,
+  Grip(const BodyParameters& p, const Mat6& full_damping, double strength, const Pose& pose_WB,
        const Pose& pose_TB, const Pose& pose_WT, const Twist& tool_twist) noexcept
       : c(strength * p.grip_n_per_m),
         c_turn(strength * p.grip_nm_per_rad),
+        damping(strength * full_damping),
         goal_WB(pose_WT * pose_TB),
         goal_velocity_W(tool_twist.linear +
                         tool_twist.angular.cross(goal_WB.position - pose_WT.position)),
+        spin_W(tool_twist.angular),
         stretch(goal_WB.position - pose_WB.position),
-        twisted(rotation_vector(pose_WB.orientation, goal_WB.orientation)) {
-    const double ratio = 2.0 * p.grip_damping_ratio,
-                 least_inertia = p.mass_kg * shape.inertia_m2.diagonal().minCoeff();
-    r = strength * ratio * std::sqrt(p.grip_n_per_m * p.mass_kg);
-    r_turn = strength * ratio * std::sqrt(p.grip_nm_per_rad * least_inertia);
-  }
+        twisted(rotation_vector(pose_WB.orientation, goal_WB.orientation)) {}
 
   /// What acts on the tool once the body has moved by a step of `dt_s` at `twist`, and the energy
   /// of the springs [J]. It is what acted on the body over this step: a body that is a step ahead
@@ -61,8 +59,10 @@ struct Grip {
                    double& energy_j) const noexcept {
     const Vec3 stretch_after = stretch + dt_s * (goal_velocity_W - twist.linear);
     const Vec3 twisted_after = twisted + dt_s * (tool_twist.angular - twist.angular);
-    const Vec3 on_body = c * stretch_after + r * (goal_velocity_W - twist.linear);
-    const Vec3 turn_body = c_turn * twisted_after + r_turn * (tool_twist.angular - twist.angular);
+    const Vec6 damper =
+        damping * stacked(goal_velocity_W - twist.linear, tool_twist.angular - twist.angular);
+    const Vec3 on_body = c * stretch_after + damper.head<3>();
+    const Vec3 turn_body = c_turn * twisted_after + damper.tail<3>();
     const Vec3 lever = goal_WB.position - pose_WT.position;
     const Mat3 lever_across = cross_matrix(lever);
     BodyGrip grip;
@@ -78,7 +78,42 @@ struct Grip {
   }
 };
 
+/// The square root of a symmetric positive semidefinite matrix, or its inverse; of what is zero,
+/// zero.
+Mat6 root(const Mat6& matrix, bool inverse) noexcept {
+  const Eigen::SelfAdjointEigenSolver<Mat6> solver(0.5 * (matrix + matrix.transpose()));
+  const double least = 1e-12 * std::max(solver.eigenvalues()[5], 0.0);
+  Vec6 roots = Vec6::Zero();
+  for (int n = 0; n < 6; ++n) {
+    const double value = solver.eigenvalues()[n];
+    if (value > least)
+      roots[n] = inverse ? 1.0 / std::sqrt(value) : std::sqrt(value);
+  }
+  return solver.eigenvectors() * roots.asDiagonal() * solver.eigenvectors().transpose();
+}
+
 }  // namespace
+
+Mat6 grip_damping(const BodyShape& shape, const BodyParameters& p) noexcept {
+  const Mat6 mass = mass_matrix(shape, p.mass_kg, Mat3::Identity(), shape.centre).all;
+  const double weight = p.mass_kg * p.gravity_m_per_s2.norm() * shape.centre.norm();
+  const Vec6 stiffness =
+      stacked(Vec3::Constant(p.grip_n_per_m), Vec3::Constant(p.grip_nm_per_rad + weight));
+  const Mat6 half = root(mass, false), under = root(mass, true);
+  const Mat6 modes = under * stiffness.asDiagonal() * under;
+  const Mat6 damping = 2.0 * p.grip_damping_ratio * half * root(modes, false) * half;
+  return 0.5 * (damping + damping.transpose());
+}
+
+/// The grip's damping, W axes; made anew where parameters have changed. `turn`: of T's axes into
+/// W's.
+Mat6 RigidBody::damping_W(const BodyParameters& p, const Mat3& turn) noexcept {
+  if (!damping_known_ || !(damped_ == p))
+    damped_ = p, damping_ = grip_damping(shape_, p), damping_known_ = true;
+  Mat6 both = Mat6::Zero();
+  both.topLeftCorner<3, 3>() = both.bottomRightCorner<3, 3>() = turn;
+  return both * damping_ * both.transpose();
+}
 
 void RigidBody::place(const Pose& pose, bool held) noexcept {
   pose_WB_ = pose, twist_ = {}, pose_TB_ = {}, held_ = held, placed_ = true;
@@ -106,21 +141,20 @@ BodyGrip RigidBody::step(const BodyLoad& load, const Pose& pose_WT, const Twist&
   const Mat3 turn = pose_WB_.orientation.toRotationMatrix();
   const Vec3 arm = turn * shape_.centre;
   const MassMatrix mass = mass_matrix(shape_, p.mass_kg, turn, arm);
-  const Grip grip(shape_, p, strength_.now(), pose_WB_, pose_TB_, pose_WT, tool_twist);
+  const Grip grip(p, damping_W(p, turn), strength_.now(), pose_WB_, pose_TB_, pose_WT, tool_twist);
 
   // Contact damping towards what is touched; the grip's towards the tool.
   const double tau =
       load.stiffness_bound_n_per_m > 0.0
           ? 2.0 * kContactDampingRatio * std::sqrt(p.mass_kg / load.stiffness_bound_n_per_m)
           : 0.0;
-  Mat6 damping = tau * load.stiffness, stiffness = load.stiffness;
-  damping.diagonal() += stacked(Vec3::Constant(grip.r), Vec3::Constant(grip.r_turn));
+  const Mat6 damping = tau * load.stiffness + grip.damping;
+  Mat6 stiffness = load.stiffness;
   stiffness.diagonal() += stacked(Vec3::Constant(grip.c), Vec3::Constant(grip.c_turn));
   const Vec3 weight = p.mass_kg * p.gravity_m_per_s2, spin = twist_.angular;
-  Vec6 push =
-      stacked(load.wrench.force + weight + grip.c * grip.stretch + grip.r * grip.goal_velocity_W,
-              load.wrench.torque + arm.cross(weight) + grip.c_turn * grip.twisted +
-                  grip.r_turn * tool_twist.angular);
+  Vec6 push = stacked(load.wrench.force + weight + grip.c * grip.stretch,
+                      load.wrench.torque + arm.cross(weight) + grip.c_turn * grip.twisted);
+  push += grip.damping * stacked(grip.goal_velocity_W, grip.spin_W);
   push += tau * load.stiffness_times_velocity;
   push -= stacked(p.mass_kg * spin.cross(spin.cross(arm)), spin.cross(mass.inertia * spin));
   // What moves with the tool or with an object is no stretch: springs see the way relative to it.

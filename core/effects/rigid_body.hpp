@@ -18,8 +18,18 @@ struct BodyParameters {
   double mass_kg = 1.0;
   Vec3 gravity_m_per_s2 = Vec3::Zero();
   double grip_n_per_m = 0.0, grip_nm_per_rad = 0.0;  ///< of the spring between tool and body
-  double grip_damping_ratio = 1.0;  ///< of that spring with the body's mass and its least inertia
+  double grip_damping_ratio = 1.0;                   ///< of each mode of that spring with the body
+  bool operator==(const BodyParameters&) const = default;
 };
+
+/// Damping matrix of a grip at T's origin, T axes [Ns/m, Ns, Nms/rad]: each mode of mass matrix M
+/// and stiffness K has the ratio z. K is the grip's, and about the origin as much more as the
+/// weight of a body that hangs there has: a swing by its weight is damped as well.
+///
+///     D = 2 z M^(1/2) (M^(-1/2) K M^(-1/2))^(1/2) M^(1/2)
+///
+/// Symmetric positive semidefinite. Real-time safe; some ten microseconds.
+Mat6 grip_damping(const BodyShape& shape, const BodyParameters& parameters) noexcept;
 
 /// What pushes the body where it is now. W axes, torque about the origin of T.
 struct BodyLoad {
@@ -44,13 +54,12 @@ struct BodyGrip {
 ///     (M + h D + h^2 K) v+ = M v + h (w + D v_of_what_it_touches),    x+ = x + h v+.
 ///
 /// K and D are symmetric and positive semidefinite, so a linear contact of any stiffness is stable
-/// at any h, and a contact that stiffens by sudden hits only loses speed. Contact damping is
-/// Rayleigh's, D = tau K with tau = 2 zeta sqrt(m / k), k the contact's bound: zeta = 1/2 for a
-/// contact as stiff as its bound. Gyroscopic torque is explicit; speeds are cut at kMaxSpeed and
-/// kMaxSpin, where a hand has let go of it long ago.
+/// at any h. Contact damping is Rayleigh's, D = tau K with tau = 2 zeta sqrt(m / k), k the
+/// contact's bound. Gyroscopic torque is explicit; speeds are cut at kMaxSpeed and kMaxSpin.
 ///
-/// Holding. While held, spring and damper pull the body to where it hangs on the tool; taken up
-/// anew it hangs as it lies, so that nothing jumps. Strength goes up and down over kGripRampS.
+/// While held, spring and damper (`grip_damping`) pull the body to where it hangs on the tool;
+/// taken up anew it hangs as it lies, so that nothing jumps. Strength goes up and down over
+/// kGripRampS.
 ///
 /// Energy: kinetic + m g h + the spring's. Its fall is what the body may give the tool. Real-time
 /// safe.
@@ -82,8 +91,12 @@ class RigidBody {
  private:
   void follow_hold(const Pose& pose_WT, bool hold, double grab_m, double dt_s) noexcept;
   void move(double dt_s) noexcept;
+  Mat6 damping_W(const BodyParameters& parameters, const Mat3& turn) noexcept;
 
   BodyShape shape_;
+  BodyParameters damped_;        ///< what `damping_` is of
+  Mat6 damping_ = Mat6::Zero();  ///< of the grip, T axes
+  bool damping_known_ = false;
   Pose pose_WB_, pose_TB_;  ///< B: the body; pose_TB_ while it is held
   Twist twist_;
   coupling::Ramp strength_;

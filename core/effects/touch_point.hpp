@@ -12,9 +12,8 @@
 
 namespace voxtouch::effects {
 
-/// The push of one object, W axes. Its direction is that of the force itself, not the mean normal
-/// of the colliding points: the force is continuous where its model is, while the mean normal steps
-/// with every point that enters or leaves; for `adapted` they are the same.
+/// The contact force of one object, W axes. Its direction is the force's, not the mean normal,
+/// which steps with every point that enters or leaves.
 struct TouchPoint {
   double push_n = 0.0;         ///< |F| > 0
   Vec3 normal = Vec3::Zero();  ///< F / |F|: the way the object pushes the tool

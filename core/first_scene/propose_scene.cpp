@@ -20,7 +20,6 @@ constexpr double kSmallestSphereVoxels = 4.0, kSphereShare = 15.0, kLargestSpher
 constexpr double kPressM = 0.01, kSlideM = 0.005;  ///< how deep the hand wants to go
 constexpr double kApproachS = 1.5, kSlowest = 0.03,
                  kFastest = 0.15;  ///< to the surface and in; peak speeds [m/s]
-constexpr double kPointStiffness = 10.0;
 
 /// Down to two digits, as a person would write it.
 double rounded_down(double x) {
@@ -41,7 +40,7 @@ Tool tool_of(const mesh::TriangleMesh& mesh) {
 }
 
 ProposedScene propose_scene(const mesh::TriangleMesh& part, const mesh::MeshReport& report,
-                            Tool tool, const ModelChoice& contact) {
+                            Tool tool) {
   const Vec3 extents = report.max - report.min;
   const double largest = extents.maxCoeff();
   if (!(largest > 0.0))
@@ -63,9 +62,9 @@ ProposedScene propose_scene(const mesh::TriangleMesh& part, const mesh::MeshRepo
         fmt::format("That is too few for thin walls: finer voxels than a {:.0f}th of the part cost "
                     "memory; voxel_size sets them.",
                     kFinest));
-  scene.contact = contact;
-  because(contact.reason);
-  scene.point_stiffness_n_per_m = kPointStiffness;
+  because(report.closed ? "The part is closed: a virtual tool is held outside of it."
+                        : "The part is open: a virtual tool is held by its sheets from either "
+                          "side, as by a thin wall.");
 
   if (tool.sphere) {
     tool.reach_m = rounded_down(
@@ -79,21 +78,19 @@ ProposedScene propose_scene(const mesh::TriangleMesh& part, const mesh::MeshRepo
   const Vec3 touch = place_to_touch(part), at = touch - tool.lowest_T;
   const double top = report.max.z() - touch.z();  // what stands higher than the place
   const double clear = top + std::max(4.0 * e, 0.3 * tool.reach_m);
-  const double press = contact.virtual_tool ? kPressM : 0.5 * e,
-               slide = contact.virtual_tool ? kSlideM : 0.5 * e;
   const auto along_z = [&](const Vec3& x, double z) { return Vec3(x + z * Vec3::UnitZ()); };
-  scene.press_W = {along_z(at, clear), along_z(at, -press)};
+  scene.press_W = {along_z(at, clear), along_z(at, -kPressM)};
   const Vec3 aside = at + Vec3(extents.x() / 6.0, 0.0, 0.0),
              back = at - Vec3(extents.x() / 6.0, 0.0, 0.0);
-  scene.slide_W = {along_z(back, clear), along_z(back, -slide), along_z(aside, -slide),
+  scene.slide_W = {along_z(back, clear), along_z(back, -kSlideM), along_z(aside, -kSlideM),
                    along_z(aside, clear)};
   scene.press_speed_m_per_s =
-      std::clamp(kMinimumJerkPeak * (clear + press) / kApproachS, kSlowest, kFastest);
+      std::clamp(kMinimumJerkPeak * (clear + kPressM) / kApproachS, kSlowest, kFastest);
   scene.slide_speed_m_per_s = std::max(scene.press_speed_m_per_s, 0.05);
   because(
       fmt::format("The motion `press` comes down over ({:.3g}, {:.3g}) mm and wants {:.3g} mm "
                   "deeper than the surface; `slide` goes {:.3g} mm across.",
-                  1e3 * at.x(), 1e3 * at.y(), 1e3 * press, 1e3 * extents.x() / 3.0));
+                  1e3 * at.x(), 1e3 * at.y(), 1e3 * kPressM, 1e3 * extents.x() / 3.0));
   return scene;
 }
 

@@ -3,7 +3,6 @@
 #include <string>
 #include <vector>
 
-#include "core/first_scene/model_choice.hpp"
 #include "core/mesh/report.hpp"
 #include "core/mesh/triangle_mesh.hpp"
 
@@ -18,9 +17,6 @@ struct Tool {
 
 struct ProposedScene {
   double voxel_size_m = 0.0;
-  ModelChoice contact;
-  double point_stiffness_n_per_m = 0.0;  ///< without a virtual tool, for each point of the tool's
-                                         ///< shell; by area, for a voxel's face
   Tool tool;
   std::vector<Vec3> press_W,
       slide_W;  ///< way points of the tool's origin in W [m]; both begin outside, above the part
@@ -31,10 +27,10 @@ struct ProposedScene {
 /// Of a mesh in metres; its origin is what the hand holds.
 Tool tool_of(const mesh::TriangleMesh& mesh);
 
-/// `part`: in metres, with its report; `tool`: a mesh's, or a sphere whose radius is still to be
-/// found; `contact`: usual_model(report), or what was measured. Deterministic. Throws
-/// std::invalid_argument, a sentence, where the part has no extent.
+/// With a virtual tool. `part`: in metres, with its report; `tool`: a mesh's, or a sphere whose
+/// radius is still to be found. Deterministic. Throws std::invalid_argument, a sentence, where the
+/// part has no extent.
 ProposedScene propose_scene(const mesh::TriangleMesh& part, const mesh::MeshReport& report,
-                            Tool tool, const ModelChoice& contact);
+                            Tool tool);
 
 }  // namespace voxtouch::first_scene

@@ -1,7 +1,6 @@
 #include "core/first_scene/scene_text.hpp"
 
 #include <cctype>
-#include <string_view>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -22,17 +21,6 @@ std::string path_text(const std::vector<Vec3>& path) {
     text +=
         fmt::format("{}[{:.6g}, {:.6g}, {:.6g}]", text.empty() ? "" : ", ", x.x(), x.y(), x.z());
   return "[" + text + "]";
-}
-
-std::string contact_text(const ProposedScene& scene) {
-  if (scene.contact.virtual_tool)
-    return "contact: {model: field, rendering: virtual_tool}\n";
-  const double e = scene.voxel_size_m, k = scene.point_stiffness_n_per_m;
-  const std::string_view model = contact::name_of(scene.contact.model);
-  return scene.contact.model == contact::ContactModelKind::kField
-             ? fmt::format("contact: {{model: {}, stiffness_n_per_m3: {:.3g}}}\n", model,
-                           k / (e * e))
-             : fmt::format("contact: {{model: {}, stiffness_n_per_m: {:.4g}}}\n", model, k);
 }
 
 }  // namespace
@@ -60,7 +48,7 @@ std::string scene_text(const ProposedScene& scene, const SceneNames& names) {
   if (scene.tool.sphere)
     text += fmt::format("  parts: [{{sphere: {{centre: [0, 0, 0], radius: {:.6g}}}}}]\n",
                         scene.tool.reach_m);
-  text += contact_text(scene);
+  text += "contact: {model: field, rendering: virtual_tool}\n";
   text += "effects: []  # friction, texture, guides, ...: see voxtouch schema\n";
   text += "coupling: {design: auto}  # fitted to the device: voxtouch design --scene\n";
   text +=

@@ -13,9 +13,9 @@ inline coupling::CouplingInput coupling_input(const rendering::SceneFrame& frame
           .contact_stiffness_n_per_m = frame.stiffness_bound_n_per_m,
           .contact_stiffness = frame.stiffness,
           .tool = tool,
-          .supplied_energy_j = frame.supplied_energy_j,
-          .contact_depth_m = frame.touch.contact.deepest_depth_m,
-          .depth_goes_on = frame.touch.retained};
+          .coherence = coupling::coherence_of(frame.touch.contact.surface_hits, frame.tool.queries,
+                                              frame.touch.contact.coherence),
+          .supplied_energy_j = frame.supplied_energy_j};
 }
 
 }  // namespace voxtouch::fitting

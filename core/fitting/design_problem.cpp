@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace voxtouch::fitting {
 namespace {
@@ -47,12 +48,10 @@ coupling::CouplingSpec scaled(coupling::CouplingSpec spec, const HandScales& sca
   spec.damping_ns_per_m *= scales.translation;
   spec.stiffness_cap_n_per_m *= scales.translation;
   spec.injected_damping_ns_per_m *= scales.translation;
-  spec.passivity_damping_limit_ns_per_m *= scales.translation;
   spec.velocity_band_m_per_s *= std::sqrt(scales.rotation / scales.translation);
   spec.damper_free_n *= std::sqrt(scales.translation * scales.rotation);
   spec.stiffness_cap_nm_per_rad *= scales.rotation;
   spec.injected_damping_nms_per_rad *= scales.rotation;
-  spec.passivity_damping_limit_nms_per_rad *= scales.rotation;
   return spec;
 }
 
@@ -126,8 +125,14 @@ double stiffness_at_hand_n_per_m(const coupling::CouplingSpec& spec,
 coupling::CouplingLimits limits_W(const scene::WorkspaceMapping& scales,
                                   const coupling::design::DeviceModel& device) noexcept {
   const double max_torque_nm = device.gives_torque ? device.rotation.max_effort : 0.0;
-  return {device.translation.max_effort / scales.force_scale,
-          max_torque_nm * scales.position_scale / scales.force_scale};
+  const coupling::design::AxisModel& axis = device.translation;
+  return {.max_force_n = axis.max_effort / scales.force_scale,
+          .max_torque_nm = max_torque_nm * scales.position_scale / scales.force_scale,
+          .resolution_m = axis.resolution * scales.position_scale,
+          .damping_ns_per_m = axis.damping / hand_scales(scales).translation,
+          .coulomb_friction_n = axis.coulomb_friction / scales.force_scale,
+          .delay_s = device.timing.delay_s,
+          .force_lag_s = 1.0 / (2.0 * std::numbers::pi * axis.effort_bandwidth_hz)};
 }
 
 }  // namespace voxtouch::fitting

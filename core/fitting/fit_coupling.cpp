@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -25,10 +26,26 @@ std::string refusal_of(const coupling::design::Design& design, const scene::Scen
       design.translation.shown_stiffness);
 }
 
-/// What is left of a cap for the spring.
+constexpr double kFreeForEffects = 0.5;  ///< of a cap, at most
+
+/// What is left of a cap for the spring beside effects of that stiffness.
+double beside(double cap, double effects) noexcept {
+  return std::max(cap - effects, (1.0 - kFreeForEffects) * cap);
+}
+/// What the spring before forces of position gives way by, so that they take no more than the half
+/// that is left free for them.
+double before_effects(double cap, double effects) noexcept {
+  return effects > kFreeForEffects * cap ? rendering::compliance_for(kFreeForEffects * cap, effects)
+                                         : 0.0;
+}
 double beside_effects(double cap, const coupling::design::ContactRange& range) noexcept {
-  constexpr double kMinShare = 0.5;
-  return std::max(cap - (range.all_points - range.one_point), kMinShare * cap);
+  return beside(cap, range.all_points - range.one_point);
+}
+
+bool has_force_of_position(const scene::Scene& scene) noexcept {
+  return std::ranges::any_of(scene.effects, [](const effects::EffectSpec& effect) {
+    return effect.kind->energy == effects::EnergyBehaviour::kConservative;
+  });
 }
 
 }  // namespace
@@ -47,11 +64,6 @@ FittedCoupling fit_coupling(const scene::Scene& scene, const coupling::design::D
     } else {
       out.design = coupling::design::judge_coupling(problem, spec_D(scene.coupling, scene.device));
       out.spec = scene.coupling;
-      // The controller is a safety net for every coupling; how much it may add is the device's
-      // matter, not the scene's.
-      const coupling::CouplingSpec judged = spec_W(out.design, scene);
-      out.spec.passivity_damping_limit_ns_per_m = judged.passivity_damping_limit_ns_per_m;
-      out.spec.passivity_damping_limit_nms_per_rad = judged.passivity_damping_limit_nms_per_rad;
     }
   } catch (const std::invalid_argument& error) {
     out.impossible = error.what();
@@ -87,6 +99,36 @@ double spring_n_per_m(const FittedCoupling& fitted, const scene::Scene& scene,
     spring =
         std::min(spring, beside_effects(spec.stiffness_cap_nm_per_rad, bounds.rotation) / lever2);
   return std::isfinite(spring) ? std::max(spring, 0.0) : 0.0;
+}
+
+rendering::Compliance series_spring(const FittedCoupling& fitted, const scene::Scene& scene,
+                                    const coupling::design::DeviceModel& device,
+                                    const rendering::StiffnessBounds& alone,
+                                    const rendering::StiffnessBounds& bounds) noexcept {
+  if (!fitted.impossible.empty())
+    return {};
+  const bool body = effects::needs_of(scene.effects).body;
+  const double of_effects =
+      std::max(0.0, bounds.translation.all_points - alone.translation.all_points);
+  const double field = body || !has_force_of_position(scene)
+                           ? 0.0
+                           : before_effects(fitted.spec.stiffness_cap_n_per_m, of_effects);
+  const double without_torque = std::numeric_limits<double>::infinity();
+  if (rendering::is_spring(bounds))
+    return {0.0, device.gives_torque ? 0.0 : without_torque, field};
+  // A matrix of both kinds of motion is at most twice what its diagonal blocks are.
+  const double both = device.gives_torque ? 2.0 : 1.0;
+  const auto of_axis = [&](double cap, const coupling::design::ContactRange& contact,
+                           const coupling::design::ContactRange& all) {
+    const double effects = body ? 0.0 : std::max(0.0, all.all_points - contact.all_points);
+    return rendering::compliance_for(beside(cap, effects),
+                                     both * (body ? all : contact).all_points);
+  };
+  return {of_axis(fitted.spec.stiffness_cap_n_per_m, alone.translation, bounds.translation),
+          device.gives_torque
+              ? of_axis(fitted.spec.stiffness_cap_nm_per_rad, alone.rotation, bounds.rotation)
+              : without_torque,
+          field};
 }
 
 }  // namespace voxtouch::fitting

@@ -6,6 +6,7 @@
 #include "core/coupling/design/designer.hpp"
 #include "core/fitting/device_demand.hpp"
 #include "core/rendering/plan.hpp"
+#include "core/rendering/series_spring.hpp"
 #include "core/scene/design_options.hpp"
 #include "core/scene/scene.hpp"
 
@@ -47,5 +48,18 @@ std::string judge_again(const FittedCoupling& fitted, const scene::Scene& scene,
 double spring_n_per_m(const FittedCoupling& fitted, const scene::Scene& scene,
                       const coupling::design::DeviceModel& device,
                       const rendering::StiffnessBounds& bounds) noexcept;
+
+/// The spring in series with a penalty contact under this coupling, in W: the hand is shown the
+/// certified stiffness at the stiffest contact that the scene has, and never more. `alone`: of the
+/// contact without effects, whose stiffness is left free, up to half of the caps. A body's grip is
+/// the contact of a scene with one. Along, rigid with a virtual tool, without caps, and where all
+/// that pushes together is no stiffer than they are. Its rotation is infinite on a device that
+/// returns no torque. Forces of position (guides, magnets, fields) that are stiffer than the half
+/// that is left free for effects have a spring of their own, so that no cap scales them or what
+/// else acts with them.
+rendering::Compliance series_spring(const FittedCoupling& fitted, const scene::Scene& scene,
+                                    const coupling::design::DeviceModel& device,
+                                    const rendering::StiffnessBounds& alone,
+                                    const rendering::StiffnessBounds& bounds) noexcept;
 
 }  // namespace voxtouch::fitting

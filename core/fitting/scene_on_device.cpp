@@ -42,14 +42,16 @@ std::string SceneOnDevice::judged(const FittedCoupling& fitted, const scene::Sce
   return judge_again(fitted, scene, *device_, bounds.translation.one_point, demand);
 }
 
-void SceneOnDevice::runs(const scene::Scene& scene, const rendering::StiffnessBounds& bounds,
-                         const DeviceDemand& shown) {
+void SceneOnDevice::runs(const scene::Scene& scene, const rendering::StiffnessBounds& contact_alone,
+                         const rendering::StiffnessBounds& bounds, const DeviceDemand& shown) {
   shown_ = shown;
   if (!device_)
     return;
   running_ = Fit{bounds, fitted_for(scene, bounds)};
   refusal_ = judged(running_->coupling, scene, bounds, shown);
   spring_n_per_m_ = voxtouch::fitting::spring_n_per_m(running_->coupling, scene, *device_, bounds);
+  series_ =
+      voxtouch::fitting::series_spring(running_->coupling, scene, *device_, contact_alone, bounds);
 }
 
 std::string SceneOnDevice::why_not(const scene::Scene& scene,

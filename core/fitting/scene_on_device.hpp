@@ -8,23 +8,25 @@
 
 namespace voxtouch::fitting {
 
-/// The coupling is fitted by the same function with the same numbers as the node fits that runs it,
-/// so that both judge by the same bits without asking each other. One thread; not for the loop: a
-/// change of stiffness takes as long as a fit.
+/// Fitted next to the coupling, by the same function and numbers, since a change is judged before a
+/// coupling for it exists, and the spring must be known with the plan that the coupling's fit waits
+/// for. One thread; a change of stiffness takes as long as a fit.
 class SceneOnDevice {
  public:
   /// A device has described itself, perhaps anew. `runs` follows: nothing is judged by the fit for
   /// another device.
   void device_is(const coupling::design::DeviceModel& device);
-  /// What is rendered from now on: `bounds` in W, and `shown`, what it demands wherever its effects
-  /// are on their way.
-  void runs(const scene::Scene& scene, const rendering::StiffnessBounds& bounds,
-            const DeviceDemand& shown);
+  /// What is rendered from now on: `bounds` in W, `contact_alone` without effects, and `shown`,
+  /// what it demands wherever its effects are on their way.
+  void runs(const scene::Scene& scene, const rendering::StiffnessBounds& contact_alone,
+            const rendering::StiffnessBounds& bounds, const DeviceDemand& shown);
   /// Why what runs must not be felt; empty: it may, or no device is known.
   const std::string& refusal() const noexcept { return refusal_; }
 
   /// Of a virtual tool, in W, under the coupling that runs [N/m]; 0 where no device is known.
   double spring_n_per_m() const noexcept { return spring_n_per_m_; }
+  /// In series with a penalty contact, likewise; rigid where no device is known.
+  const rendering::Compliance& series_spring() const noexcept { return series_; }
 
   /// Why `scene` with these effects must not follow what runs, the sentence of the start; empty: it
   /// may. Judged are the end and all states on the way there, on the coupling that runs and on the
@@ -51,6 +53,7 @@ class SceneOnDevice {
   DeviceDemand shown_;
   std::string refusal_;
   double spring_n_per_m_ = 0.0;
+  rendering::Compliance series_;
 };
 
 }  // namespace voxtouch::fitting

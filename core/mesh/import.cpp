@@ -13,6 +13,8 @@ namespace {
 /// Largest step of single precision against the voxel edge. At a hundredth, rounding moves a shell
 /// point by less than what one of 100 steps through a voxel does.
 constexpr double kMaxSpacingPerVoxel = 0.01;
+/// The same against the longest side, as if that were a hundred voxels.
+constexpr double kMaxSpacingPerExtent = 0.01 * kMaxSpacingPerVoxel;
 /// Voxels along the longest side of a mesh: fewer than the first, and its shape is lost; more than
 /// the second, and the unit is rarely meant.
 constexpr double kFewestVoxels = 4.0, kMaxVoxels = 2000.0;
@@ -52,6 +54,22 @@ void check_precision(const std::filesystem::path& path, const FileTriangles& rea
                  "or take larger voxels");
 }
 
+/// A warning where single precision, which vertices are held in, is coarse for a mesh `extent_m`
+/// long; else empty. With a voxel size that is a refusal.
+std::string precision_warning(const FileTriangles& read, double extent_m,
+                              const ImportOptions& options) {
+  const double spacing = read.spacing * options.scale;
+  if (options.voxel_size_m > 0.0 || spacing <= kMaxSpacingPerExtent * extent_m)
+    return {};
+  return fmt::format(
+      "its largest coordinate is {:.4g} m, where single precision, which the reader holds vertices "
+      "in, has steps "
+      "of {:.4g} m; at a length of {:.4g} m its shape needs steps of at most {:.4g} m: move the "
+      "mesh to the origin "
+      "in the file",
+      read.largest * options.scale, spacing, extent_m, kMaxSpacingPerExtent * extent_m);
+}
+
 /// A warning that names extent and voxel size where their ratio is odd, else empty. `extent_m`:
 /// longest side.
 std::string unit_warning(const std::filesystem::path& path, double extent_m,
@@ -59,15 +77,14 @@ std::string unit_warning(const std::filesystem::path& path, double extent_m,
   const double e = options.voxel_size_m;
   if (e <= 0.0 || (extent_m >= kFewestVoxels * e && extent_m <= kMaxVoxels * e))
     return {};
-  const std::string extension = import::extension_of(path);
-  const bool unitless = extension == "obj" || extension == "stl" || extension == "ply";
   const bool small = extent_m < kFewestVoxels * e;
   const double voxels = extent_m / e;
   std::string text = fmt::format(
       "the mesh is {:.4g} m long at scale {:.4g}, {} voxels of {:.4g} m", extent_m, options.scale,
       small ? fmt::format("only {:.4g}", voxels) : fmt::to_string(std::llround(voxels)), e);
-  if (unitless)
-    text += " (." + extension + " carries no unit; its numbers are taken as metres)";
+  if (!has_own_unit(path))
+    text +=
+        " (." + import::extension_of(path) + " carries no unit; its numbers are taken as metres)";
   if (!small)
     return fmt::format("{}: is the file in millimetres? Then use scale {:.4g}", text,
                        0.001 * options.scale);
@@ -78,6 +95,11 @@ std::string unit_warning(const std::filesystem::path& path, double extent_m,
 }
 
 }  // namespace
+
+bool has_own_unit(const std::filesystem::path& path) {
+  const std::string extension = import::extension_of(path);
+  return extension == "gltf" || extension == "glb" || extension == "dae";
+}
 
 ImportedMesh import_mesh(const std::filesystem::path& path, const ImportOptions& given,
                          const TriangleReader& reader) {
@@ -97,17 +119,15 @@ ImportedMesh import_mesh(const std::filesystem::path& path, std::string bytes,
     result.warnings.push_back(left_out(read.points, "point"));
   if (read.lines > 0)
     result.warnings.push_back(left_out(read.lines, "line"));
-  if (read.uncut > 0)
-    result.warnings.push_back(
-        fmt::format("polygons that cross themselves could not be cut: {} triangles are missing; "
-                    "triangulate on export",
-                    read.uncut));
   // Welded before scaling: the file's own numbers say what coincides.
   const TriangleMesh welded = weld(read.mesh);
   const Eigen::AlignedBox3d box = bounds(welded);
-  const std::string unit = unit_warning(path, options.scale * box.sizes().maxCoeff(), options);
-  if (!unit.empty())
-    result.warnings.push_back(unit);
+  const double extent_m = options.scale * box.sizes().maxCoeff();
+  for (const std::string& warning :
+       {precision_warning(read, extent_m, options), unit_warning(path, extent_m, options)}) {
+    if (!warning.empty())
+      result.warnings.push_back(warning);
+  }
   result.mesh = transform(welded, options.scale, options.pose);
   result.report = inspect(result.mesh);
   if (result.report.not_finite_vertices.count > 0)

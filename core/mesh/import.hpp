@@ -4,10 +4,13 @@
 ///
 /// What comes through
 ///   Triangle k of the result is triangle k of the file: faces in file order (for glTF and COLLADA
-///   node by node, depth first), polygons cut into triangles in place, nothing dropped, zero-area
-///   triangles kept. Groups, materials, normals, textures, skins and animations are not looked at.
-///   Vertices are the file's numbers rounded to single precision (assimp holds no more), then
-///   double throughout; vertices at one position become one (weld()).
+///   node by node, depth first), polygons cut into triangles in place (polygon.hpp), nothing
+///   dropped, zero-area triangles kept. Groups, materials, normals, textures and animations are not
+///   read. What would change the shape and is not read (skins, morph weights, unknown required
+///   extensions, free-form surfaces) is refused. Oddities that leave the shape as it is (byte order
+///   marks, padding, keywords in capitals) are warnings. Vertices are the file's numbers rounded to
+///   single precision (assimp holds no more), then double throughout; vertices at one position
+///   become one (weld()).
 /// Units and axes
 ///   OBJ, STL, PLY carry no unit: the numbers are taken as metres unless `scale` says otherwise.
 ///   glTF is in metres. COLLADA declares its unit; assimp turns it into metres (with the
@@ -45,7 +48,6 @@ struct ImportOptions {
 struct FileTriangles {
   TriangleMesh mesh;  ///< nodes applied, in the file's unit (COLLADA: metres); not welded
   std::uint64_t points = 0, lines = 0;  ///< left out
-  std::uint64_t uncut = 0;              ///< triangles missing from polygons that could not be cut
   double spacing = 0.0;  ///< widest step of single precision at the coordinates, after nodes
   double largest = 0.0;  ///< the coordinate it belongs to
   std::vector<std::string> warnings;  ///< what was left out beside points and lines
@@ -58,6 +60,10 @@ using TriangleReader = std::function<FileTriangles(const std::filesystem::path&,
 /// The reader that does it here and now.
 FileTriangles read_triangles(const std::filesystem::path& path, std::string bytes,
                              const ImportOptions& options);
+
+/// Whether the file's format fixes or declares the unit of its numbers, so that they are read as
+/// metres. By the ending alone: true for glTF and COLLADA.
+bool has_own_unit(const std::filesystem::path& path);
 
 struct ImportedMesh {
   TriangleMesh mesh;  ///< scaled and posed [m], welded

@@ -2,37 +2,61 @@
 #include <assimp/DefaultIOSystem.h>
 #include <assimp/MemoryIOWrapper.h>
 #include <assimp/config.h>
-#include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
 #include <algorithm>
 #include <assimp/Importer.hpp>
+#include <charconv>
 #include <cmath>
 #include <limits>
 
+#include <span>
+
+#include <fmt/format.h>
+
 #include "core/mesh/import_check.hpp"
+#include "core/mesh/polygon.hpp"
 
 namespace voxtouch::mesh {
 namespace import {
 namespace {
 
-/// What assimp may open: the mesh file's checked bytes, and for .gltf the regular files it names.
-/// Nothing else is geometry.
+/// What assimp may open: the mesh file's checked bytes, and for .gltf the regular files it names,
+/// whose names may be percent-encoded. Nothing else is geometry.
 class MeshFileOnly : public Assimp::DefaultIOSystem {
  public:
   explicit MeshFileOnly(const MeshFile& file) : file_(file) {}
 
-  bool Exists(const char* name) const override { return is_mesh(name) || may_open(name); }
+  bool Exists(const char* name) const override { return is_mesh(name) || may_open(on_disk(name)); }
   Assimp::IOStream* Open(const char* name, const char* mode) override {
     if (is_mesh(name))
       return new Assimp::MemoryIOStream(reinterpret_cast<const std::uint8_t*>(file_.bytes.data()),
                                         file_.bytes.size());
-    return may_open(name) && mode[0] == 'r' ? DefaultIOSystem::Open(name, mode) : nullptr;
+    const std::string there = on_disk(name);
+    return may_open(there) && mode[0] == 'r' ? DefaultIOSystem::Open(there.c_str(), mode) : nullptr;
   }
 
  private:
   bool is_mesh(const char* name) const { return file_.path.string() == name; }
-  bool may_open(const char* name) const {
+  /// The name itself where such a file is there, else with each %XX behind the mesh file's folder
+  /// as the character that it stands for.
+  std::string on_disk(const std::string& name) const {
+    const std::size_t folder = file_.path.parent_path().string().size();
+    if (may_open(name) || name.size() <= folder)
+      return name;
+    std::string decoded = name.substr(0, folder);
+    for (std::size_t k = folder; k < name.size(); ++k) {
+      unsigned char character = 0;
+      const char* digits = name.c_str() + k + 1;
+      const bool encoded = name[k] == '%' && k + 2 < name.size() &&
+                           std::from_chars(digits, digits + 2, character, 16).ptr == digits + 2;
+      decoded += encoded ? static_cast<char>(character) : name[k];
+      if (encoded)
+        k += 2;
+    }
+    return decoded;
+  }
+  bool may_open(const std::string& name) const {
     std::error_code error;
     return file_.extension == "gltf" && std::filesystem::is_regular_file(name, error);
   }
@@ -42,6 +66,7 @@ class MeshFileOnly : public Assimp::DefaultIOSystem {
 
 /// One mesh hung from one node.
 struct Placed {
+  unsigned number;  ///< of the mesh among the scene's
   const aiMesh* mesh;
   Eigen::Matrix4d matrix;
 };
@@ -54,7 +79,7 @@ void place(const aiScene& scene, const aiNode& node, const Eigen::Matrix4d& oute
   const Eigen::Matrix4d matrix = outer * own.cast<double>();
   for (unsigned k = 0; k < node.mNumMeshes; ++k) {
     if (node.mMeshes[k] < scene.mNumMeshes)
-      placed.push_back({scene.mMeshes[node.mMeshes[k]], matrix});
+      placed.push_back({node.mMeshes[k], scene.mMeshes[node.mMeshes[k]], matrix});
   }
   for (unsigned k = 0; k < node.mNumChildren; ++k)
     place(scene, *node.mChildren[k], matrix, placed);
@@ -102,7 +127,69 @@ void note_spacing(const Placed& placed, FileTriangles& result) {
     result.spacing = single_spacing(shift), result.largest = shift;
 }
 
-void append(const MeshFile& file, const Placed& placed, TriangleMesh& mesh) {
+[[noreturn]] void refuse_not_finite(const MeshFile& file, unsigned vertex) {
+  refuse(file.path,
+         fmt::format("vertex {} is not finite, or not after its node's transform", vertex),
+         "repair the mesh: NaN, Inf and numbers beyond 3.4e38 cannot be placed");
+}
+
+/// The faces of every mesh as triangles, in the file's order.
+class FaceCutter {
+ public:
+  FaceCutter(const MeshFile& file, std::uint64_t polygons) : file_(file), polygons_(polygons) {}
+
+  PolygonCutter::Triangles triangles_of(const aiMesh& mesh) {
+    PolygonCutter::Triangles triangles;
+    triangles.reserve(mesh.mNumFaces);
+    for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
+      const aiFace& face = mesh.mFaces[f];
+      if (face.mNumIndices < 3)
+        continue;
+      ++number_;
+      const std::span corners(face.mIndices, face.mNumIndices);
+      if (corners.size() == 3)
+        triangles.push_back({corners[0], corners[1], corners[2]});
+      else
+        cut(mesh, corners, triangles);
+    }
+    return triangles;
+  }
+
+ private:
+  void cut(const aiMesh& mesh, std::span<const unsigned> corners, PolygonCutter::Triangles& all) {
+    std::vector<Vec3> places;
+    places.reserve(corners.size());
+    for (const unsigned v : corners) {
+      const aiVector3D& x = mesh.mVertices[v];
+      places.emplace_back(x.x, x.y, x.z);
+      if (!places.back().allFinite())
+        refuse_not_finite(file_, v);
+    }
+    const auto triangles = cutter_.cut(places);
+    if (!triangles)
+      refuse_polygon(corners.size(), triangles.error());
+    for (const auto& [a, b, c] : *triangles)
+      all.push_back({corners[a], corners[b], corners[c]});
+  }
+  [[noreturn]] void refuse_polygon(std::size_t corners, const PolygonFault& fault) const {
+    std::string where;
+    if (fault.crossing) {
+      const Vec3& x = *fault.crossing;
+      where = fmt::format(" near ({:.6g}, {:.6g}, {:.6g})", x.x(), x.y(), x.z());
+    }
+    refuse(file_.path,
+           fmt::format("polygon {} of {}, which has {} corners, crosses itself{}: it has no inside",
+                       number_, polygons_, corners, where),
+           "repair it, or export triangles");
+  }
+
+  const MeshFile& file_;
+  PolygonCutter cutter_;
+  std::uint64_t polygons_, number_ = 0;
+};
+
+void append(const MeshFile& file, const Placed& placed, const PolygonCutter::Triangles& triangles,
+            TriangleMesh& mesh) {
   const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
   const Eigen::Matrix3d linear = placed.matrix.topLeftCorner<3, 3>();
   const Vec3 shift = placed.matrix.topRightCorner<3, 1>();
@@ -113,18 +200,13 @@ void append(const MeshFile& file, const Placed& placed, TriangleMesh& mesh) {
     const Vec3 x(a.x, a.y, a.z);
     mesh.vertices.push_back(as_is ? x : Vec3(linear * x + shift));
     if (!mesh.vertices.back().allFinite())
-      refuse(file.path,
-             "vertex " + std::to_string(v) + " is not finite, or not after its node's transform",
-             "repair the mesh: NaN, Inf and numbers beyond 3.4e38 cannot be placed");
+      refuse_not_finite(file, v);
   }
   const bool mirrored = linear.determinant() < 0.0;
-  for (unsigned f = 0; f < placed.mesh->mNumFaces; ++f) {
-    const aiFace& face = placed.mesh->mFaces[f];
-    if (face.mNumIndices != 3)
-      continue;
-    const std::uint32_t a = first + face.mIndices[0], b = first + face.mIndices[1];
-    const std::uint32_t c = first + face.mIndices[2];
-    mesh.triangles.push_back(mirrored ? std::array{a, c, b} : std::array{a, b, c});
+  for (auto [a, b, c] : triangles) {
+    if (mirrored)
+      std::swap(b, c);
+    mesh.triangles.push_back({first + a, first + b, first + c});
   }
 }
 
@@ -163,7 +245,7 @@ FileTriangles read_checked(MeshFile file, const ImportOptions& options) {
            "has " + std::to_string(all.triangles) + " triangles, and at most " +
                std::to_string(options.max_triangles) + " are read",
            "reduce the mesh, or raise max_triangles");
-  if (own.astray > 0) {  // before assimp cuts polygons, which trusts them
+  if (own.astray > 0) {
     refuse(file.path,
            std::to_string(own.astray) + " corners of its faces name vertices that are not there",
            "export it again");
@@ -176,20 +258,24 @@ FileTriangles read_checked(MeshFile file, const ImportOptions& options) {
            "has no triangles (" + std::to_string(all.points) + " points, " +
                std::to_string(all.lines) + " lines)",
            "export the surface, with faces");
-  // In place: what is placed stays.
-  if (all.triangles != all.polygons &&
-      importer.ApplyPostProcessing(aiProcess_Triangulate) == nullptr)
-    refuse(file.path, "its polygons cannot be cut into triangles", "triangulate on export");
+  FaceCutter cutter(file, own.polygons);
+  std::vector<PolygonCutter::Triangles> triangles;
+  for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
+    triangles.push_back(cutter.triangles_of(*scene.mMeshes[m]));
+  }
   FileTriangles result{
       .mesh = {}, .points = all.points, .lines = all.lines, .warnings = file.warnings};
   std::size_t vertices = 0;
   for (const Placed& p : placed)
     vertices += p.mesh->mNumVertices;
   result.mesh.vertices.reserve(vertices), result.mesh.triangles.reserve(all.triangles);
-  for (const Placed& p : placed)
-    append(file, p, result.mesh), note_spacing(p, result);
-  result.uncut =
-      all.triangles - std::min<std::uint64_t>(all.triangles, result.mesh.triangles.size());
+  for (const Placed& p : placed) {
+    append(file, p, triangles[p.number], result.mesh);
+    note_spacing(p, result);
+  }
+  if (result.mesh.triangles.empty())
+    refuse(file.path, fmt::format("has {} polygons, and none of them has an area", own.polygons),
+           "export it again, with triangles");
   return result;
 }
 

@@ -1,6 +1,7 @@
 /// COLLADA: numbers where assimp would take something else for one, as many of them as are said to
-/// be there, and every part that is named is there. It sees geometry and the nodes that place it,
-/// and no skins, whose shape it would take without what bends them.
+/// be there, and every part that is named is there. It sees geometry and the nodes that place it.
+/// What it would pass over although it changes the shape is refused; polygons with holes become
+/// polygons that a bridge joins to each hole.
 #include <algorithm>
 #include <map>
 #include <pugixml.hpp>
@@ -8,6 +9,7 @@
 #include <sstream>
 
 #include "core/mesh/import_check.hpp"
+#include "core/types/number.hpp"
 
 namespace voxtouch::mesh::import {
 namespace {
@@ -53,6 +55,81 @@ std::string named_by(const pugi::xml_attribute& link) {
   return text.substr(text.starts_with('#'));
 }
 
+[[noreturn]] void refuse_shape(const MeshFile& file, const std::string& what,
+                               const pugi::xml_node& node) {
+  const std::string id = node.attribute("id").value();
+  refuse(
+      file.path,
+      what + (id.empty() ? "" : " in " + shown(id)) + ", which is not read and changes its shape",
+      "export plain meshes, with all modifiers applied");
+}
+
+/// What bends or shears a mesh, or is a surface of another kind. assimp takes a fan for one
+/// polygon.
+void check_shape(const MeshFile& file, const pugi::xml_document& doc) {
+  const std::pair<const char*, const char*> kinds[] = {
+      {"//instance_controller", "has a skinned or morphed part"},
+      {"//node/skew", "has a node that shears"},
+      {"//mesh/trifans", "has triangle fans"},
+      {"//geometry/convex_mesh", "has a convex hull"},
+      {"//geometry/brep", "has a surface of curves"}};
+  for (const auto& [path, what] : kinds) {
+    if (const auto found = doc.select_node(path))
+      refuse_shape(file, what, found.node().parent());
+  }
+}
+
+/// assimp takes a unit that is no number, or not above 0, for 0 or for metres.
+void check_unit(const MeshFile& file, const pugi::xml_document& doc) {
+  const auto found = doc.select_node("/COLLADA/asset/unit/@meter");
+  if (!found)
+    return;
+  const std::string text = found.attribute().value();
+  std::size_t p = 0;
+  if (parse_finite(next_word(text, p)).value_or(0.0) <= 0.0)
+    refuse(file.path, "declares a unit of " + shown(text) + " m, which is no length above 0",
+           "correct <unit meter=...> in it");
+}
+
+/// The words of a list, `stride` of them a corner; the first corner's come again at the end.
+std::string closed_path(std::string_view text, std::uint64_t stride) {
+  std::string first, all;
+  std::uint64_t words = 0;
+  for (std::size_t p = 0; p < text.size();) {
+    const std::string word(next_word(text, p));
+    if (word.empty())
+      break;
+    if (words++ < stride)
+      first += word + " ";
+    all += word + " ";
+  }
+  return all + first;
+}
+
+/// `<ph>`: an outline and its holes, each walked from the outline's first corner and back.
+void join_holes(const pugi::xml_document& doc) {
+  for (const auto& found : doc.select_nodes("//polygons/ph")) {
+    const pugi::xml_node with_holes = found.node();
+    pugi::xml_node polygons = with_holes.parent();
+    std::uint64_t stride = 1;
+    for (const pugi::xml_node& input : polygons.children("input")) {
+      stride = std::max<std::uint64_t>(stride, input.attribute("offset").as_uint() + 1);
+    }
+    const std::string_view outline = with_holes.child_value("p");
+    std::string path;
+    std::string start;
+    std::size_t p = 0;
+    for (std::uint64_t k = 0; k < stride; ++k)
+      start += std::string(next_word(outline, p)) + " ";
+    path = closed_path(outline, stride);
+    for (const pugi::xml_node& hole : with_holes.children("h")) {
+      path += closed_path(hole.child_value(), stride) + start;
+    }
+    polygons.insert_child_before("p", with_holes).text().set(path.c_str());
+    polygons.remove_child(with_holes);
+  }
+}
+
 }  // namespace
 
 void check_collada(MeshFile& file) {
@@ -61,10 +138,11 @@ void check_collada(MeshFile& file) {
   if (!parsed)
     refuse_truncated(file,
                      std::string("its XML does not hold together (") + parsed.description() + ")");
-  if (doc.select_node("//instance_controller"))
-    file.warnings.push_back("skinned or morphed parts are left out: export them as plain geometry");
+  check_unit(file, doc);
+  check_shape(file, doc);
+  join_holes(doc);
   pugi::xpath_node_set no_geometry = doc.select_nodes(
-      "//extra | //instance_controller | //instance_camera | //instance_light | //bind_material | "
+      "//extra | //instance_camera | //instance_light | //bind_material | "
       "/COLLADA/*[starts-with(name(), "
       "'library_') and name() != 'library_geometries' and name() != 'library_nodes' and name() != "
       "'library_visual_scenes']");

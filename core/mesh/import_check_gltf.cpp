@@ -1,6 +1,7 @@
 /// glTF: positions and indices have the form that assimp takes them for, and lie where they are
 /// said to; no node is there twice; and how many faces there are, for assimp leaves out those whose
 /// indices do not fit.
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <stdexcept>
@@ -65,11 +66,102 @@ std::uint64_t faces(const Json& doc, const Json& primitive) {
   return mode < 4 ? 0 : mode == 4 ? corners / 3 : corners < 3 ? 0 : corners - 2;
 }
 
+/// Extensions that a file may require although they are not read: light, colour, texture, text.
+/// They leave the shape as it is.
+bool leaves_shape(std::string_view extension) {
+  for (const std::string_view start : {"KHR_materials_", "KHR_texture_", "EXT_texture_",
+                                       "KHR_lights_", "EXT_lights_", "KHR_xmp"}) {
+    if (extension.starts_with(start))
+      return true;
+  }
+  return false;
+}
+
+[[noreturn]] void refuse_shape(const MeshFile& file, const std::string& reason) {
+  refuse(file.path, reason + ", which is not read and changes its shape",
+         "export plain meshes, with all modifiers applied");
+}
+
+/// Whether a weight is not 0, so that a morph target moves vertices.
+bool morphs(const Json& of) {
+  const Json weights = of.value("weights", Json::array());
+  return std::ranges::any_of(weights,
+                             [](const Json& weight) { return weight.get<double>() != 0.0; });
+}
+
+/// What would place vertices elsewhere than the nodes' transforms do.
+void check_shape(const MeshFile& file, const Json& doc) {
+  for (const Json& extension : doc.value("extensionsRequired", Json::array())) {
+    const auto name = extension.get<std::string>();
+    if (!leaves_shape(name))
+      refuse_shape(file, "requires the extension '" + printable(name.substr(0, 60)) + "'");
+  }
+  const Json nodes = doc.value("nodes", Json::array()), meshes = doc.value("meshes", Json::array());
+  for (std::size_t n = 0; n < nodes.size(); ++n) {
+    const std::string name = "its node " + std::to_string(n);
+    const Json extensions = nodes[n].value("extensions", Json::object());
+    for (const char* places : {"EXT_mesh_gpu_instancing", "KHR_node_visibility"}) {
+      if (extensions.contains(places))
+        refuse_shape(file, name + " uses the extension '" + places + "'");
+    }
+    if (nodes[n].contains("skin") && nodes[n].contains("mesh"))
+      refuse_shape(file, name + " has a skin");
+    if (nodes[n].contains("mesh") && morphs(nodes[n]))
+      refuse_shape(file, name + " has weights of morph targets");
+  }
+  for (std::size_t m = 0; m < meshes.size(); ++m) {
+    if (morphs(meshes[m]))
+      refuse_shape(file, "its mesh " + std::to_string(m) + " has weights of morph targets");
+  }
+}
+
+/// The JSON in the place of the file's own.
+void put_json(MeshFile& file, const Json& doc) {
+  std::string text = doc.dump();
+  if (file.extension == "glb") {
+    const std::size_t behind = 20 + json_chunk(file).size();
+    text.resize((text.size() + 3) / 4 * 4, ' ');
+    const std::string rest = file.bytes.substr(std::min(behind, file.bytes.size()));
+    const auto word = [](std::size_t value) {
+      std::string four;
+      for (int k = 0; k < 4; ++k)
+        four += static_cast<char>(value >> (8 * k) & 0xff);
+      return four;
+    };
+    text = file.bytes.substr(0, 8) + word(20 + text.size() + rest.size()) + word(text.size()) +
+           file.bytes.substr(16, 4) + text + rest;
+  }
+  file.bytes = std::move(text);
+}
+
+/// A file need not say which nodes are shown. Then those that hang from no other are, with all
+/// below them.
+void add_scene(MeshFile& file, Json& doc, const std::set<Json>& children) {
+  if (!doc.value("scenes", Json::array()).empty())
+    return;
+  const std::size_t nodes = doc.value("nodes", Json::array()).size();
+  const std::size_t meshes = doc.value("meshes", Json::array()).size();
+  Json roots = Json::array();
+  for (std::size_t n = 0; n < nodes; ++n) {
+    if (!children.contains(Json(n)))
+      roots.push_back(n);
+  }
+  if (roots.empty()) {
+    for (std::size_t m = 0; m < meshes; ++m) {
+      doc["nodes"].push_back({{"mesh", m}});
+      roots.push_back(m);
+    }
+  }
+  doc["scenes"] = Json::array({{{"nodes", roots}}});
+  doc["scene"] = 0;
+  put_json(file, doc);
+  file.warnings.push_back("it names no scene: all its nodes are read");
+}
+
 }  // namespace
 
 void check_gltf(MeshFile& file) {
-  const Json doc =
-      Json::parse(file.extension == "glb" ? json_chunk(file) : file.bytes, nullptr, false);
+  Json doc = Json::parse(file.extension == "glb" ? json_chunk(file) : file.bytes, nullptr, false);
   if (doc.is_discarded())
     refuse_truncated(file, "its JSON does not end or is none");
   if (!doc.at("asset").at("version").get<std::string>().starts_with("2."))
@@ -81,11 +173,13 @@ void check_gltf(MeshFile& file) {
         throw std::runtime_error("a node hangs from two others");
     }
   }
+  check_shape(file, doc);
   file.faces = 0;
   for (const Json& mesh : doc.value("meshes", Json::array())) {
     for (const Json& primitive : mesh.at("primitives"))
       *file.faces += faces(doc, primitive);
   }
+  add_scene(file, doc, children);
 }
 
 }  // namespace voxtouch::mesh::import

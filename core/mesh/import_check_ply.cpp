@@ -1,5 +1,8 @@
 /// PLY: the header's promises against the bytes behind it. assimp makes up faces where rows are
-/// missing, and moves the columns where it leaves out a property whose type it does not know.
+/// missing, and moves the columns where it leaves out a property whose type it does not know. Of
+/// surfaces it reads polygons alone: strips lose most triangles.
+#include <algorithm>
+
 #include "core/mesh/import_check.hpp"
 
 namespace voxtouch::mesh::import {
@@ -98,7 +101,20 @@ bool next_number(const MeshFile& file, const Header& header, std::size_t size, s
 void check_ply(const MeshFile& file) {
   const Header header = read_header(file);
   std::size_t at = header.end;
+  std::size_t surfaces = 0;
   for (const Element& e : header.elements) {
+    const bool lists =
+        std::ranges::any_of(e.properties, [](const Property& p) { return p.length_bytes > 0; });
+    if (lists && e.name != "face" && e.names.find(" vertex_ind") != std::string::npos &&
+        e.count > 0) {
+      refuse(file.path,
+             "its surface is stored as '" + printable(e.name.substr(0, 40)) +
+                 "', and only elements 'face' are read",
+             "export it as polygons or triangles");
+    }
+    surfaces += e.name == "face";
+    if (surfaces > 1)
+      refuse_header(file, "the element 'face' twice, and only one is read");
     for (const char* axis : {" x ", " y ", " z "}) {  // assimp takes what is missing for zero
       if (e.name == "vertex" && e.names.find(axis) == std::string::npos)
         refuse_header(file, "a vertex without its x, y or z");

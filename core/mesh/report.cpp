@@ -4,6 +4,10 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <numeric>
 #include <string_view>
 
 #include "core/mesh/topology.hpp"
@@ -79,6 +83,69 @@ void count_edges(const std::vector<Side>& sides, MeshReport& report) {
     report.non_manifold_edges.add(t);
 }
 
+/// A piece of a mesh that hangs together.
+struct Part {
+  std::uint32_t lowest = 0;  ///< triangle
+  Eigen::AlignedBox3d box;
+  std::vector<std::uint32_t> triangles;
+};
+
+/// How often the part winds round a point (Van Oosterom and Strackee 1983): 1 inside, 0 outside.
+double winding_number(const TriangleMesh& mesh, const Part& part, const Vec3& x) {
+  double sum = 0.0;
+  for (const std::uint32_t t : part.triangles) {
+    const Vec3 a = mesh.corner(t, 0) - x, b = mesh.corner(t, 1) - x, c = mesh.corner(t, 2) - x;
+    const double la = a.norm(), lb = b.norm(), lc = c.norm();
+    const double below = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
+    sum += std::atan2(a.dot(b.cross(c)), below);
+  }
+  return sum / (2.0 * std::numbers::pi);
+}
+
+/// Whether corners of `inner`, spread over it, all lie where the parts round it have their solid.
+bool lies_in_solid(const TriangleMesh& mesh, const Part& inner,
+                   const std::vector<const Part*>& round) {
+  constexpr std::size_t kCorners = 8;
+  const std::size_t step = std::max(inner.triangles.size() / kCorners, std::size_t{1});
+  for (std::size_t k = 0; k < inner.triangles.size(); k += step) {
+    double winding = 0.0;
+    for (const Part* part : round)
+      winding += winding_number(mesh, *part, mesh.corner(inner.triangles[k], 0));
+    if (std::abs(winding) < 0.5)
+      return false;
+  }
+  return true;
+}
+
+/// `parts`: all of a closed mesh; `volume`: of each, above 0 where it faces outward.
+void find_nested(const TriangleMesh& mesh, const std::vector<Part>& parts,
+                 const std::vector<double>& volume, MeshReport& report) {
+  std::vector<std::size_t> order(parts.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, std::greater(),
+                           [&](std::size_t p) { return parts[p].box.volume(); });
+  std::vector<std::uint32_t> nested;
+  std::int64_t steps = 300'000'000;  // boxes compared, and 100 for each angle: about a second
+  for (std::size_t k = 1; k < order.size() && steps > 0; ++k) {
+    const Part& inner = parts[order[k]];
+    if (volume[order[k]] <= 0.0)
+      continue;
+    std::vector<const Part*> round;
+    for (std::size_t outer = 0; outer < k; ++outer) {
+      if (parts[order[outer]].box.contains(inner.box))
+        round.push_back(&parts[order[outer]]);
+    }
+    for (const Part* part : round)
+      steps -= 800 * static_cast<std::int64_t>(part->triangles.size());
+    steps -= static_cast<std::int64_t>(k);
+    if (!round.empty() && lies_in_solid(mesh, inner, round))
+      nested.push_back(inner.lowest);
+  }
+  std::ranges::sort(nested);
+  for (const std::uint32_t t : nested)
+    report.nested_parts.add(t);
+}
+
 void judge_orientation(const TriangleMesh& mesh, const std::vector<Side>& sides,
                        const std::vector<std::uint32_t>& sound, MeshReport& report) {
   const Orientation o = orientation_of(sides, sound, mesh.triangles.size());
@@ -106,6 +173,17 @@ void judge_orientation(const TriangleMesh& mesh, const std::vector<Side>& sides,
     if (part_volume[p] < 0.0)
       report.inward_parts.add(lowest[p]);
   }
+  if (o.parts < 2)
+    return;
+  std::vector<Part> parts(o.parts);
+  for (std::size_t k = 0; k < sound.size(); ++k) {
+    Part& part = parts[o.part[k]];
+    part.lowest = lowest[o.part[k]];
+    part.triangles.push_back(sound[k]);
+    for (int corner = 0; corner < 3; ++corner)
+      part.box.extend(mesh.corner(sound[k], corner));
+  }
+  find_nested(mesh, parts, part_volume, report);
 }
 
 /// "12 open edges (at triangles 3, 4, 7, 8, 9, ...)"
@@ -169,6 +247,9 @@ std::vector<std::string> MeshReport::sentences() const {
                              "round as the tool passes");
   say(inward_parts, "closed part faces inward", "closed parts face inward", "beginning at triangle",
       ": right for a cavity inside another part; a part of its own is felt as if turned round");
+  say(nested_parts, "closed part lies inside another and faces outward as it does",
+      "closed parts lie inside another and face outward as it does", "beginning at triangle",
+      ": the space in it is solid; if it was meant as a cavity, turn its triangles round");
   if (!orientable)
     all.push_back(
         "the surface has one side only (a band with a twist): its normals turn round somewhere, "

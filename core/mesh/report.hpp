@@ -40,6 +40,10 @@ struct MeshReport {
   Finding non_manifold_edges;  ///< the lowest triangle of each edge where more than two meet
   Finding inward_parts;  ///< lowest triangle of each closed part that faces inward, if others face
                          ///< outward
+  /// Lowest triangle of each closed part that lies in the solid of others and faces outward as they
+  /// do: a cavity that was meant would face inward. Sought with a bounded number of steps, largest
+  /// parts first.
+  Finding nested_parts;
   bool orientable = true;  ///< false: a part has only one side
   bool inverted =
       false;  ///< closed, and the signed volume is negative: the whole mesh faces inward

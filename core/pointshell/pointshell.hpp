@@ -6,11 +6,6 @@
 
 #include "core/types/geometry.hpp"
 
-namespace voxtouch {
-class ByteReader;
-class ByteWriter;
-}  // namespace voxtouch
-
 namespace voxtouch::pointshell {
 
 /// Structure of arrays in Morton order of the voxel that each point came from, so that neighbours
@@ -30,10 +25,5 @@ struct Pointshell {
   Vec3 point(std::size_t p) const { return {x[p], y[p], z[p]}; }
   Vec3 normal(std::size_t p) const { return {nx[p], ny[p], nz[p]}; }
 };
-
-/// All of a shell, and such a shell again, bit for bit; in stored.cpp. `take_shell` throws
-/// StoredBytesError for bytes that are no shell.
-void put(const Pointshell& shell, ByteWriter& out);
-Pointshell take_shell(ByteReader& in);
 
 }  // namespace voxtouch::pointshell

@@ -14,29 +14,40 @@ scene::MeshSpec without_primitives(scene::MeshSpec spec) {
 
 }  // namespace
 
-DynamicMesh::DynamicMesh(const scene::MeshSpec& spec) : body_(without_primitives(spec)) {}
+DynamicMesh::DynamicMesh(const scene::MeshSpec& spec) : body_(without_primitives(spec)) {
+  for (const Vec3& vertex : body_.mesh().vertices)
+    centre_ += vertex / static_cast<double>(body_.mesh().vertices.size());
+  for (const Vec3& vertex : body_.mesh().vertices)
+    radius_m_ = std::max(radius_m_, (vertex - centre_).norm());
+}
 
 GapResult DynamicMesh::gap(const std::vector<PosedMesh>& statics, const Pose& pose_WT) const {
-  GapResult best = against(statics.front(), pose_WT);
-  for (std::size_t i = 1; i < statics.size(); ++i) {
+  GapResult best;
+  double error = 0.0, buried = 0.0;
+  bool check = true;
+  std::size_t which = statics.size();
+  ask_near(statics, pose_WT, [&](std::size_t i) {
     GapResult other = against(statics[i], pose_WT);
-    const double error = std::max(best.self_error_m, other.self_error_m),
-                 buried = std::max(best.buried_m, other.buried_m);
-    const bool check = best.self_check && other.self_check;
-    if (other.gap_m < best.gap_m)
-      best = other;
-    best.self_error_m = error, best.self_check = check, best.buried_m = buried;
-  }
+    error = std::max(error, other.self_error_m), buried = std::max(buried, other.buried_m),
+    check = check && other.self_check;
+    const double gap_m = other.gap_m;
+    if (which == statics.size() || gap_m < best.gap_m || (gap_m == best.gap_m && i < which))
+      best = std::move(other), which = i;
+    return gap_m;
+  });
+  best.self_error_m = error, best.self_check = check, best.buried_m = buried;
   return best;
 }
 
 double DynamicMesh::apart_m(const std::vector<PosedMesh>& statics, const Pose& pose_WT) const {
   double least = std::numeric_limits<double>::infinity();
-  for (const PosedMesh& object : statics)
-    least = std::min(least,
-                     object.distance()
-                         .to(body_.distance(), object.pose().inverse() * (pose_WT * body_.pose()))
-                         .distance_m);
+  ask_near(statics, pose_WT, [&](std::size_t i) {
+    const PosedMesh& object = statics[i];
+    return least = std::min(
+               least, object.distance()
+                          .to(body_.distance(), object.pose().inverse() * (pose_WT * body_.pose()))
+                          .distance_m);
+  });
   return least;
 }
 

@@ -25,7 +25,15 @@ class DynamicMesh {
   bool one_swallows_other(const PosedMesh& object, const Pose& pose_OM) const;
   GapResult overlap(const PosedMesh& object, const Pose& pose_WM, double surfaces_apart_m) const;
 
-  PosedMesh body_;  ///< with the mesh's pose in T
+  /// Calls `ask(index)` for the objects that may be nearest: see ask_nearest_first.
+  template <class Ask>
+  void ask_near(const std::vector<PosedMesh>& statics, const Pose& pose_WT, Ask ask) const {
+    ask_nearest_first(statics, pose_WT * (body_.pose() * centre_), radius_m_, ask);
+  }
+
+  PosedMesh body_;              ///< with the mesh's pose in T
+  Vec3 centre_ = Vec3::Zero();  ///< of a ball that holds it, in the mesh's frame
+  double radius_m_ = 0.0;
 };
 
 }  // namespace voxtouch::reference

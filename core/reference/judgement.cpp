@@ -101,6 +101,9 @@ void Judge::count(const Judgement& judgement) noexcept {
   ++counts_.checked;
   if (judgement.decided)
     ++counts_.decided;
+  if (judgement.decided || !std::isnan(judgement.depth_error_m) ||
+      !std::isnan(judgement.direction_error_rad))
+    ++counts_.compared;
   if (judgement.verdict == Verdict::kAgree)
     ++counts_.agree;
   if (judgement.verdict == Verdict::kInBand)
@@ -164,19 +167,16 @@ std::string Judge::hits_breach(const GapResult& gap, const ReportedContact& repo
           report.wrench.force.norm());
     return "";
   }
-  // A point that was left out is no deeper than this beyond one that was asked.
-  const double must_collide_m = buried_limit_m() + report.left_out_depth_m;
-  if (gap.buried_m > must_collide_m) {
+  if (gap.buried_m > buried_limit_m()) {
     out.decided = true;
     if (report.surface_hits == 0 && report.interior_hits == 0)
       return fmt::format(
           "no hit, though the tool is buried by {:.3g} mm (must collide from {:.3g} mm)",
-          mm(gap.buried_m), mm(must_collide_m));
+          mm(gap.buried_m), mm(buried_limit_m()));
   }
   const double cap_limit =
       kCapSlack * settings_.edge_m + settings_.chord_error_m + settings_.shell_offset_m;
   const bool cap_contains_a_point =
-      report.left_out_depth_m == 0.0 &&
       settings_.shell_gap_m <= kDiagonal * settings_.edge_m * (1 + 1e-9);
   if (report.surface_hits == 0 && report.interior_hits == 0 && cap_contains_a_point &&
       gap.cap_buried_m > cap_limit)
@@ -206,19 +206,21 @@ std::string Judge::force_breach(const ReportedContact& report) const {
 
 std::string Judge::depth_breach(const GapResult& gap, const ReportedContact& report,
                                 Judgement& out) const {
-  if (!gap.depth_exact || report.retained || gap.gap_m > free_limit_m())
+  const bool at_least =
+      gap.method == GapMethod::kVertexDepth;  // a mesh is at least as deep as its vertices
+  if (!(gap.depth_exact || at_least) || report.retained || gap.gap_m > free_limit_m())
     return "";
-  const double e = settings_.edge_m, g = settings_.shell_gap_m + report.left_out_depth_m,
-               radius = gap.sphere_radius_m;
+  const double e = settings_.edge_m, g = settings_.shell_gap_m, radius = gap.sphere_radius_m;
   const double sag = radius > 0 ? std::min(g, g * g / (2.0 * radius)) : g;
   const double layer = 0.5 * e * (gap.direction.isZero() ? kDiagonal : gap.direction.lpNorm<1>());
   const double tolerance = std::max(kDepthTolerance * e, layer + sag) + settings_.chord_error_m +
                            settings_.shell_offset_m;
-  const double depth = std::max(0.0, -gap.gap_m), error = report.deepest_depth_m - depth;
+  const double depth = at_least ? gap.buried_m : std::max(0.0, -gap.gap_m),
+               error = report.deepest_depth_m - depth;
   const bool saturated = report.interior_hits > 0;
   if (!saturated || error > 0)
     out.depth_error_m = error;
-  if (error > tolerance || (error < -tolerance && !saturated))
+  if ((error > tolerance && !at_least) || (error < -tolerance && !saturated))
     return fmt::format(
         "reported depth {:.3g} mm, reference {:.3g} mm: {:.3g} mm apart, more than {:.3g} mm",
         mm(report.deepest_depth_m), mm(depth), mm(std::abs(error)), mm(tolerance));
@@ -240,8 +242,7 @@ std::string Judge::direction_breach(const GapResult& gap, const ReportedContact&
           std::fmax(out.direction_error_rad, angle_between(reported, gap.direction));
   const double from_depth = kDirectionFromDepth * e + settings_.shell_offset_m;
   const bool to_angle = -gap.gap_m >= from_depth && report.surface_hits >= kDirectionFromHits &&
-                        report.interior_hits == 0 && !report.retained &&
-                        report.left_out_depth_m == 0.0;
+                        report.interior_hits == 0 && !report.retained;
   const double limit = to_angle ? kDirectionTolerance : kWrongSide;
   if (!(out.direction_error_rad > limit))
     return "";

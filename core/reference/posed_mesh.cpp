@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <numeric>
 
 #include "core/reference/chord_error.hpp"
@@ -41,8 +42,20 @@ PosedMesh::PosedMesh(const scene::MeshSpec& spec)
       distance_(mesh_),
       primitives_(spec.primitives),
       one_of_each_part_(corner_of_each_part(mesh_)) {
+  box_min_ = box_max_ = mesh_.vertices.front();
+  for (const Vec3& vertex : mesh_.vertices)
+    box_min_ = box_min_.cwiseMin(vertex), box_max_ = box_max_.cwiseMax(vertex);
   if (!primitives_.empty())
     chord_error_m_ = chord_error(mesh_, distance_, primitives_).value_m();
+}
+
+double PosedMesh::at_least_m(const Vec3& x, double reach_m) const noexcept {
+  const Vec3 local = pose_.inverse() * x;
+  const double apart_m = (local - local.cwiseMax(box_min_).cwiseMin(box_max_)).norm();
+  // Declared primitives may stand out of the mesh; the rest is rounding.
+  const double bound_m =
+      apart_m - reach_m - kChordSlack * chord_error_m_ - 1e-9 * (1.0 + local.norm());
+  return bound_m > 0.0 ? bound_m : -std::numeric_limits<double>::infinity();
 }
 
 bool PosedMesh::inside(const Vec3& x) const noexcept {

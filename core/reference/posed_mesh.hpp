@@ -1,6 +1,9 @@
 #pragma once
 /// One mesh of a scene, static or dynamic, with everything the reference can ask it. Lengths in
 /// metres, points in W (T for the dynamic one).
+#include <algorithm>
+#include <limits>
+#include <utility>
 #include <vector>
 
 #include "core/reference/closed_forms.hpp"
@@ -35,6 +38,10 @@ class PosedMesh {
   /// Whether `x` (W) lies inside the mesh; false for one that is not closed.
   bool inside(const Vec3& x) const noexcept;
 
+  /// A bound of its signed distance to a body within `reach_m` of `x` (W) [m], by its bounding box:
+  /// no distance is smaller; minus infinity where they may meet.
+  double at_least_m(const Vec3& x, double reach_m = 0.0) const noexcept;
+
   bool closed() const noexcept { return mesh_.closed; }
   /// How far the triangles may lie from the shape that they stand for [m].
   double chord_error_m() const noexcept { return chord_error_m_; }
@@ -56,6 +63,28 @@ class PosedMesh {
   std::vector<scene::Primitive> primitives_;
   std::vector<Vec3> one_of_each_part_;
   double chord_error_m_ = 0.0;
+  Vec3 box_min_, box_max_;  ///< of the mesh, in its own frame
 };
+
+/// Broad phase: calls `ask(index)`, which returns the least distance found so far, for the objects
+/// by ascending bound and ends where no other object can be nearer. Objects of equal distance are
+/// all asked. `x`, `reach_m`: as PosedMesh::at_least_m.
+template <class Ask>
+void ask_nearest_first(const std::vector<PosedMesh>& objects, const Vec3& x, double reach_m,
+                       Ask ask) {
+  if (objects.size() == 1)
+    return void(ask(std::size_t{0}));
+  std::vector<std::pair<double, std::size_t>> bounds;
+  bounds.reserve(objects.size());
+  for (std::size_t i = 0; i < objects.size(); ++i)
+    bounds.emplace_back(objects[i].at_least_m(x, reach_m), i);
+  std::sort(bounds.begin(), bounds.end());
+  double least_m = std::numeric_limits<double>::infinity();
+  for (const auto& [bound_m, i] : bounds) {
+    if (bound_m > least_m)
+      return;
+    least_m = std::min(least_m, ask(i));
+  }
+}
 
 }  // namespace voxtouch::reference

@@ -1,15 +1,27 @@
 #include "core/reference/reference_mesh.hpp"
 
-#include <assimp/postprocess.h>
+#include <assimp/DefaultIOSystem.h>
+#include <assimp/MemoryIOWrapper.h>
+#include <assimp/config.h>
 #include <assimp/scene.h>
 
 #include <algorithm>
 #include <assimp/Importer.hpp>
+#include <cctype>
+#include <charconv>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <map>
+#include <memory>
+#include <optional>
 #include <set>
+#include <span>
 #include <stdexcept>
 #include <unordered_map>
+
+#include "core/reference/ear_clipping.hpp"
+#include "core/reference/plain_mesh_files.hpp"
 
 namespace voxtouch::reference {
 namespace {
@@ -25,6 +37,23 @@ Eigen::Affine3d transform_of(const aiMatrix4x4& m) {
   return out;
 }
 
+/// Numbers are vertices, as in `face`. Polygons are not cut by the reader that the voxmap is built
+/// from, nor by assimp.
+template <class PlaceOf>
+Triangles triangles_of(std::span<const std::uint32_t> face, const PlaceOf& place_of) {
+  if (face.size() == 3)
+    return {{face[0], face[1], face[2]}};
+  std::vector<Vec3> corners;
+  for (const std::uint32_t vertex : face)
+    corners.push_back(place_of(vertex));
+  Triangles triangles = clip_ears(corners);
+  for (auto& t : triangles) {
+    for (std::uint32_t& corner : t)
+      corner = face[corner];
+  }
+  return triangles;
+}
+
 void append(const aiMesh& mesh, const Eigen::Affine3d& to_file, double scale,
             std::vector<Vec3>& vertices, Triangles& triangles) {
   const auto first = static_cast<std::uint32_t>(vertices.size());
@@ -35,13 +64,19 @@ void append(const aiMesh& mesh, const Eigen::Affine3d& to_file, double scale,
   const bool mirrored = to_file.linear().determinant() < 0;  // a mirror turns triangles inside out
   for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
     const aiFace& face = mesh.mFaces[f];
-    if (face.mNumIndices != 3)
+    if (face.mNumIndices < 3)
       continue;  // lines and points have no inside and no surface
-    std::array<std::uint32_t, 3> t{first + face.mIndices[0], first + face.mIndices[1],
-                                   first + face.mIndices[2]};
-    if (mirrored)
-      std::swap(t[1], t[2]);
-    triangles.push_back(t);
+    const auto place_of = [&mesh](std::uint32_t v) {
+      return Vec3(mesh.mVertices[v].x, mesh.mVertices[v].y, mesh.mVertices[v].z);
+    };
+    for (std::array<std::uint32_t, 3> t :
+         triangles_of(std::span(face.mIndices, face.mNumIndices), place_of)) {
+      for (std::uint32_t& corner : t)
+        corner += first;
+      if (mirrored)
+        std::swap(t[1], t[2]);
+      triangles.push_back(t);
+    }
   }
 }
 
@@ -165,19 +200,103 @@ ReferenceMesh make_reference_mesh(const std::vector<Vec3>& vertices, const Trian
   return out;
 }
 
+namespace {
+
+/// The file, where it is an OBJ or an STL.
+std::optional<PlainFile> read_plain(const std::filesystem::path& path) {
+  std::string ending = path.extension().string();
+  for (char& c : ending)
+    c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (ending != ".obj" && ending != ".stl")
+    return std::nullopt;
+  std::ifstream in(path, std::ios::binary);
+  const std::string bytes(std::istreambuf_iterator<char>(in), {});
+  if (!in)
+    throw std::runtime_error("no such file, or no right to read it");
+  return ending == ".obj" ? read_obj(bytes) : read_stl(bytes);
+}
+
+/// Files as assimp is to see them: without a byte order mark, and found by a name in percent code.
+class FilesOfTheMesh : public Assimp::DefaultIOSystem {
+ public:
+  bool Exists(const char* name) const override {
+    return DefaultIOSystem::Exists(found(name).c_str());
+  }
+  Assimp::IOStream* Open(const char* name, const char* mode) override {
+    Assimp::IOStream* stream = DefaultIOSystem::Open(found(name).c_str(), mode);
+    std::array<char, 3> start{};
+    const bool whole =
+        stream != nullptr && stream->Read(start.data(), 1, start.size()) == start.size();
+    const bool marked = whole && std::string_view(start.data(), start.size()) == "\xef\xbb\xbf";
+    if (stream != nullptr && !marked)
+      stream->Seek(0, aiOrigin_SET);
+    return marked ? rest_of(stream) : stream;
+  }
+
+ private:
+  static Assimp::IOStream* rest_of(Assimp::IOStream* stream) {
+    const std::unique_ptr<Assimp::IOStream> file(stream);
+    const std::size_t size = file->FileSize() - file->Tell();
+    auto bytes = std::make_unique<std::uint8_t[]>(size);
+    file->Read(bytes.get(), 1, size);
+    constexpr bool kOwned = true;
+    return new Assimp::MemoryIOStream(bytes.release(), size, kOwned);
+  }
+  static std::string found(const std::string& name) {
+    const std::filesystem::path path(name);
+    const std::string plain = (path.parent_path() / decoded(path.filename().string())).string();
+    return !std::filesystem::exists(path) && std::filesystem::exists(plain) ? plain : name;
+  }
+  static std::string decoded(std::string name) {
+    for (std::size_t at = 0; (at = name.find('%', at)) != std::string::npos; ++at) {
+      unsigned char character = 0;
+      const char* digits = name.c_str() + at + 1;
+      if (name.size() < at + 3 ||
+          std::from_chars(digits, digits + 2, character, 16).ptr != digits + 2)
+        continue;
+      name.replace(at, 3, 1, static_cast<char>(character));
+    }
+    return name;
+  }
+};
+
+void read_by_assimp(const std::string& name, double scale, std::vector<Vec3>& vertices,
+                    Triangles& triangles) {
+  Assimp::Importer importer;
+  importer.SetIOHandler(new FilesOfTheMesh);  // the importer owns it
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION,
+                           true);  // axes stay as the file has them
+  const aiScene* scene = importer.ReadFile(name, 0);
+  if (scene == nullptr || scene->mRootNode == nullptr)
+    throw std::runtime_error(importer.GetErrorString());
+  walk(*scene, *scene->mRootNode, Eigen::Affine3d::Identity(), scale, vertices, triangles);
+}
+
+}  // namespace
+
 ReferenceMesh read_reference_mesh(const scene::MeshSpec& spec) {
   const std::string name = spec.path.string();
   if (!(spec.scale > 0) || !std::isfinite(spec.scale))
     throw std::runtime_error(name + ": scale " + std::to_string(spec.scale) +
                              " is not a positive number; correct the scene");
-  Assimp::Importer importer;
-  const aiScene* scene = importer.ReadFile(name, aiProcess_Triangulate);
-  if (scene == nullptr || scene->mRootNode == nullptr)
-    throw std::runtime_error(name + ": the mesh cannot be read (" + importer.GetErrorString() +
-                             "); check path and format");
   std::vector<Vec3> vertices;
   Triangles triangles;
-  walk(*scene, *scene->mRootNode, Eigen::Affine3d::Identity(), spec.scale, vertices, triangles);
+  try {
+    if (const auto plain = read_plain(spec.path)) {
+      for (const Vec3& v : plain->vertices)
+        vertices.push_back(spec.scale * v);
+      for (const auto& face : plain->faces) {
+        const Triangles cut =
+            triangles_of(face, [&](std::uint32_t v) { return plain->vertices[v]; });
+        triangles.insert(triangles.end(), cut.begin(), cut.end());
+      }
+    } else {
+      read_by_assimp(name, spec.scale, vertices, triangles);
+    }
+  } catch (const std::runtime_error& fault) {
+    throw std::runtime_error(name + ": the mesh cannot be read (" + fault.what() +
+                             "); check path and format");
+  }
   return make_reference_mesh(vertices, triangles, name);
 }
 

@@ -28,20 +28,31 @@ struct Union {
   const std::vector<PosedMesh>& objects;
 
   SignedPoint mesh_signed_distance(const Vec3& x) const {
-    SignedPoint best = objects.front().mesh_signed_distance(x);
-    for (std::size_t i = 1; i < objects.size(); ++i)
-      if (const SignedPoint other = objects[i].mesh_signed_distance(x);
-          other.distance_m < best.distance_m)
-        best = other;
+    SignedPoint best;
+    least(
+        x, [&](std::size_t i) { return objects[i].mesh_signed_distance(x); },
+        [](const SignedPoint& one) { return one.distance_m; }, best);
     return best;
   }
   Vec3 nearest(const Vec3& x) const {
-    Vec3 best = objects.front().nearest(x);
-    for (std::size_t i = 1; i < objects.size(); ++i)
-      if (const Vec3 other = objects[i].nearest(x);
-          (x - other).squaredNorm() < (x - best).squaredNorm())
-        best = other;
+    Vec3 best = x;
+    least(
+        x, [&](std::size_t i) { return objects[i].nearest(x); },
+        [&](const Vec3& one) { return (x - one).norm(); }, best);
     return best;
+  }
+  /// The answer of the object with the least distance; of equal ones the first object's.
+  template <class Answer, class Ask, class Distance>
+  void least(const Vec3& x, Ask ask, Distance distance, Answer& best) const {
+    std::size_t which = objects.size();
+    double least_m = std::numeric_limits<double>::infinity();
+    ask_nearest_first(objects, x, 0.0, [&](std::size_t i) {
+      Answer answer = ask(i);
+      const double own_m = distance(answer);
+      if (which == objects.size() || own_m < least_m || (own_m == least_m && i < which))
+        best = std::move(answer), which = i, least_m = own_m;
+      return own_m;
+    });
   }
   /// Unit vector from the nearest surface point to `x`, reversed if `inside`.
   Vec3 direction(const Vec3& x, bool inside) const {
@@ -143,29 +154,32 @@ double ReferenceScene::apart_m(const Pose& pose_WT) const {
     return std::numeric_limits<double>::quiet_NaN();
   if (!p.sphere)
     return p.mesh->apart_m(p.statics, pose_WT);
-  double least = std::numeric_limits<double>::infinity();
-  for (const PosedMesh& object : p.statics)
-    least =
-        std::min(least, object.signed_distance(pose_WT * p.sphere->centre).signed_point.distance_m);
-  return least - p.sphere->radius_m;
+  const Vec3 centre = pose_WT * p.sphere->centre;
+  PosedMesh::Answer best;
+  Union{p.statics}.least(
+      centre, [&](std::size_t i) { return p.statics[i].signed_distance(centre); },
+      [](const PosedMesh::Answer& one) { return one.signed_point.distance_m; }, best);
+  return best.signed_point.distance_m - p.sphere->radius_m;
 }
 
 GapResult ReferenceScene::Parts::sphere_gap(const Vec3& centre) const {
   GapResult gap;
   gap.sphere_radius_m = sphere->radius_m;
   gap.self_error_m = 0.0;
-  std::optional<PosedMesh::Answer> best;
-  for (const PosedMesh& object : statics) {
-    const PosedMesh::Answer answer = object.signed_distance(centre);
-    gap.self_error_m = std::max(gap.self_error_m, answer.check_error_m);
-    if (!best || answer.signed_point.distance_m < best->signed_point.distance_m)
-      best = answer;
-  }
+  PosedMesh::Answer best;
+  Union{statics}.least(
+      centre,
+      [&](std::size_t i) {
+        PosedMesh::Answer answer = statics[i].signed_distance(centre);
+        gap.self_error_m = std::max(gap.self_error_m, answer.check_error_m);
+        return answer;
+      },
+      [](const PosedMesh::Answer& one) { return one.signed_point.distance_m; }, best);
   gap.self_check = gap.self_error_m <= 0.0;
-  gap.method = best->closed_form ? GapMethod::kClosedForm : GapMethod::kSphereMesh;
-  gap.gap_m = best->signed_point.distance_m - sphere->radius_m;
-  gap.nearest_static = best->signed_point.nearest;
-  add_depth(best->signed_point, centre, gap);
+  gap.method = best.closed_form ? GapMethod::kClosedForm : GapMethod::kSphereMesh;
+  gap.gap_m = best.signed_point.distance_m - sphere->radius_m;
+  gap.nearest_static = best.signed_point.nearest;
+  add_depth(best.signed_point, centre, gap);
   return gap;
 }
 

@@ -9,23 +9,19 @@
 
 namespace voxtouch::reference {
 
-/// Reads the scene's mesh files itself. Queries are const, hold no state between calls and may run
-/// at once (but for move_to); they allocate and are not for the 1 kHz loop.
+/// Reads the scene's mesh files itself. Queries are const and may run at once (but for move_to);
+/// they allocate. Not for the loop.
 ///
-/// Dynamic object a declared sphere: s = signed distance of its centre - radius. The distance is
-/// the declared primitives' closed form, checked against FCL's distance to the mesh; without
-/// primitives it is FCL's, found in two ways, with the sign by the winding number. `unique_face`:
-/// the push directions met when the centre is moved to the rim of the contact patch (and off the
-/// face, which finds an opposite wall) average to the direction in its middle to within 5 degrees.
-/// That holds on planes and on round things, and fails where the patch hangs over an edge or
-/// reaches a second wall; there a mean of normals has no one true direction to agree with.
+/// A declared sphere: s = signed distance of its centre - radius, by the closed form of declared
+/// primitives, checked against FCL's distance to the mesh; without primitives by FCL in two ways,
+/// signs by winding number. `unique_face`: the push directions at the rim of the contact patch (and
+/// off the face, which finds an opposite wall) average to that of its middle within 5 degrees.
 ///
-/// Any other dynamic object: FCL's mesh-mesh distance while apart (and neither inside the other);
-/// once they overlap, the depth of the deepest corner of the dynamic mesh, a lower bound
-/// (`depth_exact` false). FCL's mesh-mesh penetration depths and normals are not used: they are
-/// those of single triangle pairs. `unique_face` stays false.
+/// Any other dynamic object: FCL's mesh-mesh distance while apart; in overlap the depth of its
+/// deepest corner, a lower bound (`depth_exact` and `unique_face` false). FCL's penetration depths
+/// are not used: they are those of single pairs of triangles.
 ///
-/// Several static meshes count as their union: the nearest one answers.
+/// Several static meshes count as their union.
 class ReferenceScene {
  public:
   /// Throws std::runtime_error naming the file if a mesh cannot be read, or if the scene has no
@@ -41,9 +37,8 @@ class ReferenceScene {
   /// The gap with the tool at `pose_WT`. A pose that is not finite gives method kNone.
   GapResult gap(const Pose& pose_WT) const;
 
-  /// Distance between the surfaces of tool and static objects [m], not above 0 where they meet:
-  /// what a gap begins with, for those who move step by step from where a gap has said that the
-  /// tool is outside. Nothing is checked in a second way.
+  /// Distance between the surfaces of tool and static objects [m], not above 0 where they meet.
+  /// Without the cross-check of `gap`.
   double apart_m(const Pose& pose_WT) const;
 
   /// Largest difference between declared primitives and meshes that a gap may carry: the dynamic

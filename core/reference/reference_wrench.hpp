@@ -17,19 +17,6 @@ struct TrueWrench {
   std::uint64_t samples = 0;    ///< signed distances asked for
 };
 
-enum class WrenchWay : std::uint8_t {
-  /// Split where the depth bends (depth_integral.hpp), signed distances by the nearest feature
-  /// (signed_surface.hpp).
-  kWhereDepthBends,
-  /// Split until triangles are smaller than the resolution inside (edge midpoints: exact for depths
-  /// linear in place, and for their torque)
-  /// and than a quarter of it where they cross the surface; signed distances by FCL, signs by the
-  /// winding number. Many
-  /// times slower, and it shares nothing but the reading of meshes with the first: what that is
-  /// tested by.
-  kSampledEverywhere,
-};
-
 /// The penalty law in the limit of ever finer points,
 ///
 ///   F = k  integral over the tool's surface inside the static object of  depth(x) n(x) dA, torque
@@ -41,16 +28,16 @@ enum class WrenchWay : std::uint8_t {
 /// liquid), so it is conservative, and a sphere of radius R at depth h in a half space feels k pi
 /// h^2 (R - h / 3) along the normal.
 ///
-/// The integral runs over the tool's own triangles, in one of two ways (WrenchWay). A part of the
-/// tool whose centre is farther outside than it is wide is skipped: a distance changes by no more
-/// than the way. Queries are const and may run at once; they allocate.
+/// The integral runs over the tool's own triangles, split where the depth bends
+/// (depth_integral.hpp), with signed distances by the nearest feature (signed_surface.hpp). A part
+/// of the tool whose centre is farther outside than it is wide is skipped: a distance changes by no
+/// more than the way. Queries are const and may run at once; they allocate.
 class ReferenceWrench {
  public:
   /// Reads the scene's mesh files itself. Throws std::runtime_error naming the file if one cannot
   /// be read, if the scene has no static mesh, or if a static mesh is open: it has no inside to be
   /// in. Several static meshes count as their union.
-  ReferenceWrench(const scene::Scene& scene, double resolution_m,
-                  WrenchWay way = WrenchWay::kWhereDepthBends);
+  ReferenceWrench(const scene::Scene& scene, double resolution_m);
   ~ReferenceWrench();
 
   /// A pose that is not finite gives zeros.

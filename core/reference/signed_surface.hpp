@@ -9,12 +9,11 @@
 
 namespace voxtouch::reference {
 
-/// Triangles in a tree of boxes. The sign is that of the nearest feature: of the face's normal, or
-/// of the angle-weighted pseudonormal of the edge or vertex (Baerentzen and Aanaes 2005). That is
-/// right for a surface without borders that does not cross itself; whether this mesh is one is
-/// found out at construction: every edge has two triangles and every vertex one fan, no edge passes
-/// through another triangle, and beside the middles of faces (up to kTestedFaces of them, evenly
-/// chosen) the winding number says the same. Where it is not, the winding number gives all signs
+/// Triangles in a tree of boxes. The sign is that of the nearest feature: the face's normal, or the
+/// angle-weighted pseudonormal of edge or vertex (Baerentzen and Aanaes 2005). That needs a surface
+/// without borders that does not cross itself, which the constructor checks: two triangles at each
+/// edge, one fan at each vertex, no edge through another triangle, and agreement with the winding
+/// number beside the middles of up to kTestedFaces faces. Else the winding number gives all signs
 /// (InsideTest).
 class SignedSurface {
  public:

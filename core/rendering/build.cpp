@@ -6,8 +6,6 @@
 #include "core/rendering/built_parts.hpp"
 #include "core/rendering/contact_parameters.hpp"
 #include "core/rendering/contact_range.hpp"
-#include "core/rendering/time_budget.hpp"
-#include "core/types/stored_bytes.hpp"
 
 namespace voxtouch::rendering {
 namespace {
@@ -20,20 +18,19 @@ bool has_virtual_tool(const PartsRequest& request) noexcept {
 /// The force law of one object, with its own material; what all objects can show together is the
 /// sum of what each can.
 void add_contact_law(const PartsRequest& request, const pointshell::Pointshell& shell,
-                     const contact::FrameBudget& budget, StaticObject& object,
-                     BuildCounts& counts) {
+                     StaticObject& object, BuildCounts& counts) {
   const scene::Scene& scene = request.scene;
   const scene::ContactSpec& material =
       object.id == 0 ? scene.contact : scene.objects[object.id - 1].contact;
   const contact::ContactParameters parameters =
       contact_parameters(material, request.model, shell, request.choices.weights);
   object.renderer.emplace(object.voxmap, shell, request.model, parameters,
-                          object.field ? &*object.field : nullptr, budget);
+                          object.field ? &*object.field : nullptr);
   counts.shell_bytes += shell.size() * (8 * sizeof(double) + sizeof(std::uint32_t));
   if (has_virtual_tool(request))
     return;  // one spring for all objects
-  const StiffnessBounds contact = contact_stiffness(
-      shell, parameters, object.field ? object.field->steepest_gradient() : 1.0, budget.levels);
+  const StiffnessBounds contact =
+      contact_stiffness(shell, parameters, object.field ? object.field->steepest_gradient() : 1.0);
   const auto add = [](const coupling::design::ContactRange& one,
                       coupling::design::ContactRange& sum) {
     sum.one_point = std::max(sum.one_point, one.one_point);
@@ -41,47 +38,6 @@ void add_contact_law(const PartsRequest& request, const pointshell::Pointshell& 
   };
   add(contact.translation, counts.contact.translation),
       add(contact.rotation, counts.contact.rotation);
-}
-
-FrameWork work_of(const PartsRequest& request, const BuiltParts& parts) {
-  return {.model = request.model,
-          .virtual_tool = has_virtual_tool(request),
-          .objects = parts.objects.size(),
-          .shell_points = parts.shell.size(),
-          .edge_points = parts.counts.edge_points,
-          .tool_points = parts.counts.tool_points};
-}
-
-/// What the time budget comes to, where the forces are by penalty; puts the shell into levels where
-/// it may have to leave out points.
-contact::FrameBudget budget_of(const PartsRequest& request, BuiltParts& parts) {
-  const std::optional<double>& share = request.choices.share_of_points;
-  contact::FrameBudget budget;
-  if (has_virtual_tool(request) || (!request.scene.budget_us && !share) || parts.shell.size() == 0)
-    return budget;
-  budget.points =
-      share ? static_cast<std::uint32_t>(
-                  std::max(1.0, *share * static_cast<double>(parts.shell.size())))
-            : points_within(*request.scene.budget_us, request.scene, work_of(request, parts));
-  BuildCounts& counts = parts.counts;
-  counts.budget_points = budget.points;
-  if (parts.shell.size() <= budget.points)
-    return budget;
-  budget.levels = arrange_in_levels(parts.shell, contact::FrameBudget::coarsest_of(budget.points));
-  counts.level_points.assign(budget.levels.ends.begin(), budget.levels.ends.end());
-  counts.level_gap_m = budget.levels.covering_m;
-  counts.level_bytes = budget.levels.bytes() * parts.objects.size();
-  return budget;
-}
-
-/// Of a virtual tool: what its queries and steps may take together, as reckoned.
-contact::ToolWork tool_work(const PartsRequest& request, const BuiltParts& parts) {
-  if (!request.scene.budget_us)
-    return {};
-  return {.most = tool_ns_within(*request.scene.budget_us, request.scene, work_of(request, parts)),
-          .per_query = kNsPerFrame,
-          .per_point = kNsPerPoint + kNsPerFieldPoint,
-          .per_iteration = kNsPerIteration};
 }
 
 /// Each object's edges in the tool.
@@ -109,33 +65,6 @@ void add_virtual_tool(const PartsRequest& request, const contact::ContactRendere
   counts.virtual_tool_lever_m = lever;
 }
 
-/// What the store has, where it has it and it can be read.
-std::optional<BuiltParts> kept_parts(const PartsRequest& request, const std::string& recipe) {
-  const Kept kept = request.choices.store->find(recipe);
-  if (!kept.memory)
-    return std::nullopt;
-  try {
-    return parts_from(kept.content, request);
-  } catch (const StoredBytesError& error) {
-    request.choices.store->refuse(recipe, error.what());
-  }
-  return std::nullopt;
-}
-
-BuiltParts kept_or_built(const PartsRequest& request, const ParallelFor& parallel_for,
-                         const Progress& progress) {
-  SceneStore* const store = request.choices.store;
-  const std::string recipe = store != nullptr ? recipe_of(request, *store) : std::string();
-  if (recipe.empty())
-    return build_parts(request, parallel_for, progress);
-  if (std::optional<BuiltParts> kept = kept_parts(request, recipe))
-    return std::move(*kept);
-  BuiltParts parts = build_parts(request, parallel_for, progress);
-  if (expected_bytes(parts) <= store->most_bytes())
-    store->keep(recipe, stored(parts));
-  return parts;
-}
-
 }  // namespace
 
 BuiltScene::BuiltScene(std::unique_ptr<ToolBody> tool_body,
@@ -147,7 +76,7 @@ BuiltScene::BuiltScene(std::unique_ptr<ToolBody> tool_body,
       ground_(std::move(ground)),
       scene_(contacts_, std::move(effects),
              {ground_.proximity ? &*ground_.proximity : nullptr, ground_.tool.points, ground_.body,
-              ground_.virtual_tool_lever_m, ground_.virtual_tool_work}),
+              ground_.virtual_tool_lever_m, ground_.watch.get()}),
       plan_(std::move(plan)),
       largest_shell_gap_m_(largest_shell_gap_m) {}
 
@@ -158,17 +87,16 @@ std::unique_ptr<BuiltScene> build_scene(const scene::Scene& scene, const Paralle
     throw std::invalid_argument(scene.file.string() + ": there is no contact model '" +
                                 scene.contact.model + "'");
   const PartsRequest request{scene, choices, choices.model.value_or(kind)};
-  BuiltParts parts = kept_or_built(request, parallel_for, progress);
-  const contact::FrameBudget budget = budget_of(request, parts);
+  BuiltParts parts = build_parts(request, parallel_for, progress);
   for (auto& object : parts.objects)
-    add_contact_law(request, parts.shell, budget, *object, parts.counts);
+    add_contact_law(request, parts.shell, *object, parts.counts);
   add_edges(parts);
   EffectGround ground{.proximity = std::move(parts.proximity),
                       .tool = std::move(parts.tool_points),
                       .body = parts.body,
-                      .virtual_tool_lever_m = {},
-                      .virtual_tool_work = {}};
-  ground.virtual_tool_work = tool_work(request, parts);
+                      .watch = std::move(parts.watch),
+                      .virtual_tool_lever_m = {}};
+  parts.counts.tool_reach_m = parts.objects.front()->renderer->query().reach_m();
   add_virtual_tool(request, *parts.objects.front()->renderer, ground, parts.counts);
   return std::make_unique<BuiltScene>(std::move(parts.tool_body), std::move(parts.objects),
                                       scene.effects, std::move(ground),

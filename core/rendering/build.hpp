@@ -11,7 +11,6 @@
 #include "core/rendering/plan.hpp"
 #include "core/rendering/proximity_field.hpp"
 #include "core/rendering/scene_renderer.hpp"
-#include "core/rendering/scene_store.hpp"
 #include "core/scene/scene.hpp"
 #include "core/types/parallel.hpp"
 
@@ -22,8 +21,8 @@ struct EffectGround {
   std::optional<ProximityField> proximity;
   ToolPoints tool;
   std::optional<effects::BodyShape> body;      ///< of the dynamic object, where it moves by itself
+  std::unique_ptr<WallWatch> watch;            ///< where a virtual tool might pass a wall
   std::optional<double> virtual_tool_lever_m;  ///< where the scene has one; 0: the tool's reach
-  contact::ToolWork virtual_tool_work;         ///< that a frame of it may cost
 };
 
 /// Everything of one scene in memory. Stays where it is: the renderer points into it.
@@ -76,24 +75,17 @@ struct BuildChoices {
       {};  ///< std::invalid_argument where the model does not weigh so
   std::optional<double> shell_voxel_m =
       {};  ///< voxel edge that the pointshell is made with, instead of the scene's
-  /// Share of the shell's points that a frame may test of each object, instead of what the scene's
-  /// time budget comes to: to measure what a budget costs. Without a bound from below. Not for a
-  /// virtual tool.
-  std::optional<double> share_of_points = {};
   /// A field that tells depth down to here [voxels] instead of DistanceFieldOptions' own: the same
   /// bits to this depth for less time. For a tool that is known to go no deeper.
   std::optional<double> field_depth_voxels = {};
   mesh::TriangleReader read = mesh::read_triangles;  ///< programs give one that a broken file
                                                      ///< cannot take with it (nodes/mesh_import)
-  SceneStore* store = nullptr;  ///< where parts that were built before are found and new ones kept;
-                                ///< null: all is built
 };
 
-/// Reads the scene's meshes and builds what it calls for, and nothing else; what the store has is
-/// as if it were built, bit for bit. Throws MeshError, VoxelBudgetError and std::invalid_argument,
-/// each a sentence; the last also for forces of depth with `field` where no static mesh has an
-/// inside, and for effects that ask for distances where no static mesh is closed or for a lever
-/// that the tool is longer than.
+/// Reads the scene's meshes and builds what it calls for, and nothing else. Throws MeshError,
+/// VoxelBudgetError and std::invalid_argument, each a sentence; the last also for forces of depth
+/// with `field` where no static mesh has an inside, and for effects that ask for distances where no
+/// static mesh is closed or for a lever that the tool is longer than.
 std::unique_ptr<BuiltScene> build_scene(const scene::Scene& scene, const ParallelFor& parallel_for,
                                         const BuildChoices& choices = {},
                                         const Progress& progress = {});

@@ -7,10 +7,12 @@
 #include "core/pointshell/build_shell.hpp"
 #include "core/pointshell/edge_points.hpp"
 #include "core/rendering/built_parts.hpp"
+#include "core/rendering/one_solid.hpp"
 #include "core/scene/mesh_parts.hpp"
 #include "core/voxmap/closed_mesh.hpp"
 #include "core/voxmap/distance_thickness.hpp"
 #include "core/voxmap/object_grid.hpp"
+#include "core/voxmap/solid_surface.hpp"
 #include "core/voxmap/voxelise.hpp"
 
 namespace voxtouch::rendering {
@@ -212,6 +214,23 @@ void build_edges(const BuildContext& context, const mesh::ImportedMesh& moving, 
     object->edge_points = {};
 }
 
+/// Only where neither walls nor tool are thick enough that none can be passed.
+void build_watch(const BuildContext& context, const mesh::ImportedMesh& moving, BuiltParts& parts) {
+  const double edge = context.scene.voxel_size_m;
+  const bool thin =
+      parts.counts.thinnest_m < kHoldingWallVoxels * edge || !parts.counts.open_meshes.empty();
+  if (thin && !parts.walls.empty() && moving.report.closed) {
+    const voxmap::Grid grid = voxmap::default_grid(moving.mesh, edge);
+    const double tool_m =
+        voxmap::thinnest_wall(voxmap::ClosedMesh(moving.mesh, grid), grid, context.parallel_for)
+            .thickness_m;
+    if (tool_m < kHeldToolVoxels * edge)
+      parts.watch = std::make_unique<WallWatch>(std::move(parts.walls), parts.shell,
+                                                0.5 * std::min(tool_m, edge));
+  }
+  parts.walls = {};
+}
+
 /// What is made of the dynamic mesh.
 void build_tool(const BuildContext& context, BuiltParts& parts) {
   const scene::Scene& scene = context.scene;
@@ -231,8 +250,14 @@ void build_tool(const BuildContext& context, BuiltParts& parts) {
                     : pointshell::make_naive_shell(points, grid);
   context.counts.shell_points = parts.shell.size();
   build_edges(context, moving, parts);
+  build_watch(context, moving, parts);
   if (effects::needs_of(scene.effects).body)
     parts.body = body_shape(scene, moving.mesh);
+}
+
+/// The surface of what the mesh encloses, in W.
+mesh::TriangleMesh surface_of(const BuildContext& context, const mesh::TriangleMesh& mesh) {
+  return voxmap::solid_surface(mesh, voxmap::default_grid(mesh, context.scene.voxel_size_m));
 }
 
 /// The voxel grid of an object, written down for the plan.
@@ -242,17 +267,75 @@ voxmap::Grid place_grid(const BuildContext& context, std::uint32_t id, const std
   const Vec3 at_multiples = voxmap::default_grid(mesh, edge).origin;
   const std::optional<Vec3>& given =
       id == 0 ? context.scene.grid_origin : context.scene.objects[id - 1].grid_origin;
-  const voxmap::Grid grid = given ? voxmap::Grid{*given, edge} : voxmap::object_grid(mesh, edge);
+  const voxmap::Grid grid =
+      given ? voxmap::Grid{*given, edge} : voxmap::object_grid(surface_of(context, mesh), edge);
   context.counts.grids.push_back({name, grid.origin, at_multiples, given.has_value()});
   return grid;
 }
 
+/// Objects at rest that are one solid.
+struct Solid {
+  std::vector<std::size_t> members;  ///< their ids, ascending
+  ObjectMesh all;                    ///< of all members
+};
+
+/// Objects whose surfaces leave each other whole are none.
+std::vector<Solid> find_solids(const BuildContext& context, const std::vector<ObjectMesh>& fixed) {
+  std::vector<mesh::TriangleMesh> meshes;
+  std::vector<bool> rests;
+  for (std::size_t id = 0; id < fixed.size(); ++id) {
+    meshes.push_back(fixed[id].mesh);
+    rests.push_back(id == 0 || !context.scene.objects[id - 1].moves);
+  }
+  std::vector<Solid> solids;
+  for (std::vector<std::size_t>& members :
+       solids_of(meshes, rests, voxmap::kSeamVoxels * context.scene.voxel_size_m)) {
+    Solid solid{std::move(members), {}};
+    std::size_t triangles = 0, vertices = 0;  // of the members by themselves
+    for (const std::size_t id : solid.members) {
+      const std::size_t before = solid.all.mesh.triangles.size();
+      append(solid.all.mesh, fixed[id].mesh);
+      for (std::size_t n = 0; n < fixed[id].specs.size(); ++n) {
+        solid.all.specs.push_back(fixed[id].specs[n]);
+        solid.all.last_triangle.push_back(before + fixed[id].last_triangle[n]);
+      }
+      solid.all.open += fixed[id].open;
+      const mesh::TriangleMesh alone = surface_of(context, fixed[id].mesh);
+      triangles += alone.triangles.size(), vertices += alone.vertices.size();
+    }
+    const mesh::TriangleMesh together = surface_of(context, solid.all.mesh);
+    if (together.triangles.size() != triangles || together.vertices.size() != vertices)
+      solids.push_back(std::move(solid));
+  }
+  return solids;
+}
+
+/// The voxels of object `id` in `solid`, whose own are `all`: each voxel belongs to one object.
+voxmap::Voxmap voxels_in_solid(const BuildContext& context, std::uint32_t id,
+                               const std::vector<ObjectMesh>& fixed, const Solid& solid,
+                               const voxmap::Voxmap& all) {
+  const auto own = [&](std::size_t object) {
+    return voxmap::voxelise(fixed[object].mesh, all.grid(), context.parallel_for);
+  };
+  std::vector<voxmap::Voxmap> before;
+  for (const std::size_t member : solid.members)
+    if (member < id)
+      before.push_back(own(member));
+  std::vector<const voxmap::Voxmap*> others;
+  for (const voxmap::Voxmap& map : before)
+    others.push_back(&map);
+  return owned_part(all, own(id), others);
+}
+
 /// Voxmap, and what else the contact model looks up. Null for the ground where no mesh lies on it.
+/// `solid`: which the object is part of; null: none.
 std::unique_ptr<StaticObject> build_object(const BuildContext& context, std::uint32_t id,
-                                           const ObjectMesh& fixed) {
+                                           const std::vector<ObjectMesh>& objects,
+                                           const Solid* solid) {
   const scene::Scene& scene = context.scene;
-  if (fixed.specs.empty())
+  if (objects[id].specs.empty())
     return nullptr;
+  const ObjectMesh& fixed = solid != nullptr ? solid->all : objects[id];
   const std::string name = id == 0 ? "ground" : scene.objects[id - 1].name;
   context.step("voxmap of " + std::to_string(fixed.mesh.triangles.size()) + " triangles");
   const voxmap::Grid grid = place_grid(context, id, name, fixed.mesh);
@@ -266,19 +349,28 @@ std::unique_ptr<StaticObject> build_object(const BuildContext& context, std::uin
       .moves = id == 0 ? std::nullopt : scene.objects[id - 1].moves,
       .renderer = {},
       .edges = {}});
+  voxmap::Voxmap all;  // of the solid: what the distances are made with
+  if (solid != nullptr) {
+    all = std::move(object->voxmap);
+    object->voxmap = with_hints(context.counts,
+                                [&] { return voxels_in_solid(context, id, objects, *solid, all); });
+  }
   context.counts.surface_voxels += object->voxmap.surface_count();
   context.counts.interior_voxels += object->voxmap.interior_count();
   context.counts.voxmap_bytes += object->voxmap.bytes();
   if (context.model == contact::ContactModelKind::kField) {
     context.step("distance field");
-    object->field = build_field(context, fixed, object->voxmap, object->edge_points);
+    object->field =
+        build_field(context, fixed, solid != nullptr ? all : object->voxmap, object->edge_points);
+    if (solid != nullptr && id != solid->members.front())
+      object->edge_points = {};  // the first has those of all
   }
   return object;
 }
 
 /// What `needs` asks for round the ground; the shell's points are where the tool is looked at.
 void build_proximity(const BuildContext& context, const effects::EffectNeeds& needs,
-                     const ObjectMesh& fixed, BuiltParts& parts) {
+                     const ObjectMesh& fixed, bool in_solid, BuiltParts& parts) {
   const scene::Scene& scene = context.scene;
   BuildCounts& counts = context.counts;
   if (fixed.open == fixed.specs.size())
@@ -296,7 +388,11 @@ void build_proximity(const BuildContext& context, const effects::EffectNeeds& ne
                     "{:.4g} m from its origin. Say at least that.",
                     scene.file.string(), needs.lever_m, tool.reach_m));
   with_hints(counts, [&] {
-    parts.proximity.emplace(fixed.mesh, parts.objects.front()->voxmap, needs.proximity_m,
+    const voxmap::Voxmap& first = parts.objects.front()->voxmap;
+    const voxmap::Voxmap alone =
+        in_solid ? voxmap::voxelise(fixed.mesh, first.grid(), context.parallel_for)
+                 : voxmap::Voxmap();
+    parts.proximity.emplace(fixed.mesh, in_solid ? alone : first, needs.proximity_m,
                             needs.smoothing_m, context.parallel_for);
     return true;
   });
@@ -317,20 +413,30 @@ BuiltParts build_parts(const PartsRequest& request, const ParallelFor& parallel_
   BuiltParts parts;
   const BuildContext context{scene,    parallel_for,  request.choices,
                              progress, request.model, parts.counts};
-  ObjectMesh ground;  // the other meshes are not needed once their object is built
+  std::vector<ObjectMesh> fixed;
   for (std::uint32_t id = 0; id <= scene.objects.size(); ++id) {
     context.step(id == 0 ? "reading the static meshes"
                          : "reading the meshes of '" + scene.objects[id - 1].name + "'");
-    ObjectMesh fixed = import_object(context, id);
-    if (auto object = build_object(context, id, fixed))
+    fixed.push_back(import_object(context, id));
+  }
+  const std::vector<Solid> solids =
+      scene.objects.empty() ? std::vector<Solid>{} : find_solids(context, fixed);
+  const auto solid_with = [&](std::size_t id) -> const Solid* {
+    const auto found = std::ranges::find_if(solids, [&](const Solid& s) {
+      return std::ranges::find(s.members, id) != s.members.end();
+    });
+    return found == solids.end() ? nullptr : &*found;
+  };
+  for (std::uint32_t id = 0; id < fixed.size(); ++id) {
+    if (auto object = build_object(context, id, fixed, solid_with(id)))
       parts.objects.push_back(std::move(object));
-    if (id == 0 && needs.proximity_m > 0.0)
-      ground = std::move(fixed);
+    if (scene.virtual_tool() && (id == 0 || !scene.objects[id - 1].moves))
+      append(parts.walls, fixed[id].mesh);
   }
   parts.counts.objects = parts.objects.size();
   build_tool(context, parts);
   if (needs.proximity_m > 0.0)
-    build_proximity(context, needs, ground, parts);
+    build_proximity(context, needs, fixed.front(), solid_with(0) != nullptr, parts);
   return parts;
 }
 

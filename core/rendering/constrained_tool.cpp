@@ -9,15 +9,13 @@
 namespace voxtouch::rendering {
 namespace {
 
-contact::VirtualToolOptions options_of(const ObjectContacts& objects, double lever_m,
-                                       const contact::ToolWork& work) {
+contact::VirtualToolOptions options_of(const ObjectContacts& objects, double lever_m) {
   const contact::ContactQuery& query = objects.object(0).renderer->query();
   contact::VirtualToolOptions options{.points = query.shell().size(),
                                       .objects = objects.size(),
                                       .reach_m = query.reach_m(),
                                       .edge_m = query.voxmap().grid().edge,
-                                      .lever_m = lever_m,
-                                      .work = work};
+                                      .lever_m = lever_m};
   for (std::size_t n = 0; n < objects.size(); ++n) {
     options.edge_m = std::min(options.edge_m, objects.object(n).voxmap.grid().edge);
     if (const auto& edges = objects.object(n).edges)
@@ -49,10 +47,9 @@ contact::ContactResult contact_of(const contact::VirtualToolFrame& frame, double
 
 }  // namespace
 
-ConstrainedTool::ConstrainedTool(ObjectContacts& objects, double lever_m,
-                                 const contact::ToolWork& work)
+ConstrainedTool::ConstrainedTool(ObjectContacts& objects, double lever_m)
     : objects_(objects),
-      tool_(options_of(objects, lever_m, work)),
+      tool_(options_of(objects, lever_m)),
       results_(objects.size()) {
   for (std::size_t n = 0; n < objects.size(); ++n) {
     const StaticObject& object = objects.object(n);
@@ -89,16 +86,15 @@ void ConstrainedTool::put_objects(double time_s) noexcept {
 contact::ContactResult ConstrainedTool::render(const Pose& hand, double time_s, double dt_s,
                                                double friction, ToolFrame& out) noexcept {
   const bool was_placed = tool_.placed() && !fresh_;
-  if (!fresh_ && (hand.position - hand_.position).norm() > kJumpMPerS * dt_s)
-    tool_.reset();
   const Pose before = frame_.tool;
   put_objects(time_s);
+  if (hand_lost_ || (!fresh_ && (hand.position - hand_.position).norm() > kJumpMPerS * dt_s))
+    find_hand(hand);
   frame_ = tool_.frame({.pose = hand, .period_s = dt_s, .friction = friction}, grounds_);
   out = {.constrained = frame_.constrained,
          .lag = frame_.lag || frame_.moved_too_far,
          .unplaced = frame_.unplaced || frame_.pose_status != contact::PoseStatus::kUsable ||
                      (frame_.constrained && aim_n_per_m_ == 0.0),
-         .cut_short = frame_.cut_short,
          .residual_m = frame_.residual_m,
          .queries = static_cast<std::uint32_t>(std::max(frame_.queries, 0)),
          .iterations = static_cast<std::uint32_t>(std::max(frame_.iterations, 0))};
@@ -127,6 +123,18 @@ contact::ContactResult ConstrainedTool::render(const Pose& hand, double time_s, 
   felt_n_per_m_ = felt;
   tell_parts(felt_at_all ? felt : 0.0);
   return contact;
+}
+
+/// The hand came back at `hand`, perhaps behind a wall that the tool has not passed.
+void ConstrainedTool::find_hand(const Pose& hand) noexcept {
+  const Pose tool = frame_.tool;
+  hand_lost_ = false;
+  if (!tool_.placed())
+    return;
+  if (!tool_.place(hand, grounds_))
+    tool_.place(tool, grounds_);
+  spring_ = coupling::Ramp(0.0);
+  spring_.head_for(aim_n_per_m_, kSpringRampS);
 }
 
 double ConstrainedTool::depth_of_spring2() const noexcept {
@@ -164,7 +172,7 @@ void ConstrainedTool::reset() noexcept {
   twist_ = {};
   spring_ = coupling::Ramp(aim_n_per_m_);
   felt_n_per_m_ = power_w_ = stiffened_j_ = 0.0;
-  fresh_ = true;
+  fresh_ = true, hand_lost_ = false;
   for (contact::ContactResult& part : results_)
     part = {};
 }

@@ -15,15 +15,13 @@ struct ToolFrame {
   bool constrained = false;  ///< something holds it off the hand's pose
   bool lag = false;  ///< it has not come to its place within the frame, or an object moved so far
                      ///< that it may have passed it
-  bool unplaced = false;  ///< it has none: the hand has not been outside yet, or is where nothing
-                          ///< can be looked up; or no spring is known yet to pull it
-  bool cut_short =
-      false;  ///< the frame ended by its time budget before the tool had come to its place
-  double residual_m = 0.0;                    ///< way that its last step would still have gone
+  bool unplaced = false;    ///< it has none: the hand has not been outside yet, or is where nothing
+                            ///< can be looked up; or no spring is known yet to pull it
+  double residual_m = 0.0;  ///< way that its last step would still have gone
   std::uint32_t queries = 0, iterations = 0;  ///< of all steps
 };
 
-/// Faster than this [m/s] in W no hand goes: the pose has jumped, and the tool is placed anew.
+/// Faster than this [m/s] in W no hand goes: the pose has jumped (ConstrainedTool::lose_hand).
 inline constexpr double kJumpMPerS = 20.0;
 
 /// One thread at a time. The objects must outlive it.
@@ -33,7 +31,7 @@ class ConstrainedTool {
   static constexpr double kSpringRampS = 0.2;
 
   /// `lever_m` 0: the tool's reach. Every object must have its field.
-  ConstrainedTool(ObjectContacts& objects, double lever_m, const contact::ToolWork& work = {});
+  ConstrainedTool(ObjectContacts& objects, double lever_m);
 
   /// The stiffness of the spring [N/m] in W from the next frames on, on a straight line over
   /// kSpringRampS; at once after `reset`. One that is no number, or below zero, is 0. Real-time
@@ -60,6 +58,9 @@ class ConstrainedTool {
   /// Starts from `tool`, the virtual tool of a scene that this one takes the place of, where that
   /// is free here. Real-time safe.
   void start_from(const Pose& tool, double time_s) noexcept;
+  /// The hand may be anywhere in the next frame: where that is free the tool is placed there; else
+  /// it stays where it is. The force fades in over kSpringRampS. Real-time safe.
+  void lose_hand() noexcept { hand_lost_ = tool_.placed(); }
   /// There is no virtual tool any more, until the hand is outside. Real-time safe.
   void reset() noexcept;
 
@@ -67,6 +68,7 @@ class ConstrainedTool {
   void put_objects(double time_s) noexcept;
   void tell_parts(double felt_n_per_m) noexcept;
   double depth_of_spring2() const noexcept;
+  void find_hand(const Pose& hand) noexcept;
 
   ObjectContacts& objects_;
   std::vector<contact::ToolGround> grounds_;
@@ -76,6 +78,7 @@ class ConstrainedTool {
   double aim_n_per_m_ = 0.0,
          felt_n_per_m_ = 0.0;  ///< felt: with the fade that a tool that was placed begins with
   bool fresh_ = true;          ///< no frame since `reset`
+  bool hand_lost_ = false;     ///< `lose_hand` since the last frame
   Pose hand_;
   Twist twist_;
   std::vector<contact::ContactResult> results_;

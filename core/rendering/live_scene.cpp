@@ -40,6 +40,19 @@ void LiveScene::advance(double time_s) noexcept {
 }
 
 SceneFrame LiveScene::render(const ToolState& tool, double time_s) noexcept {
+  if (series_.returns_torque() || tool.clutched || now_->scene_renderer().grips_a_body()) {
+    turn_.reset();
+    return render_scenes(tool, time_s);
+  }
+  const double step = last_s_ < 0.0 ? SceneRenderer::kDefaultStepS : time_s - last_s_;
+  ToolState held = tool;
+  held.pose.orientation = turn_.follow(tool.pose.orientation, step);
+  SceneFrame frame = render_scenes(held, time_s);
+  turn_.see(frame.touch.contact.wrench.torque);
+  return frame;
+}
+
+SceneFrame LiveScene::render_scenes(const ToolState& tool, double time_s) noexcept {
   if (!fading()) {
     last_s_ = time_s;
     SceneFrame frame = now_->scene_renderer().render(tool, time_s);
@@ -68,6 +81,7 @@ SceneFrame LiveScene::render(const ToolState& tool, double time_s) noexcept {
 void LiveScene::swap_to(BuiltScene& next) noexcept {
   old_ = std::exchange(now_, &next);
   now_->scene_renderer().aim_for_spring(spring_n_per_m_);
+  now_->scene_renderer().aim_for_series(series_);
   if (external_)
     now_->scene_renderer().external_is(*external_);
   now_->scene_renderer().start_tool_from(old_->scene_renderer(), last_s_ < 0.0 ? 0.0 : last_s_);
@@ -82,6 +96,15 @@ void LiveScene::aim_for_spring(double n_per_m) noexcept {
   for (BuiltScene* scene : {now_, old_})
     if (scene != nullptr)
       scene->scene_renderer().aim_for_spring(n_per_m);
+}
+
+void LiveScene::aim_for_series(const Compliance& spring) noexcept {
+  if (spring == series_)
+    return;
+  series_ = spring;
+  for (BuiltScene* scene : {now_, old_})
+    if (scene != nullptr)
+      scene->scene_renderer().aim_for_series(spring);
 }
 
 void LiveScene::external_is(const effects::ExternalWrench& newest) noexcept {
@@ -108,6 +131,7 @@ void LiveScene::finish() noexcept {
 void LiveScene::reset() noexcept {
   finish();
   now_->scene_renderer().reset();
+  turn_.reset();
   last_s_ = -1.0;
   external_.reset();
   supplied_j_ = supplied_now_j_ = supplied_old_j_ = 0.0;

@@ -1,6 +1,7 @@
 #pragma once
 /// The scene that runs, and the one that takes its place while a hand is in contact.
 #include "core/rendering/build.hpp"
+#include "core/rendering/held_turn.hpp"
 
 namespace voxtouch::rendering {
 
@@ -10,6 +11,9 @@ namespace voxtouch::rendering {
 /// a bound. Between two samples the blend adds to what each scene does at most |new - old| dt /
 /// kFadeS. What cannot be blended (hits, normal, deepest point, model) is told by the one with more
 /// weight.
+///
+/// On a device that returns no torque, `series_spring` says so, the tool's rotation is the one of
+/// held_turn.hpp.
 ///
 /// Owns no scene: whoever gave the old one takes it back from `retired`. Costs twice a frame while
 /// it fades. Real-time safe.
@@ -29,9 +33,13 @@ class LiveScene {
   /// Of a virtual tool, in all scenes from now on: the spring's stiffness in W [N/m], and that it
   /// is placed anew; see SceneRenderer.
   void aim_for_spring(double n_per_m) noexcept;
+  /// Without a virtual tool, likewise: the spring in series with the contact; see SceneRenderer.
+  void aim_for_series(const Compliance& spring) noexcept;
+  double spring_n_per_m() const noexcept { return spring_n_per_m_; }
+  const Compliance& series_spring() const noexcept { return series_; }
   /// What the effect `external` of every scene follows from the next sample on.
   void external_is(const effects::ExternalWrench& newest) noexcept;
-  /// The virtual tool of every scene is placed anew.
+  /// The hand may be anywhere in the next sample; see SceneRenderer.
   void lose_tool() noexcept;
   bool fading() const noexcept { return old_ != nullptr; }
   /// Ends a fade at once, where nobody feels it: no session runs.
@@ -48,6 +56,7 @@ class LiveScene {
   BuiltScene& dominant() noexcept { return *dominant_; }
 
  private:
+  SceneFrame render_scenes(const ToolState& tool, double time_s) noexcept;
   void advance(double time_s) noexcept;
 
   BuiltScene* dominant_;
@@ -56,6 +65,8 @@ class LiveScene {
   BuiltScene* retired_ = nullptr;
   double weight_ = 1.0;  ///< of now_
   double spring_n_per_m_ = 0.0;
+  Compliance series_;
+  HeldTurn turn_;
   std::optional<effects::ExternalWrench> external_;
   double last_s_ = -1.0;  ///< time of the last frame; below 0: none
   double supplied_j_ = 0.0, supplied_now_j_ = 0.0,

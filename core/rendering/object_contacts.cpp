@@ -37,8 +37,6 @@ void add_contact(const contact::ContactResult& other, contact::ContactResult& su
   if (sum.pose_status == contact::PoseStatus::kUsable)
     sum.pose_status = other.pose_status;
   sum.points_tested += other.points_tested;
-  sum.left_out.points += other.left_out.points;
-  sum.left_out.depth_m = std::max(sum.left_out.depth_m, other.left_out.depth_m);
 }
 
 ObjectContacts::ObjectContacts(std::vector<std::unique_ptr<StaticObject>> objects)
@@ -89,6 +87,11 @@ contact::StageResult ObjectContacts::render_all(const Pose& tool, double time_s)
       results_[n] = all.contact;
   }
   return all;
+}
+
+void ObjectContacts::soften(double part) noexcept {
+  for (contact::ContactResult& result : results_)
+    result.stiffness_bound_n_per_m *= part, result.stiffness *= part;
 }
 
 void ObjectContacts::reset() noexcept {

@@ -63,6 +63,9 @@ class ObjectContacts {
       parts_[0].contact = &all.contact;
     return parts_;
   }
+  /// Of what each object's part of the last `render` tells as its stiffness the hand is shown
+  /// `part`. Real-time safe.
+  void soften(double part) noexcept;
   /// Power [W] with which moving objects pushed the tool in the last `render`; below zero where it
   /// pushed them.
   double power_w() const noexcept { return power_w_; }

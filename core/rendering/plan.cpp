@@ -8,7 +8,6 @@
 #include "core/contact/contact_renderer.hpp"
 #include "core/contact/limits.hpp"
 #include "core/coupling/coupling_spec.hpp"
-#include "core/rendering/time_budget.hpp"
 #include "core/voxmap/distance_field.hpp"
 
 namespace voxtouch::rendering {
@@ -139,57 +138,21 @@ std::string grid_sentence(const PlacedGrid& grid) {
       begin, metres(grid.at_multiples));
 }
 
-FrameWork counted_work(const BuildCounts& n) {
-  return {.virtual_tool = n.virtual_tool_lever_m > 0.0,
-          .objects = n.objects,
-          .shell_points = n.shell_points,
-          .edge_points = n.edge_points,
-          .tool_points = n.tool_points};
-}
-
-std::string levels_text(const BuildCounts& n) {
-  std::string text;
-  for (std::size_t k = n.level_points.size(); k-- > 0;)
-    if (n.level_gap_m[k] > 0.0)
-      text += fmt::format("{}{} ({:.2g} mm)", text.empty() ? "" : ", ", n.level_points[k],
-                          1e3 * n.level_gap_m[k]);
-  return text;
-}
-
-std::string budget_sentence(const scene::Scene& scene, const BuildCounts& n) {
-  if (n.virtual_tool_lever_m > 0.0)
-    return fmt::format(
-        "Time budget of {:g} us: a virtual tool leaves out no point, so that it passes no wall. "
-        "Where a frame would take longer as reckoned from its "
-        "counts it makes fewer queries, at least {}, and the tool comes to its place in the frames "
-        "that follow.",
-        *scene.budget_us, contact::limits::kMinQueries);
-  contact::ContactModelKind model{};
-  contact::parse_contact_model(scene.contact.model, model);
-  const std::string points = fmt::format(
-      "Time budget of {:g} us: a frame tests at most {} of the {} with each object, {:g} ns each "
-      "as reckoned on every machine",
-      *scene.budget_us, counted(n.budget_points, "point", "points"), n.shell_points,
-      ns_per_budget_point(model));
-  if (n.level_points.empty())
-    return points + "; that is enough for all of them always, so none is left out.";
-  return fmt::format(
-      "{}. Where culling leaves more, coarser levels are asked, of so many points (farthest of a "
-      "point that is left out from the one that stands for it, "
-      "which bounds how much deeper it may be): {}. What touched in the frame before is "
-      "not lost.",
-      points, levels_text(n));
-}
-
 /// Of a contact without virtual tool: its model, the fastest motion, the stiffness that it can
 /// show.
 void say_forces_of_depth(const scene::Scene& scene, Plan& plan) {
-  plan.built.push_back(
-      scene.contact.stiffness_n_per_m3 > 0.0
-          ? fmt::format("Contact model '{}' with {:g} N/m^3, shell points weighed by their area.",
-                        scene.contact.model, scene.contact.stiffness_n_per_m3)
-          : fmt::format("Contact model '{}' with {:g} N/m per shell point.", scene.contact.model,
-                        scene.contact.stiffness_n_per_m));
+  if (scene.contact.body_mass_kg > 0.0)
+    plan.built.push_back(
+        fmt::format("Contact model '{}', stiffness from the body's mass of {:g} kg: on a sixth of "
+                    "its surface it rests {:g} mm deep.",
+                    scene.contact.model, scene.contact.body_mass_kg, 1e3 * scene::kRestDepthM));
+  else
+    plan.built.push_back(
+        scene.contact.stiffness_n_per_m3 > 0.0
+            ? fmt::format("Contact model '{}' with {:g} N/m^3, shell points weighed by their area.",
+                          scene.contact.model, scene.contact.stiffness_n_per_m3)
+            : fmt::format("Contact model '{}' with {:g} N/m per shell point.", scene.contact.model,
+                          scene.contact.stiffness_n_per_m));
   if (scene.contact.rendering == scene::RenderingKind::kModelAlone)
     plan.built.push_back(
         "The model alone, as the paper has it: no depths are held, so that what has gone through a "
@@ -255,11 +218,13 @@ void say_built(const scene::Scene& scene, const BuildCounts& n, Plan& plan) {
         "Virtual tool, which stays outside what it touches; its spring to the hand is as stiff as "
         "the coupling is certified for, and a turn "
         "counts with a lever of {:g} mm. At most {} queries and {} steps of {} iterations a frame; "
-        "no wall is passed at any speed, and {:.3g} "
-        "mm a sample are followed without lag.",
+        "{:.3g} mm a sample are followed without lag. At any speed a wall of {:.3g} "
+        "mm and more holds any tool, and any wall a tool that is nowhere thinner than {:.3g} mm; a "
+        "run in which a tool passes a wall fails.",
         1e3 * n.virtual_tool_lever_m, contact::limits::kMaxQueries, contact::limits::kMaxQueries,
         contact::limits::kMaxIterations,
-        1e3 * contact::limits::kMaxQueries * contact::limits::kToolStepEdges * scene.voxel_size_m));
+        1e3 * contact::limits::kMaxQueries * contact::limits::kToolStepEdges * scene.voxel_size_m,
+        1e3 * kHoldingWallVoxels * scene.voxel_size_m, 1e3 * kHeldToolVoxels * scene.voxel_size_m));
   else
     say_forces_of_depth(scene, plan);
   if (n.edge_points > 0)
@@ -269,8 +234,6 @@ void say_built(const scene::Scene& scene, const BuildCounts& n, Plan& plan) {
                     "half the edge, {}.",
                     counted(n.edge_points, "point", "points"),
                     bytes_text(edge_lookup_bytes(n.edge_points)), bytes_text(n.edge_bytes)));
-  if (scene.budget_us && (n.budget_points > 0 || n.virtual_tool_lever_m > 0.0))
-    plan.built.push_back(budget_sentence(scene, n));
   plan.built.push_back(scene.design ? design_sentence(*scene.design)
                                     : coupling_sentence(scene.coupling));
   for (const effects::EffectSpec& effect : scene.effects)
@@ -322,9 +285,9 @@ void say_virtual_tool_warnings(const scene::Scene& scene, const BuildCounts& n, 
   if (voxels < 1.0)
     plan.warnings.push_back(
         fmt::format("{}: the thinnest wall is about {:.3g} mm, less than a voxel. It holds a "
-                    "virtual tool that is thicker than a voxel itself, and pushes at most 0.7 "
+                    "virtual tool that is nowhere thinner than {:g} voxels, and pushes at most 0.7 "
                     "degrees off (95 % of places, a ball on plates of a quarter to a whole voxel).",
-                    n.thinnest_mesh, 1e3 * n.thinnest_m));
+                    n.thinnest_mesh, 1e3 * n.thinnest_m, kHeldToolVoxels));
   else if (voxels < kAskewVoxels)
     plan.warnings.push_back(
         fmt::format("{}: the thinnest wall is about {:.3g} mm, {:.3g} voxels. It holds a virtual "
@@ -370,15 +333,6 @@ void say_warnings(const scene::Scene& scene, const BuildCounts& n, Plan& plan) {
     say_field_warnings(scene, n, plan);
   if (n.proximity_bytes > 0)
     say_proximity_warnings(n, plan);
-  if (scene.budget_us && n.virtual_tool_lever_m > 0.0 &&
-      least_tool_ns(counted_work(n)) > tool_ns_within(*scene.budget_us, scene, counted_work(n)))
-    plan.warnings.push_back(fmt::format(
-        "The time budget of {:g} us is not kept at every pose: the {} queries that a virtual tool "
-        "always makes take up to {:.0f} us with all {} near "
-        "something, and leaving out points could let a wall pass. Use a larger voxel_size for "
-        "fewer points.",
-        *scene.budget_us, contact::limits::kMinQueries, 1e-3 * least_tool_ns(counted_work(n)),
-        counted(n.shell_points, "point", "points")));
   if (plan.expected_ns_per_frame > 1e6)
     plan.warnings.push_back(fmt::format(
         "A frame with every point looked up takes about {:.1f} ms, longer than a period of 1 ms.",
@@ -416,11 +370,9 @@ Plan make_plan(const scene::Scene& scene, const BuildCounts& counts) {
   plan.scene = scene.name, plan.scene_hash = scene.hash, plan.contact_model = scene.contact.model;
   plan.voxel_size_m = scene.voxel_size_m;
   plan.shell_points = counts.shell_points;
-  plan.budget_us = scene.budget_us.value_or(0.0);
-  if (!counts.level_points.empty())
-    plan.budget_points = counts.objects * counts.budget_points;
   plan.surface_voxels = counts.surface_voxels, plan.interior_voxels = counts.interior_voxels;
   plan.of_contact_alone = counts.contact;
+  plan.tool_reach_m = counts.tool_reach_m / scene.device.position_scale;
   const StiffnessBounds bounds = with_effects(plan.of_contact_alone, scene.effects);
   plan.contact_n_per_m = bounds.translation, plan.contact_nm_per_rad = bounds.rotation;
   plan.bytes = counts.voxmap_bytes + counts.shell_bytes + counts.field_bytes +

@@ -51,13 +51,7 @@ struct BuildCounts {
   double tool_gap_m = 0.0;  ///< no point of the tool's shell is farther from one of these [m]
   std::vector<std::string> open_meshes;  ///< static meshes that are not closed
   double virtual_tool_lever_m = 0.0;     ///< [m]; 0: there is no virtual tool
-  std::uint64_t budget_points =
-      0;  ///< that a frame may test of each object; 0: there is no budget, or a virtual tool's
-  std::vector<std::uint64_t> level_points;  ///< of the shell's levels, from the coarsest; none: the
-                                            ///< budget is enough for all points always
-  std::vector<double> level_gap_m;  ///< of each [m]: no point of the shell is farther from the one
-                                    ///< that stands for it
-  std::uint64_t level_bytes = 0;
+  double tool_reach_m = 0.0;             ///< farthest point of the tool's shell from its origin [m]
   std::uint64_t edge_points = 0, edge_bytes = 0;  ///< of sharp edges, that a virtual tool looks up
                                                   ///< in itself, and of what it looks up; 0: none
   std::string edges_left_out;                     ///< why it does not, where it could not
@@ -94,20 +88,22 @@ inline bool is_spring(const StiffnessBounds& bounds) noexcept {
 StiffnessBounds with_effects(const StiffnessBounds& contact,
                              std::span<const effects::EffectSpec> effects);
 
+/// Walls as thick as the first hold any virtual tool, and any wall holds a tool that is nowhere
+/// thinner than the second [voxels] (tests/hard/faults/foil_rows_test.cpp).
+inline constexpr double kHoldingWallVoxels = 1.5, kHeldToolVoxels = 3.0;
+
 struct Plan {
   std::string scene, scene_hash, contact_model;
   double voxel_size_m = 0.0;
   std::uint64_t shell_points = 0, surface_voxels = 0, interior_voxels = 0;
-  double budget_us = 0.0;  ///< of a frame of the rendering [us]; 0: none
-  std::uint64_t budget_points =
-      0;                    ///< that a frame may test of all objects; 0: none is ever left out
   std::uint64_t bytes = 0;  ///< of what a frame looks up: voxmap, pointshell, fields
   double expected_ns_per_frame =
       0.0;  ///< of the rendering, contact and effects: from counts, not measured
   /// What the contact can show at most, in W before the coupling: translation, and rotation about
   /// the tool's origin.
   coupling::design::ContactRange contact_n_per_m, contact_nm_per_rad;
-  StiffnessBounds of_contact_alone;                    ///< the same without any effect
+  StiffnessBounds of_contact_alone;  ///< the same without any effect
+  double tool_reach_m = 0.0;  ///< farthest point of the tool's shell from its origin, at the hand
   std::vector<std::string> built, left_out, warnings;  ///< one sentence each
   std::vector<PlanPart> parts;  ///< what a frame is made of, in the order of its way
 };
@@ -119,9 +115,6 @@ inline constexpr double kNsPerPoint = 6.0, kNsPerFrame = 150.0;
 /// A point in contact, with the sums for the stiffness and what the stage remembers of it [ns]:
 /// `original` and `adapted`; `field`, eight nodes.
 inline constexpr double kNsPerPlainPoint = 12.0, kNsPerFieldPoint = 35.0;
-/// With a time budget: what the levels of the shell add to a point that is tested [ns], choosing
-/// and weighing.
-inline constexpr double kNsPerLevelPoint = 2.0;
 /// An iteration of a virtual tool's step, with the most rows that one has [ns].
 inline constexpr double kNsPerIteration = 3000.0;
 /// An effect's gate and sum beside its own law, one that is switched off, and a step of the
@@ -142,10 +135,8 @@ std::vector<PlanPart> plan_parts(const scene::Scene& scene, const BuildCounts& c
 double expected_ns(const effects::EffectSpec& effect, std::uint64_t tool_points) noexcept;
 /// Of one point in contact [ns]; `contact_model` as scenes spell it.
 double ns_per_contact_point(std::string_view contact_model) noexcept;
-/// Of the sharp edges of all objects: memory beside the distances to the tool; a look-up of all in
-/// the tool [ns], as many of them in contact as a step has rows.
+/// Memory of the sharp edges of all objects beside the distances to the tool.
 std::uint64_t edge_lookup_bytes(std::uint64_t edge_points) noexcept;
-double edge_ns(std::uint64_t objects, std::uint64_t edge_points) noexcept;
 /// "812 bytes", "96.0 kB", "2.5 MB".
 std::string bytes_text(std::uint64_t bytes);
 

@@ -67,7 +67,7 @@ void add_static_objects(std::vector<PlanPart>& parts, const BuildCounts& n) {
                      .bytes = n.proximity_bytes});
 }
 
-/// The tool: its points, of which a frame tests at most `points`, and what leaves some of them out.
+/// The tool: its points, of which a frame tests at most `points` with all objects together.
 void add_pointshell(std::vector<PlanPart>& parts, const BuildCounts& n, double points) {
   parts.push_back(
       {.name = "pointshell",
@@ -80,13 +80,15 @@ void add_pointshell(std::vector<PlanPart>& parts, const BuildCounts& n, double p
                    .why = "Leaves out the points that are far from everything; with it, the points "
                           "in single precision, which decide most.",
                    .bytes = contact::ContactQuery::lookup_bytes(n.shell_points)});
-  if (!n.level_points.empty())
-    parts.push_back({.name = "levels",
-                     .node = kRendering,
-                     .why = "The scene's budget_us asks for them: where a frame may not test every "
-                            "point, it tests those of a coarser level.",
-                     .bytes = n.level_bytes,
-                     .expected_ns = kNsPerLevelPoint * points});
+}
+
+/// Of a look-up of all edge points of all objects in the tool [ns], as many of them in contact as a
+/// step has rows.
+double edge_ns(std::uint64_t objects, std::uint64_t edge_points) {
+  const auto touching =
+      static_cast<double>(std::min<std::uint64_t>(edge_points, contact::limits::kMaxRows));
+  return static_cast<double>(objects) * kNsPerFrame +
+         kNsPerPoint * static_cast<double>(edge_points) + kNsPerFieldPoint * touching;
 }
 
 /// What becomes of the `points` that touch.
@@ -129,15 +131,6 @@ std::uint64_t edge_lookup_bytes(std::uint64_t edge_points) noexcept {
          contact::ContactQuery::lookup_bytes(edge_points);
 }
 
-double edge_ns(std::uint64_t objects, std::uint64_t edge_points) noexcept {
-  if (edge_points == 0)
-    return 0.0;
-  const auto touching =
-      static_cast<double>(std::min<std::uint64_t>(edge_points, contact::limits::kMaxRows));
-  return static_cast<double>(objects) * kNsPerFrame +
-         kNsPerPoint * static_cast<double>(edge_points) + kNsPerFieldPoint * touching;
-}
-
 double ns_per_contact_point(std::string_view contact_model) noexcept {
   return contact_model == "field" ? kNsPerFieldPoint : kNsPerPlainPoint;
 }
@@ -153,9 +146,7 @@ double expected_ns(const effects::EffectSpec& effect, std::uint64_t tool_points)
 std::vector<PlanPart> plan_parts(const scene::Scene& scene, const BuildCounts& n) {
   std::vector<PlanPart> parts;
   add_static_objects(parts, n);
-  // Each object is asked for all of them, if no budget is left.
-  const bool cut = !n.level_points.empty() && n.budget_points < n.shell_points;
-  const double points = static_cast<double>(n.objects * (cut ? n.budget_points : n.shell_points));
+  const double points = static_cast<double>(n.objects * n.shell_points);
   add_pointshell(parts, n, points);
   add_contact(parts, scene, n, points);
   for (const effects::EffectSpec& effect : scene.effects)

@@ -5,8 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include "core/types/stored_bytes.hpp"
-
 namespace voxtouch::rendering {
 namespace {
 
@@ -42,21 +40,6 @@ ProximityField::ProximityField(const mesh::TriangleMesh& mesh, const voxmap::Vox
       band_voxels_(static_cast<float>(
           options_for(range_m, stride_, voxmap.grid().edge).band_voxels)),  // as the nodes hold it
       reach_m_(voxmap.grid().edge * band_voxels_) {}
-
-ProximityField::ProximityField(ByteReader& in) {
-  in(stride_);
-  field_ = voxmap::DistanceField::take(in);
-  in(band_voxels_), in(reach_m_);
-  ByteReader::require(stride_ >= 1 && stride_ <= 10'000 && band_voxels_ >= 2.0 &&
-                          band_voxels_ <= 1e4 && reach_m_ > 0.0 && reach_m_ < 1e9,
-                      "distances round an object with a stride or reach that they cannot have");
-}
-
-void ProximityField::put(ByteWriter& out) const {
-  out(stride_);
-  field_.put(out);
-  out(band_voxels_), out(reach_m_);
-}
 
 effects::ProximitySample ProximityField::at(const Vec3& x) const noexcept {
   effects::ProximitySample sample;

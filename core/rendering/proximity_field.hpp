@@ -23,11 +23,6 @@ class ProximityField final : public effects::Proximity {
   /// from. Parts that are open have none. Throws like build_distance_field.
   ProximityField(const mesh::TriangleMesh& mesh, const voxmap::Voxmap& voxmap, double range_m,
                  double smoothing_m, const ParallelFor& parallel_for);
-  /// What `put` wrote. Throws StoredBytesError for bytes that are none.
-  explicit ProximityField(ByteReader& in);
-  /// All of it, to be kept.
-  void put(ByteWriter& out) const;
-
   effects::ProximitySample at(const Vec3& x) const noexcept override;
 
   std::uint64_t bytes() const noexcept { return field_.bytes(); }

@@ -1,5 +1,6 @@
 #include "core/rendering/scene_renderer.hpp"
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "core/effects/body.hpp"
@@ -20,8 +21,7 @@ SceneRenderer::SceneRenderer(ObjectContacts& contact, std::vector<effects::Effec
     body_.emplace(BodyPart{effects::RigidBody(*surroundings.body), n});
   }
   if (surroundings.virtual_tool_lever_m)
-    constrained_.emplace(contact, *surroundings.virtual_tool_lever_m,
-                         surroundings.virtual_tool_work);
+    constrained_.emplace(contact, *surroundings.virtual_tool_lever_m);
 }
 
 /// The contact pushes the tool where the hand has it.
@@ -38,17 +38,17 @@ SceneFrame SceneRenderer::render_pushed(const ToolState& tool, double time_s) no
   return frame;
 }
 
-/// The contact is the spring between hand and virtual tool, which is placed anew when the clutch is
-/// pressed.
+/// The contact is the spring between hand and virtual tool. A clutch that is pressed holds both.
 SceneFrame SceneRenderer::render_constrained(const ToolState& tool, double time_s) noexcept {
-  if (tool.clutched && !clutched_)
-    constrained_->reset();
-  clutched_ = tool.clutched;
   const double dt_s = step_to(time_s);
   SceneFrame frame;
   const double friction =
       effects_.friction_at(constrained_->pose().position, constrained_->leans_on());
+  const bool followed = constrained_->placed();
+  const Pose before = constrained_->pose();
   frame.touch.contact = constrained_->render(tool.pose, time_s, dt_s, friction, frame.tool);
+  if (surroundings_.watch != nullptr && followed && constrained_->placed())
+    frame.touch.passing = surroundings_.watch->passed(before, constrained_->pose());
   const contact::ContactResult& contact = frame.touch.contact;
   frame.object = constrained_->pose();
   frame.wrench = contact.wrench;
@@ -57,18 +57,66 @@ SceneFrame SceneRenderer::render_constrained(const ToolState& tool, double time_
   if (contact.pose_status != contact::PoseStatus::kUsable)
     return frame;
   if (!effects_.empty())
-    add_effects_at_both(tool, time_s, dt_s, frame);
+    add_effects_at_both(tool, constrained_->twist(), constrained_->parts(), time_s, dt_s, frame);
   supply(tool.pose, dt_s * constrained_->power_w() + constrained_->stiffened_j(), frame);
   return frame;
 }
 
-/// Effects of the surface where the virtual tool touches it, those of space where the hand is.
-void SceneRenderer::add_effects_at_both(const ToolState& hand, double time_s, double dt_s,
-                                        SceneFrame& frame) noexcept {
+/// Effects of the surface where the tool touches it, those of space where the hand is.
+void SceneRenderer::add_effects_at_both(const ToolState& hand, const Twist& tool_twist,
+                                        std::span<const effects::ObjectContact> parts,
+                                        double time_s, double dt_s, SceneFrame& frame) noexcept {
   ToolState tool = hand;
-  tool.pose = frame.object, tool.twist = constrained_->twist();
-  const effects::EffectFrame surface = look(tool, dt_s, time_s, constrained_->parts());
-  add(effects_.apply(look(hand, dt_s, time_s, constrained_->parts()), &surface), frame);
+  tool.pose = frame.object, tool.twist = tool_twist;
+  const effects::EffectFrame surface = look(tool, dt_s, time_s, parts);
+  add(effects_at(hand, look(hand, dt_s, time_s, parts), &surface), frame);
+}
+
+/// The tool where spring and contact balance, looked up about once.
+SceneFrame SceneRenderer::render_in_series(const ToolState& tool, double time_s) noexcept {
+  const double dt_s = step_to(time_s);
+  SceneFrame frame;
+  series_.begin(tool.pose, dt_s);
+  while (settle_in_series(time_s, frame.touch)) {
+  }
+  contact::ContactResult& contact = frame.touch.contact;
+  if (contact.pose_status != contact::PoseStatus::kUsable) {
+    frame.object = tool.pose;
+    return frame;
+  }
+  const double shown =
+      1.0 / (1.0 + series_.compliance().translation * contact.stiffness_bound_n_per_m);
+  contact.wrench = series_.wrench();
+  contact.stiffness = in_series(contact.stiffness, series_.compliance());
+  contact.stiffness_bound_n_per_m *= shown;
+  contact_.soften(shown);
+  frame.object = series_.tool();
+  frame.wrench = contact.wrench;
+  frame.stiffness = contact.stiffness;
+  frame.stiffness_bound_n_per_m = contact.stiffness_bound_n_per_m;
+  if (!has_effects_or_motion_)
+    return frame;
+  // At the balance, friction too: this tool does not rub by itself. Off the contact it is where the
+  // hand is.
+  ToolState at_balance = tool;
+  at_balance.pose = frame.object;
+  if (!effects_.empty())
+    add(effects_at(tool, look(at_balance, dt_s, time_s, contact_.parts(frame.touch)), nullptr),
+        frame);
+  supply(frame.object, dt_s * contact_.power_w(), frame);
+  return frame;
+}
+
+/// One look-up of the contact. True: another is needed.
+bool SceneRenderer::settle_in_series(double time_s, contact::StageResult& touch) noexcept {
+  const bool fast = touch.fast, missed = touch.missed, passing = touch.passing;
+  touch = contact_.render(series_.tool(), time_s);
+  touch.fast |= fast, touch.missed |= missed, touch.passing |= passing;
+  if (touch.contact.pose_status != contact::PoseStatus::kUsable) {
+    series_.lose();
+    return false;
+  }
+  return series_.settle({touch.contact.wrench, touch.contact.stiffness});
 }
 
 void SceneRenderer::start_tool_from(const SceneRenderer& before, double time_s) noexcept {
@@ -86,8 +134,11 @@ void SceneRenderer::add_rest(const ToolState& tool, double time_s, SceneFrame& f
   if (body_)
     object.twist = body_->body.twist();
   const double dt_s = step_to(time_s);
-  if (!effects_.empty())
+  if (!effects_.empty() && body_)
     add_effects(object, time_s, dt_s, frame);
+  if (!effects_.empty() && !body_)
+    add(effects_at(object, look(object, dt_s, time_s, contact_.parts(frame.touch)), nullptr),
+        frame);
   if (body_) {
     move_body(tool, dt_s, frame);
   } else {
@@ -104,6 +155,32 @@ double SceneRenderer::step_to(double time_s) noexcept {
 void SceneRenderer::add_effects(const ToolState& object, double time_s, double dt_s,
                                 SceneFrame& frame) noexcept {
   add(effects_.apply(look(object, dt_s, time_s, contact_.parts(frame.touch))), frame);
+}
+
+/// What the effects give in `frame`; forces of position behind their spring from the hand, where
+/// there is one.
+effects::EffectPush SceneRenderer::effects_at(const ToolState& hand,
+                                              const effects::EffectFrame& frame,
+                                              const effects::EffectFrame* surface) noexcept {
+  if (field_.rigid())
+    return effects_.apply(frame, surface);
+  effects::EffectFrame behind = frame;
+  effects::EffectPush there;
+  behind.tool = field_.begin(hand.pose, frame.dt_s);
+  do {
+    behind.tool = field_.tool();
+    there = effects_.of_position(behind);
+  } while (field_.settle({there.wrench, there.stiffness}));
+  const double gives_way = field_.compliance().translation;
+  effects::EffectPush sum = effects_.apply(frame, surface, &behind);
+  there = effects_.of_position(behind);  // with the gains of this sample
+  sum.wrench.force += field_.wrench().force - there.wrench.force;
+  sum.stiffness += in_series(there.stiffness, field_.compliance()) - there.stiffness;
+  sum.stiffness_bound_n_per_m -=
+      there.stiffness_bound_n_per_m -
+      there.stiffness_bound_n_per_m / (1.0 + gives_way * there.stiffness_bound_n_per_m);
+  sum.potential_j += 0.5 * gives_way * field_.wrench().force.squaredNorm();  // of the spring
+  return sum;
 }
 
 void SceneRenderer::add(const effects::EffectPush& effects, SceneFrame& frame) noexcept {
@@ -139,6 +216,21 @@ void SceneRenderer::supply(const Pose& object, double given_j, SceneFrame& frame
   frame.supplied_energy_j = supplied_j_;
 }
 
+/// Grip and series spring in a row are one spring, each axis as stiff as both allow: a body's
+/// weight is held whole. Taken up off its origin, by `lever_m`, a body turns the hand by the grip's
+/// force too.
+void SceneRenderer::soften_grip(const Pose& tool, double dt_s, double lever_m,
+                                effects::BodyParameters& parameters) noexcept {
+  series_.begin(tool, dt_s);
+  const Compliance& spring = series_.compliance();
+  parameters.grip_n_per_m /= 1.0 + spring.translation * parameters.grip_n_per_m;
+  const double across = parameters.grip_n_per_m * lever_m * lever_m;
+  const double shown = 1.0 / (1.0 + spring.rotation * (parameters.grip_nm_per_rad + across));
+  parameters.grip_nm_per_rad *= shown;
+  if (lever_m > 0.0)
+    parameters.grip_n_per_m *= shown;
+}
+
 void SceneRenderer::move_body(const ToolState& tool, double dt_s, SceneFrame& frame) noexcept {
   const effects::EffectValues& values = effects_.values(body_->effect);
   effects::RigidBody& body = body_->body;
@@ -154,9 +246,10 @@ void SceneRenderer::move_body(const ToolState& tool, double dt_s, SceneFrame& fr
   } else {
     body.place(tool.pose, hold);
   }
-  const effects::BodyGrip grip =
-      body.step(load, tool.pose, tool.twist, hold, effects::grab_distance_m(values),
-                effects::body_parameters(values), dt_s);
+  effects::BodyParameters parameters = effects::body_parameters(values);
+  soften_grip(tool.pose, dt_s, button < 0 ? 0.0 : effects::grab_distance_m(values), parameters);
+  const effects::BodyGrip grip = body.step(load, tool.pose, tool.twist, hold,
+                                           effects::grab_distance_m(values), parameters, dt_s);
   supplied_j_ = potential_j_.value_or(body.energy_j()) - body.energy_j();
   if (!potential_j_)
     potential_j_ = body.energy_j();  // where it began
@@ -173,7 +266,7 @@ void SceneRenderer::reset() noexcept {
     body_->body = effects::RigidBody(body_->body.shape());
   if (constrained_)
     constrained_->reset();
-  clutched_ = false;
+  series_.reset(), field_.reset();
   last_s_.reset(), potential_j_.reset(), last_position_.reset(), external_.reset();
   supplied_j_ = 0.0;
 }

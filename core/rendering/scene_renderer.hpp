@@ -8,18 +8,20 @@
 #include "core/rendering/constrained_tool.hpp"
 #include "core/rendering/device_mapping.hpp"
 #include "core/rendering/object_contacts.hpp"
+#include "core/rendering/series_spring.hpp"
+#include "core/rendering/wall_watch.hpp"
 
 namespace voxtouch::rendering {
 
 /// W axes. Without a body all of it is about the tool's origin, which is the object's; with one,
 /// `touch` and `effects` act on the body, about its origin, and `wrench` and the stiffness are the
-/// grip's, about the tool's. With a virtual tool `touch` is the spring's wrench, which acts on both
-/// of its ends alike; what effects of the surface give where the virtual tool is, the hand feels as
-/// it is.
+/// grip's, about the tool's. With a virtual tool, or a spring in series, `touch` is the spring's
+/// wrench, which acts on both of its ends alike; what effects of the surface give where the virtual
+/// tool is, the hand feels as it is.
 struct SceneFrame {
-  Pose object;  ///< where the dynamic object was when the contact was found: the tool, the virtual
-                ///< tool, or the body
-  ToolFrame tool;               ///< of a virtual tool; all zero without one
+  Pose object;     ///< where the dynamic object was when the contact was found: the tool, which a
+                   ///< spring or a virtual tool holds off the hand, or the body
+  ToolFrame tool;  ///< of a virtual tool; all zero without one
   contact::StageResult touch;   ///< contact alone
   effects::EffectPush effects;  ///< effects alone; all zero where the scene lists none
   Wrench wrench;                ///< for the hand: the sum of both, or the grip
@@ -38,7 +40,7 @@ struct SceneSurroundings {
       {};  ///< of the dynamic object, for scenes with the effect of that name
   std::optional<double> virtual_tool_lever_m =
       {};  ///< there is a virtual tool, with this lever; 0: the tool's reach
-  contact::ToolWork virtual_tool_work = {};  ///< that a frame of it may cost
+  const WallWatch* watch = nullptr;  ///< with one
 };
 
 /// One thread at a time. `contact` and what `surroundings` points to must outlive it.
@@ -56,15 +58,18 @@ class SceneRenderer {
   /// anything. Real-time safe.
   SceneFrame render(const ToolState& tool, double time_s) noexcept {
     // Two functions, so that each builds its frame in place: one with two ways out would copy it.
-    return constrained_ ? render_constrained(tool, time_s) : render_pushed(tool, time_s);
+    if (constrained_)
+      return render_constrained(tool, time_s);
+    return body_ || series_.rigid() ? render_pushed(tool, time_s) : render_in_series(tool, time_s);
   }
   /// Forgets all samples so far.
   void reset() noexcept;
-  /// A virtual tool is placed anew: where samples were missing for longer than the last one is
-  /// repeated. Real-time safe.
+  /// Samples were missing for longer than the last one is repeated: the hand may be anywhere. A
+  /// virtual tool is placed anew where the hand is free; else it stays. Real-time safe.
   void lose_tool() noexcept {
     if (constrained_)
-      constrained_->reset();
+      constrained_->lose_hand();
+    series_.lose();
   }
   /// Stiffness of the virtual tool's spring, in W [N/m]; see ConstrainedTool::aim_for. Real-time
   /// safe.
@@ -72,6 +77,16 @@ class SceneRenderer {
     if (constrained_)
       constrained_->aim_for(n_per_m);
   }
+  /// Without a virtual tool: the spring in series with the contact, or with a body's grip, in W.
+  /// Real-time safe. Forces of position (guides, magnets, fields) whose stiffness leaves the
+  /// contact less than half of what is certified act behind a spring of their own: their largest
+  /// force is given whole, at a displacement of the hand that the spring adds. Real-time safe.
+  void aim_for_series(const Compliance& spring) noexcept {
+    series_.aim_for({spring.translation, spring.returns_torque() ? spring.rotation : 0.0});
+    field_.aim_for({spring.effects, 0.0});
+  }
+  /// A body is gripped, which is turned against its inertia.
+  bool grips_a_body() const noexcept { return body_.has_value(); }
   /// What the effect `external` follows from the next sample on. Real-time safe.
   void external_is(const effects::ExternalWrench& newest) noexcept { external_ = newest; }
   /// The virtual tool of `before`, where both scenes have one and its place is free in this one, is
@@ -93,14 +108,21 @@ class SceneRenderer {
   };
   SceneFrame render_pushed(const ToolState& tool, double time_s) noexcept;
   SceneFrame render_constrained(const ToolState& tool, double time_s) noexcept;
-  void add_effects_at_both(const ToolState& hand, double time_s, double dt_s,
-                           SceneFrame& frame) noexcept;
+  SceneFrame render_in_series(const ToolState& tool, double time_s) noexcept;
+  bool settle_in_series(double time_s, contact::StageResult& touch) noexcept;
+  void add_effects_at_both(const ToolState& hand, const Twist& tool_twist,
+                           std::span<const effects::ObjectContact> parts, double time_s,
+                           double dt_s, SceneFrame& frame) noexcept;
   void add(const effects::EffectPush& effects, SceneFrame& frame) noexcept;
+  effects::EffectPush effects_at(const ToolState& hand, const effects::EffectFrame& frame,
+                                 const effects::EffectFrame* surface) noexcept;
   double step_to(double time_s) noexcept;
   const Pose& object_pose(const Pose& tool) const noexcept;
   void add_rest(const ToolState& tool, double time_s, SceneFrame& frame) noexcept;
   void add_effects(const ToolState& object, double time_s, double dt_s, SceneFrame& frame) noexcept;
   void supply(const Pose& object, double given_j, SceneFrame& frame) noexcept;
+  void soften_grip(const Pose& tool, double dt_s, double lever_m,
+                   effects::BodyParameters& parameters) noexcept;
   void move_body(const ToolState& tool, double dt_s, SceneFrame& frame) noexcept;
 
   ObjectContacts& contact_;
@@ -109,7 +131,7 @@ class SceneRenderer {
   bool has_effects_or_motion_;  ///< than contact with what rests
   std::optional<BodyPart> body_;
   std::optional<ConstrainedTool> constrained_;
-  bool clutched_ = false;
+  SeriesSpring series_, field_;  ///< of the contact, and of forces of position
   std::optional<double> last_s_, potential_j_;
   std::optional<Vec3> last_position_;
   std::optional<effects::ExternalWrench> external_;

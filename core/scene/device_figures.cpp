@@ -9,7 +9,7 @@
 namespace voxtouch::scene {
 namespace {
 
-// clang-format off: one row a figure. The standards lie at the end of the usual range that makes the design the more careful one.
+// Standards lie at the end of the usual range that makes the design the more careful one.
 constexpr auto kFigures = std::to_array<DeviceFigure>(
     {{"device", "a name", "a name", {}, {}, "It names the device in messages and summaries."},
      {"rate_hz",
@@ -81,7 +81,6 @@ constexpr auto kFigures = std::to_array<DeviceFigure>(
       "As position_resolution_m, for turning."},
      {"max_stiffness_nm_per_rad", "0.1 to 5 Nm/rad", "20 to 300 Nm/rad", 0.3, 100.0,
       "As max_stiffness_n_per_m, against turning."}});
-// clang-format on
 
 }  // namespace
 

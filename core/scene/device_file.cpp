@@ -15,9 +15,6 @@ namespace {
 
 /// The guard fades the largest force within 20 ms; the slew limit leaves it a third more than that
 /// takes.
-constexpr double kFadeS = 0.015,
-                 kMinForceRate =
-                     2000.0;  // the least is assumed: a wall of 800 N/m struck at 2.5 m/s
 
 /// Reads figures of one map, and notes each that is left out and has a standard.
 class FigureReader {
@@ -83,7 +80,6 @@ void require_all(const SceneSource& source, const YamlNode& root, const MapReade
 
 void read_translation(const MapReader& map, const FigureReader& read, DeviceDescription& d) {
   map.read("max_force_n", d.max_force_n);
-  d.max_force_rate_n_per_s = std::max(kMinForceRate, d.max_force_n / kFadeS);
   map.read("max_stiffness_n_per_m", d.max_stiffness_n_per_m);
   read.range("mass_kg", d.mass_min_kg, d.mass_max_kg);
   d.damping_ns_per_m = read.number("damping_ns_per_m");
@@ -95,7 +91,6 @@ void read_translation(const MapReader& map, const FigureReader& read, DeviceDesc
 
 void read_rotation(const FigureReader& read, DeviceDescription& d) {
   d.output_dof = 6;
-  d.max_torque_rate_nm_per_s = d.max_torque_nm / kFadeS;
   read.range("inertia_kg_m2", d.inertia_min_kg_m2, d.inertia_max_kg_m2);
   d.damping_nms_per_rad = read.number("damping_nms_per_rad");
   d.coulomb_friction_nm = read.number("coulomb_friction_nm");
@@ -143,6 +138,7 @@ DeviceFile parse_device_file(const std::string& text, const std::filesystem::pat
   }
   if (map.has("workspace_m"))
     map.read("workspace_m", out.workspace_m.emplace());
+  derive_slew_limits(d);
   return out;
 }
 

@@ -37,7 +37,7 @@ namespace voxtouch::scene {
 
 struct DeviceFile {
   /// As of a simulated device: `delay_s` is all that lies between a sample and its force. How fast
-  /// force may change is no key: it follows from the largest force, so that the guard can fade it.
+  /// force may change is no key: it follows from the other numbers (derive_slew_limits).
   DeviceDescription description;
   std::optional<Vec3> workspace_m;  ///< edges of the box that the tool reaches, along the axes of D
   std::vector<std::string>

@@ -4,38 +4,37 @@
 namespace voxtouch::scene::keys {
 namespace {
 
-// clang-format off: one row a key, as in keys.cpp
+// The columns are those of keys.cpp.
 // Above the largest a number is in the wrong unit (milliseconds, millimetres, per cent), not the
 // property of a haptic device.
 constexpr auto kDeviceFile = std::to_array<Key>(
-    {{"device", kText, kRequired, "", "Its name."},
-     {"rate_hz", kNumber, kRequired, "", "Samples a second [Hz].", "", nullptr, 1, 1e5},
-     {"max_force_n", kPositive, kRequired, "", "[N]"},
-     {"max_torque_nm", kNotNegative, kRequired, "", "0: gives none [Nm]."},
-     {"max_stiffness_n_per_m", kPositive, kRequired, "",
+    {{"device", kText, kRequired, none, "Its name."},
+     {"rate_hz", kNumber, kRequired, none, "Samples a second [Hz].", "", nullptr, 1, 1e5},
+     {"max_force_n", kPositive, kRequired, none, "[N]"},
+     {"max_torque_nm", kNotNegative, kRequired, none, "0: gives none [Nm]."},
+     {"max_stiffness_n_per_m", kPositive, kRequired, none,
       "What it can show, not what its structure has [N/m]."},
-     {"mass_kg", kRange, kRequired, "",
+     {"mass_kg", kRange, kRequired, none,
       "Apparent at the tool, least and most over workspace and axes [kg]."},
-     {"workspace_m", kSize, kOptional, "", "Edges of the box that the tool reaches [m]."},
-     {"damping_ns_per_m", kNotNegative, kOptional, "", "The least [Ns/m]."},
-     {"coulomb_friction_n", kNotNegative, kOptional, "", "[N]"},
-     {"position_resolution_m", kNumber, kRequired, "", "[m]", "", nullptr, 0, 0.01},
-     {"delay_s", kNumber, kOptional, "",
-      "From the sample to the force, beside the hold of a period [s].", "", nullptr, 0, 1},
-     {"force_bandwidth_hz", kPositive, kOptional, "", "Left out: no lag [Hz]."},
-     {"rotation", kMap, kOptional, "", "", "", &device_rotation},
-     {"jitter", kNumber, kOptional, "", "The longest period is (1 + jitter) / rate_hz.", "",
+     {"workspace_m", kSize, kOptional, none, "Edges of the box that the tool reaches [m]."},
+     {"damping_ns_per_m", kNotNegative, kOptional, none, "The least [Ns/m]."},
+     {"coulomb_friction_n", kNotNegative, kOptional, none, "[N]"},
+     {"position_resolution_m", kNumber, kRequired, none, "[m]", "", nullptr, 0, 0.01},
+     {"delay_s", kNumber, kOptional, none,
+      "From the sample to the force, without the hold of a period [s].", "", nullptr, 0, 1},
+     {"force_bandwidth_hz", kPositive, kOptional, none, "Left out: no lag [Hz]."},
+     {"rotation", kMap, kOptional, none, "", "", &device_rotation},
+     {"jitter", kNumber, kOptional, none, "The longest period is (1 + jitter) / rate_hz.", "",
       nullptr, 0, 10},
-     {"lost_in_a_row", kCount, kOptional, "", "Samples that may be lost one after the other.", "",
+     {"lost_in_a_row", kCount, kOptional, none, "Samples that may be lost one after the other.", "",
       nullptr, 0, 1000},
-     {"grip", kWord, kRequired, "", "How it is held.", "pen arm"}});
+     {"grip", kWord, kRequired, none, "How it is held.", "pen arm"}});
 constexpr auto kDeviceRotation = std::to_array<Key>(
-    {{"inertia_kg_m2", kRange, kOptional, "", "[kg m^2]"},
-     {"damping_nms_per_rad", kNotNegative, kOptional, "", "[Nms/rad]"},
-     {"coulomb_friction_nm", kNotNegative, kOptional, "", "[Nm]"},
-     {"orientation_resolution_rad", kNumber, kOptional, "", "[rad]", "", nullptr, 0, 0.1},
-     {"max_stiffness_nm_per_rad", kPositive, kOptional, "", "[Nm/rad]"}});
-// clang-format on
+    {{"inertia_kg_m2", kRange, kOptional, none, "[kg m^2]"},
+     {"damping_nms_per_rad", kNotNegative, kOptional, none, "[Nms/rad]"},
+     {"coulomb_friction_nm", kNotNegative, kOptional, none, "[Nm]"},
+     {"orientation_resolution_rad", kNumber, kOptional, none, "[rad]", "", nullptr, 0, 0.1},
+     {"max_stiffness_nm_per_rad", kPositive, kOptional, none, "[Nm/rad]"}});
 
 }  // namespace
 

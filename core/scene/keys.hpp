@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -49,8 +50,8 @@ struct Key {
   std::string_view name = {};  ///< with the unit, where it has one (`speed_m_per_s`)
   KeyKind kind = KeyKind::kText;
   KeyRule rule = KeyRule::kOptional;
-  std::string_view standard =
-      {};  ///< as it would stand in the file, what a key that is left out means; empty: nothing
+  std::string (*standard)() =
+      nullptr;  ///< what a key that is left out means, as it would stand in the file; null: nothing
   std::string_view meaning =
       {};  ///< a sentence for the manual and for editors; that of a single map stands in its group
   std::string_view words = {};  ///< the choices, parted by single spaces

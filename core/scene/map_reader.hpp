@@ -92,14 +92,14 @@ class MapReader {
   bool has(std::string_view key) const { return find(key) != nullptr; }
   /// Throws where a key is there that does not go with another choice; `why` completes "'key' ...".
   void refuse(std::string_view key, std::string_view why) const;
-  /// Sets `out` to the key's value, or to its standard where it is absent; leaves it where there is
-  /// no standard either. Throws where the key is required.
+  /// Sets `out` to the key's value; leaves it, with its standard, where the key is absent. Throws
+  /// where the key is required.
   template <class T>
   void read(std::string_view key, T& out) const {
     if (!read_if_present(key, out) && row_of(key).rule == KeyRule::kRequired)
       require(key);
   }
-  /// The key's value or its standard; throws where there is neither.
+  /// The key's value; throws where it is absent.
   template <class T>
   T get(std::string_view key) const {
     T out{};
@@ -107,7 +107,7 @@ class MapReader {
       require(key);
     return out;
   }
-  /// Place among the row's words of the key's value or standard; throws where there is neither.
+  /// Place among the row's words of the key's value; throws where it is absent.
   std::size_t choice(std::string_view key) const;
   /// The map that the key holds; throws where it is absent.
   MapReader inner(std::string_view key) const {
@@ -126,11 +126,10 @@ class MapReader {
   template <class T>
   bool read_if_present(std::string_view key, T& out) const {
     const Key& row = row_of(key);
-    if (const YamlNode* value = find(key))
-      return read_value(source_, *value, row, out), true;
-    if (row.standard.empty())
-      return false;
-    return read_value(source_, parse_yaml(std::string(row.standard), source_.file), row, out), true;
+    const YamlNode* const value = find(key);
+    if (value != nullptr)
+      read_value(source_, *value, row, out);
+    return value != nullptr;
   }
 
   const SceneSource& source_;

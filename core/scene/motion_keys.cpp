@@ -4,31 +4,33 @@
 namespace voxtouch::scene::keys {
 namespace {
 
-// clang-format off: one row a key, as in keys.cpp
-constexpr auto kCircle = std::to_array<Key>(
-    {{"centre", kVector, kRequired, "", "[m]"}, {"axis", kVector, kOptional, "[0, 0, 1]"}});
-constexpr auto kPress = std::to_array<Key>({{"button", kButton, kRequired, "", "Counted from 0."},
-                                            {"from_s", kNotNegative, kRequired, "", "[s]"},
-                                            {"to_s", kPositive, kRequired, "", "[s]"}});
+// The columns are those of keys.cpp.
+constexpr auto kCircle =
+    std::to_array<Key>({{"centre", kVector, kRequired, none, "[m]"},
+                        {"axis", kVector, kOptional, initial<&Motion::circle_axis>}});
+constexpr auto kPress = std::to_array<Key>({{"button", kButton, kRequired, none, "Counted from 0."},
+                                            {"from_s", kNotNegative, kRequired, none, "[s]"},
+                                            {"to_s", kPositive, kRequired, none, "[s]"}});
 constexpr auto kTurn =
-    std::to_array<Key>({{"axis", kVector, kRequired, "", "In the scene, right-handed."},
-                        {"angle_rad", kNumber, kRequired, "", "[rad]", "", nullptr, -3.1, 3.1},
-                        {"from_s", kNotNegative, kOptional, "0", "[s]"},
-                        {"to_s", kPositive, kRequired, "", "[s]"}});
+    std::to_array<Key>({{"axis", kVector, kRequired, none, "In the scene, right-handed."},
+                        {"angle_rad", kNumber, kRequired, none, "[rad]", "", nullptr, -3.1, 3.1},
+                        {"from_s", kNotNegative, kOptional, initial<&MotionTurn::from_s>, "[s]"},
+                        {"to_s", kPositive, kRequired, none, "[s]"}});
 constexpr auto kWay = std::to_array<Key>(
-    {{"path", kVectors, kRequired, "", "Way points [m], walked in straight pieces.", "", nullptr,
+    {{"path", kVectors, kRequired, none, "Way points [m], walked in straight pieces.", "", nullptr,
       1},
-     {"speed_m_per_s", kPositive, kOptional, "0.05", "Largest speed of a straight piece [m/s]."},
-     {"hold_s", kNotNegative, kOptional, "0", "Rest at each way point [s]."},
-     {"repeat_from", kCount, kNotTogether, "",
+     {"speed_m_per_s", kPositive, kOptional, initial<&Motion::speed_m_per_s>,
+      "Largest speed of a straight piece [m/s]."},
+     {"hold_s", kNotNegative, kOptional, initial<&Motion::hold_s>, "Rest at each way point [s]."},
+     {"repeat_from", kCount, kNotTogether, none,
       "Back and forth between this point, counted from 0, and the last, for ever."},
-     {"circle", kMap, kNotTogether, "", "", "", &circle}});
-constexpr auto kMotion =
-    joined(kWay, std::to_array<Key>({{"orientation", kQuaternion, kOptional, "[1, 0, 0, 0]"},
-                                     {"turn", kMap, kOptional, "", "", "", &turn},
-                                     {"press", kMaps, kOptional, "",
-                                      "Buttons that the hand holds down meanwhile.", "", &press}}));
-// clang-format on
+     {"circle", kMap, kNotTogether, none, "", "", &circle}});
+constexpr auto kMotion = joined(
+    kWay,
+    std::to_array<Key>({{"orientation", kQuaternion, kOptional, initial<&Motion::orientation>},
+                        {"turn", kMap, kOptional, none, "", "", &turn},
+                        {"press", kMaps, kOptional, none,
+                         "Buttons that the hand holds down meanwhile.", "", &press}}));
 
 }  // namespace
 

@@ -52,6 +52,9 @@ enum class RenderingKind {
   kVirtualTool,  ///< a spring from the hand to a tool that stays outside
 };
 
+inline constexpr double kRestDepthM =
+    1e-4;  ///< of a body at rest on a sixth of its surface, if its mass chooses the stiffness
+
 struct ContactSpec {
   std::string model = "adapted";  ///< original | adapted | field
   double stiffness_n_per_m =
@@ -60,6 +63,8 @@ struct ContactSpec {
       0.0;  ///< per area of the tool's surface: any model; 0 where the other is given
   RenderingKind rendering =
       RenderingKind::kPenalty;  ///< kVirtualTool: with `field` alone, and both stiffnesses are 0
+  double body_mass_kg =
+      0.0;  ///< of the body that the stiffness follows from; then both stiffnesses are 0
 };
 
 /// Static meshes with a material of their own, and a motion if they have one.
@@ -98,8 +103,6 @@ struct Scene {
   MeshSpec dynamic_mesh;
   ShellKind shell = ShellKind::kExact;
   ContactSpec contact;
-  std::optional<double>
-      budget_us;  ///< of a frame of the rendering [us]; left out: it takes what it takes
   std::optional<double> lever_m;  ///< of a virtual tool; left out: the tool's reach
   bool virtual_tool() const noexcept { return contact.rendering == RenderingKind::kVirtualTool; }
   std::vector<effects::EffectSpec>

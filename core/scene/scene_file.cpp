@@ -48,12 +48,12 @@ Scene parse_scene(const std::string& text, const std::filesystem::path& file) {
   map.read("voxel_size", scene.voxel_size_m);
   scene.dynamic_mesh = read_dynamic_mesh(source, map.inner("dynamic"), scene.shell);
   scene.contact = read_contact(source, map.inner("contact"));
-  map.read("budget_us", scene.budget_us);
   if (map.has("tool"))
     map.inner("tool").read("lever_m", scene.lever_m);
   read_static(source, map.require("static"), scene);
   if (const YamlNode* node = map.find("effects"))
     scene.effects = read_effects(source, *node, scene);
+  follow_body_mass(map.inner("contact"), scene);
   if (const YamlNode* node = map.find("coupling"))
     scene.coupling = read_coupling(source, *node, scene.design);
   if (map.has("device"))

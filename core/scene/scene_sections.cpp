@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/effects/body.hpp"
+
 namespace voxtouch::scene {
 namespace {
 
@@ -14,7 +16,10 @@ Primitive read_part(const SceneSource& source, const YamlNode& node) {
     source.fail(node.place, "A part is exactly one of: sphere, box, cylinder.");
   if (part.has("sphere")) {
     const MapReader map = part.inner("sphere");
-    return SpherePrimitive{map.get<Vec3>("centre"), map.get<double>("radius")};
+    SpherePrimitive sphere;
+    map.read("centre", sphere.centre);
+    map.read("radius", sphere.radius_m);
+    return sphere;
   }
   if (part.has("box")) {
     const MapReader map = part.inner("box");
@@ -138,7 +143,8 @@ Motion read_motion(const SceneSource& source, const YamlNode& node, std::string_
 }
 
 MeshSpec read_dynamic_mesh(const SceneSource& source, const MapReader& map, ShellKind& shell) {
-  shell = map.choice("shell") == 0 ? ShellKind::kExact : ShellKind::kNaive;
+  if (map.has("shell"))
+    shell = map.choice("shell") == 0 ? ShellKind::kExact : ShellKind::kNaive;
   return read_mesh(source, map);
 }
 
@@ -202,6 +208,20 @@ ContactSpec read_contact(const SceneSource& source, const MapReader& map) {
   else
     contact.stiffness_n_per_m = map.get<double>("stiffness_n_per_m");
   return contact;
+}
+
+void follow_body_mass(const MapReader& contact, Scene& scene) {
+  if (!scene.virtual_tool() || contact.has("rendering"))
+    return;
+  const auto body =
+      std::find_if(scene.effects.begin(), scene.effects.end(),
+                   [](const effects::EffectSpec& e) { return e.kind->needs(e.values).body; });
+  if (body == scene.effects.end())
+    return;
+  scene.contact.rendering = RenderingKind::kPenalty;
+  scene.contact.body_mass_kg = effects::body_parameters(body->values).mass_kg;
+  for (ObjectSpec& object : scene.objects)
+    object.contact = scene.contact;
 }
 
 void check_virtual_tool(SceneSource& source, const MapReader& map, const Scene& scene) {

@@ -22,6 +22,8 @@ Motion read_motion(const SceneSource& source, const YamlNode& node, std::string_
 MeshSpec read_dynamic_mesh(const SceneSource& source, const MapReader& map, ShellKind& shell);
 /// `contact`: the model and its stiffness in W.
 ContactSpec read_contact(const SceneSource& source, const MapReader& map);
+/// A scene with the effect `body` and without a contact stiffness gets one from the body's mass.
+void follow_body_mass(const MapReader& contact, Scene& scene);
 /// Of the whole scene as read: refuses what a virtual tool does not go with, and warns of what only
 /// it would read.
 void check_virtual_tool(SceneSource& source, const MapReader& map, const Scene& scene);

@@ -68,7 +68,7 @@ Json map_in(const Key& key) {
 }
 
 Json standard_of(const Key& key) {
-  return key.kind == KeyKind::kWord ? Json(key.standard) : Json::parse(key.standard);
+  return key.kind == KeyKind::kWord ? Json(key.standard()) : Json::parse(key.standard());
 }
 
 /// The value's type and its lower limit. Numbers within limits and flags tell their standard here,
@@ -114,7 +114,7 @@ Json type_of(const Key& key) {
     case KeyKind::kNamedMaps:
       return {{"type", "object"}};
   }
-  if (!key.standard.empty())
+  if (key.standard != nullptr)
     out["default"] = standard_of(key);
   return out;
 }
@@ -133,7 +133,7 @@ Json value_of(const Key& key) {
     out["propertyNames"] = {{"pattern", "^[A-Za-z0-9_-]+$"}};
     out["additionalProperties"] = map_in(key);
   }
-  if (!key.standard.empty())
+  if (key.standard != nullptr)
     out["default"] = standard_of(key);
   return out;
 }

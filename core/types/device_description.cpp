@@ -7,8 +7,17 @@
 
 namespace voxtouch {
 
+void derive_slew_limits(DeviceDescription& d) noexcept {
+  const double steps = d.rate_hz + 1.0 / kReturnRampS;
+  d.max_force_rate_n_per_s = d.max_stiffness_n_per_m * kFastestHandMPerS + d.max_force_n * steps;
+  d.max_torque_rate_nm_per_s =
+      d.max_stiffness_nm_per_rad * kFastestHandRadPerS + d.max_torque_nm * steps;
+}
+
 std::string what_is_wrong(const DeviceDescription& d) {
   constexpr double kNoLimit = std::numeric_limits<double>::infinity();
+  constexpr double kMostRate =
+      1e15;  // finite: what is derived from a figure that overflowed is not
   std::string wrong;
   const auto within = [&](std::string_view name, double value, double least, double most) {
     if (wrong.empty() && !(value >= least && value <= most))  // NaN is not within
@@ -19,9 +28,9 @@ std::string what_is_wrong(const DeviceDescription& d) {
   within("rate_hz", d.rate_hz, 10.0, 100'000.0);
   within("max_force_n", d.max_force_n, 1e-3, 10'000.0);
   within("max_torque_nm", d.max_torque_nm, 0.0, 10'000.0);
-  within("max_force_rate_n_per_s", d.max_force_rate_n_per_s, 1e-3, kNoLimit);
+  within("max_force_rate_n_per_s", d.max_force_rate_n_per_s, 1e-3, kMostRate);
   within("max_torque_rate_nm_per_s", d.max_torque_rate_nm_per_s, gives_torque ? 1e-3 : 0.0,
-         kNoLimit);
+         kMostRate);
   within("max_stiffness_n_per_m", d.max_stiffness_n_per_m, 1e-3, 1e7);
   within("max_stiffness_nm_per_rad", d.max_stiffness_nm_per_rad, 0.0, 1e7);
   within("mass_min_kg", d.mass_min_kg, 1e-4, 1'000.0);

@@ -12,7 +12,7 @@ struct DeviceDescription {
   double rate_hz = 1000.0;
   double max_force_n = 0.0;
   double max_torque_nm = 0.0;           ///< 0: gives no torque
-  double max_force_rate_n_per_s = 0.0;  ///< slew limit that the guard keeps
+  double max_force_rate_n_per_s = 0.0;  ///< slew limit that the guard keeps; see derive_slew_limits
   double max_torque_rate_nm_per_s = 0.0;
   double max_stiffness_n_per_m = 0.0;
   double mass_min_kg = 0.0, mass_max_kg = 0.0;  ///< apparent mass at the tool over the workspace
@@ -37,6 +37,21 @@ struct DeviceDescription {
   bool simulated = false;  ///< its command acts within the sample's own period; a real device's may
                            ///< leave a period later
 };
+
+/// Speeds that a hand moves a device with at most [m/s, rad/s].
+inline constexpr double kFastestHandMPerS = 3.0, kFastestHandRadPerS = 30.0;
+/// Seconds in which the guard brings a force back after a fade.
+inline constexpr double kReturnRampS = 0.1;
+
+/// The slew limits, of the device's other numbers: no certified loop asks for more, so a command
+/// that does is a fault.
+///
+///     K v + F / T + F / kReturnRampS
+///
+/// The first is a wall of the largest stiffness met at the hand's largest speed; the second the
+/// injected damper, which never pulls and is cut to the device's force, so that it comes or goes
+/// with a step of at most F within a period; the third the guard's own ramp. Real-time safe.
+void derive_slew_limits(DeviceDescription& device) noexcept;
 
 /// The first number that cannot be a device's, as a sentence; empty where all can. It cannot know
 /// whether the numbers are true. One check for whoever opens a device and for whoever is told of

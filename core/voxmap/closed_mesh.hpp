@@ -1,9 +1,12 @@
 #pragma once
-/// The closed parts of a mesh in grid coordinates, and the tree over their triangles: made once for
-/// all that asks distances of them.
+/// The closed parts of a mesh in grid coordinates, and the trees over their triangles: made once
+/// for all that asks distances of them.
+#include <optional>
+
 #include "core/voxmap/closed_shells.hpp"
 #include "core/voxmap/distance_tree.hpp"
 #include "core/voxmap/grid_mesh.hpp"
+#include "core/voxmap/solid_surface.hpp"
 
 namespace voxtouch::voxmap {
 
@@ -12,13 +15,29 @@ struct ClosedMesh {
   ClosedMesh(const mesh::TriangleMesh& mesh, const Grid& grid)
       : in_grid(mesh, grid),
         shells(find_closed_shells(in_grid)),
-        tree(in_grid, triangles_of_closed_parts(shells)) {}
+        tree(in_grid, triangles_of_closed_parts(shells)),
+        solid(solid_surface(in_grid, shells)) {
+    if (solid.whole)
+      return;
+    left.emplace(solid.mesh, Grid{Vec3::Zero(), 1.0});
+    left_tree.emplace(*left, solid.closed);
+  }
   ClosedMesh(const ClosedMesh&) = delete;
   ClosedMesh& operator=(const ClosedMesh&) = delete;
 
+  /// What distances are to: the surface of all closed parts together.
+  const DistanceTree& surface() const noexcept { return solid.whole ? tree : *left_tree; }
+  /// The open triangles that are not within a solid.
+  DistanceTree open_surface() const {
+    return solid.whole ? DistanceTree(in_grid, shells.open) : DistanceTree(*left, solid.open);
+  }
+
   GridMesh in_grid;
   ClosedShells shells;
-  DistanceTree tree;
+  DistanceTree tree;  ///< of the whole mesh: what a ray crosses
+  SolidSurface solid;
+  std::optional<GridMesh> left;           ///< of `solid`, where it is not whole
+  std::optional<DistanceTree> left_tree;  ///< likewise
 };
 
 }  // namespace voxtouch::voxmap

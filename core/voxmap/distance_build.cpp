@@ -53,10 +53,11 @@ class DistanceFieldBuilder {
       : voxmap_(voxmap),
         mesh_(mesh.in_grid),
         shells_(mesh.shells),
-        tree_(mesh.tree),
+        tree_(mesh.surface()),
+        rays_(mesh.tree),
         half_wall_(0.5 * options.open_wall_voxels),
         has_walls_(half_wall_ > 0.0 && !shells_.open.empty()),
-        walls_(mesh_, has_walls_ ? shells_.open : std::vector<std::uint32_t>{}) {
+        walls_(has_walls_ ? mesh.open_surface() : DistanceTree(mesh_, {})) {
     field_.grid_ = voxmap.grid(), field_.base_ = voxmap.base(), field_.cells_ = voxmap.cells();
     field_.depth_voxels_ = static_cast<float>(options.depth_voxels);  // as the nodes hold it
     field_.band_voxels_ = static_cast<float>(options.band_voxels);
@@ -247,7 +248,7 @@ class DistanceFieldBuilder {
   /// 0.
   bool inside_exactly(const Vec3& node, std::vector<std::uint32_t>& above) const {
     above.clear();
-    tree_.each_on_ray(node, Vec3::UnitZ(),
+    rays_.each_on_ray(node, Vec3::UnitZ(),
                       [&](std::uint32_t triangle) { above.push_back(triangle); });
     return inside_shells(mesh_, shells_, above, node);
   }
@@ -255,8 +256,9 @@ class DistanceFieldBuilder {
   const Voxmap& voxmap_;
   const GridMesh& mesh_;
   const ClosedShells& shells_;
-  const DistanceTree& tree_;
-  double half_wall_;  ///< of open parts [voxels]
+  const DistanceTree& tree_;  ///< of the surface
+  const DistanceTree& rays_;  ///< of all that a ray crosses
+  double half_wall_;          ///< of open parts [voxels]
   bool has_walls_;
   DistanceTree walls_;
   DistanceField field_;

@@ -2,27 +2,24 @@
 /// Signed distance to the static surface, interpolated below one voxel: what the contact model
 /// `field` looks up.
 ///
-/// Nodes stand at the corners of the voxels, so that the eight nodes of one interpolation are those
-/// of one voxel. Hence the interpolated distance is above 0 in every free voxel and below 0 in
-/// every interior one (all eight nodes are), and its zero lies in surface voxels only: a shell
-/// point in a free voxel, which no query reports, never has a depth.
+/// Nodes stand at the corners of the voxels, so the interpolated distance is above 0 in every free
+/// voxel and below 0 in every interior one: a shell point in a free voxel, which no query reports,
+/// never has a depth.
 ///
-/// Magnitude: exact distance to the triangles of the mesh's closed parts, in double, stored as
-/// float32 in voxels (2^-24 of at most 12 voxels is below 1e-6 e). Sign: from the voxmap. A node
-/// with a free voxel round it is outside, one with an interior voxel inside; where all eight are
-/// surface voxels, what the flood fill does not reach, it is the exact winding number that also
-/// judges the groups of the fill (winding.hpp). Triangles' planes are never asked, so a facet that
-/// is turned round, or an edge seen from either side, gives no wrong sign.
+/// Magnitude: exact distance to the triangles of the mesh's closed parts, stored as float32 in
+/// voxels (2^-24 of at most 12 voxels is below 1e-6 e). Sign: from the voxmap. A node with a free
+/// voxel round it is outside, one with an interior voxel inside; between eight surface voxels the
+/// exact winding number decides (winding.hpp). Planes of triangles have no part in it, so an
+/// inverted facet gives no wrong sign.
 ///
-/// Parts that are open have no inside: they give no distance and no force, unless the options make
-/// thin walls of them. Then the distance to such a part is the unsigned one less half the wall's
-/// thickness. Closed parts and walls that overlap are one body (signs are those of the union), but
-/// surfaces buried in it count: depth there is at most the distance to them.
+/// Open parts have no inside: they give no distance and no force, unless the options make thin
+/// walls of them. The distance to such a wall is the unsigned one less half its thickness. Closed
+/// parts and walls that overlap are one body; surfaces buried in it limit the depth there.
 ///
 /// Layout: bricks of 8^3 voxels with their 9^3 nodes (2916 bytes), so that a lookup meets one
-/// brick. Nodes on common faces are equal to the bit, so the interpolation is continuous
-/// everywhere. Distances are cut off at `band_voxels` outside and `depth_voxels` inside; bricks
-/// that hold nothing but cut-off values are not stored.
+/// brick. Nodes on common faces are bit-identical, so the interpolation is continuous. Distances
+/// are cut off at `band_voxels` outside and `depth_voxels` inside; bricks of cut-off values alone
+/// are not stored.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -77,12 +74,11 @@ class DistanceField {
 
   static constexpr std::size_t kSmoothTogether =
       8;  ///< the most places that `smooth_gradients` takes
-  /// Gradients at `count` places `u`, in grid coordinates, W axes, that do not jump from voxel to
-  /// voxel: differences of the stored distances over two voxels at the corners of the point's
-  /// voxel, interpolated between these. Exact where the distance is a polynomial of second degree.
-  /// Of a distance that is cut off outside, the one that the nodes before it lead to is taken, so
-  /// beside planes it is theirs. `u` must be finite and within int32. Of each place the same bits
-  /// whatever is asked beside it, on every processor. Real-time safe.
+  /// Gradients at `count` places `u` (grid coordinates, finite, within int32), W axes, that do not
+  /// jump from voxel to voxel: differences over two voxels at the corners of the point's voxel,
+  /// interpolated. Exact for polynomials of second degree. A distance that is cut off outside is
+  /// extrapolated from the nodes before it. Bit-identical for a place whatever else is looked up,
+  /// on every processor. Real-time safe.
   void smooth_gradients(std::size_t count, const Vec3* u, Vec3* gradients) const noexcept;
   /// Of one place.
   Vec3 smooth_gradient(const Vec3& u) const noexcept {
@@ -120,20 +116,12 @@ class DistanceField {
   bool has_inside() const noexcept { return has_inside_; }
   /// Depth at which the field stops to grow [m].
   double depth_m() const noexcept { return grid_.edge * depth_voxels_; }
-  /// Bound of the gradient's length wherever the interpolated distance is below 0: how much steeper
-  /// than the true distance, whose gradient has length 1, the interpolation gets. 1 over flat
-  /// walls; more where surfaces meet in an edge, up to sqrt(2) in a concave edge and sqrt(3) in a
-  /// concave corner (three differences of at most one each).
+  /// Bound of the gradient's length wherever the interpolated distance is below 0: 1 over flat
+  /// walls, up to sqrt(2) in a concave edge and sqrt(3) in a concave corner.
   double steepest_gradient() const noexcept { return steepest_gradient_; }
-
-  /// As Voxmap::put and Voxmap::take; in stored.cpp.
-  void put(ByteWriter& out) const;
-  static DistanceField take(ByteReader& in);
 
  private:
   friend class DistanceFieldBuilder;
-  template <class Archive, class Field>
-  static void fields(Archive& archive, Field& field);
 
   /// The table's entry, or kFree beyond the table.
   std::int32_t entry_at(std::int64_t x, std::int64_t y, std::int64_t z) const noexcept;

@@ -4,6 +4,7 @@
 
 #include "core/voxmap/closed_shells.hpp"
 #include "core/voxmap/slabs.hpp"
+#include "core/voxmap/solid_surface.hpp"
 #include "core/voxmap/triangle_voxels.hpp"
 #include "core/voxmap/voxel_groups.hpp"
 #include "core/voxmap/winding.hpp"
@@ -100,8 +101,28 @@ std::vector<std::uint8_t> judge_groups(const GridMesh& mesh, const Slabs& slabs,
   return inside;
 }
 
-void write_map(const SurfaceBits& surface, const VoxelGroups& groups,
-               const std::vector<std::uint8_t>& inside, Voxmap& map) {
+/// The voxels of `surface` that what is left of the mesh meets; the others are within the solid.
+std::vector<BrickMask> bricks_left(const mesh::TriangleMesh& left, const Voxmap& map,
+                                   const SurfaceBits& surface, const ParallelFor& parallel_for) {
+  const GridMesh mesh(left, Grid{Vec3::Zero(), 1.0});
+  const Slabs slabs(mesh, surface.base.i, static_cast<std::size_t>(surface.cells[0]));
+  const SurfaceBits marked = mark_surface(mesh, slabs, map, parallel_for, {}, ~std::uint64_t{0});
+  std::vector<BrickMask> bricks(surface.bricks.size(), BrickMask{});
+  for (std::size_t cell = 0; cell < surface.brick_of.size(); ++cell) {
+    const std::int32_t brick = surface.brick_of[cell], of = marked.brick_of[cell];
+    if (brick < 0 || of < 0)
+      continue;
+    const BrickMask &all = surface.bricks[static_cast<std::size_t>(brick)],
+                    &kept = marked.bricks[static_cast<std::size_t>(of)];
+    for (std::size_t z = 0; z < 8; ++z)
+      bricks[static_cast<std::size_t>(brick)][z] = all[z] & kept[z];
+  }
+  return bricks;
+}
+
+/// `left`: of each brick, the surface of the solid; empty: all of it.
+void write_map(const SurfaceBits& surface, const std::vector<BrickMask>& left,
+               const VoxelGroups& groups, const std::vector<std::uint8_t>& inside, Voxmap& map) {
   map.reserve_bricks(surface.bricks.size());
   map.for_each_cell([&](std::int64_t x, std::int64_t y, std::int64_t z) {
     const auto cell = static_cast<std::size_t>((x * surface.cells[1] + y) * surface.cells[2] + z);
@@ -117,8 +138,11 @@ void write_map(const SurfaceBits& surface, const VoxelGroups& groups,
       if (inside[groups.group[surface.brick_of.size() + p]])
         for (std::size_t z8 = 0; z8 < 8; ++z8)
           interior[z8] |= groups.pieces[p].voxels[z8];
-    map.set_cell(surface.first_voxel(cell), surface.bricks[static_cast<std::size_t>(brick)],
-                 interior);
+    const BrickMask& all = surface.bricks[static_cast<std::size_t>(brick)];
+    const BrickMask& kept = left.empty() ? all : left[static_cast<std::size_t>(brick)];
+    for (std::size_t z8 = 0; z8 < 8; ++z8)
+      interior[z8] |= all[z8] & ~kept[z8];
+    map.set_cell(surface.first_voxel(cell), kept, interior);
   });
   map.finish();
 }
@@ -141,7 +165,12 @@ Voxmap voxelise(const mesh::TriangleMesh& mesh, const Grid& grid, const Parallel
 
   const ClosedShells shells = find_closed_shells(in_grid);
   const VoxelGroups groups = group_voxels(surface, parallel_for);
-  write_map(surface, groups, judge_groups(in_grid, slabs, shells, groups, parallel_for), map);
+  const SolidSurface solid = solid_surface(in_grid, shells);
+  const std::vector<BrickMask> left =
+      solid.whole ? std::vector<BrickMask>{} : bricks_left(solid.mesh, map, surface, parallel_for);
+  const std::vector<std::uint8_t> inside =
+      judge_groups(in_grid, slabs, shells, groups, parallel_for);
+  write_map(surface, left, groups, inside, map);
 
   return map;
 }

@@ -2,17 +2,14 @@
 /// The static scene as a voxmap: surface, interior, free (paper, section 1), in bricks behind a
 /// table of two levels.
 ///
-/// Layout: bricks of 8x8x8 voxels, 2 bits a voxel, 128 bytes a brick, one for each 8-voxel cell
-/// that holds surface; shared bricks for "all free" and "all interior". A block is 4x4x4 cells. Its
-/// page, a line of the cache, has a byte for each cell: which of the block's own bricks it is, or
-/// which shared one. Blocks without surface share two pages, so that only 8 bytes a block grow with
-/// the volume. Bricks lie in Morton order of their cells: what is near in space is near in memory.
-/// Where it takes no more than kFewTableBytes, a table that names the brick of each cell stands
-/// beside the pages: one look less for kernels. One border cell of free bricks surrounds the
-/// object. The table's strides are exact: rounded up to powers of two they would save a
-/// multiplication and cost up to four times the table. Beside it, one byte for each cell of 4x4x4
-/// voxels or more says how far the nearest surface or interior is at least (free_distance.hpp):
-/// what the culling tree asks.
+/// Layout: bricks of 8x8x8 voxels, 2 bits a voxel, one for each 8-voxel cell that holds surface;
+/// shared bricks for "all free" and "all interior". A block is 4x4x4 cells. Its page (a cache line)
+/// has a byte for each cell: which of the block's own bricks it is, or which shared one. Blocks
+/// without surface share two pages, so only 8 bytes a block grow with the volume. Bricks lie in
+/// Morton order of their cells. Up to kFewTableBytes a table names the brick of each cell directly.
+/// One border cell of free bricks surrounds the object. Strides are exact: powers of two would cost
+/// up to four times the table. One byte for each cell of 4x4x4 voxels or more bounds the distance
+/// to the nearest surface or interior from below (free_distance.hpp), for the culling tree.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -25,11 +22,6 @@
 #include "core/voxmap/free_distance.hpp"
 #include "core/voxmap/grid.hpp"
 
-namespace voxtouch {
-class ByteReader;
-class ByteWriter;
-}  // namespace voxtouch
-
 namespace voxtouch::voxmap {
 
 enum class VoxelKind : std::uint8_t { kFree = 0, kSurface = 1, kInterior = 2 };
@@ -41,9 +33,9 @@ class Voxmap {
   using Brick = std::array<std::uint64_t, 16>;
 
   Voxmap() = default;
-  /// A map with room for voxels `first`..`last` (inclusive), all free. Throws std::length_error if
-  /// the table would need more than `kMaxTableCells` cells or indices beyond +-2^30: callers
-  /// estimate first (grid_mesh.hpp) and say it better.
+  /// A map with room for voxels `first`..`last` (inclusive), all free. Throws std::length_error for
+  /// more than `kMaxTableCells` cells or indices beyond +-2^30; callers estimate first
+  /// (grid_mesh.hpp).
   Voxmap(const Grid& grid, const VoxelIndex& first, const VoxelIndex& last);
 
   const Grid& grid() const noexcept { return grid_; }
@@ -147,14 +139,7 @@ class Voxmap {
             {near_along(0), near_along(1), near_along(2)}};
   }
 
-  /// All of a finished map, and such a map again, bit for bit; in stored.cpp. `take` throws
-  /// StoredBytesError for bytes that are no map which every lookup stands.
-  void put(ByteWriter& out) const;
-  static Voxmap take(ByteReader& in);
-
  private:
-  template <class Archive, class Map>
-  static void fields(Archive& archive, Map& map);
   static constexpr std::int32_t kInteriorBrick = 1, kInteriorPage = 1;
   /// Voxel counted from the first of the table.
   std::array<std::int64_t, 3> local(const VoxelIndex& v) const noexcept {

@@ -19,6 +19,7 @@ endfunction()
 
 voxtouch_forbid_includes(core "dds|qos/|nodes/|devices/|voxtouch_msgs|idl/" "core is arithmetic and sees no layer above itself.")
 voxtouch_forbid_includes(core "assimp/" "assimp belongs to the mesh readers only." "/core/mesh/import" "/core/reference/")
+voxtouch_forbid_includes(core "geos" "GEOS belongs to the cutter of polygons only." "/core/mesh/polygon")
 voxtouch_forbid_includes(core "yaml-cpp/" "the YAML parser belongs to core/scene only." "/core/scene/")
 voxtouch_forbid_includes(core "fcl/" "FCL belongs to core/reference only." "/core/reference/")
 voxtouch_forbid_includes(core/reference "core/(mesh|voxmap|pointshell|contact|effects|coupling)/"

@@ -15,7 +15,7 @@ set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)  # every library by the package that it c
 # The page's libraries are no link of any program's.
 set(CPACK_DEBIAN_PACKAGE_DEPENDS "libjs-three, libjs-dygraphs")
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "python3, python3-matplotlib, python3-zstandard")  # pictures, also of bags in MCAP
-set(CPACK_DEBIAN_PACKAGE_SUGGESTS "cmake, g++, libeigen3-dev, libfmt-dev, libyaml-cpp-dev, nlohmann-json3-dev, libpugixml-dev, libassimp-dev, libfcl-dev")  # find_package(voxtouch)
+set(CPACK_DEBIAN_PACKAGE_SUGGESTS "cmake, g++, libeigen3-dev, libfmt-dev, libyaml-cpp-dev, nlohmann-json3-dev, libpugixml-dev, libassimp-dev, libgeos-dev, libfcl-dev")  # find_package(voxtouch)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/deploy/package/postinst ${PROJECT_SOURCE_DIR}/deploy/package/prerm
   ${PROJECT_SOURCE_DIR}/deploy/package/postrm ${PROJECT_BINARY_DIR}/conffiles)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)

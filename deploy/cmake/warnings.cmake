@@ -13,13 +13,20 @@ add_library(voxtouch_reproducible INTERFACE)
 add_library(voxtouch::reproducible ALIAS voxtouch_reproducible)
 target_compile_options(voxtouch_reproducible INTERFACE -ffp-contract=off -fno-fast-math)
 
-# Tests, command lines, and nodes' code outside of the loop: they run once or seldom, call the libraries for whatever takes time, and are most of
-# what is to be compiled. The bits do not hang on it. What measures times or counts instructions is no test program and links it not. What GCC only suspects to be read before it
-# is set is told and no error here: it sees fewer paths to the end.
+# Code outside the loop's arithmetic: tests, command lines, nodes, readers of files, the reference, simulated controllers. It calls the
+# libraries for whatever takes time and is most of what is compiled. Results do not depend on it. Programs that measure times or count
+# instructions do not link it. GCC's suspicion that a variable is read uninitialised stays a warning: at -O1 it sees fewer paths.
 add_library(voxtouch_runs_once INTERFACE)
 add_library(voxtouch::runs_once ALIAS voxtouch_runs_once)
 target_compile_options(voxtouch_runs_once INTERFACE
   "$<$<AND:$<CONFIG:Release>,$<COMPILE_LANGUAGE:CXX>>:-O1;-Wno-error=maybe-uninitialized>")
+
+# voxtouch_runs_once(<targets>): compiles these libraries so.
+function(voxtouch_runs_once)
+  foreach(target IN LISTS ARGN)
+    target_link_libraries(${target} PRIVATE $<BUILD_INTERFACE:voxtouch::runs_once>)
+  endforeach()
+endfunction()
 
 # GCC frees memory while it compiles as if there were little of it. Units of eight files rarely need more than this: a tenth less time.
 add_compile_options($<$<COMPILE_LANG_AND_ID:CXX,GNU>:--param=ggc-min-heapsize=524288>)  # [KiB]

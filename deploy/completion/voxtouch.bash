@@ -1,5 +1,6 @@
-# Completion of `voxtouch` and its nodes for bash; zsh loads it too (_voxtouch beside it). Verbs, options and the choices of an option
-# are what --help says, so nothing here grows old; scenes, motions, devices and effects are read from files.
+# Completion of `voxtouch` and its nodes for bash; zsh loads it too (_voxtouch beside it). Verbs,
+# options and the choices of an option are what --help says, so nothing here grows old; scenes,
+# motions, devices and effects are read from files.
 
 _voxtouch_folder() {  # the folder with scenes and devices that belongs to the program
   local program
@@ -15,14 +16,17 @@ _voxtouch_names() {  # names of the YAML files of a folder
 }
 
 _voxtouch_scene_file() {  # SCENE as a file: itself, or a shipped one's name
-  if [[ -f $2 ]]; then printf '%s' "$2"; elif [[ -n $2 ]]; then printf '%s' "$(_voxtouch_folder "$1")/scenes/$2.yaml"; fi
+  if [[ -f $2 ]]; then printf '%s' "$2"; elif [[ -n $2 ]]; then printf '%s' \
+    "$(_voxtouch_folder "$1")/scenes/$2.yaml"; fi
 }
 
 _voxtouch_motions() {  # keys directly below `motions:`
   [[ -f $1 ]] && sed -n '/^motions:/,/^[^ #]/s/^  \([A-Za-z0-9_.-]*\):.*/\1/p' "$1"
 }
 
-_voxtouch_effects() {  # of the scene that a rendering of this machine runs: kinds, from the second of a kind on with their numbers
+# Of the scene that a rendering of this machine runs: kinds, from the second of a kind on with their
+# numbers.
+_voxtouch_effects() {
   local process scene word next
   for process in /proc/[0-9]*/cmdline; do
     next=
@@ -32,7 +36,8 @@ _voxtouch_effects() {  # of the scene that a rendering of this machine runs: kin
         next=; [[ $word == --scene ]] && next=scene
       done < "$process"; } 2>/dev/null
   done
-  [[ -f ${scene-} ]] && sed -n '/^effects:/,/^[^ #-]/p' "$scene" | grep -oE '(^effects: *\[ *\{|^ *- *\{?|^ *\{|, *\{) *[a-z_]+:' |
+  [[ -f ${scene-} ]] && sed -n '/^effects:/,/^[^ #-]/p' "$scene" |
+    grep -oE '(^effects: *\[ *\{|^ *- *\{?|^ *\{|, *\{) *[a-z_]+:' |
     grep -oE '[a-z_]+:$' | tr -d : | awk '{ print $1 (n[$1]++ ? n[$1] : "") }'
 }
 
@@ -40,20 +45,25 @@ _voxtouch_options() {  # words of --help that begin with --
   "$@" --help 2>/dev/null | grep -oE '^  (-[a-z],)?--[a-z][a-z-]*' | grep -oE -- '--[a-z-]+'
 }
 
-_voxtouch_choices() {  # the words in the braces, or between the bars, that --help has behind an option
+# The words in the braces, or between the bars, that --help has behind an option.
+_voxtouch_choices() {
   local option=$1
   shift
-  "$@" --help 2>/dev/null | sed -nE "s/^  (-[a-z],)?$option [^ ]*\{([^}]*)\}.*/\2/p; s/^  $option ([a-z]+(\|[a-z]+)+) .*/\1/p" | tr ',|' '\n\n'
+  "$@" --help 2>/dev/null | sed \
+    -nE "s/^  (-[a-z],)?$option [^ ]*\{([^}]*)\}.*/\2/p; s/^  $option ([a-z]+(\|[a-z]+)+) .*/\1/p" \
+    | tr ',|' '\n\n'
 }
 
 _voxtouch() {
-  local program=$1 current=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]} verb= scene= word n
+  local program=$1 current=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]} verb= \
+    scene= word n
   COMPREPLY=()
   local -a call=("$program")
   if [[ ${program##*/} == voxtouch ]]; then
     if ((COMP_CWORD == 1)); then
       local verbs
-      verbs=$("$program" --help 2>/dev/null | sed -n '/^Subcommands:/,$s/^  \([a-z][a-z]*\) .*/\1/p')
+      verbs=$("$program" --help 2>/dev/null | sed \
+        -n '/^Subcommands:/,$s/^  \([a-z][a-z]*\) .*/\1/p')
       COMPREPLY=($(compgen -W "$verbs --help --version" -- "$current"))
       return
     fi
@@ -64,23 +74,26 @@ _voxtouch() {
       [[ $word != -* && ${COMP_WORDS[n - 1]} != -* && -z $scene ]] && scene=$word
     done
   fi
-  for ((n = 1; n < COMP_CWORD - 1; ++n)); do [[ ${COMP_WORDS[n]} == --scene ]] && scene=${COMP_WORDS[n + 1]}; done
+  for ((n = 1; n < COMP_CWORD - 1; ++n)); do [[ ${COMP_WORDS[n]} == --scene ]] &&
+    scene=${COMP_WORDS[n + 1]}; done
   local share choices=
   share=$(_voxtouch_folder "$program")
   case $before in
     --device)
       # A colon parts words for bash: what stands in front of it is kept out of the reply.
-      choices="sim-phantom sim-lwr wire-phantom wire-lwr wire-fr3 phantom lwr fr3 replay: $(_voxtouch_names "$share/devices" | sed 's/^/sim:/')"
+      choices="sim-phantom sim-lwr emulated-phantom emulated-lwr emulated-fr3 phantom lwr fr3"
+      choices+=" $(_voxtouch_names "$share/devices" | sed 's/^/sim:/')"
       ;;
     :)
-      [[ ${COMP_WORDS[COMP_CWORD - 2]} == replay ]] || COMPREPLY=($(compgen -W "$(_voxtouch_names "$share/devices")" -- "$current"))
+      COMPREPLY=($(compgen -W "$(_voxtouch_names "$share/devices")" -- "$current"))
       COMPREPLY+=($(compgen -f -- "$current"))
       return
       ;;
     --motion) choices=$(_voxtouch_motions "$(_voxtouch_scene_file "$program" "$scene")") ;;
     --scene) choices=$(_voxtouch_names "$share/scenes") ;;
     --interface) choices="host lo $(ls /sys/class/net 2>/dev/null)" ;;
-    --hand) choices=$("${call[@]}" --help 2>/dev/null | sed -nE '/--hand/,/^  -/p' | grep -oE '(pen|arm)(-[a-z]+)?|fingertip|released|any_passive' | sort -u) ;;
+    --hand) choices=$("${call[@]}" --help 2>/dev/null | sed -nE '/--hand/,/^  -/p' |
+      grep -oE '(pen|arm)(-[a-z]+)?|fingertip|released|any_passive' | sort -u) ;;
     --*) choices=$(_voxtouch_choices "$before" "${call[@]}") ;;
   esac
   if [[ -n $choices ]]; then
@@ -91,7 +104,8 @@ _voxtouch() {
     COMPREPLY=($(compgen -W "$(_voxtouch_options "${call[@]}")" -- "$current"))
   else
     case $verb in
-      up | plan | probe | accuracy | view) [[ -z $scene ]] && COMPREPLY=($(compgen -W "$(_voxtouch_names "$share/scenes")" -- "$current")) ;;
+      up | plan | probe | accuracy | view) [[ -z $scene ]] &&
+        COMPREPLY=($(compgen -W "$(_voxtouch_names "$share/scenes")" -- "$current")) ;;
       change) [[ -z $scene ]] && COMPREPLY=($(compgen -W "$(_voxtouch_effects)" -- "$current"))
         [[ -n $scene ]] && COMPREPLY=($(compgen -W "on off gain" -- "$current")) ;;
     esac
@@ -100,4 +114,5 @@ _voxtouch() {
 }
 
 # Files where nothing else fits. The nodes take options alone.
-complete -o default -F _voxtouch voxtouch voxtouch_device voxtouch_rendering voxtouch_coupling voxtouch_logger voxtouch_validator
+complete -o default -F _voxtouch voxtouch voxtouch_device voxtouch_rendering voxtouch_coupling \
+  voxtouch_logger voxtouch_validator

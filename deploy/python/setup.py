@@ -1,7 +1,8 @@
-"""Builds the package `voxtouch` from this tree: `pip install deploy/python`, or with --no-build-isolation where there is no network.
+"""Builds the package `voxtouch` from this tree: `pip install deploy/python`, or with
+--no-build-isolation where there is no network.
 
-What is in C++ comes from the tree's build, which CMake makes first: build/, or the folder that VOXTOUCH_BUILD names. deploy/setup installs what it needs.
-"""
+What is in C++ comes from the tree's build, which CMake makes first: build/, or the folder that
+VOXTOUCH_BUILD names. deploy/setup installs what it needs. """
 import os
 import pathlib
 import re
@@ -26,7 +27,8 @@ def run(*words):
         subprocess.run(list(map(str, words)), check=True)
     except (OSError, subprocess.CalledProcessError) as error:
         sys.exit(
-            f"{words[0]} failed ({error}). deploy/setup installs what the build needs; deploy/build shows what it says."
+            f"{words[0]} failed ({error}). deploy/setup installs what the build needs; deploy/build"
+            " shows what it says."
         )
 
 
@@ -60,14 +62,18 @@ class Build(build_py):
         modules = list((BUILD / "python_module").glob("_core.*"))
         if not modules:
             sys.exit(
-                f"{BUILD} made no module for Python: are pybind11-dev and python3-dev there? deploy/setup installs them."
+                f"{BUILD} made no module for Python: are pybind11-dev and python3-dev there?"
+                " deploy/setup installs them."
             )
         for module in modules:
             shutil.copy2(module, package)
         shutil.copy2(BUILD / "bin/voxtouch_import_mesh", package)
         shutil.copy2(ROOT / "deploy/tools/bag_files.py", package / "_bag_files.py")
         (package / "_definitions.py").write_text(
-            f'"""Messages by ROS name: (definition, hash); written by setup.py."""\nDEFINITIONS = {definitions()!r}\n',
+            (
+                '"""Messages by ROS name: (definition, hash); written by setup.py."""\nDEFINITIONS'
+                f" = {definitions()!r}\n"
+            ),
             encoding="utf-8",
         )
         run(BUILD / "bin/voxtouch", "types", "--python", package)

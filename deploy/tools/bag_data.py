@@ -1,7 +1,8 @@
-"""What a recorded run holds, as arrays and dictionaries. The layout of the messages is read from idl/msg, where they are written down.
+"""What a recorded run holds, as arrays and dictionaries. The layout of the messages is read from
+idl/msg, where they are written down.
 
-Reads rosbag2 folders (bag_files.py says which), also of a ring that was killed. Needs numpy, which comes with python3-matplotlib.
-"""
+Reads rosbag2 folders (bag_files.py says which), also of a ring that was killed. Needs numpy, which
+comes with python3-matplotlib. """
 import functools
 import json
 import pathlib
@@ -37,7 +38,7 @@ class BagError(Exception):
     """A sentence: what of the bag cannot be used."""
 
 
-# ------------------------------------------------------------------------------------------------------------------ messages
+# -------------------- messages
 @functools.cache
 def message(name, package=OWN):
     """(fields, constants) of a message, as its .msg file says."""
@@ -54,7 +55,9 @@ class Messages(dict):
 
 
 def layout_hash(kind):
-    """The hash of a type such as voxtouch_msgs/msg/NodeStatus, as this version lays it out; "" for a type that it does not know."""
+    """The hash of a type such as voxtouch_msgs/msg/NodeStatus, as this version lays it out; "" for
+    a type that it does not know.
+    """
     package, _, name = kind.partition("/msg/")
     try:
         return type_hash(Messages(), package, name)
@@ -68,7 +71,9 @@ def constants(name):
 
 @functools.cache
 def layout(name, package=OWN):
-    """(dtype, whole): the fields of fixed size at the front of a message, and whether these are all. Ends where padding would stand."""
+    """(dtype, whole): the fields of fixed size at the front of a message, and whether these are
+    all. Ends where padding would stand.
+    """
     out, at = [], 0
     for kind, owner, array, count, field in message(name, package)[0]:
         one, whole = (
@@ -84,7 +89,9 @@ def layout(name, package=OWN):
 
 
 def decode(name, data, last=None):
-    """A message as a dictionary, up to the field `last`. `data` begins with the encapsulation header."""
+    """A message as a dictionary, up to the field `last`. `data` begins with the encapsulation
+    header.
+    """
     return Decoder(data).fields(name, OWN, last)
 
 
@@ -99,9 +106,11 @@ class Decoder:
             "<"
             + {"bool": "?", "byte": "B", "char": "B", "float32": "f", "float64": "d"}.get(
                 kind,
-                {1: "b", 2: "h", 4: "i", 8: "q"}[size].upper()
-                if kind[0] == "u"
-                else {1: "b", 2: "h", 4: "i", 8: "q"}[size],
+                (
+                    {1: "b", 2: "h", 4: "i", 8: "q"}[size].upper()
+                    if kind[0] == "u"
+                    else {1: "b", 2: "h", 4: "i", 8: "q"}[size]
+                ),
             ),
             self.data,
             self.at,
@@ -149,9 +158,11 @@ def norm(vectors):
     return numpy.sqrt((vectors * vectors).sum(-1))
 
 
-# ---------------------------------------------------------------------------------------------------------------------- bags
+# -------------------- bags
 class Rows:
-    """What comes of one topic: its times [ns], and its numbers (`fields` of a message's front) or its whole messages."""
+    """What comes of one topic: its times [ns], and its numbers (`fields` of a message's front) or
+    its whole messages.
+    """
 
     def __init__(self, type_name, fields):
         self.fields, self.times, self.raw, self.parts = fields, [], [], []
@@ -165,7 +176,8 @@ class Rows:
         size = self.dtype.itemsize
         if any(len(data) != size + 4 if self.whole else len(data) < size + 4 for data in self.raw):
             raise BagError(
-                "the messages are not laid out as in this version of voxtouch: read the bag with the version that recorded it."
+                "the messages are not laid out as in this version of voxtouch: read the bag with"
+                " the version that recorded it."
             )
         if self.raw:
             table = numpy.frombuffer(b"".join(data[4 : size + 4] for data in self.raw), self.dtype)
@@ -180,7 +192,8 @@ class Rows:
 class Bag:
     """Topics of one rig in a bag, by what follows the rig's name."""
 
-    # What is kept of each message, or None for all of it; a page of ten minutes has no room for more.
+    # What is kept of each message, or None for all of it; a page of ten minutes has no room for
+    # more.
     STREAMS = {
         "device/state": (
             "DeviceState",
@@ -210,7 +223,6 @@ class Bag:
                 "wrench",
                 "energy_j",
                 "energy_rotation_j",
-                "damping_ns_per_m",
                 "status",
             ),
         ),
@@ -225,11 +237,11 @@ class Bag:
         "coupling/design": "CouplingDesign",
         "node_status": "NodeStatus",
         "rendering/changed": "EffectChanged",
-        "rendering/change": "EffectChange",
     }
 
     def __init__(self, path, rig="", wanted=None, progress=lambda share: None):
         self.path = pathlib.Path(path)
+        self.unread = False  # whether a part of a file could not be read
         self.notes = []  # sentences on what is not as it should be, and was read all the same
         self.require_same_layout()
         kinds = {**{name: kind for name, (kind, _) in self.STREAMS.items()}, **self.MESSAGES}
@@ -274,9 +286,11 @@ class Bag:
         changed = sorted(kind for kind, then in pairs if layout_hash(kind) not in ("", then))
         if changed:
             raise BagError(
-                f"{self.path}: it was recorded by voxtouch {told.get('voxtouch', 'of an unknown version')}, whose {', '.join(changed)} "
-                f"{'is' if len(changed) == 1 else 'are'} laid out otherwise than in this version: read it with the version that recorded it. "
-                "deploy/CHANGELOG.md says what has changed."
+                f"{self.path}: it was recorded by voxtouch"
+                f" {told.get('voxtouch', 'of an unknown version')}, whose"
+                f" {', '.join(changed)} {'is' if len(changed) == 1 else 'are'} laid out otherwise"
+                " than in this version: read it with the version that recorded it."
+                " deploy/CHANGELOG.md says what has changed."
             )
 
     def find_rig(self, topics, rig):
@@ -289,15 +303,18 @@ class Bag:
         )
         if not rigs:
             raise BagError(
-                f"{self.path}: this is no recording of voxtouch: none of its {len(topics)} topics has a type of {OWN}."
+                f"{self.path}: this is no recording of voxtouch: none of its {len(topics)} topics"
+                f" has a type of {OWN}."
             )
         if rig and rig not in rigs:
             raise BagError(
-                f"{self.path}: no messages on /{rig}/rendering/contact; the bag is of rig {' and '.join(rigs)}, so give that by --rig."
+                f"{self.path}: no messages on /{rig}/rendering/contact; the bag is of rig"
+                f" {' and '.join(rigs)}, so give that by --rig."
             )
         if not rig and len(rigs) > 1:
             self.notes.append(
-                f"The bag holds the rigs {', '.join(rigs)}; this is {'haptic' if 'haptic' in rigs else rigs[0]} (--rig chooses another)."
+                f"The bag holds the rigs {', '.join(rigs)}; this is"
+                f" {'haptic' if 'haptic' in rigs else rigs[0]} (--rig chooses another)."
             )
         return rig or ("haptic" if "haptic" in rigs else rigs[0])
 
@@ -310,14 +327,15 @@ class Bag:
                     for one in rows.values():
                         one.take()
         except FileError as error:
-            self.notes.append(
-                f"The bag is damaged: {file.file.name} could be read in part only ({error})."
-            )
+            self.unread = True
+            self.notes.append(f"{file.file.name} could be read in part only: {error}.")
         except BagError as error:
             raise BagError(f"{self.path}: {error}") from None
 
     def messages(self, name, last=None, rows=None):
-        """(row, time [ns], message as a dictionary) in order of arrival, of all rows or of these; what cannot be read is left out, and said."""
+        """(row, time [ns], message as a dictionary) in order of arrival, of all rows or of these;
+        what cannot be read is left out, and said.
+        """
         out, of, bad = [], self.rows[name], 0
         for row in range(len(of.raw)) if rows is None else rows:
             try:
@@ -326,7 +344,8 @@ class Bag:
                 bad += 1
         if bad:
             self.notes.append(
-                f"{bad} messages on /{self.rig}/{name} are not laid out as in this version of voxtouch."
+                f"{bad} messages on /{self.rig}/{name} are not laid out as in this version of"
+                " voxtouch."
             )
         return out
 
@@ -335,7 +354,9 @@ class Bag:
         return self.beside("voxtouch_recording.json")
 
     def summary(self):
-        """What `voxtouch up` told of the run, as its --json does; {} where it did not come to its end, was not there, or where this is none of its."""
+        """What `voxtouch up` told of the run, as its --json does; {} where it did not come to its
+        end, was not there, or where this is none of its.
+        """
         told = self.beside("voxtouch_run.json")
         limits, sentences = told.get("limits"), [told.get("problems"), told.get("notes")]
         whole = isinstance(limits, dict) and all(

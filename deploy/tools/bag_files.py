@@ -1,6 +1,6 @@
-"""The files of a rosbag2 bag as raw messages: sqlite3 and MCAP, split ones too, also of a logger that was killed. Standard library, and for compressed
-chunks of an MCAP a zstd: Debian's python3-zstandard, PyPI's zstandard, or Python's own from 3.14 on.
-"""
+"""The files of a rosbag2 bag as raw messages: sqlite3 and MCAP, split ones too, also of a logger
+that was killed. Standard library, and for compressed chunks of an MCAP a zstd: Debian's
+python3-zstandard, PyPI's zstandard, or Python's own from 3.14 on. """
 import pathlib
 import sqlite3
 import struct
@@ -26,7 +26,9 @@ class FileError(Exception):
 
 
 def files_of(path):
-    """The bag's files in the order in which they were written; `path` is its folder, or one of them."""
+    """The bag's files in the order in which they were written; `path` is its folder, or one of
+    them.
+    """
     path = pathlib.Path(path)
     if path.is_file():
         return [path]
@@ -36,13 +38,47 @@ def files_of(path):
     )
     if not files and any(path.glob("*.zstd")):
         raise FileError(
-            f"{path}: a bag that is compressed as a whole is not read; `ros2 bag convert` makes one that is not."
+            f"{path}: a bag that is compressed as a whole is not read; `ros2 bag convert` makes one"
+            " that is not."
         )
     if not files:
         raise FileError(
-            f"{path}: there is no bag here; name the folder that holds metadata.yaml and a .db3 or .mcap file."
+            f"{path}: there is no bag here; name the folder that holds metadata.yaml and a .db3 or"
+            " .mcap file."
         )
     return files
+
+
+def losses(path):
+    """Sentences: data that metadata.yaml states and the files do not hold."""
+    path, stated, name, inside = pathlib.Path(path), {}, None, False
+    try:
+        lines = (path / "metadata.yaml").read_text().splitlines()
+    except (OSError, UnicodeDecodeError):
+        return []
+    for key, _, value in (line.partition(":") for line in lines):
+        words = key.split() or [""]
+        inside = (
+            words == ["files"]
+            or inside
+            and key[:1] in (" ", "-")
+            and not (len(key) - len(key.lstrip()) <= 2 and words[0] != "-")
+        )
+        if inside and words[-1] == "path":
+            name = value.strip().strip("'\"")
+        elif inside and words[-1] == "message_count" and name and value.strip().isdigit():
+            stated[name] = int(value)
+    there = {file.name: open_file(file).count() for file in files_of(path)}
+    whole = sum(there.values()) >= sum(stated.values())
+    return [
+        (
+            f"'{name}' is missing from the bag: {count} messages are lost."
+            if name not in there
+            else f"'{name}' holds {there[name]} of {count} recorded messages: the others are lost."
+        )
+        for name, count in stated.items()
+        if (there[name] < count if name in there else count and not whole)
+    ]
 
 
 def open_file(file):
@@ -70,18 +106,29 @@ class SqliteFile:
             ) from None
 
     def connect(self):
-        return sqlite3.connect(
-            f"file:{str(self.file).replace('%', '%25').replace('?', '%3f').replace('#', '%23')}?mode=ro",
-            uri=True,
-        )
+        path = str(self.file).replace("%", "%25").replace("?", "%3f").replace("#", "%23")
+        return sqlite3.connect(f"file:{path}?mode=ro", uri=True)
+
+    def count(self):
+        try:
+            connection = self.connect()
+            try:
+                return connection.execute("SELECT count(*) FROM messages").fetchone()[0]
+            finally:
+                connection.close()
+        except sqlite3.Error:
+            return 0
 
     def messages(self, wanted, progress=lambda share: None):
-        """(topic's number, time [ns], bytes) of these topics, in order of arrival. FileError where the file is damaged, behind what is whole."""
+        """(topic's number, time [ns], bytes) of these topics, in order of arrival. FileError where
+        the file is damaged, behind what is whole.
+        """
         connection = self.connect()
         try:
             last = connection.execute("SELECT max(id) FROM messages").fetchone()[0] or 1
             cursor = connection.execute(
-                f"SELECT id, topic_id, timestamp, data FROM messages WHERE topic_id IN ({','.join(map(str, wanted))}) ORDER BY id"
+                "SELECT id, topic_id, timestamp, data FROM messages WHERE topic_id IN"
+                f" ({','.join(map(str, wanted))}) ORDER BY id"
             )
             for row, topic, time, data in cursor:
                 yield topic, time, data
@@ -109,7 +156,8 @@ def decompressor():
         return lambda data, _: zstd.decompress(data)
     except ImportError:
         raise FileError(
-            "it is an MCAP, whose chunks are compressed, and this Python has no zstd: install python3-zstandard (deploy/setup does), or `pip install zstandard`."
+            "it is an MCAP, whose chunks are compressed, and this Python has no zstd: install"
+            " python3-zstandard (deploy/setup does), or `pip install zstandard`."
         ) from None
 
 
@@ -142,10 +190,18 @@ class Texts:
 
 
 class McapFile:
-    """`topics`: {channel: (name, type, definition)}; the definition is the type's .msg with all that it uses, where the file has it."""
+    """`topics`: {channel: (name, type, definition)}; the definition is the type's .msg with all
+    that it uses, where the file has it.
+    """
 
     def __init__(self, file):
-        self.file, self.topics, self.schemas, self.unpack = file, {}, {}, decompressor()
+        self.file, self.topics, self.schemas, self.unpack, self.stated = (
+            file,
+            {},
+            {},
+            decompressor(),
+            None,
+        )
         self.size = pathlib.Path(file).stat().st_size
         try:
             with open(file, "rb") as opened:
@@ -187,10 +243,25 @@ class McapFile:
             return False
         for code, content in records(summary):
             self.describe(code, content)
+            if code == STATISTICS:
+                (self.stated,) = struct.unpack_from("<Q", content)
         return bool(self.topics)
 
+    def count(self):
+        if self.stated is None:
+            self.stated = 0
+            try:
+                with open(self.file, "rb") as opened:
+                    for code, _, _ in self.walk(opened):
+                        self.stated += code == MESSAGE
+            except (FileError, struct.error):
+                pass  # the whole chunks before it count
+        return self.stated
+
     def walk(self, opened):
-        """(opcode, content, place in the file) of schemas, channels and messages, of those in chunks too."""
+        """(opcode, content, place in the file) of schemas, channels and messages, of those in
+        chunks too.
+        """
         opened.seek(8)
         while len(head := opened.read(9)) == 9:
             code, size = struct.unpack("<BQ", head)
@@ -216,7 +287,8 @@ class McapFile:
             raise FileError("a chunk is not whole")
         if compression not in ("", "zstd"):
             raise FileError(
-                f"the MCAP is compressed by {compression}, and zstd alone is read; `mcap compress --compression zstd` makes one that is"
+                f"the MCAP is compressed by {compression}, and zstd alone is read; `mcap compress"
+                " --compression zstd` makes one that is"
             )
         if compression:
             try:

@@ -1,8 +1,11 @@
 #!/usr/bin/env python3
-"""What the coupling designer certifies for each shipped device file: the table in deploy/devices/README.md.
+"""What the coupling designer certifies for each shipped device file: the table in
+deploy/devices/README.md.
 
-usage: device_table.py VOXTOUCH             writes the table; VOXTOUCH: the program, such as build/bin/voxtouch
-       device_table.py VOXTOUCH --check     compares instead; exit status 1 where the table is another one, or a design fails
+usage: device_table.py VOXTOUCH             writes the table; VOXTOUCH: the program, such as
+                                            build/bin/voxtouch
+       device_table.py VOXTOUCH --check     compares instead; exit status 1 where the table is
+                                            another one, or a design fails
 """
 import json
 import pathlib
@@ -13,8 +16,8 @@ import sys
 DEVICES = pathlib.Path(__file__).resolve().parents[1] / "devices"
 README = DEVICES / "README.md"
 BEGIN, END = "<!-- what `deploy/tools/device_table.py` writes begins -->\n", "<!-- and ends -->\n"
-HEAD = """| device | class | least mass | force | wanted | certified | 10 mm deep | limited by |
-|---|---|---|---|---|---|---|---|
+HEAD = """| device | class | least mass | force | wanted | certified | 10 mm deep | limited by | measured by |
+|---|---|---|---|---|---|---|---|---|
 """
 
 
@@ -23,8 +26,16 @@ def figure(text, key):
     return float(re.search(rf"^{key}:\s*\[?\s*([-+.\de]+)", text, re.MULTILINE).group(1))
 
 
+def measured_by(text):
+    """Command and date of the measurement: `voxtouch identify` writes them into the first line."""
+    found = re.search(r"^# Measured on (\S+): ", text)
+    return f"identify, {found.group(1)}" if found else "none"
+
+
 def design(program, file):
-    """What `voxtouch design --json` says; exit status 1 means that nothing holds, which is an answer too."""
+    """What `voxtouch design --json` says; exit status 1 means that nothing holds, which is an
+    answer too.
+    """
     run = subprocess.run(
         [program, "design", "--device", file, "--json"],
         capture_output=True,
@@ -48,8 +59,9 @@ def row(program, file):
         else axis["worst_case"]
     )
     return (
-        f"| [{file.stem}]({file.name}) | {grip} | {figure(text, 'mass_kg'):g} kg | {force:g} N | {axis['wanted_stiffness']:.0f} N/m "
-        f"| {shown:.0f} N/m | {min(force, 0.01 * shown):.2g} N | {limit} |\n"
+        f"| [{file.stem}]({file.name}) | {grip} | {figure(text, 'mass_kg'):g} kg | {force:g} N |"
+        f" {axis['wanted_stiffness']:.0f} N/m | {shown:.0f} N/m | {min(force, 0.01 * shown):.2g} N"
+        f" | {limit} | {measured_by(text)} |\n"
     )
 
 
@@ -63,7 +75,8 @@ def main(program, *options):
     if "--check" in options:
         if new != text:
             raise SystemExit(
-                f"{README.name} has another table than the designer's; `deploy/tools/device_table.py {program}` writes it:\n{table}"
+                f"{README.name} has another table than the designer's;"
+                f" `deploy/tools/device_table.py {program}` writes it:\n{table}"
             )
         print(f"{len(files)} devices: the table is what the designer certifies")
         return

@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
-"""A spring from outside the ring: reads /<rig>/pose and writes a WrenchStamped for the effect `external`, as a remote robot or a simulator would.
+"""A spring from outside the ring: reads /<rig>/pose and writes a WrenchStamped for the effect
+`external`, as a remote robot or a simulator would.
 
-usage: external_wrench.py TYPES [--centre X Y Z] [--spring K] [--topic /sim/wrench] [--rig haptic] [--domain 0] [--interface lo]
+usage: external_wrench.py TYPES [--centre X Y Z] [--spring K] [--topic /sim/wrench] [--rig haptic]
+       [--domain 0] [--interface lo]
 
-TYPES: the folder that `voxtouch types --python TYPES` wrote; needs `pip install cyclonedds==11.0.1`. Ends with Ctrl-C; the force then fades.
-"""
+TYPES: the folder that `voxtouch types --python TYPES` wrote; needs `pip install
+cyclonedds==11.0.1`. Ends with Ctrl-C; the force then fades. """
 import argparse
 import dataclasses
 import pathlib
@@ -27,7 +29,9 @@ def arguments():
         "--spring",
         type=float,
         default=30.0,
-        help="its stiffness [N/m]; poses come 100 times a second: above some 100 N/m it is unstable",
+        help=(
+            "its stiffness [N/m]; poses come 100 times a second: above some 100 N/m it is unstable"
+        ),
     )
     parser.add_argument("--topic", default="/sim/wrench", help="of the scene's effect `external`")
     parser.add_argument("--rig", default="haptic")

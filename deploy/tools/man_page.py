@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
-"""Writes the man page of each program from what its --help says: voxtouch.1 with a section for each verb, and one for each node.
+"""Writes the man page of each program from what its --help says: voxtouch.1 with a section for each
+verb, and one for each node.
 
-usage: man_page.py BIN OUT PROGRAM...     BIN: folder of the programs; OUT: folder to write PROGRAM.1.gz into
+usage: man_page.py BIN OUT PROGRAM...     BIN: folder of the programs; OUT: folder to write
+                                          PROGRAM.1.gz into
 """
 import gzip
 import pathlib
@@ -23,7 +25,9 @@ def said(*words):
 
 
 def escaped(text):
-    r"""For troff: a backslash, a hyphen that is a minus, and a line that begins with a control character."""
+    r"" r"""For troff: a backslash, a hyphen that is a minus, and a line that begins with a control
+    character.
+    """
     text = text.replace("\\", "\\e").replace("-", "\\-")
     return re.sub(r"^([.'])", r"\\&\1", text, flags=re.MULTILINE)
 
@@ -52,7 +56,11 @@ def rows(lists):
             continue
         row = re.match(r"^  (\S.*?)(?:\s{2,}(\S.*))?$", line)
         if not line.startswith(" "):
-            out += f".PP\n.B {escaped(line.rstrip(':'))}\n"
+            out += (
+                f".PP\n.B {escaped(line.rstrip(':'))}\n"
+                if line.endswith(":")
+                else f"{escaped(line)}\n"
+            )
         elif row:
             out += f".TP\n.B {escaped(row[1])}\n" + (escaped(row[2]) + "\n" if row[2] else "")
         else:
@@ -68,11 +76,20 @@ def page(folder, name):
     options, _, verbs = lists.partition("Subcommands:")
     first = re.split(r"(?<=[^A-Z])[.:]\s|\n|\.$", about)[0]
     first = re.sub(rf"^{name}\s+", "", first)
-    text = f'.TH {name.upper()} 1 "" "voxtouch {version}" "voxtouch"\n.SH NAME\n{name} \\- {escaped(first)}\n'
-    text += f".SH SYNOPSIS\n.B {escaped(usage)}\n.SH DESCRIPTION\n{prose(about)}.SH OPTIONS\n{rows(options)}"
+    text = (
+        f'.TH {name.upper()} 1 "" "voxtouch {version}" "voxtouch"\n.SH NAME\n{name} \\-'
+        f" {escaped(first)}\n"
+    )
+    text += (
+        f".SH SYNOPSIS\n.B {escaped(usage)}\n.SH DESCRIPTION\n{prose(about)}.SH"
+        f" OPTIONS\n{rows(options)}"
+    )
     for verb in re.findall(r"^  ([a-z]+) ", verbs, re.MULTILINE):
         about, usage, lists = parts(said(program, verb, "--help"))
-        text += f".SH {escaped(name.upper() + ' ' + verb.upper())}\n.B {escaped(usage)}\n{prose(about)}{rows(lists)}"
+        text += (
+            f".SH {escaped(name.upper() + ' ' + verb.upper())}\n.B"
+            f" {escaped(usage)}\n{prose(about)}{rows(lists)}"
+        )
     return (
         text + ".SH SEE ALSO\nThe README files beside the sources say more: each folder has one.\n"
     )

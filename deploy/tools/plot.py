@@ -1,22 +1,34 @@
-#!/usr/bin/python3
-"""Draws what voxtouch measures; the ending of PICTURE says the format: .png, .svg or .pdf. Needs python3-matplotlib.
+#!/usr/bin/python3 -I
+"""Draws what voxtouch measures; the ending of PICTURE says the format: .png, .svg or .pdf. Needs
+python3-matplotlib.
 
-  %(prog)s accuracy RUN.json PICTURE    what accuracy costs in time: error of every contact model and voxel size over the time of a frame
-  %(prog)s costs RUN.json PICTURE       the same on one page: force, direction error and noise over depth, and the time of a frame
-  %(prog)s design RUN.json PICTURE      where a designed coupling is stable: contact stiffness over the filter's cut-off
-  %(prog)s forces BAG PICTURE           contact force, returned force, depth and gap of a recorded run over time
-  %(prog)s beside BAG BAG PICTURE       force returned in runs of the same motion, over time and over the depth of the hand
-  %(prog)s replay RUN.json PICTURE      forces of a recorded run and of its replay; voxtouch replay --plot calls it
+  %(prog)s accuracy RUN.json PICTURE    what accuracy costs in time: error of every contact model
+                                        and voxel size over the time of a frame
+  %(prog)s costs RUN.json PICTURE       the same on one page: force, direction error and noise over
+                                        depth, and the time of a frame
+  %(prog)s design RUN.json PICTURE      where a designed coupling is stable: contact stiffness over
+                                        the filter's cut-off
+  %(prog)s forces BAG PICTURE           contact force, returned force, depth and gap of a recorded
+                                        run over time
+  %(prog)s beside BAG BAG PICTURE       force returned in runs of the same motion, over time and
+                                        over the depth of the hand
+  %(prog)s replay RUN.json PICTURE      forces of a recorded run and of its replay; voxtouch replay
+                                        --plot calls it
   %(prog)s report BAG PAGE.html         all of a recorded run on one page; voxtouch report calls it
-  %(prog)s check PICTURE                draws nothing: exit status 0 where a picture could be drawn and written there
+  %(prog)s check PICTURE                draws nothing: exit status 0 where a picture could be drawn
+                                        and written there
 
 Where the data come from (each command with --help says more):
-  voxtouch accuracy deploy/scenes/cup.yaml --json > run.json         or at once: voxtouch accuracy deploy/scenes/cup.yaml --plot cup.png
-  voxtouch design --scene deploy/scenes/cup.yaml --json > run.json   or at once: voxtouch design --scene deploy/scenes/cup.yaml --plot region.png
+  voxtouch accuracy deploy/scenes/cup.yaml --json > run.json         or at once: voxtouch accuracy
+                                                                     deploy/scenes/cup.yaml --plot
+                                                                     cup.png
+  voxtouch design --scene deploy/scenes/cup.yaml --json > run.json   or at once: voxtouch design
+                                                                     --scene deploy/scenes/cup.yaml
+                                                                     --plot region.png
   voxtouch up deploy/scenes/cup.yaml --motion slide --duration 10 --lockstep --record bag
 
-PNG is 1600 x 900 pixels. The same data give the same picture. Exit status 0 where the picture is written; else 1 and a sentence on stderr.
-"""
+PNG is 1600 x 900 pixels. The same data give the same picture. Exit status 0 where the picture is
+written; else 1 and a sentence on stderr. """
 import argparse
 import json
 import math
@@ -41,18 +53,18 @@ ENDINGS = {
 }  # metadata that would differ from run to run
 
 
-# ------------------------------------------------------------------------------------------------------------------------- files
+# -------------------- files
 def check_picture(picture, endings=tuple(ENDINGS)):
     """Ends with a sentence where a picture cannot be drawn, or not be written there."""
     if picture.suffix.lower() not in endings:
-        sys.exit(
-            f"{picture}: the name of a {'picture must end in .png, .svg or .pdf' if '.png' in endings else 'page must end in .html'}."
-        )
+        allowed = ".png, .svg or .pdf" if ".png" in endings else ".html"
+        sys.exit(f"{picture}: the file name must end in {allowed}.")
     if NO_MATPLOTLIB:
         sys.exit(NO_MATPLOTLIB)
     if picture.is_dir() or not os.access(picture.parent, os.W_OK | os.X_OK):
         sys.exit(
-            f"{picture} could not be written: is its folder there, is there room, and may you write there?"
+            f"{picture} could not be written: is its folder there, is there room, and may you write"
+            " there?"
         )
 
 
@@ -104,14 +116,16 @@ def read_json(file, verb):
     return data
 
 
-# ------------------------------------------------------------------------------------------------------------------------ report
+# -------------------- report
 def tell_progress(share):
     """For who started this and waits: a line that is no part of what is said in the end."""
     print(f"progress {100.0 * share:.0f}", file=sys.stderr, flush=True)
 
 
 def write_report(bag, page, beside=None, rig="", progress=lambda share: None):
-    """Writes a run's page; says what it holds. Of what goes wrong a sentence, whatever stands in the bag."""
+    """Writes a run's page; says what it holds. Of what goes wrong a sentence, whatever stands in
+    the bag.
+    """
     progress(0.0)
     import run_page
     from bag_data import BagError
@@ -128,13 +142,17 @@ def write_report(bag, page, beside=None, rig="", progress=lambda share: None):
         sys.exit(str(error))
     except Exception as error:  # a bag may hold anything
         sys.exit(
-            f"{' or '.join(map(str, bags))} holds what this report was not made for ({type(error).__name__}: {error})."
+            f"{' or '.join(map(str, bags))} holds what this report was not made for"
+            f" ({type(error).__name__}: {error})."
         )
     keep(page, lambda part: part.write_text(text, encoding="utf-8", errors="replace"))
-    return f"shows {' beside '.join(run.name for run in runs)}: {max(run.length_s for run in runs):.3f} s"
+    return (
+        f"shows {' beside '.join(run.name for run in runs)}:"
+        f" {max(run.length_s for run in runs):.3f} s"
+    )
 
 
-# ----------------------------------------------------------------------------------------------------------------------- command
+# -------------------- command
 class Version(argparse.Action):
     """As the program says that this tool stands beside."""
 
@@ -177,9 +195,11 @@ def main(arguments=None):
         command(
             verb,
             ("RUN.json", printed + "; - reads standard input"),
-            "draws on one page what voxtouch accuracy found"
-            if verb == "costs"
-            else f"draws a result of voxtouch {verb}",
+            (
+                "draws on one page what voxtouch accuracy found"
+                if verb == "costs"
+                else f"draws a result of voxtouch {verb}"
+            ),
         )
     forces = command(
         "forces",
@@ -217,14 +237,11 @@ def main(arguments=None):
     report.add_argument("--progress", action="store_true", help="says on stderr how far it is")
     command("check", None, "draws nothing; says what is missing, if anything")
     a = parser.parse_args(None if arguments is None else [str(word) for word in arguments])
-    warnings.simplefilter(
-        "ignore"
-    )  # what is said goes to a user, who can do nothing about matplotlib's
+    warnings.simplefilter("ignore")  # a user cannot act on the warnings of matplotlib
     check_picture(a.picture, (".html",) if a.command == "report" else tuple(ENDINGS))
     if a.command == "report":
-        return print(
-            f"{a.picture} {write_report(a.data, a.picture, a.beside, a.rig, tell_progress if a.progress else lambda share: None)}"
-        )
+        progress = tell_progress if a.progress else lambda share: None
+        return print(f"{a.picture} {write_report(a.data, a.picture, a.beside, a.rig, progress)}")
     if a.command == "check":
         return
     with matplotlib.rc_context(STYLE):
@@ -243,7 +260,8 @@ def main(arguments=None):
                 }[a.command](data)
             except (KeyError, TypeError) as error:
                 sys.exit(
-                    f"{a.data} is not as this version of `voxtouch {a.command} --json` prints it: {type(error).__name__} {error}."
+                    f"{a.data} is not as this version of `voxtouch {a.command} --json` prints it:"
+                    f" {type(error).__name__} {error}."
                 )
         save(figure, a.picture)
     print(f"{a.picture} {shows}")
@@ -256,5 +274,6 @@ if __name__ == "__main__":
         sys.exit("stopped before the picture was drawn")
     except ModuleNotFoundError as error:
         sys.exit(
-            f"{pathlib.Path(__file__).resolve()} has to stand in voxtouch's own tree, with what it is made of: {error}."
+            f"{pathlib.Path(__file__).resolve()} has to stand in voxtouch's own tree, with what it"
+            f" is made of: {error}."
         )

@@ -1,4 +1,6 @@
-"""What accuracy costs: of a result of `voxtouch accuracy --json` the errors over the time of a frame, and all of it on one page."""
+"""What accuracy costs: of a result of `voxtouch accuracy --json` the errors over the time of a
+frame, and all of it on one page.
+"""
 import math
 
 from plot_layout import *  # noqa: F403
@@ -25,7 +27,9 @@ def lines_of(rows):
 
 
 def draw_points(axis, rows, value, labelled):
-    """The marks, and for `labelled` their legend and their sizes: filled where points weigh their area, hollow where each weighs one."""
+    """The marks, and for `labelled` their legend and their sizes: filled where points weigh their
+    area, hollow where each weighs one.
+    """
     named, marks = set(), []
     for (model, weights, _), line in lines_of(rows).items():
         colour, mark = MODELS.get(model, (PURPLE, "v"))
@@ -70,8 +74,8 @@ def accuracy_title(data, direction):
         return "What accuracy costs: no setting is to be advised"
     row = data["rows"][data["advice"]["row"]]
     return (
-        f"What accuracy costs; {choice_word(data['advice'])}: {row['model']} at {size_word(row)} mm, "
-        f"{direction(row):.2g} deg off in {row['median_us']:.2g} µs a frame"
+        f"What accuracy costs; {choice_word(data['advice'])}: {row['model']} at"
+        f" {size_word(row)} mm, {direction(row):.2g} deg off in {row['median_us']:.2g} µs a frame"
     )
 
 
@@ -92,10 +96,13 @@ def accuracy_figure(data):
     shells = any(r["voxel_m"] != r["shell_voxel_m"] for r in rows)
     load = data["conditions"]["load_after"]
     note = (
-        f"Scene {data['scene']}: {data['options']['contacts']} random contacts, {data['options']['depth_edges']:g} e deep, seed "
-        f"{data['options']['seed']}{f'; {missing} settings not measured' if missing else ''}. Lower left is better. "
+        f"Scene {data['scene']}: {data['options']['contacts']} random contacts,"
+        f" {data['options']['depth_edges']:g} e deep, seed "
+        f"{data['options']['seed']}{f'; {missing} settings not measured' if missing else ''}. Lower"
+        " left is better. "
         "Shell points weigh one each, or their area. A missed contact is 180 deg off.\n"
-        f"At the marks: voxel edge e{' / the shell' if shells else ''} [mm]. Time: one thread of {processor_name(data)}"
+        f"At the marks: voxel edge e{' / the shell' if shells else ''} [mm]. Time: one thread of"
+        f" {processor_name(data)}"
         f"{'' if load is None else f', load average {load:.1f}'}{timed_note(rows)}"
     )
     figure, axes = new_figure(
@@ -122,9 +129,7 @@ def accuracy_figure(data):
         *decade_round([noise(r) for r in rows] + ([100 * wish["noise"]] if wish["noise"] else [])),
     )
     front = [data["rows"][i] for i in advice["front"]]
-    if (
-        front
-    ):  # from the top edge down to the fastest, along what can be had for each time, to the right edge
+    if front:  # from the top edge to the fastest, along the Pareto front, to the right edge
         x, y = [r["median_us"] for r in front], [direction(r) for r in front]
         top.step(
             [x[0]] + x + [top.get_xlim()[1]],
@@ -182,16 +187,22 @@ def accuracy_figure(data):
     label_marks(
         top,
         marks,
-        []
-        if advice["row"] is None
-        else [(data["rows"][advice["row"]]["median_us"], direction(data["rows"][advice["row"]]))],
+        (
+            []
+            if advice["row"] is None
+            else [
+                (data["rows"][advice["row"]]["median_us"], direction(data["rows"][advice["row"]]))
+            ]
+        ),
     )
     return figure, f"shows the errors of {len(rows)} settings over their times"
 
 
-# ------------------------------------------------------------------------------------------------------------ all on one page
+# -------------------- all on one page
 def page_rows(data):
-    """At the scene's own voxels, one row a model: points that weigh their area, the shell as dense as the voxels."""
+    """At the scene's own voxels, one row a model: points that weigh their area, the shell as dense
+    as the voxels.
+    """
     out = {}
     for row in data["rows"]:
         own = (
@@ -210,7 +221,9 @@ def worst_depth(row):
 
 
 def page_title(rows):
-    """Of the model that is best where it is worst, and of the one that is worst there: one depth alone may be where a curve crosses 1."""
+    """Of the model that is best where it is worst, and of the one that is worst there: one depth
+    alone may be where a curve crosses 1.
+    """
     if not rows:
         return "What accuracy costs: nothing was measured at the scene's own voxels"
     worst = {r["model"]: worst_depth(r) for r in rows}
@@ -233,8 +246,10 @@ def page_figure(data):
     rows, edge = page_rows(data), 1e3 * data["scene_voxel_m"]
     judged = max((d["contacts"] + d["missed"] for r in rows for d in r["depths"]), default=0)
     note = (
-        f"Scene {data['scene']}, {judged} random contacts, pressed in slowly; points weigh their area; missed contacts are 180 deg off. Time: one thread of "
-        f"{processor_name(data)}, compare ratios{timed_note(rows)}.\nTruth: the law integrated over the exact tool; for the virtual tool the exact ball that is drawn to the hand."
+        f"Scene {data['scene']}, {judged} random contacts, pressed in slowly; points weigh their"
+        f" area; missed contacts are 180 deg off. Time: one thread of {processor_name(data)},"
+        f" compare ratios{timed_note(rows)}.\nTruth: the law integrated over the exact tool; for"
+        " the virtual tool the exact ball that is drawn to the hand."
     )
     figure, axes = new_figure(page_title(rows), note, 2, 2)
     force, direction, noise, cost = axes[0][0], axes[0][1], axes[1][0], axes[1][1]

@@ -1,4 +1,6 @@
-"""Where a designed coupling is stable: the contact's stiffness over the filter's cut-off, of a result of `voxtouch design --json`."""
+"""Where a designed coupling is stable: the contact's stiffness over the filter's cut-off, of a
+result of `voxtouch design --json`.
+"""
 import math
 
 from plot_layout import *  # noqa: F403
@@ -11,7 +13,9 @@ LAWS = {
 
 
 def draw_region(axis, x, curves, low, high):
-    """Two areas and their upper edges; `curves`: (values, colour, label). None: nothing makes it unstable; what is 0 lies under the plane."""
+    """Two areas and their upper edges; `curves`: (values, colour, label). None: nothing makes it
+    unstable; what is 0 lies under the plane.
+    """
     for values, colour, label in curves:
         values = [min(high * 10 if k is None else k, high * 10) for k in values]
         axis.fill_between(x, low, values, color=colour, alpha=0.14, lw=0)
@@ -38,8 +42,9 @@ def design_figure(data):
         else f"velocity filter {axis_design['velocity_filter_hz']:.3g} Hz"
     )
     note = (
-        f"{data['device']}; hand: {data['hand']}.\nWorst case of them{'' if law else f', damping ratio %.3g' % coupling['damping_ratio']}; injected damping "
-        f"{axis_design['injected_damping']:.3g} Ns/m, {velocity}."
+        f"{data['device']}; hand: {data['hand']}.\nWorst case of"
+        f" them{'' if law else f', damping ratio %.3g' % coupling['damping_ratio']}; injected"
+        f" damping {axis_design['injected_damping']:.3g} Ns/m, {velocity}."
     )
     useful = (
         f"are certified to be stable with a {LAWS.get(kind, kind)}"

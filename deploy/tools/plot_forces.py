@@ -1,4 +1,6 @@
-"""Forces over time: of a recorded run, of its replay beside it, and of runs side by side, over the way of the hand too."""
+"""Forces over time: of a recorded run, of its replay beside it, and of runs side by side, over the
+way of the hand too.
+"""
 import math
 import pathlib
 import sys
@@ -6,16 +8,17 @@ import sys
 from plot_layout import *  # noqa: F403
 
 FELT_NOTE = (
-    "Contact: what the voxels give at the scene's own stiffness, felt by nobody as it is. Returned: what the coupling made of it for the hand; capped to "
-    "the stiffness that is certified, filtered, damped, so later and usually smaller"
+    "Contact: what the voxels give at the scene's own stiffness, felt by nobody as it is. Returned:"
+    " what the coupling made of it for the hand; capped to the stiffness that is certified,"
+    " filtered, damped, so later and usually smaller"
 )
 BODY_NOTE = "; the contact is the body's here, and the hand feels its grip on it"
 
 
 def read_run(bag, rig):
-    """(contact, returned, gap): of every ContactState, ForceCommand and ValidationReport the device's time [s], sizes of force [N], depth, heights
-    and gap [mm]; `contact` is the contact's force alone, `all` with what effects add. Throws BagError.
-    """
+    """(contact, returned, gap): of every ContactState, ForceCommand and ValidationReport the
+    device's time [s], sizes of force [N], depth, heights and gap [mm]; `contact` is the contact's
+    force alone, `all` with what effects add. Throws BagError."""
     from bag_data import Bag, norm, vector
 
     tables = Bag(bag, rig, ["rendering/contact", "coupling/command", "validation"]).tables
@@ -35,7 +38,9 @@ def read_run(bag, rig):
 
 
 def draw_over_time(axis, table, name, end, **more):
-    """A curve that leaves a gap where nothing was recorded for longer than three and a half times as usual."""
+    """A curve that leaves a gap where nothing was recorded for longer than three and a half times
+    as usual.
+    """
     t = table["t"]
     usual = sorted(b - a for a, b in zip(t, t[1:]))
     axis.plot(
@@ -53,7 +58,8 @@ def forces_figure(bag, rig="haptic", begin=0.0, end=math.inf, note=""):
         sys.exit(str(error))
     if not len(contact["t"]):
         sys.exit(
-            f"{bag}: no messages on /{rig}/rendering/contact; is this a voxtouch bag, and --rig right?"
+            f"{bag}: no messages on /{rig}/rendering/contact; is this a voxtouch bag, and --rig"
+            " right?"
         )
     start, length = contact["t"][0], contact["t"][-1] - contact["t"][0]
 
@@ -66,7 +72,8 @@ def forces_figure(bag, rig="haptic", begin=0.0, end=math.inf, note=""):
     contact, returned, gap = shown(contact), shown(returned), shown(gap)
     if not len(contact["t"]):
         sys.exit(
-            f"{bag}: nothing between --from {begin:g} and --to {end:g}; the recording lasts {length:.3g} s."
+            f"{bag}: nothing between --from {begin:g} and --to {end:g}; the recording lasts"
+            f" {length:.3g} s."
         )
     body = (abs(contact["tool"] - contact["body"]) > 1e-3).any()
     effects = (abs(contact["all"] - contact["contact"]) > 1e-9).any()
@@ -167,29 +174,41 @@ def forces_figure(bag, rig="haptic", begin=0.0, end=math.inf, note=""):
     legend_beside(top, labelspacing=0.8)
     legend_beside(bottom, labelspacing=0.8)
     pushing = int((contact["contact"] > 1e-9).sum())
-    return figure, (
-        f"shows {contact['t'][-1] - contact['t'][0]:.3f} s: {len(contact['t'])} samples, {pushing} with contact, "
-        f"largest contact force {max(contact['contact']):.3f} N, largest returned force {felt:.3f} N"
+    return (
+        figure,
+        (
+            f"shows {contact['t'][-1] - contact['t'][0]:.3f} s: {len(contact['t'])} samples,"
+            f" {pushing} with contact, largest contact force {max(contact['contact']):.3f} N,"
+            f" largest returned force {felt:.3f} N"
+        ),
     )
 
 
-# ------------------------------------------------------------------------------------------------------------------------ replay
+# -------------------- replay
 REPLAY_NOTE = (
-    "The recorded hand, which does not feel what is replayed: it moves as it did. Rendered: contact and effects at the scene's own stiffness. "
-    "Returned: what the coupling makes of it for the hand."
+    "The recorded hand, which does not feel what is replayed: it moves as it did. Rendered: contact"
+    " and effects at the scene's own stiffness. Returned: what the coupling makes of it for the"
+    " hand."
 )
 
 
 def replay_title(data):
     contact, command, felt = data["contact"], data["command"], data["felt"]["returned"]
     if not contact["differ"] and not command["differ"]:
-        return f"{'Both builds give' if data.get('other_build') else 'The replay gives'} the same bits for {contact['compared']} contacts and {command['compared']} commands"
+        return (
+            f"{'Both builds give' if data.get('other_build') else 'The replay gives'} the same bits"
+            f" for {contact['compared']} contacts and {command['compared']} commands"
+        )
     if data.get("other_build"):
-        return f"This build returns at most {felt['replayed']['largest_n']:.2g} N to the hand, the other one {felt['recorded']['largest_n']:.2g} N"
+        return (
+            f"This build returns at most {felt['replayed']['largest_n']:.2g} N to the hand, the"
+            f" other one {felt['recorded']['largest_n']:.2g} N"
+        )
     now, then = felt["replayed"]["largest_n"], felt["recorded"]["largest_n"]
     return (
-        f"{'Another scene returns' if not data['scene']['same'] else 'Replayed,'} at most {now:.2g} N to the hand{'' if not data['scene']['same'] else ' come back'} "
-        f"instead of {then:.2g} N"
+        f"{'Another scene returns' if not data['scene']['same'] else 'Replayed,'} at most"
+        f" {now:.2g} N to the hand{'' if not data['scene']['same'] else ' come back'} instead of"
+        f" {then:.2g} N"
     )
 
 
@@ -201,7 +220,11 @@ def replay_figure(data):
         if scene["same"]
         else f" through the scene {scene['replayed']['name']} ({scene['replayed']['hash']})"
     )
-    note = f"Bag {pathlib.Path(data['bag']).resolve().name}, scene {scene['recorded']['name']} ({scene['recorded']['hash']}), {data['device']}, replayed{other}.\n"
+    note = (
+        f"Bag {pathlib.Path(data['bag']).resolve().name}, scene"
+        f" {scene['recorded']['name']} ({scene['recorded']['hash']}), {data['device']},"
+        f" replayed{other}.\n"
+    )
     names = (
         {"recorded": "other build", "replayed": "this build"}
         if data.get("other_build")
@@ -230,7 +253,10 @@ def replay_figure(data):
                 table,
                 key,
                 end,
-                label=f"{names[label]}: at most {of['largest_n']:.3g} N,\nrms {of['rms_n']:.3g} N, in contact {100 * of['in_contact_share']:.0f} %",
+                label=(
+                    f"{names[label]}: at most {of['largest_n']:.3g} N,\nrms {of['rms_n']:.3g} N, in"
+                    f" contact {100 * of['in_contact_share']:.0f} %"
+                ),
                 **more,
             )
         axis.set_ylabel(what)
@@ -252,19 +278,26 @@ def replay_figure(data):
     legend_beside(axes[2][0])
     return (
         figure,
-        f"shows {end:.3f} s: {data['contact']['differ']} of {data['contact']['compared']} contacts and {data['command']['differ']} of {data['command']['compared']} commands differ",
+        (
+            f"shows {end:.3f} s: {data['contact']['differ']} of"
+            f" {data['contact']['compared']} contacts and {data['command']['differ']} of"
+            f" {data['command']['compared']} commands differ"
+        ),
     )
 
 
-# ------------------------------------------------------------------------------------------------------------------ runs side by side
+# -------------------- runs side by side
 BESIDE_NOTE = (
-    "Returned: what the coupling gives to the hand, within what is certified on this device. Depth of the hand: how far it is beyond the place where the "
-    "first run begins to push it, along its way from there to the deepest place; it goes in and out again."
+    "Returned: what the coupling gives to the hand, within what is certified on this device. Depth"
+    " of the hand: how far it is beyond the place where the first run begins to push it, along its"
+    " way from there to the deepest place; it goes in and out again."
 )
 
 
 def read_hand(bag, rig):
-    """Of every ForceCommand the device's time [s], the size of the returned force [N] and the hand's place [m]. Throws BagError."""
+    """Of every ForceCommand the device's time [s], the size of the returned force [N] and the
+    hand's place [m]. Throws BagError.
+    """
     from bag_data import Bag, norm, vector
 
     contact, command = Bag(bag, rig, ["rendering/contact", "coupling/command"]).tables.values()

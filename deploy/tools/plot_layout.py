@@ -1,4 +1,6 @@
-"""Where things stand on a picture: title and note, legend beside the plane, limits of logarithmic axes, names beside their marks."""
+"""Where things stand on a picture: title and note, legend beside the plane, limits of logarithmic
+axes, names beside their marks.
+"""
 import math
 import textwrap
 
@@ -8,7 +10,9 @@ NOTE_WIDTH = 140  # characters
 
 
 def new_figure(title, note, rows=1, columns=1, **more):
-    """A figure of 16 x 9 and its axes in rows; the title says what, the note under it the conditions: lines that are broken to fit."""
+    """A figure of 16 x 9 and its axes in rows; the title says what, the note under it the
+    conditions: lines that are broken to fit.
+    """
     note = "\n".join(textwrap.fill(line, NOTE_WIDTH) for line in note.splitlines())
     figure = Figure(figsize=(16, 9), dpi=100, layout="constrained")
     figure.get_layout_engine().set(w_pad=0.12, h_pad=0.08)
@@ -33,7 +37,8 @@ def decade_round(values):
     return low / spread, high * spread
 
 
-# Where a text may stand beside its mark, best first: stairs of a front leave a mark to the right and upwards.
+# Where a text may stand beside its mark, best first: stairs of a front leave a mark to the right
+# and upwards.
 SIDES = ((1, 0.75), (-1, -0.75), (0, 1), (0, -1), (1, 0), (-1, 0), (-1, 0.75), (1, -0.75))
 
 
@@ -43,8 +48,9 @@ def overlap(a, b):
 
 
 def label_marks(axis, marks, ringed=(), radius=11.0):
-    """Writes the text of each (x, y, text, colour) beside its mark, where it covers least of the marks, of the rings round the marks
-    at `ringed`, and of the other texts. `radius`: of a mark [px]; a ring's is twice that."""
+    """Writes the text of each (x, y, text, colour) beside its mark, where it covers least of the
+    marks, of the rings round the marks at `ringed`, and of the other texts. `radius`: of a mark
+    [px]; a ring's is twice that."""
     axis.figure.draw_without_rendering()
     plane, taken, notes = axis.get_window_extent(), [], []
     for places, r in (([mark[:2] for mark in marks], radius), (ringed, 2.0 * radius)):

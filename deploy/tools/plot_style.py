@@ -1,8 +1,18 @@
-"""The one style of all pictures: colours, letters, axes, and what becomes of a spike. Where matplotlib is missing, NO_MATPLOTLIB says so."""
+"""The one style of all pictures: colours, letters, axes, and what becomes of a spike. Where
+matplotlib is missing, NO_MATPLOTLIB says so.
+"""
+import logging
+import os
 import sys
 
+os.environ.pop("MPLBACKEND", None)  # no window is opened, and an unknown name would end the import
+logging.getLogger("matplotlib").setLevel(
+    logging.CRITICAL
+)  # faults of the user's matplotlibrc, which is not used
 try:
     import matplotlib
+
+    matplotlib.rcdefaults()  # the user's matplotlibrc changes no picture
     from matplotlib import patheffects
     from matplotlib.figure import Figure
     from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
@@ -16,7 +26,8 @@ except ImportError as error:
         "install python3-matplotlib (deploy/setup does)."
     )
 
-# Colours that stay apart for colour-blind eyes (after Okabe and Ito), on an opaque white ground. A model has one colour and one mark in every picture.
+# Colours that stay apart for colour-blind eyes (after Okabe and Ito), on an opaque white ground. A
+# model has one colour and one mark in every picture.
 GREY, BLUE, ORANGE, GREEN, PALE_GREEN, PURPLE, RED = (
     "#6b6b6b",
     "#0072b2",
@@ -55,7 +66,9 @@ STYLE = {
 
 
 def log_axis(axis, low, high):
-    """Logarithmic from `low` to `high`, with plain numbers at 1, 2 and 5, or at decades where there are many."""
+    """Logarithmic from `low` to `high`, with plain numbers at 1, 2 and 5, or at decades where there
+    are many.
+    """
     (axis.axes.set_xscale if axis.axis_name == "x" else axis.axes.set_yscale)("log")
     (axis.axes.set_xlim if axis.axis_name == "x" else axis.axes.set_ylim)(low, high)
     axis.set_major_locator(LogLocator(subs=(1,) if high / low > 2000 else (1, 2, 5), numticks=20))
@@ -63,13 +76,16 @@ def log_axis(axis, low, high):
     axis.set_minor_locator(NullLocator())
 
 
-# ------------------------------------------------------------------------------------------------ many samples, gaps and spikes
-STRETCHES = 1500  # along a picture; of more samples than twice that each stretch keeps its smallest and its largest
+# ------------------------------------------------------------------------------------------------
+# many samples, gaps and spikes Along a picture; of more samples than twice that each stretch keeps
+# its smallest and its largest.
+STRETCHES = 1500
 
 
 def curve(t, y, gap_s, begin=None, end=None):
-    """What is drawn of many samples: of each of STRETCHES between `begin` and `end` the smallest and the largest, as they came, so that
-    no peak is lost; and nothing between two samples that lie further apart than `gap_s`."""
+    """What is drawn of many samples: of each of STRETCHES between `begin` and `end` the smallest
+    and the largest, as they came, so that no peak is lost; and nothing between two samples that lie
+    further apart than `gap_s`."""
     import numpy
 
     t, y = numpy.asarray(t, float), numpy.asarray(y, float)
@@ -97,7 +113,9 @@ def curve(t, y, gap_s, begin=None, end=None):
 
 
 def robust_limit(*values):
-    """As far as an axis from 0 has to go for the sizes of `values`: to the largest, unless that is one spike far beyond the rest."""
+    """As far as an axis from 0 has to go for the sizes of `values`: to the largest, unless that is
+    one spike far beyond the rest.
+    """
     import numpy
 
     sizes = numpy.abs(
@@ -111,7 +129,9 @@ def robust_limit(*values):
 
 
 def mark_beyond(axis, t, y, limit, unit, colour, below=False):
-    """A triangle at the edge of the plane for each stretch in which a curve leaves it, and its size at the largest. How many there are."""
+    """A triangle at the edge of the plane for each stretch in which a curve leaves it, and its size
+    at the largest. How many there are.
+    """
     import numpy
 
     t, y = numpy.asarray(t, float), numpy.asarray(y, float)

@@ -1,4 +1,6 @@
-"""A recorded run in numbers: what was felt and when, on one time axis; its figures, its faults, its words. Draws nothing."""
+"""A recorded run in numbers: what was felt and when, on one time axis; its figures, its faults, its
+words. Draws nothing.
+"""
 import functools
 import math
 import re
@@ -12,11 +14,15 @@ TOUCH_N = 1e-9  # what is less is no force
 APART_S = 0.05  # samples of one fault that are closer than this are one stretch of it
 MOST_STRETCHES = 6  # of one fault that are told one by one
 
-# What a flag says of a stretch of samples. What belongs to a sound run (capped, held, saturated, ramping) is told among the figures.
+# What a flag says of a stretch of samples. What belongs to a sound run (capped, held, saturated,
+# ramping) is told among the figures.
 CONTACT_FAULTS = {
     "FLAG_REFUSED_SAMPLE": "the device's sample was not usable; the last good one was kept",
     "FLAG_FAST": "the tool moved more than half a voxel a sample",
-    "FLAG_CROSSED": "a wall was crossed in one sample; the tool was pushed back to where it came from (recorded by a release of before)",
+    "FLAG_CROSSED": (
+        "a wall was crossed in one sample; the tool was pushed back to where it came from (recorded"
+        " by a release of before)"
+    ),
     "FLAG_MISSED": "the tool was so fast beside the scene that a contact may have been missed",
     "FLAG_LAG": "the virtual tool did not reach its place within the frame",
     "FLAG_UNPLACED": "there was no place for the virtual tool: nothing was felt",
@@ -47,7 +53,9 @@ def largest(values):
 
 
 class Run:
-    """`t`: seconds on the device's clock since the first recorded sample; a later session follows at the time at which it was recorded."""
+    """`t`: seconds on the device's clock since the first recorded sample; a later session follows
+    at the time at which it was recorded.
+    """
 
     def __init__(self, path, rig="", progress=lambda share: None):
         self.bag = Bag(path, rig, progress=progress)
@@ -75,17 +83,24 @@ class Run:
         )
         self.read_statuses()
 
-    # ------------------------------------------------------------------------------------------------------------------- time
+    # -------------------- time
     def place_sessions(self):
-        """Of each session its first stamp and where on the axis that lies. Of a stranger's samples nothing is known: they are left out."""
+        """Of each session its first stamp and where on the axis that lies. Of a stranger's samples
+        nothing is known: they are left out.
+        """
         source, name = (
             (self.state, "device/state") if len(self.state) else (self.contact, "rendering/contact")
         )
         times = self.bag.times[name]
         if not len(source):
             raise BagError(
-                f"{self.bag.path}: there is nothing to report: the bag holds no sample of /{self.bag.rig}/device/state and no contact. "
-                "The ring was stopped before its first sample, or was not recorded. "
+                f"{self.bag.path}: there is nothing to report: the bag holds no sample of"
+                f" /{self.bag.rig}/device/state and no contact. "
+                + (
+                    ""
+                    if self.bag.unread
+                    else "The ring was stopped before its first sample, or was not recorded. "
+                )
                 + " ".join(self.bag.notes)
             )
         ids, first = numpy.unique(source["session_id"], return_index=True)
@@ -99,7 +114,8 @@ class Run:
             known = numpy.isin(rows["session_id"], list(self.sessions))
             if not known.all():
                 self.bag.notes.append(
-                    f"{int((~known).sum())} messages ({table}) belong to no session of this bag's device; they are left out."
+                    f"{int((~known).sum())} messages ({table}) belong to no session of this bag's"
+                    " device; they are left out."
                 )
                 setattr(self, table, rows[known])
                 key = {
@@ -111,7 +127,8 @@ class Run:
                 self.bag.times[key] = self.bag.times[key][known]
         if len(self.sessions) > 1:
             self.bag.notes.append(
-                f"The device began {len(self.sessions)} sessions; each stands where it was recorded."
+                f"The device began {len(self.sessions)} sessions; each stands where it was"
+                " recorded."
             )
 
     def seconds(self, table):
@@ -132,7 +149,9 @@ class Run:
         return int(times[0]), (times - times[0]) * 1e-9, t
 
     def at(self, recorded_ns):
-        """Where a message without a sample's time lies: between the samples that were recorded around it."""
+        """Where a message without a sample's time lies: between the samples that were recorded
+        around it.
+        """
         begin, recorded_s, t = self.clock
         return float(numpy.interp((recorded_ns - begin) * 1e-9, recorded_s, t))
 
@@ -149,13 +168,15 @@ class Run:
             return bool(self.state["flags"][0] & constants("DeviceState")["FLAG_LOCKSTEP"])
         return bool(self.description.get("lockstep"))
 
-    # ------------------------------------------------------------------------------------------------------------------ words
+    # -------------------- words
     def last(self, name):
         every = self.bag.messages(name)
         return every[-1][2] if every else {}
 
     def read_statuses(self):
-        """Every node's last status; what each said and when; the device's counts over time. Of the others' the heads are enough."""
+        """Every node's last status; what each said and when; the device's counts over time. Of the
+        others' the heads are enough.
+        """
         self.nodes, self.said, self.device_figures = {}, [], []
         latest, words, of_device = {}, {}, []
         for row, time, head in self.bag.messages("node_status", last="message"):
@@ -190,7 +211,9 @@ class Run:
 
     @functools.cached_property
     def apart(self):
-        """The object that touches is elsewhere than the tool that the hand moves: a body, or a virtual tool."""
+        """The object that touches is elsewhere than the tool that the hand moves: a body, or a
+        virtual tool.
+        """
         return bool(
             (
                 norm(
@@ -215,7 +238,9 @@ class Run:
         return limit if limit > 0 else math.nan
 
     def command_line(self):
-        """(folder, words) of the `voxtouch up` that made the run, or None where the bag does not tell."""
+        """(folder, words) of the `voxtouch up` that made the run, or None where the bag does not
+        tell.
+        """
         values = self.node("up").get("values", {})
         line = "".join(values[key] for key in sorted(values) if re.fullmatch(r"command_\d\d", key))
         try:
@@ -223,7 +248,7 @@ class Run:
         except ValueError:
             return None
 
-    # ---------------------------------------------------------------------------------------------------------------- figures
+    # -------------------- figures
     @functools.cached_property
     def answers(self):
         """Of each recorded command the row of the sample that it answers, or -1."""
@@ -244,7 +269,9 @@ class Run:
 
     @functools.cached_property
     def latency_us(self):
-        """(t, latency) as the logger saw it: from when it took a sample to when it took the command for it. Empty in lockstep."""
+        """(t, latency) as the logger saw it: from when it took a sample to when it took the command
+        for it. Empty in lockstep.
+        """
         if self.lockstep:
             return numpy.empty(0), numpy.empty(0)
         known = self.answers >= 0
@@ -272,23 +299,22 @@ class Run:
             "answered": len(numpy.unique(self.answers[self.answers >= 0])),
             "max_force_n": most,
             "max_force_at_s": None if most is None else float(self.t_command[peak]),
-            "share_of_limit": most / self.limit_n
-            if most is not None and math.isfinite(self.limit_n)
-            else None,
+            "share_of_limit": (
+                most / self.limit_n if most is not None and math.isfinite(self.limit_n) else None
+            ),
             "max_torque_nm": largest(norm(self.torque)),
             "max_contact_force_n": largest(norm(self.pushed)),
             "contact_samples": int(touching.sum()),
             "contact_share": float(touching.mean()) if len(pushed) else None,
             "max_depth_mm": largest(self.depth_mm),
             "max_energy_j": largest(self.command["energy_j"]),
-            "least_energy_j": None
-            if largest(-self.command["energy_j"]) is None
-            else -largest(-self.command["energy_j"]),
+            "least_energy_j": (
+                None
+                if largest(-self.command["energy_j"]) is None
+                else -largest(-self.command["energy_j"])
+            ),
             "capped_samples": self.count(self.command["status"], "ForceCommand", "STATUS_CAPPED"),
             "bounded_samples": self.count(self.command["status"], "ForceCommand", "STATUS_BOUNDED"),
-            "passivity_samples": self.count(
-                self.command["status"], "ForceCommand", "STATUS_PASSIVITY"
-            ),
             "held_samples": self.count(self.contact["flags"], "ContactState", "FLAG_HELD"),
             "saturated_samples": self.count(
                 self.contact["flags"], "ContactState", "FLAG_SATURATED"
@@ -297,7 +323,9 @@ class Run:
 
     @property
     def rate_hz(self):
-        """Samples a second of the clock by which the bag was recorded; a pause between two sessions is none of its periods."""
+        """Samples a second of the clock by which the bag was recorded; a pause between two sessions
+        is none of its periods.
+        """
         recorded, periods, seconds = self.bag.times["device/state"], 0, 0.0
         for session in self.sessions:
             times = recorded[self.state["session_id"] == session]
@@ -309,9 +337,11 @@ class Run:
     def count(flags, kind, name):
         return int(((flags & constants(kind)[name]) != 0).sum())
 
-    # ----------------------------------------------------------------------------------------------------------------- faults
+    # -------------------- faults
     def overruns(self):
-        """(t, periods skipped since the status before), from the device's counts; a bag without them has none."""
+        """(t, periods skipped since the status before), from the device's counts; a bag without
+        them has none.
+        """
         return self.increments("overruns")
 
     def increments(self, figure):
@@ -371,7 +401,9 @@ class Run:
         return sorted(out, key=lambda row: row[0])
 
     def lost_samples(self):
-        """Samples between the first and the last answer that have none in the bag: not answered, or not recorded."""
+        """Samples between the first and the last answer that have none in the bag: not answered, or
+        not recorded.
+        """
         out = []
         for who, t, table in (
             ("rendering", self.t_contact, self.contact),
@@ -398,7 +430,10 @@ class Run:
                     end,
                     None,
                     "logger",
-                    "the recording was not closed: the logger was ended by force. What is in the bag is whole up to here.",
+                    (
+                        "the recording was not closed: the logger was ended by force. What is in"
+                        " the bag is whole up to here."
+                    ),
                 )
             )
         for topic in recording.get("topics", []):
@@ -421,14 +456,19 @@ class Run:
                         end,
                         None,
                         node,
-                        f"gave no last word: the bag ends while it is {STATES[status['state']]} ({status['message']})",
+                        (
+                            "gave no last word: the bag ends while it is"
+                            f" {STATES[status['state']]} ({status['message']})"
+                        ),
                     )
                 )
         return out
 
 
 def stretches(times, who, what, counts=None, apart_s=APART_S):
-    """Times of a fault as rows of faults(): each stretch by itself, or of many the longest ones and one row for the rest."""
+    """Times of a fault as rows of faults(): each stretch by itself, or of many the longest ones and
+    one row for the rest.
+    """
     if not len(times):
         return []
     counts = numpy.ones(len(times), int) if counts is None else numpy.array(counts)

@@ -1,4 +1,6 @@
-"""The pictures of a run's report, each as SVG text whose colours follow the page, light or dark. Two runs stand side by side on one scale."""
+"""The pictures of a run's report, each as SVG text whose colours follow the page, light or dark.
+Two runs stand side by side on one scale.
+"""
 import io
 import math
 import re
@@ -62,7 +64,9 @@ ON_THE_PAGE = {
 
 
 def as_svg(figure, name, alt):
-    """Without a size of its own, so that it takes the page's; its names begin with `name`, for the page has several."""
+    """Without a size of its own, so that it takes the page's; its names begin with `name`, for the
+    page has several.
+    """
     out = io.StringIO()
     figure.savefig(out, format="svg", metadata={"Date": None, "Creator": None})
     text = out.getvalue()
@@ -87,7 +91,9 @@ def as_svg(figure, name, alt):
 
 
 def columns(runs, heights, share_x=True, legend_lines=1):
-    """A figure with a column for each run and a row for each height; over the first one's legend the name of each of two runs."""
+    """A figure with a column for each run and a row for each height; over the first one's legend
+    the name of each of two runs.
+    """
     figure = Figure(
         figsize=(13 if len(runs) == 1 else 16, sum(heights) + 0.5), dpi=100, layout="constrained"
     )
@@ -138,7 +144,8 @@ NAMES = {
     "y": "y",
     "z": "z",
 }
-# Colour, dashes, width and place: the thin line is on top, so that it is seen where it lies on the wide one.
+# Colour, dashes, width and place: the thin line is on top, so that it is seen where it lies on the
+# wide one.
 STYLES = {
     "contact": (CONTACT, "-", 1.1, 4),
     "returned": (RETURNED, "-", 2.6, 3),
@@ -308,9 +315,13 @@ def depth_picture(runs):
     end = time_axis(runs, axes)
     deep = max(
         0.5,
-        robust_limit(*(d for run in runs for d in (run.depth_mm, numpy.minimum(run.gap_mm, 0.0))))
-        if any((run.depth_mm > 0).any() for run in runs)
-        else 0.5,
+        (
+            robust_limit(
+                *(d for run in runs for d in (run.depth_mm, numpy.minimum(run.gap_mm, 0.0)))
+            )
+            if any((run.depth_mm > 0).any() for run in runs)
+            else 0.5
+        ),
     )
     for run, axis in zip(runs, axes[0]):
         axis.axhline(0.0, color=QUIET, lw=0.8)
@@ -395,9 +406,11 @@ def latency_picture(runs):
         )
         if not over:
             below.annotate(
-                "no period was skipped"
-                if run.device_figures
-                else "the bag does not tell of periods skipped",
+                (
+                    "no period was skipped"
+                    if run.device_figures
+                    else "the bag does not tell of periods skipped"
+                ),
                 (0.5, 0.4),
                 xycoords="axes fraction",
                 ha="center",
@@ -412,9 +425,8 @@ def latency_picture(runs):
 
 
 def energy_picture(runs):
-    braked = any((run.command["damping_ns_per_m"] > 0).any() for run in runs)
     turned = any((numpy.abs(run.command["energy_rotation_j"]) > 1e-12).any() for run in runs)
-    figure, axes = columns(runs, (3.0, 1.6) if braked else (3.0,), legend_lines=int(turned))
+    figure, axes = columns(runs, (3.0,), legend_lines=int(turned))
     end = time_axis(runs, axes)
     everything = [
         1e3 * run.command[key]
@@ -440,27 +452,9 @@ def energy_picture(runs):
                 mark_beyond(axis, run.t_command, 1e3 * run.command[key], limit, "mJ", colour, True)
         axis.axhline(0.0, color=QUIET, lw=0.8)
         axis.set_ylim(max(-limit, min(-0.06 * limit, 1.15 * lowest)), limit)
-        if braked:
-            damping = run.command["damping_ns_per_m"]
-            axes[1][column].plot(
-                *curve(run.t_command, damping, gap_s(run), 0.0, end), color=ORANGE, lw=1.4
-            )
-            axes[1][column].set_ylim(
-                0.0, robust_limit(*(r.command["damping_ns_per_m"] for r in runs))
-            )
-            mark_beyond(
-                axes[1][column],
-                run.t_command,
-                damping,
-                axes[1][column].get_ylim()[1],
-                "Ns/m",
-                ORANGE,
-            )
     if turned:
         legends(runs, axes[0])
     axes[0][0].set_ylabel("energy put in\nby the hand [mJ]")
-    if braked:
-        axes[1][0].set_ylabel("damping\nadded [Ns/m]")
     return figure
 
 

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Writes deploy/scenes/README.md: the shipped scenes, and the manual of scene keys, from the schema that `voxtouch schema` prints.
+"""Writes deploy/scenes/README.md: the shipped scenes, and the manual of scene keys, from the schema
+that `voxtouch schema` prints.
 
 usage: scene_keys.py           writes deploy/scenes/README.md
        scene_keys.py --check   compares instead; exit status 1 where the file is another one
@@ -12,12 +13,16 @@ import sys
 SCENES = pathlib.Path(__file__).resolve().parents[1] / "scenes"
 HEAD = """# Scenes
 
-`deploy/tools/scene_keys.py` writes this file from `scene.schema.json` and from the scenes' first comments: change those, not this file.
+`deploy/tools/scene_keys.py` generates this file from `scene.schema.json` and from the first
+comments of the scenes. Edit those instead of this file.
 
-A scene is a YAML file. The reader is strict: an unknown, missing, doubled or non-finite key is an error with file, line, column and what is
-allowed. Lengths are m, forces N, quaternions w x y z; paths start at the scene file's folder. Editors with a YAML language server complete and
-check scenes by their first line, `# yaml-language-server: $schema=scene.schema.json`; `voxtouch schema` prints that schema. The reader checks more
-than a schema can: that files are there, that quaternions have unit length, that names differ.
+A scene is a YAML file. The reader is strict: an unknown, missing, duplicate or non-finite key is an
+error that names file, line, column and the valid values. Lengths are m, forces N, quaternions
+w x y z. Paths are relative to the folder of the scene file. Editors with a YAML language server
+complete and check scenes because of their first line,
+`# yaml-language-server: $schema=scene.schema.json`; `voxtouch schema` prints that schema. The
+reader also checks what a schema cannot express: files exist, quaternions have unit length, names
+differ.
 
 ## Shipped scenes
 
@@ -28,8 +33,8 @@ TOP = "A scene"
 KEYS = """
 ## Keys
 
-A key in **bold** is required. "One of" means that exactly one of these keys must be there. The last column is the value of a key that is left out;
-a dash means that nothing is assumed.
+A key in **bold** is required. "One of" means that exactly one of these keys must be present. The
+last column is the default; a dash means that there is none.
 """
 
 
@@ -159,7 +164,10 @@ def effects(schema):
             yield row(key, inner, [])
     yield ""
     for choice in schema.get("allOf", []):
-        yield f"- `{choice['if']['required'][0]}` takes none of {named(required_in(choice['then']['not']['anyOf']))}."
+        yield (
+            f"- `{choice['if']['required'][0]}` takes none of"
+            f" {named(required_in(choice['then']['not']['anyOf']))}."
+        )
     for key in keys:
         if key in kinds:
             yield from section(key, keys[key], 4)
@@ -184,7 +192,8 @@ def main(arguments):
         if target.exists() and target.read_text(encoding="utf-8") == text:
             return 0
         print(
-            "deploy/scenes/README.md is not what deploy/tools/scene_keys.py writes: run that script, and commit the file."
+            "deploy/scenes/README.md is not what deploy/tools/scene_keys.py writes: run that"
+            " script, and commit the file."
         )
         return 1
     if arguments:

@@ -14,7 +14,7 @@ devices::SettingReader hardware_settings(const devices::DeviceOptions& options) 
 }
 
 devices::SettingReader wire_settings(const devices::DeviceOptions& options) {
-  return {"wire-fr3", options.settings, {"rest", "tool", "server_version", "fault"}, {"fault"}};
+  return {"emulated-fr3", options.settings, {"rest", "tool", "server_version", "fault"}, {"fault"}};
 }
 
 /// What both names share.
@@ -57,7 +57,7 @@ Fr3Options at_port(Fr3Options driver, const std::string& said) {
   const auto port = parse_number<std::uint16_t>(rest.substr(0, rest.find(',')));
   if (!port)
     throw devices::DeviceOpenError(
-        "device 'wire-fr3': its simulated controller did not say where it listens: " + said);
+        "device 'emulated-fr3': its simulated controller did not say where it listens: " + said);
   driver.port = *port;
   return driver;
 }
@@ -77,7 +77,7 @@ DeviceDescription describe_fr3_device(const devices::DeviceOptions& options) {
   return describe_fr3();
 }
 
-std::unique_ptr<devices::Driver> open_wire_fr3(const devices::DeviceOptions& options) {
+std::unique_ptr<devices::Driver> open_emulated_fr3(const devices::DeviceOptions& options) {
   const devices::SettingReader settings = wire_settings(options);
   Fr3Options driver = driver_options(settings);
   driver.address = "127.0.0.1";
@@ -88,11 +88,11 @@ std::unique_ptr<devices::Driver> open_wire_fr3(const devices::DeviceOptions& opt
       arm::wire_arguments(driver.pose_FT.position, options, settings);
   arguments.insert(arguments.end(), {"--address", driver.address, "--server-version",
                                      fmt::to_string(server_version(settings))});
-  return std::make_unique<WireFr3>("wire-fr3", "voxtouch_fci_robot", arguments, options, driver,
+  return std::make_unique<WireFr3>("emulated-fr3", "voxtouch_fci_robot", arguments, options, driver,
                                    at_port);
 }
 
-DeviceDescription describe_wire_fr3(const devices::DeviceOptions& options) {
+DeviceDescription describe_emulated_fr3(const devices::DeviceOptions& options) {
   const devices::SettingReader settings = wire_settings(options);
   driver_options(settings);
   server_version(settings);

@@ -1,5 +1,5 @@
 #pragma once
-/// 'fr3': the Franka arm's driver on the network. 'wire-fr3': the same driver at the simulated
+/// 'fr3': the Franka arm's driver on the network. 'emulated-fr3': the same driver at the simulated
 /// robot.
 #include <memory>
 
@@ -23,8 +23,8 @@ DeviceDescription describe_fr3_device(const devices::DeviceOptions& options);
 /// and, as often as wanted, fault: KIND@START[:DURATION[:VALUE]] as in
 /// devices/arm/simulated/faults.hpp. The hand moves in D. In lockstep time is virtual: the same
 /// options give the same bits. Throws DeviceOpenError.
-std::unique_ptr<devices::Driver> open_wire_fr3(const devices::DeviceOptions& options);
-DeviceDescription describe_wire_fr3(const devices::DeviceOptions& options);
+std::unique_ptr<devices::Driver> open_emulated_fr3(const devices::DeviceOptions& options);
+DeviceDescription describe_emulated_fr3(const devices::DeviceOptions& options);
 
 /// D and T so that the tool at the rest posture lies at `rest_in_d`, with the axes of T, D and the
 /// base parallel.

@@ -28,10 +28,24 @@ constexpr std::size_t kPoseEe = 0, kPoseEeD = 16, kFlangeEe = 32, kEeK = 48, kFl
                       kNeEe = 80, kTau = 126, kTauD = 133, kQ = 147, kQd = 154, kDq = 161,
                       kPoseEeC = 242, kTheta = 270, kDtheta = 277, kNumbers = 284,
                       kAccelerometers = 36;
-constexpr std::size_t kFlags =
-    1 + 1 + kErrors + kErrors + 1;  // two modes, two lists of errors, the robot's mode
-static_assert(kId + kNumbers * 8 + kFlags + 8 == kMaxStateBytes);
-constexpr std::size_t kFloatState = kId + (kNumbers + kAccelerometers) * 4 + kFlags + 4;
+/// Two modes, two lists of errors, the robot's mode.
+constexpr std::size_t flags_size(std::size_t errors) noexcept {
+  return 1 + 1 + errors + errors + 1;
+}
+// The newest version with doubles has all numbers. Older ones lack two transforms, and before them
+// the three numbers of the base's acceleration.
+constexpr std::size_t kNominalFrames = 32, kBehindNominalFrames = kFlangeNe + kNominalFrames;
+constexpr std::size_t kBaseAcceleration = 3, kBehindBaseAcceleration = 236;
+constexpr std::size_t double_state(std::size_t numbers, std::size_t errors) noexcept {
+  return kId + numbers * 8 + flags_size(errors) + 8;
+}
+constexpr std::size_t kOldErrors = 37;
+constexpr std::size_t kState4 = double_state(kNumbers - kBaseAcceleration, kOldErrors);
+constexpr std::size_t kState3 =
+    double_state(kNumbers - kBaseAcceleration - kNominalFrames, kOldErrors);
+static_assert(double_state(kNumbers, kErrors) == kMaxStateBytes);
+constexpr std::size_t kFloatState =
+    kId + (kNumbers + kAccelerometers) * 4 + flags_size(kErrors) + 4;
 static_assert(kFloatState == 1377);
 
 // The command: its count, what a motion generator would say, torques.
@@ -42,13 +56,43 @@ static_assert(kTorqueFinished + 1 == kMaxCommandBytes);
 constexpr std::uint32_t kNone = 4, kJointVelocity = 1, kExternalController = 2;  // of Move
 constexpr std::uint8_t kNoneMode = 5, kJointVelocityMode = 2;                    // of the state
 
-constexpr std::array<Dialect, 4> kDialects{{
-    {10, false, true, true, kNone, kNoneMode, kFloatState, kMaxCommandBytes},
-    {9, false, false, true, kJointVelocity, kJointVelocityMode, kMaxStateBytes, kMaxCommandBytes},
-    {6, false, false, false, kJointVelocity, kJointVelocityMode, kMaxStateBytes,
-     kMaxCommandBytes - 1},
-    {5, true, false, false, kJointVelocity, kJointVelocityMode, kMaxStateBytes,
-     kMaxCommandBytes - 1},
+constexpr Dialect fr3_with_doubles(std::uint16_t version, bool torque_finished) noexcept {
+  return {version,
+          false,
+          false,
+          torque_finished,
+          true,
+          true,
+          kErrors,
+          kJointVelocity,
+          kJointVelocityMode,
+          kMaxStateBytes,
+          kMaxCommandBytes - (torque_finished ? 0 : 1)};
+}
+constexpr Dialect panda(std::uint16_t version, std::size_t errors,
+                        std::size_t state_size) noexcept {
+  return {version,
+          true,
+          false,
+          false,
+          version >= 4,
+          version >= 5,
+          errors,
+          kJointVelocity,
+          kJointVelocityMode,
+          state_size,
+          kMaxCommandBytes - 1};
+}
+
+constexpr std::array<Dialect, 8> kDialects{{
+    {10, false, true, true, true, true, kErrors, kNone, kNoneMode, kFloatState, kMaxCommandBytes},
+    fr3_with_doubles(9, true),
+    fr3_with_doubles(8, true),
+    fr3_with_doubles(7, true),
+    fr3_with_doubles(6, false),
+    panda(5, kErrors, kMaxStateBytes),
+    panda(4, kOldErrors, kState4),
+    panda(3, kOldErrors, kState3),
 }};
 
 constexpr std::array<std::uint32_t, 6> kCommands = {0, 1, 2, 3, 9, 10},
@@ -100,17 +144,24 @@ std::span<const Outcome> outcomes(const Dialect& dialect, Request request) noexc
   return {};
 }
 
-/// Reads and writes numbers of a state, whichever kind they are.
+/// Reads and writes numbers of a state, whichever kind they are. A transform that the version lacks
+/// is never named.
 struct Numbers {
-  bool floats;
-  std::size_t width() const noexcept { return floats ? 4 : 8; }
+  const Dialect& dialect;
+  std::size_t at(std::size_t place) const noexcept {
+    if (place >= kBehindBaseAcceleration && !dialect.base_acceleration)
+      place -= kBaseAcceleration;
+    if (place >= kBehindNominalFrames && !dialect.nominal_frames)
+      place -= kNominalFrames;
+    return kId + place * (dialect.floats ? 4 : 8);
+  }
   double read(std::span<const std::byte> bytes, std::size_t place) const noexcept {
-    const std::byte* at = bytes.data() + kId + place * width();
-    return floats ? static_cast<double>(get<float>(at)) : get<double>(at);
+    const std::byte* number = bytes.data() + at(place);
+    return dialect.floats ? static_cast<double>(get<float>(number)) : get<double>(number);
   }
   void write(std::span<std::byte> bytes, std::size_t place, double value) const noexcept {
-    std::byte* at = bytes.data() + kId + place * width();
-    floats ? put(at, static_cast<float>(value)) : put(at, value);
+    std::byte* number = bytes.data() + at(place);
+    dialect.floats ? put(number, static_cast<float>(value)) : put(number, value);
   }
   Joints joints(std::span<const std::byte> bytes, std::size_t place) const noexcept {
     Joints j;
@@ -134,21 +185,21 @@ struct Numbers {
   }
 };
 
-Errors errors_at(const std::byte* at) noexcept {
+Errors errors_at(const std::byte* at, std::size_t count) noexcept {
   Errors errors = 0;
-  for (std::size_t i = 0; i < kErrors; ++i)
+  for (std::size_t i = 0; i < count; ++i)
     if (at[i] != std::byte{0})
       errors |= Errors{1} << i;
   return errors;
 }
-void errors_to(std::byte* at, Errors errors) noexcept {
-  for (std::size_t i = 0; i < kErrors; ++i)
+void errors_to(std::byte* at, std::size_t count, Errors errors) noexcept {
+  for (std::size_t i = 0; i < count; ++i)
     at[i] = static_cast<std::byte>(errors >> i & 1);
 }
 
 /// Behind the numbers.
 std::size_t flags_at(const Dialect& dialect) noexcept {
-  return dialect.state_size - kFlags - (dialect.floats ? 4 : 8);
+  return dialect.state_size - flags_size(dialect.errors) - (dialect.floats ? 4 : 8);
 }
 
 constexpr std::array<std::string_view, kErrors> kErrorNames = {
@@ -255,7 +306,7 @@ const Dialect* dialect_of(std::uint16_t version) noexcept {
   return found == kDialects.end() ? nullptr : &*found;
 }
 
-std::string_view spoken_versions() noexcept { return "10, 9, 6 and 5"; }
+std::string_view spoken_versions() noexcept { return "3 to 10"; }
 
 Message connect_request(std::uint32_t id, std::uint16_t version, std::uint16_t udp_port) noexcept {
   Message m;
@@ -401,7 +452,7 @@ PacketFault decode(const Dialect& dialect, std::span<const std::byte> datagram,
                    State& state) noexcept {
   if (datagram.size() != dialect.state_size)
     return PacketFault::kLength;
-  const Numbers numbers{dialect.floats};
+  const Numbers numbers{dialect};
   state.message_id = get<std::uint64_t>(datagram.data());
   state.q = numbers.joints(datagram, kQ);
   state.dq = numbers.joints(datagram, kDq);
@@ -410,13 +461,13 @@ PacketFault decode(const Dialect& dialect, std::span<const std::byte> datagram,
   state.ee_in_base = numbers.origin(datagram, kPoseEe);
   state.ee_in_flange = numbers.origin(datagram, kFlangeEe);
   const std::byte* flags = datagram.data() + flags_at(dialect);
-  state.errors = errors_at(flags + 2);
-  state.reflex = errors_at(flags + 2 + kErrors);
-  const std::byte* rate = flags + kFlags;
+  state.errors = errors_at(flags + 2, dialect.errors);
+  state.reflex = errors_at(flags + 2 + dialect.errors, dialect.errors);
+  const std::byte* rate = flags + flags_size(dialect.errors);
   state.success_rate = dialect.floats ? static_cast<double>(get<float>(rate)) : get<double>(rate);
   const auto generator = std::to_integer<std::uint8_t>(flags[0]),
              controller = std::to_integer<std::uint8_t>(flags[1]),
-             mode = std::to_integer<std::uint8_t>(flags[kFlags - 1]);
+             mode = std::to_integer<std::uint8_t>(rate[-1]);
   if (generator > kNoneMode || controller > 3 || mode > 6)
     return PacketFault::kEnum;
   state.generator_mode = generator;
@@ -429,10 +480,12 @@ PacketFault decode(const Dialect& dialect, std::span<const std::byte> datagram,
 std::size_t encode(const Dialect& dialect, const State& state, std::span<std::byte> out) noexcept {
   const std::span<std::byte> bytes = out.first(dialect.state_size);
   std::fill(bytes.begin(), bytes.end(), std::byte{0});
-  const Numbers numbers{dialect.floats};
+  const Numbers numbers{dialect};
   put(bytes.data(), state.message_id);
-  for (const std::size_t place : {kEeK, kFlangeNe, kNeEe})
-    numbers.transform(bytes, place, Vec3::Zero());
+  numbers.transform(bytes, kEeK, Vec3::Zero());
+  if (dialect.nominal_frames)
+    for (const std::size_t place : {kFlangeNe, kNeEe})
+      numbers.transform(bytes, place, Vec3::Zero());
   for (const std::size_t place : {kPoseEe, kPoseEeD, kPoseEeC})
     numbers.transform(bytes, place, state.ee_in_base);
   numbers.transform(bytes, kFlangeEe, state.ee_in_flange);
@@ -445,11 +498,12 @@ std::size_t encode(const Dialect& dialect, const State& state, std::span<std::by
   std::byte* flags = bytes.data() + flags_at(dialect);
   flags[0] = static_cast<std::byte>(state.generator_mode);
   flags[1] = static_cast<std::byte>(state.controller);
-  errors_to(flags + 2, state.errors);
-  errors_to(flags + 2 + kErrors, state.reflex);
-  flags[kFlags - 1] = static_cast<std::byte>(state.mode);
-  dialect.floats ? put(flags + kFlags, static_cast<float>(state.success_rate))
-                 : put(flags + kFlags, state.success_rate);
+  errors_to(flags + 2, dialect.errors, state.errors);
+  errors_to(flags + 2 + dialect.errors, dialect.errors, state.reflex);
+  std::byte* rate = flags + flags_size(dialect.errors);
+  rate[-1] = static_cast<std::byte>(state.mode);
+  dialect.floats ? put(rate, static_cast<float>(state.success_rate))
+                 : put(rate, state.success_rate);
   return bytes.size();
 }
 

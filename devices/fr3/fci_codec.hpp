@@ -56,15 +56,18 @@ struct Dialect {
   bool panda;                   ///< the older list of commands and of answers
   bool floats;                  ///< numbers of the state are floats, and there are accelerometers
   bool torque_finished;         ///< a command ends with one more flag
+  bool nominal_frames;          ///< the state has the nominal end effector's two transforms
+  bool base_acceleration;       ///< the state has the acceleration of the base
+  std::size_t errors;           ///< flags in each list of the state
   std::uint32_t generator;      ///< of Move for torques alone: none, or joint velocities of zero
   std::uint8_t generator_mode;  ///< the same in the state
   std::size_t state_size, command_size;
 };
 /// Null: a version that this driver does not speak.
 const Dialect* dialect_of(std::uint16_t version) noexcept;
-/// "10, 9, 6 and 5", newest first.
+/// "3 to 10".
 std::string_view spoken_versions() noexcept;
-inline constexpr std::uint16_t kNewestVersion = 10;
+inline constexpr std::uint16_t kOldestVersion = 3, kNewestVersion = 10;
 
 inline constexpr std::size_t kHeaderSize = 12, kConnectSize = 16, kMoveSize = 68,
                              kCollisionSize = 428, kLoadSize = 116;
@@ -116,6 +119,8 @@ class StreamReader {
   std::optional<Received> next() noexcept;
   /// A header that cannot be: what follows means nothing.
   bool broken() const noexcept { return broken_; }
+  /// Bytes that are no whole message yet.
+  std::size_t pending() const noexcept { return filled_; }
 
  private:
   std::array<std::byte, 4096> buffer_;

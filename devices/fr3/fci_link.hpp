@@ -28,6 +28,8 @@ class FciLink {
   std::optional<fci::Received> wait(double timeout_s) noexcept;
   /// The robot has closed it, or it broke.
   bool closed() const noexcept { return closed_; }
+  /// Bytes came that are no message.
+  bool got_other_bytes() const noexcept { return reader_.broken() || reader_.pending() > 0; }
   arm::UdpEndpoint robot() const noexcept { return robot_; }
   /// The address of this machine that the robot sees.
   std::string own_address() const;

@@ -21,6 +21,20 @@ std::chrono::nanoseconds seconds(double s) {
   throw devices::DeviceOpenError("device 'fr3': " + why);
 }
 
+[[noreturn]] void refuse_stranger(const Fr3Options& options) {
+  refuse(
+      fmt::format("{}:{} is not an FCI server (invalid reply to Connect): check the options "
+                  "'address' and 'port'",
+                  options.address, options.port));
+}
+
+std::string_view version_remedy(std::uint16_t theirs) {
+  if (theirs < fci::kOldestVersion)
+    return "update the robot's system image (version 3 comes with 3.0)";
+  return "no layout of it was public when this driver was written: take a newer voxtouch, or a "
+         "system image with version 10 (5.9)";
+}
+
 }  // namespace
 
 Fr3Driver::Fr3Driver(const Fr3Options& options) : Fr3Driver(options, connect(options)) {}
@@ -54,6 +68,8 @@ Fr3Driver::Connected Fr3Driver::connect(const Fr3Options& options) {
     auto socket = std::make_unique<arm::UdpSocket>(link->own_address(), 0);
     link->send(fci::connect_request(0, version, socket->local().port));
     const auto received = link->wait(options.connect_timeout_s);
+    if (!received && link->got_other_bytes())
+      refuse_stranger(options);
     if (!received && link->closed())
       refuse(
           fmt::format("the robot at {} closed the connection at once: another program has it "
@@ -73,13 +89,10 @@ Fr3Driver::Connected Fr3Driver::connect(const Fr3Options& options) {
       continue;
     }
     if (outcome == fci::Outcome::kUnknown)
-      refuse(fmt::format("what listens at {}:{} is no robot: its answer to Connect means nothing",
-                         options.address, options.port));
+      refuse_stranger(options);
     refuse(
-        fmt::format("the robot at {} refused the version: its server speaks {}, this driver speaks "
-                    "{}: update the robot's system "
-                    "image (version 10 comes with 5.9)",
-                    options.address, theirs, fci::spoken_versions()));
+        fmt::format("the robot at {} refused the version: its server speaks {}, this driver {}; {}",
+                    options.address, theirs, fci::spoken_versions(), version_remedy(theirs)));
   }
 }
 
@@ -172,10 +185,6 @@ DeviceDescription describe_fr3() {
   d.rate_hz = 1000.0;
   d.max_force_n = 60.0;
   d.max_torque_nm = 10.0;
-  // What the guard keeps to, so that it can fade; the steps of the joints' torques (TorqueRamp) are
-  // smaller.
-  d.max_force_rate_n_per_s = d.max_force_n / 0.015;
-  d.max_torque_rate_nm_per_s = d.max_torque_nm / 0.015;
   d.max_stiffness_n_per_m = 3000.0;
   d.mass_min_kg = 2.0, d.mass_max_kg = 5.0;
   d.damping_ns_per_m = 3.0;
@@ -189,6 +198,7 @@ DeviceDescription describe_fr3() {
   d.max_stiffness_nm_per_rad = 300.0;
   d.lost_in_a_row = 2;
   d.grip = "arm";
+  derive_slew_limits(d);  // of the guard; the steps of the joints' torques (TorqueRamp) are smaller
   return d;
 }
 

@@ -15,7 +15,7 @@ devices::SettingReader hardware_settings(const devices::DeviceOptions& options) 
 }
 
 devices::SettingReader wire_settings(const devices::DeviceOptions& options) {
-  return {"wire-lwr",
+  return {"emulated-lwr",
           options.settings,
           {"period_ms", "rest", "tool", "capture", "trace", "fault"},
           {"fault"}};
@@ -66,7 +66,7 @@ DeviceDescription describe_lwr_device(const devices::DeviceOptions& options) {
   return describe_lwr(0.001);
 }
 
-std::unique_ptr<devices::Driver> open_wire_lwr(const devices::DeviceOptions& options) {
+std::unique_ptr<devices::Driver> open_emulated_lwr(const devices::DeviceOptions& options) {
   const devices::SettingReader settings = wire_settings(options);
   LwrOptions driver = driver_options(settings);
   driver.address = driver.controller = "127.0.0.1";
@@ -80,11 +80,11 @@ std::unique_ptr<devices::Driver> open_wire_lwr(const devices::DeviceOptions& opt
   if (const auto trace = settings.text("trace"))
     arguments.insert(arguments.end(), {"--trace", *trace});
   return std::make_unique<WireLwr>(
-      "wire-lwr", "voxtouch_fri_controller", arguments, options, driver,
+      "emulated-lwr", "voxtouch_fri_controller", arguments, options, driver,
       [](LwrOptions as_they_are, const std::string&) { return as_they_are; });
 }
 
-DeviceDescription describe_wire_lwr(const devices::DeviceOptions& options) {
+DeviceDescription describe_emulated_lwr(const devices::DeviceOptions& options) {
   const devices::SettingReader settings = wire_settings(options);
   driver_options(settings);
   return describe_lwr(1e-3 * period_ms(settings));

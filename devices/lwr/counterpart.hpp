@@ -1,5 +1,5 @@
 #pragma once
-/// 'lwr': the light-weight robot's driver on the network. 'wire-lwr': the same driver at the
+/// 'lwr': the light-weight robot's driver on the network. 'emulated-lwr': the same driver at the
 /// simulated controller.
 #include <memory>
 
@@ -23,8 +23,8 @@ DeviceDescription describe_lwr_device(const devices::DeviceOptions& options);
 /// (CSV of the controller's every period), and, as often as wanted, fault:
 /// KIND@START[:DURATION[:VALUE]] as in devices/arm/simulated/faults.hpp. The hand moves in D. In
 /// lockstep time is virtual: the same options give the same bits. Throws DeviceOpenError.
-std::unique_ptr<devices::Driver> open_wire_lwr(const devices::DeviceOptions& options);
-DeviceDescription describe_wire_lwr(const devices::DeviceOptions& options);
+std::unique_ptr<devices::Driver> open_emulated_lwr(const devices::DeviceOptions& options);
+DeviceDescription describe_emulated_lwr(const devices::DeviceOptions& options);
 
 /// D and T so that the tool at the rest posture lies at `rest_in_d`, with the axes of T, D and the
 /// base parallel.

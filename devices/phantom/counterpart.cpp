@@ -18,7 +18,7 @@
 namespace voxtouch::phantom {
 namespace {
 
-constexpr std::string_view kWire = "wire-phantom";
+constexpr std::string_view kWire = "emulated-phantom";
 
 struct FaultKind {
   std::string_view name;
@@ -201,7 +201,7 @@ DeviceDescription describe_phantom_device(const devices::DeviceOptions& options)
                            .max_force_n = o.max_force_n.value_or(0.0)});
 }
 
-std::unique_ptr<devices::Driver> open_wire_phantom(const devices::DeviceOptions& options) {
+std::unique_ptr<devices::Driver> open_emulated_phantom(const devices::DeviceOptions& options) {
   const devices::SettingReader settings = wire_settings(options);
   PhantomOptions driver = driver_options(settings);
   if (driver.library.empty())
@@ -209,7 +209,7 @@ std::unique_ptr<devices::Driver> open_wire_phantom(const devices::DeviceOptions&
   return std::make_unique<WirePhantom>(driver, options, settings);
 }
 
-DeviceDescription describe_wire_phantom(const devices::DeviceOptions& options) {
+DeviceDescription describe_emulated_phantom(const devices::DeviceOptions& options) {
   const devices::SettingReader settings = wire_settings(options);
   parse_faults(settings);
   const PhantomOptions driver = driver_options(settings);

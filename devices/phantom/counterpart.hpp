@@ -1,6 +1,6 @@
 #pragma once
-/// 'phantom': the Phantom's driver with the vendor's library. 'wire-phantom': the same driver with
-/// the simulated library.
+/// 'phantom': the Phantom's driver with the vendor's library. 'emulated-phantom': the same driver
+/// with the simulated library.
 #include <memory>
 
 #include "devices/device_options.hpp"
@@ -22,7 +22,7 @@ DeviceDescription describe_phantom_device(const devices::DeviceOptions& options)
 /// warm_motors (1.5), late_tick (0.05 s), skipped_ticks (50), nan_position (20 ticks). The hand
 /// moves in D. In lockstep time is virtual: the same options give the same bits. One a process.
 /// Throws DeviceOpenError.
-std::unique_ptr<devices::Driver> open_wire_phantom(const devices::DeviceOptions& options);
-DeviceDescription describe_wire_phantom(const devices::DeviceOptions& options);
+std::unique_ptr<devices::Driver> open_emulated_phantom(const devices::DeviceOptions& options);
+DeviceDescription describe_emulated_phantom(const devices::DeviceOptions& options);
 
 }  // namespace voxtouch::phantom

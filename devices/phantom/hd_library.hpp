@@ -9,10 +9,11 @@
 namespace voxtouch::phantom {
 
 /// What only the simulated library has. Null in the vendor's.
-#define VOXTOUCH_HDSIM_HOOKS(X)                                                        \
-  X(use_virtual_time)                                                                  \
-  X(set_seed) X(set_model) X(set_motion) X(set_hand) X(set_switches) X(step) X(inject) \
-      X(read_state) X(last_message)
+// clang-format off
+#define VOXTOUCH_HDSIM_HOOKS(X)                                                          \
+  X(use_virtual_time) X(set_seed) X(set_model) X(set_motion) X(set_hand) X(set_switches) \
+  X(step) X(inject) X(read_state) X(last_message)
+// clang-format on
 struct HdSimHooks {
 #define VOXTOUCH_HDSIM_MEMBER(name) decltype(&hdsim_##name) name = nullptr;
   VOXTOUCH_HDSIM_HOOKS(VOXTOUCH_HDSIM_MEMBER)

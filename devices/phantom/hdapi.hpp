@@ -131,7 +131,8 @@ inline constexpr HDenum kCalibrationEncoderReset = 1, kCalibrationAuto = 2, kCal
   X(hdStartScheduler, void, ())                                                                \
   X(hdStopScheduler, void, ())                                                                 \
   X(hdSetSchedulerRate, void, (HDulong rate_hz))                                               \
-  X(hdScheduleAsynchronous, HDSchedulerHandle, (HDSchedulerCallback callback, void* data, HDushort priority)) \
+  X(hdScheduleAsynchronous, HDSchedulerHandle,                                                 \
+    (HDSchedulerCallback callback, void* data, HDushort priority))                             \
   X(hdUnschedule, void, (HDSchedulerHandle handle))
 // clang-format on
 

@@ -44,8 +44,12 @@ bool starts_with(std::string_view name, std::string_view prefix) noexcept {
          std::equal(prefix.begin(), prefix.end(), name.begin(), same);
 }
 
-double known_or(double known, double otherwise) noexcept {
-  return std::isfinite(known) && known > 0.0 ? known : otherwise;
+// What no device of this family reaches is an error of the library, not a figure of the device.
+constexpr double kMostForceN = 1'000.0, kMostTorqueNm = 100.0, kMostStiffness = 1e9,
+                 kMostRate = 1e9;
+
+double known_or(double known, double most, double otherwise) noexcept {
+  return known >= 1e-3 && known <= most ? known : otherwise;  // NaN is not within
 }
 
 }  // namespace
@@ -60,8 +64,8 @@ const PhantomFigures& phantom_figures(std::string_view model) noexcept {
 
 double continuous_force_n(const PhantomFacts& facts) noexcept {
   const PhantomFigures& f = phantom_figures(facts.model);
-  return std::min(known_or(facts.continuous_force_n, f.continuous_force_n),
-                  known_or(facts.max_force_n, f.max_force_n));
+  return std::min(known_or(facts.continuous_force_n, kMostForceN, f.continuous_force_n),
+                  known_or(facts.max_force_n, kMostForceN, f.max_force_n));
 }
 
 DeviceDescription describe_phantom(const PhantomFacts& facts) {
@@ -69,14 +73,11 @@ DeviceDescription describe_phantom(const PhantomFacts& facts) {
   DeviceDescription d = sim::sim_phantom().description;  // what all models share, with its sources
   d.model = facts.model.empty() ? "Phantom" : facts.model;
   d.rate_hz = servo_rate_hz(facts.rate_hz);
-  d.max_force_n = known_or(facts.max_force_n, f.max_force_n);
-  d.max_torque_nm = facts.output_dof >= 6 ? known_or(facts.max_torque_nm, 0.0) : 0.0;
-  // Assumed, as for the simulated Phantom; what makes the device drop its force is never reached.
-  d.max_force_rate_n_per_s = std::min(std::max(d.max_force_rate_n_per_s, d.max_force_n / kFadeS),
-                                      0.9 * known_or(facts.max_impulse_n_per_s, 1e9));
-  d.max_torque_rate_nm_per_s = d.max_torque_nm / kFadeS;  // assumed: as fast as a fade needs it
+  d.max_force_n = known_or(facts.max_force_n, kMostForceN, f.max_force_n);
+  d.max_torque_nm = facts.output_dof >= 6 ? known_or(facts.max_torque_nm, kMostTorqueNm, 0.0) : 0.0;
   d.max_stiffness_n_per_m =
-      std::min(known_or(facts.max_stiffness_n_per_m, 1e9), f.max_stiffness_n_per_m);
+      std::min(known_or(facts.max_stiffness_n_per_m, kMostStiffness, kMostStiffness),
+               f.max_stiffness_n_per_m);
   d.mass_min_kg = f.mass_min_kg;
   d.mass_max_kg = f.mass_max_kg;
   d.coulomb_friction_n = f.coulomb_friction_n;
@@ -89,6 +90,11 @@ DeviceDescription describe_phantom(const PhantomFacts& facts) {
   }
   d.input_dof = static_cast<std::uint32_t>(std::clamp(facts.input_dof, 0, 7));
   d.output_dof = static_cast<std::uint32_t>(std::clamp(facts.output_dof, 0, 7));
+  derive_slew_limits(d);
+  // What makes the device drop its force is never reached; the guard has to be able to fade.
+  const double dropped_n_per_s = known_or(facts.max_impulse_n_per_s, kMostRate, kMostRate);
+  d.max_force_rate_n_per_s =
+      std::max(d.max_force_n / kFadeS, std::min(d.max_force_rate_n_per_s, 0.9 * dropped_n_per_s));
   return d;
 }
 

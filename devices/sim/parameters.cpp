@@ -32,11 +32,9 @@ SimParameters sim_phantom() {
   SimParameters p;
   DeviceDescription& d = p.description;
   d.model = "sim-phantom";
-  d.rate_hz = 1000.0;                 // confirmed: servo rate
-  d.max_force_n = 8.5;                // confirmed in CHAI3D's model table
-  d.max_torque_nm = 0.0;              // confirmed: three motors
-  d.max_force_rate_n_per_s = 2000.0;  // assumed: a wall of 800 N/m struck at 2.5 m/s
-  d.max_torque_rate_nm_per_s = 0.0;
+  d.rate_hz = 1000.0;     // confirmed: servo rate
+  d.max_force_n = 8.5;    // confirmed in CHAI3D's model table
+  d.max_torque_nm = 0.0;  // confirmed: three motors
   // Confirmed in CHAI3D's table; stable walls were measured at 300 to 900 N/m. The 3500 N/m of data
   // sheets is the stiffness of the structure, and assumed.
   d.max_stiffness_n_per_m = 800.0;
@@ -57,6 +55,7 @@ SimParameters sim_phantom() {
   p.coulomb_friction_nm = 0.0;
   p.velocity_filter_hz = 50.0;  // assumed: a vendor's smoothing is not published
   p.hand = *hand::grip("pen");
+  derive_slew_limits(d);
   return p;
 }
 
@@ -64,11 +63,9 @@ SimParameters sim_lwr() {
   SimParameters p;
   DeviceDescription& d = p.description;
   d.model = "sim-lwr";
-  d.rate_hz = 1000.0;                  // confirmed: fastest rate of the remote interface
-  d.max_force_n = 150.0;               // assumed; joint torques would allow 200 N and more, derived
-  d.max_torque_nm = 15.0;              // assumed; half of what the wrist joints give
-  d.max_force_rate_n_per_s = 10000.0;  // assumed; the least that fades 150 N in 20 ms is 7500
-  d.max_torque_rate_nm_per_s = 1000.0;  // assumed, likewise
+  d.rate_hz = 1000.0;      // confirmed: fastest rate of the remote interface
+  d.max_force_n = 150.0;   // assumed; joint torques would allow 200 N and more, derived
+  d.max_torque_nm = 15.0;  // assumed; half of what the wrist joints give
   d.max_stiffness_n_per_m =
       5000.0;           // confirmed: cap of the Cartesian stiffness in published drivers
   d.mass_min_kg = 3.0;  // derived from an identified model, motor inertia divided by four
@@ -95,6 +92,7 @@ SimParameters sim_lwr() {
   p.coulomb_friction_nm = 0.1;  // likewise
   p.velocity_filter_hz = 50.0;  // assumed
   p.hand = *hand::grip("arm");
+  derive_slew_limits(d);
   return p;
 }
 

@@ -1,8 +1,10 @@
 #include "nodes/bag/bag_reader.hpp"
 
+#include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
+#include <map>
 #include <system_error>
 
 #include "nodes/bag/bag_storage.hpp"
@@ -29,20 +31,32 @@ std::vector<fs::path> files_in(const fs::path& folder) {
   return found;
 }
 
+}  // namespace
+
 // What of a folder's metadata.yaml is needed.
-struct Described {
+struct BagReader::Described {
   std::string storage, compression;
   std::vector<std::string> files;
+  std::uint64_t messages = 0;                    // of the bag
+  std::map<std::string, std::uint64_t> in_file;  // from version 5 on
 };
 
+namespace {
+
 // Nothing where it is missing or no metadata of a bag: the files can be read without it.
+template <class Described>
 std::optional<Described> read_metadata(const fs::path& file) {
   try {
     const YAML::Node node = YAML::LoadFile(file.string())["rosbag2_bagfile_information"];
     const YAML::Node mode = node["compression_mode"];
-    return Described{node["storage_identifier"].as<std::string>(),
-                     mode ? mode.as<std::string>() : "",
-                     node["relative_file_paths"].as<std::vector<std::string>>()};
+    Described out{node["storage_identifier"].as<std::string>(),
+                  mode ? mode.as<std::string>() : "",
+                  node["relative_file_paths"].as<std::vector<std::string>>(),
+                  node["message_count"].as<std::uint64_t>(0),
+                  {}};
+    for (const YAML::Node& one : node["files"])
+      out.in_file[one["path"].as<std::string>()] = one["message_count"].as<std::uint64_t>(0);
+    return out;
   } catch (const YAML::Exception&) {
     return std::nullopt;
   }
@@ -50,11 +64,10 @@ std::optional<Described> read_metadata(const fs::path& file) {
 
 // The files that metadata names, and those behind them that a killed writer did not come to name;
 // if one is not there, what the folder holds.
-std::vector<fs::path> files_of(const fs::path& folder, const std::optional<Described>& metadata) {
+std::vector<fs::path> files_of(const fs::path& folder, const std::vector<std::string>& names) {
   std::vector<fs::path> named, found = files_in(folder);
-  if (metadata)
-    for (const auto& file : metadata->files)
-      named.push_back(folder / file);
+  for (const auto& file : names)
+    named.push_back(folder / file);
   const bool all_there = std::ranges::all_of(named, [](const fs::path& path) {
     std::error_code error;
     return fs::exists(path, error);
@@ -74,18 +87,19 @@ Result<BagReader> BagReader::open(const fs::path& path) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
   std::vector<fs::path> files;
+  std::optional<Described> described;
   if (fs::is_directory(status)) {
-    const std::optional<Described> described = read_metadata(path / "metadata.yaml");
+    described = read_metadata<Described>(path / "metadata.yaml");
     if (described && !described->compression.empty() && described->compression != "NONE" &&
         described->compression != "none")
       return refuse("The bag '{}' is compressed ({}). Uncompress it with ros2 bag convert.",
                     path.string(), described->compression);
-    if (described && !storage_named(described->storage))
+    if (described && !described->storage.empty() && !storage_named(described->storage))
       return refuse(
           "The bag '{}' is stored as {}, and only sqlite3 and mcap are read. Convert it with ros2 "
           "bag convert.",
           path.string(), described->storage);
-    files = files_of(path, described);
+    files = files_of(path, described ? described->files : std::vector<std::string>());
     if (files.empty())
       return refuse("'{}' holds no .db3 file and no .mcap file. Name a folder that holds a bag.",
                     path.string());
@@ -97,7 +111,29 @@ Result<BagReader> BagReader::open(const fs::path& path) {
   for (const auto& file : files)
     if (auto added = reader.add_file(file); !added)
       return std::unexpected(added.error());
+  for (const File& file : reader.files_)
+    reader.message_count_ += file.reader->message_count().value_or(0);
+  if (described)
+    reader.compare(path, *described);
   return reader;
+}
+
+// More than metadata states is what a killed recorder leaves. A file that was renamed is read, and
+// nothing is lost.
+void BagReader::compare(const fs::path& folder, const Described& metadata) {
+  for (const auto& [name, stated] : metadata.in_file) {
+    const auto file = std::ranges::find(files_, folder / name, &File::path);
+    if (file == files_.end() && stated > 0 && message_count_ < metadata.messages)
+      losses_.push_back(
+          fmt::format("'{}' is missing from the bag: {} messages are lost.", name, stated));
+    const auto found = file == files_.end() ? std::nullopt : file->reader->message_count();
+    if (found && *found < stated)
+      losses_.push_back(fmt::format("'{}' holds {} of {} recorded messages: the others are lost.",
+                                    name, *found, stated));
+  }
+  if (losses_.empty() && metadata.in_file.empty() && message_count_ < metadata.messages)
+    losses_.push_back(fmt::format("The bag holds {} of {} recorded messages: the others are lost.",
+                                  message_count_, metadata.messages));
 }
 
 Result<void> BagReader::add_file(const fs::path& path) {
@@ -105,7 +141,9 @@ Result<void> BagReader::add_file(const fs::path& path) {
   auto opened = mcap ? open_mcap_file(path) : open_sqlite_file(path);
   if (!opened)
     return std::unexpected(opened.error());
-  File file{std::move(*opened), {}};
+  if (files_.empty())
+    storage_ = mcap ? Storage::kMcap : Storage::kSqlite3;
+  File file{std::move(*opened), {}, path};
   for (const TopicInfo& topic : file.reader->topics()) {
     auto index = find_topic(topic.name);
     if (!index) {

@@ -1,6 +1,7 @@
 #include "nodes/bag/bag_writer.hpp"
 
 #include <fmt/format.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
@@ -99,6 +100,9 @@ Result<void> BagWriter::open_file() {
     result = file_->close(metadata_, Flush::kNo);  // a flush would hold up what comes in meanwhile
   file_ = std::move(*made);
   metadata_.files.emplace_back().path = name;
+  struct stat about {};
+  (void)::stat((folder_ / name).c_str(), &about);
+  made_.push_back({.device = about.st_dev, .inode = about.st_ino, .bytes = 0, .messages = {}});
   return result;
 }
 
@@ -185,8 +189,18 @@ Result<void> BagWriter::commit() {
 }
 
 void BagWriter::count_committed() {
-  for (std::size_t i = 0; i < topics_.size(); ++i)
-    metadata_.topics[i].message_count += std::exchange(topics_[i].pending, 0);
+  Made& made = made_.back();
+  made.messages.resize(topics_.size());
+  for (std::size_t i = 0; i < topics_.size(); ++i) {
+    const std::uint64_t messages = std::exchange(topics_[i].pending, 0);
+    (made.lost ? topics_[i].lost : metadata_.topics[i].message_count) += messages;
+    made.messages[i] += messages;
+  }
+  // A database in its write-ahead log is not in its file yet.
+  if (options_.storage == Storage::kMcap)
+    made.bytes = file_->bytes();
+  if (made.lost)
+    return void(pending_ = {});
   const Extent committed{pending_.first_ns, pending_.last_ns - pending_.first_ns,
                          pending_.messages};
   metadata_.add(committed);
@@ -198,6 +212,29 @@ void BagWriter::lose_pending() {
   for (auto& topic : topics_)
     topic.lost += std::exchange(topic.pending, 0);
   pending_ = {};
+}
+
+Result<void> BagWriter::check_files() {
+  Result<void> result;
+  for (std::size_t i = 0; i < made_.size(); ++i) {
+    Made& made = made_[i];
+    FileInfo& file = metadata_.files[i];
+    struct stat about {};
+    const bool there = ::stat((folder_ / file.path).c_str(), &about) == 0 &&
+                       about.st_dev == made.device && about.st_ino == made.inode;
+    if (made.lost || (there && static_cast<std::uint64_t>(about.st_size) >= made.bytes))
+      continue;
+    made.lost = true;
+    for (std::size_t topic = 0; topic < made.messages.size(); ++topic) {
+      topics_[topic].lost += made.messages[topic];
+      metadata_.topics[topic].message_count -= made.messages[topic];
+    }
+    metadata_.message_count -= file.message_count;
+    result =
+        refuse("'{}' was {} while recording: {} messages are lost.", (folder_ / file.path).string(),
+               there ? "cut" : "removed or replaced", std::exchange(file.message_count, 0));
+  }
+  return result;
 }
 
 Result<void> BagWriter::write_metadata(Flush flush) const {
@@ -212,8 +249,11 @@ Result<void> BagWriter::refresh() {
   // the file is full.
   const auto committed = commit();
   const auto refreshed = file_->refresh(metadata_);
+  const auto kept = check_files();
+  const auto again =
+      made_.back().lost ? open_file() : Result<void>();  // what comes from here on is kept
   const auto yaml = write_metadata(Flush::kNo);
-  for (const auto* step : {&committed, &refreshed, &yaml})
+  for (const auto* step : {&kept, &again, &committed, &refreshed, &yaml})
     if (!*step)
       return *step;
   return {};
@@ -265,6 +305,8 @@ Result<void> BagWriter::close() {
     return {};
   // Each step is tried whatever became of the one before.
   auto result = commit();
+  if (const auto kept = check_files(); !kept)
+    result = kept;
   const auto closed = file_->close(metadata_, Flush::kYes);
   const auto yaml = write_metadata(Flush::kYes);
   for (const auto* step : {&closed, &yaml})

@@ -1,6 +1,6 @@
 #pragma once
-/// Writes a rosbag2 folder: metadata.yaml (version 5) and <name>_0.db3 (sqlite3, schema 3) or
-/// <name>_0.mcap, then _1 and so on where it is split; readable by Humble and Jazzy.
+/// Writes a rosbag2 folder: metadata.yaml (version 5) and <name>_0.mcap or <name>_0.db3 (sqlite3,
+/// schema 3), then _1 and so on where it is split; readable by Humble and Jazzy.
 ///
 /// Nothing is flushed to the disk before the bag is closed, as in rosbag2's own default: flushes of
 /// 0.3 to 1.2 s were seen on a disk that two rings shared, as long as a hung logger. So a kill of
@@ -29,7 +29,7 @@ struct WriterOptions {
   std::chrono::milliseconds refresh_period{500};  ///< metadata.yaml; sqlite3: checkpoint
   /// of a file; beyond it messages are lost as on a full disk; 0: no limit
   std::uint64_t max_bytes = 0;
-  Storage storage = Storage::kSqlite3;
+  Storage storage = Storage::kMcap;
   SplitOptions split = {};
 };
 
@@ -61,6 +61,12 @@ class BagWriter final : public BagSink {
   struct Topic {
     std::uint64_t pending = 0, lost = 0;  // pending: not committed yet
   };
+  // A file as it was made, and what it must hold.
+  struct Made {
+    std::uint64_t device = 0, inode = 0, bytes = 0;
+    std::vector<std::uint64_t> messages;  // of each topic
+    bool lost = false;
+  };
   using Clock = std::chrono::steady_clock;
   BagWriter(std::filesystem::path folder, const WriterOptions& options)
       : folder_(std::move(folder)),
@@ -71,6 +77,9 @@ class BagWriter final : public BagSink {
   bool is_to_be_split(std::int64_t time_ns, std::size_t bytes) const noexcept;
   Result<void> write_metadata(Flush flush) const;
   void count_committed();
+  /// Whether each file is still the one that was made, with at least the bytes that were written.
+  /// One that is not is counted as lost, once.
+  Result<void> check_files();
   void lose_pending();
 
   std::filesystem::path folder_;
@@ -79,6 +88,7 @@ class BagWriter final : public BagSink {
   BagMetadata metadata_;
   std::int64_t file_begun_ns_ = 0;  // the time of the message that the file was opened for
   std::vector<Topic> topics_;
+  std::vector<Made> made_;  // as metadata_.files
   struct Pending {
     std::int64_t first_ns = std::numeric_limits<std::int64_t>::max(), last_ns = 0;
     std::uint64_t messages = 0, bytes = 0;

@@ -36,6 +36,8 @@ class FileReader {
                                         const TakeMessage& f) const = 0;
   /// Of the first and of the last message; nothing where there is none.
   virtual Result<std::optional<std::pair<std::int64_t, std::int64_t>>> times() const = 0;
+  /// Messages in the file; nothing where the file does not state it.
+  virtual std::optional<std::uint64_t> message_count() const = 0;
 
  protected:
   std::vector<TopicInfo> topics_;

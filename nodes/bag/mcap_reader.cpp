@@ -105,7 +105,7 @@ class McapReader final : public FileReader {
       return damaged("it has no header");
     data_start_ = head.size + cursor.number<std::uint64_t>();
     if (!read_summary()) {
-      topics_.clear(), topic_of_.clear(), schemas_.clear(), pieces_.clear();
+      topics_.clear(), topic_of_.clear(), schemas_.clear(), pieces_.clear(), messages_ = 0;
       if (auto looked = look_through(); !looked)
         return looked;
     }
@@ -172,6 +172,8 @@ class McapReader final : public FileReader {
     }
     return all;
   }
+
+  std::optional<std::uint64_t> message_count() const override { return messages_; }
 
  private:
   std::unexpected<BagError> damaged(std::string_view how) const {
@@ -250,11 +252,11 @@ class McapReader final : public FileReader {
         ::crc32_z(0, reinterpret_cast<const Bytef*>(summary.data.get()), summary.size) != crc)
       return false;
     Cursor records(summary.view().first(static_cast<std::size_t>(end - start)));
-    std::uint64_t messages = 0;
+    messages_.reset();
     while (const auto record = mcap::next_record(records)) {
       Cursor content(record->content);
       if (record->op == Op::kStatistics)
-        messages = content.number<std::uint64_t>();
+        messages_ = content.number<std::uint64_t>();
       if (record->op == Op::kChunkIndex) {
         Piece piece;
         piece.start = content.number<std::uint64_t>(), piece.end = content.number<std::uint64_t>();
@@ -266,7 +268,7 @@ class McapReader final : public FileReader {
       }
       take_description(*record);
     }
-    return records.empty() && !topics_.empty() && (messages == 0 || !pieces_.empty());
+    return records.empty() && !topics_.empty() && (messages_.value_or(0) == 0 || !pieces_.empty());
   }
 
   Result<void> look_through() {
@@ -309,12 +311,16 @@ class McapReader final : public FileReader {
         if (!content)
           break;  // nothing behind a damaged chunk can be trusted
         Cursor records(content->view());
-        bool any = false;
-        while (const auto record = mcap::next_record(records))
-          take_description(*record), any = any || record->op == Op::kMessage;
-        if (any)
+        std::uint64_t messages = 0;
+        while (const auto record = mcap::next_record(records)) {
+          take_description(*record);
+          messages += record->op == Op::kMessage;
+        }
+        *messages_ += messages;
+        if (messages > 0)
           pieces_.push_back(piece);
       } else if (op == Op::kMessage && length >= mcap::kMessageHead) {
+        ++*messages_;
         in.take(2 + 4);
         const auto time = in.number<std::uint64_t>();
         if (loose.size == 0)
@@ -410,7 +416,8 @@ class McapReader final : public FileReader {
   std::uint64_t size_, data_start_ = 0;
   std::map<std::uint16_t, TopicInfo> schemas_;  // type and definition
   std::map<std::uint16_t, std::size_t> topic_of_;
-  std::vector<Piece> pieces_;  // by start
+  std::vector<Piece> pieces_;              // by start
+  std::optional<std::uint64_t> messages_;  // unknown where the summary has no statistics
   mutable std::list<std::pair<std::size_t, std::shared_ptr<const DecodedPiece>>> kept_;
 };
 

@@ -66,6 +66,13 @@ class SqliteReader final : public FileReader {
     return std::pair{rows->integer(0), rows->integer(1)};
   }
 
+  std::optional<std::uint64_t> message_count() const override {
+    auto rows = database_.prepare("SELECT count(*) FROM messages");
+    if (!rows || rows->step() != SQLITE_ROW)
+      return 0;  // damaged: no message can be read
+    return static_cast<std::uint64_t>(rows->integer(0));
+  }
+
  private:
   Database database_;
   std::vector<std::int64_t> rows_;  // of the topics

@@ -51,10 +51,8 @@ bool Following::admits(dds_instance_handle_t writer) noexcept {
     return rule_ == WhileNobody::kTakeAll &&
            std::none_of(unwanted_.begin(), unwanted_.end(),
                         [&](const auto& one) { return one.load() == writer; });
-  if (followed == writer || also_.load(std::memory_order_acquire) == writer)
+  if (followed == writer)
     return true;
-  if (passed_over_.load(std::memory_order_acquire) == writer)
-    return false;
   refused_.fetch_add(1, std::memory_order_relaxed);
   last_refused_[writer % last_refused_.size()].store(writer, std::memory_order_relaxed);
   return false;
@@ -74,29 +72,11 @@ dds_instance_handle_t Following::writer_of(const Guid& participant) const {
 
 bool Following::follow(const Guid& participant) {
   const dds_instance_handle_t found = writer_of(participant);
-  switching_.store(false, std::memory_order_release);
   writer_.store(found, std::memory_order_release);
   has_gone_.store(false, std::memory_order_release);
   if (found != 0 && !has_writer())
     has_gone_.store(true, std::memory_order_release);  // since it was looked for
   return found != 0;
-}
-
-bool Following::keep_also(const Guid& participant) {
-  const dds_instance_handle_t found = writer_of(participant);
-  also_.store(found, std::memory_order_release);
-  return found != 0;
-}
-
-void Following::pass_over(const Guid& participant) {
-  passed_over_.store(writer_of(participant), std::memory_order_release);
-}
-
-void Following::follow_awaited() noexcept {
-  switching_.store(false, std::memory_order_release);
-  also_.store(writer_.exchange(also_.load(std::memory_order_acquire), std::memory_order_acq_rel),
-              std::memory_order_release);
-  has_gone_.store(false, std::memory_order_release);
 }
 
 bool Following::has_matched(const Guid& participant) const {

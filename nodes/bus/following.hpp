@@ -26,17 +26,6 @@ class Following {
   /// matched none of it.
   bool follow(const Guid& participant);
   void follow_nobody() noexcept { writer_.store(0, std::memory_order_release); }
-  /// Takes in what `participant` writes as well, beside the one that is followed: a latched reader
-  /// keeps its last value, and shows it once it is to follow it. False, and nobody stands by, where
-  /// this reader has matched none of it.
-  bool keep_also(const Guid& participant);
-  void keep_nobody_also() noexcept { also_.store(0, std::memory_order_release); }
-  /// Follows the one that `keep_also` named as soon as there is a value of it; a latched reader
-  /// does it, in `take`.
-  void follow_kept() noexcept { switching_.store(true, std::memory_order_release); }
-  /// What `participant` writes is left out here, and neither counted nor named: another reader of
-  /// this node takes it.
-  void pass_over(const Guid& participant);
   /// Nothing of `writer` is taken while nobody is followed, for one that sends what cannot be ours.
   /// The last 16 are remembered.
   void refuse(dds_instance_handle_t writer) noexcept;
@@ -62,19 +51,12 @@ class Following {
   dds_topic_filter filter() noexcept;
   /// Whether a sample of `writer` is to be taken; counts. Real-time safe.
   bool admits(dds_instance_handle_t writer) noexcept;
-  /// Whose value is waited for, to follow it; 0: nobody's.
-  dds_instance_handle_t awaited() const noexcept {
-    return switching_.load(std::memory_order_acquire) ? also_.load(std::memory_order_acquire) : 0;
-  }
-  /// The awaited one is followed from here on, and what the other still writes is kept.
-  void follow_awaited() noexcept;
 
  private:
   dds_instance_handle_t writer_of(const Guid& participant) const;
   WhileNobody rule_;
   dds_entity_t reader_ = 0;
-  std::atomic<dds_instance_handle_t> writer_{0}, also_{0}, passed_over_{0};
-  std::atomic<bool> switching_{false};
+  std::atomic<dds_instance_handle_t> writer_{0};
   std::atomic<bool> has_gone_{
       false};  ///< the writer that is followed has gone, and `follow` has not been called since
   std::atomic<std::uint64_t> refused_{0};

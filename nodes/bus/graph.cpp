@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cstring>
+#include <string_view>
 #include <type_traits>
 #include <vector>
 
+#include "nodes/bus/endpoint.hpp"
 #include "voxtouch_msgs/messages.hpp"
 
 namespace voxtouch::bus {
@@ -12,6 +14,12 @@ namespace {
 
 using HumbleInfo = msg::rmw_dds_common_humble_ParticipantEntitiesInfo;
 using IronInfo = msg::rmw_dds_common_ParticipantEntitiesInfo;
+
+/// ROS 2's hash of rmw_dds_common/msg/ParticipantEntitiesInfo, from Iron on. Its names are bounded
+/// strings (string<=256), which are unbounded here: the bytes are the same and the hash is not, so
+/// it stands here as ROS 2 announces it.
+constexpr std::string_view kInfoHash =
+    "RIHS01_91a0593bacdcc50ea9bdcf849a938b128412cc1ea821245c663bcd26f83c295e";
 
 Guid guid_of(dds_entity_t entity) {
   dds_guid_t dds{};
@@ -58,6 +66,9 @@ Graph::Graph(dds_entity_t participant, RosNode node)
                   "the ROS graph's topic could not be made");
   const qos::Qos qos =
       qos::make_qos(qos::profile(qos::ProfileId::kLatched), qos::Endpoint::kWriter, 0.0);
+  if (node_.graph != RosGraph::kHumble)
+    announce(qos.get(),
+             {msg::Type<IronInfo>::ros_name, msg::Type<IronInfo>::descriptor, kInfoHash});
   writer_ = Entity(dds_create_writer(participant, topic_.get(), qos.get(), nullptr),
                    "the ROS graph's writer could not be made");
   write();
@@ -94,6 +105,94 @@ void Graph::write_as() const {
   info.gid = to_gid<Gid>(participant_);
   lend(info.node_entities_info_seq, nodes);
   dds_write(writer_.get(), &info);  // one that fails belongs to a participant that has gone
+}
+
+namespace {
+
+/// No longer than a participant of a lab has it. In a thread of DDS: allocates nothing.
+template <class Info>
+bool fits(const void* sample) {
+  constexpr std::uint32_t kMaxNodes = 16, kMaxEndpoints = 1024;
+  constexpr std::size_t kMaxName = 256;
+  const auto too_long = [](const char* text) {
+    return !text || ::strnlen(text, kMaxName + 1) > kMaxName;
+  };
+  const auto& nodes = static_cast<const Info*>(sample)->node_entities_info_seq;
+  return nodes._length <= kMaxNodes &&
+         std::none_of(nodes._buffer, nodes._buffer + nodes._length, [&](const auto& node) {
+           return too_long(node.node_namespace) || too_long(node.node_name) ||
+                  node.reader_gid_seq._length > kMaxEndpoints ||
+                  node.writer_gid_seq._length > kMaxEndpoints;
+         });
+}
+
+template <class Info>
+std::string names_in(const Info& info) {
+  std::string names;
+  for (std::uint32_t n = 0; n < info.node_entities_info_seq._length; ++n) {
+    const auto& node = info.node_entities_info_seq._buffer[n];
+    const std::string space(node.node_namespace);
+    names += (names.empty() ? "" : " and ") + (space == "/" ? "" : space) + "/" + node.node_name;
+  }
+  return names;
+}
+
+}  // namespace
+
+void Graph::read_names() {
+  const bool humble = node_.graph == RosGraph::kHumble;
+  dds_topic_descriptor_t type =
+      *(humble ? msg::Type<HumbleInfo>::descriptor : msg::Type<IronInfo>::descriptor);
+  type.m_typename = msg::Type<IronInfo>::descriptor->m_typename;
+  names_topic_ = Entity(dds_create_topic(dds_get_participant(topic_.get()), &type,
+                                         "ros_discovery_info", nullptr, nullptr),
+                        "the ROS graph's topic could not be made");
+  dds_topic_filter filter{};
+  filter.mode = DDS_TOPIC_FILTER_SAMPLE;
+  filter.f.sample = humble ? fits<HumbleInfo> : fits<IronInfo>;
+  if (dds_set_topic_filter_extended(names_topic_.get(), &filter) != DDS_RETCODE_OK)
+    throw Error("the reader of the ROS graph could not be told what to refuse");
+  const qos::Qos qos =
+      qos::make_qos(qos::profile(qos::ProfileId::kStatus), qos::Endpoint::kReader, 0.0);
+  if (!humble)
+    announce(qos.get(),
+             {msg::Type<IronInfo>::ros_name, msg::Type<IronInfo>::descriptor, kInfoHash});
+  names_ = Entity(
+      dds_create_reader(dds_get_participant(topic_.get()), names_topic_.get(), qos.get(), nullptr),
+      "the ROS graph's reader could not be made");
+}
+
+void Graph::take_names() {
+  const std::lock_guard lock(mutex_);
+  if (names_)
+    node_.graph == RosGraph::kHumble ? take_names_as<HumbleInfo>() : take_names_as<IronInfo>();
+}
+
+template <class Info>
+void Graph::take_names_as() {
+  constexpr int kMaxTakes = 64;
+  void* lent[1] = {nullptr};
+  dds_sample_info_t of{};
+  for (int n = 0; n < kMaxTakes && dds_take(names_.get(), lent, &of, 1, 1) == 1; ++n) {
+    const Info& info = *static_cast<const Info*>(lent[0]);
+    Guid participant{};
+    std::copy_n(std::begin(info.gid.data), participant.size(), participant.begin());
+    // A participant names itself only.
+    if (of.valid_data &&
+        participant_of_writer(names_.get(), of.publication_handle) == participant) {
+      if (!named_.contains(participant) && named_.size() >= kMaxNames)
+        named_.erase(
+            std::ranges::min_element(named_, {}, [](const auto& one) { return one.second.order; }));
+      named_[participant] = {++taken_, names_in(info)};
+    }
+    dds_return_loan(names_.get(), lent, 1);
+  }
+}
+
+std::string Graph::name_of(const Guid& participant) const {
+  const std::lock_guard lock(mutex_);
+  const auto known = named_.find(participant);
+  return known == named_.end() ? std::string() : known->second.name;
 }
 
 GraphEntry::GraphEntry(std::shared_ptr<Graph> graph, dds_entity_t endpoint, qos::Endpoint kind)

@@ -4,6 +4,7 @@
 /// `ros_discovery_info`, anew whenever an endpoint comes or goes.
 #include <array>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <set>
@@ -36,16 +37,33 @@ class Graph {
   /// Writers and readers of the node, as `ros_discovery_info` tells them. Any thread.
   void add(const Guid& endpoint, qos::Endpoint kind);
   void remove(const Guid& endpoint, qos::Endpoint kind);
+  /// From now on names of other participants are read too. Throws Error. Not with DDS Security,
+  /// whose participants are all known.
+  void read_names();
+  /// Takes what participants have written since the last call. Any thread.
+  void take_names();
+  /// The nodes of a participant as ROS 2 names them ("/talker", "/a and /b"); empty: unknown. Kept
+  /// after the participant has gone. Any thread.
+  std::string name_of(const Guid& participant) const;
 
  private:
+  static constexpr std::size_t kMaxNames = 256;
+  struct Named {
+    std::uint64_t order = 0;
+    std::string name;
+  };
   void write() const;
   template <class Info>
   void write_as() const;
+  template <class Info>
+  void take_names_as();
   RosNode node_;
   Guid participant_;
-  Entity topic_, writer_;
-  std::mutex mutex_;
+  Entity topic_, writer_, names_topic_, names_;
+  mutable std::mutex mutex_;
   std::set<Guid> readers_, writers_;
+  std::map<Guid, Named> named_;
+  std::uint64_t taken_ = 0;
 };
 
 /// An endpoint in the graph, for as long as this lives.

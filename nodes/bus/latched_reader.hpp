@@ -27,9 +27,6 @@ class LatchedReader {
   template <class F>
   bool take(F&& f) {
     receive();
-    if (const dds_instance_handle_t awaited = following_->awaited();
-        awaited != 0 && find(awaited) != kept_.end())
-      following_->follow_awaited();
     const dds_instance_handle_t writer = following_->writer();
     if (writer != last_writer_)
       shown_.clear();

@@ -79,6 +79,16 @@ std::vector<Card> network_cards() {
   return cards;
 }
 
+std::vector<std::uint32_t> own_addresses() {
+  std::vector<std::uint32_t> all;
+  const Addresses list = all_addresses();
+  for (const ifaddrs* entry = list.get(); entry; entry = entry->ifa_next)
+    if (const std::uint32_t address = ipv4_of(*entry);
+        address != 0 && (entry->ifa_flags & IFF_UP) != 0)
+      all.push_back(address);
+  return all;
+}
+
 std::vector<Card> cards_of_this_host(const std::vector<Card>& cards) {
   constexpr std::size_t kMaxCards = 4;  // MAX_XMIT_CONNS of Cyclone DDS
   std::vector<Card> chosen;
@@ -90,9 +100,13 @@ std::vector<Card> cards_of_this_host(const std::vector<Card>& cards) {
   return chosen;
 }
 
-bool names_cards(std::string_view configuration) {
-  constexpr std::string_view kCard = "<NetworkInterface", kFile = "file://";
-  if (configuration.contains(kCard))
+namespace {
+
+/// Whether `holds` is true of the XML in this text, or of a file that it names.
+template <class Holds>
+bool any_part(std::string_view configuration, Holds holds) {
+  constexpr std::string_view kFile = "file://";
+  if (holds(configuration))
     return true;
   while (!configuration.empty()) {
     std::string_view part = configuration.substr(0, configuration.find(','));
@@ -103,10 +117,30 @@ bool names_cards(std::string_view configuration) {
     if (part.empty() || part.starts_with('<') || !std::filesystem::is_regular_file(part, error))
       continue;
     std::ifstream file{std::string(part)};
-    if (std::string(std::istreambuf_iterator<char>(file), {}).contains(kCard))
+    if (holds(std::string(std::istreambuf_iterator<char>(file), {})))
       return true;
   }
   return false;
+}
+
+/// Whether an element SharedMemory of this XML is switched on.
+bool enables_shared_memory(std::string_view xml) {
+  for (std::size_t at = xml.find("<SharedMemory"); at != std::string_view::npos;
+       at = xml.find("<SharedMemory", at + 1)) {
+    const std::string_view element = xml.substr(at, xml.find("</SharedMemory", at) - at);
+    const std::size_t value = element.find("<Enable>");
+    if (value != std::string_view::npos &&
+        element.find("true", value) < element.find("</Enable>", value))
+      return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+bool names_cards(std::string_view configuration) {
+  return any_part(configuration,
+                  [](std::string_view xml) { return xml.contains("<NetworkInterface"); });
 }
 
 Network network_of(std::string_view interface_name, const std::vector<std::string>& peers,
@@ -117,6 +151,11 @@ Network network_of(std::string_view interface_name, const std::vector<std::strin
         fmt::format("--discovery-peer {} is another host, and --interface {} hears none: name the "
                     "network card that leads there",
                     peers.front(), kThisHost));
+  if (any_part(added, enables_shared_memory))
+    throw Error(
+        "CYCLONEDDS_URI enables SharedMemory, which voxtouch does not use: without its server DDS "
+        "stops each node after 60 s. "
+        "Set its Enable to false");
   std::string xml(qos::kNetworkXml), peers_xml;
   for (const std::string& peer : peers)
     peers_xml += fmt::format(R"(<Peer address="{}"/>)", peer);

@@ -25,6 +25,8 @@ std::string to_text(std::uint32_t address);
 
 /// The cards that are up, in the system's order, which is that in which DDS looks for one.
 std::vector<Card> network_cards();
+/// All IPv4 addresses of cards that are up.
+std::vector<std::uint32_t> own_addresses();
 
 /// Loopback and the first three cards that can do multicast: more DDS does not take, and one
 /// without would switch multicast off for all.
@@ -38,7 +40,7 @@ struct Network {
 /// The built-in settings, and behind them what CYCLONEDDS_URI says (`added`), which overrides where
 /// both say something. Where that names network cards, those hold instead of `interface_name`.
 /// `peers` are other hosts to ask, also where multicast does not work. Throws Error where peers are
-/// to be asked from a network that is closed to them.
+/// to be asked from a network that is closed to them, and where `added` enables shared memory.
 Network network_of(std::string_view interface_name, const std::vector<std::string>& peers,
                    std::string_view added);
 

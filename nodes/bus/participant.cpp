@@ -1,11 +1,14 @@
 #include "nodes/bus/participant.hpp"
 
 #include <fcntl.h>
+#include <limits.h>
+#include <pthread.h>
 #include <sys/resource.h>
 #include <sys/select.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cstdlib>
 #include <cstring>
@@ -14,6 +17,7 @@
 #include <tuple>
 #include <vector>
 
+#include "nodes/bus/exchange.hpp"
 #include "nodes/bus/network.hpp"
 #include "nodes/log/few_a_second.hpp"
 #include "nodes/log/tell.hpp"
@@ -22,11 +26,48 @@
 namespace voxtouch::bus {
 namespace {
 
+/// The lines of DDS while a domain or a participant starts: its return code alone does not give the
+/// cause.
+class StartLines {
+ public:
+  void clear() {
+    const std::lock_guard lock(mutex_);
+    lines_.clear();
+  }
+  void add(std::string_view line) {
+    constexpr std::size_t kMaxLines = 3, kMaxBytes = 300;
+    const std::lock_guard lock(mutex_);
+    while (line.ends_with('\n'))
+      line.remove_suffix(1);
+    if (!line.empty() && lines_.size() < kMaxLines)
+      lines_.emplace_back(line.substr(0, kMaxBytes));
+  }
+  /// The lines so far, joined; what DDS returned where there are none.
+  std::string text(dds_return_t code) const {
+    const std::lock_guard lock(mutex_);
+    std::string all;
+    for (const std::string& line : lines_)
+      all += (all.empty() ? "" : "; ") + line;
+    return all.empty() ? std::string(dds_strretcode(-code)) : all;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::vector<std::string> lines_;
+};
+
+StartLines& start_lines() {
+  static StartLines lines;
+  return lines;
+}
+
 /// What DDS has to say, with its time and thread in front: its own way to stderr would hold up the
 /// thread that receives. It has a line for every malformed datagram, so anybody who sends such
 /// could fill a disk with them. Our configuration sets up no tracing, for DDS writes what it traces
 /// by itself.
 void say(void*, const dds_log_data_t* data) {
+  if ((data->priority & (DDS_LC_FATAL | DDS_LC_ERROR | DDS_LC_WARNING | DDS_LC_CONFIG)) != 0)
+    start_lines().add({data->message, data->size});
   static log::FewASecond few(4);
   const auto [is_said, left_out] =
       few.take(std::chrono::steady_clock::now().time_since_epoch() / std::chrono::nanoseconds(1));
@@ -62,6 +103,52 @@ void require_descriptors() {
                 " is the most here) or have fewer open when it starts");
 }
 
+/// DDS aborts the process if the system refuses it a thread.
+void require_threads() {
+  constexpr std::size_t kNeeded = 12;  // DDS starts up to 8, a node 3 more
+  pthread_attr_t small;
+  pthread_attr_init(&small);
+  pthread_attr_setstacksize(&small, PTHREAD_STACK_MIN);
+  std::atomic<bool> over{false};
+  const auto wait = [](void* flag) -> void* {
+    static_cast<std::atomic<bool>*>(flag)->wait(false);
+    return nullptr;
+  };
+  std::vector<pthread_t> started;
+  pthread_t one{};
+  while (started.size() < kNeeded && pthread_create(&one, &small, wait, &over) == 0)
+    started.push_back(one);
+  over = true;
+  over.notify_all();
+  for (const pthread_t thread : started)
+    pthread_join(thread, nullptr);
+  pthread_attr_destroy(&small);
+  if (started.size() < kNeeded)
+    throw Error("this process can start " + std::to_string(started.size()) +
+                " more threads, and DDS needs " + std::to_string(kNeeded) +
+                ": raise the limit of processes (`ulimit -u`), or pids.max of the container");
+}
+
+/// Which setting to change, by what DDS printed.
+std::string start_remedy(std::string_view cause) {
+  if (cause.contains("receive buffer"))
+    return "allow larger socket buffers (`sysctl net.core.rmem_max`) or ask for less in "
+           "CYCLONEDDS_URI";
+  if (cause.contains("participant index"))
+    return "end other DDS processes of this domain, or choose another --domain";
+  if (cause.contains("config: ") || cause.contains("CycloneDDS/"))
+    return "correct CYCLONEDDS_URI, or unset it";
+  if (cause.contains("bind") || cause.contains("port"))
+    return "another process has the port: end it, or choose another --domain";
+  return "`ip link` lists the interfaces, --interface chooses one";
+}
+
+std::string start_fault(const ParticipantOptions& options, const std::string& cause) {
+  return "DDS could not start '" + options.name + "' on domain " + std::to_string(options.domain) +
+         ", interface '" + options.network_interface + "': " + cause +
+         ". Remedy: " + start_remedy(cause);
+}
+
 /// A domain is configured once a process, before its first participant; nodes composed into one
 /// process share it.
 void configure_domain(const ParticipantOptions& options) {
@@ -70,6 +157,7 @@ void configure_domain(const ParticipantOptions& options) {
   const std::lock_guard lock(mutex);
   dds_set_log_sink(say, nullptr);
   require_descriptors();
+  require_threads();
   const auto settings = [](const ParticipantOptions& o) {
     return std::tie(o.network_interface, o.discovery_peers, o.security);
   };
@@ -86,11 +174,18 @@ void configure_domain(const ParticipantOptions& options) {
   const Network network =
       network_of(options.network_interface, options.discovery_peers, uri ? uri : "");
   const std::vector<int> before = udp_sockets();
+  start_lines().clear();
   const dds_entity_t domain = dds_create_domain(options.domain, network.configuration.c_str());
   if (domain < 0 && domain != DDS_RETCODE_PRECONDITION_NOT_MET)
-    throw Error("DDS domain " + std::to_string(options.domain) +
-                " could not be set up on interface '" + options.network_interface +
-                "' (DDS says: " + dds_strretcode(-domain) + "); `ip link` lists the interfaces");
+    throw Error(start_fault(options, start_lines().text(domain)));
+  if (!uri || !names_cards(uri)) {
+    std::vector<Card> used = network_cards();
+    if (options.network_interface == kThisHost)
+      used = cards_of_this_host(used);
+    else
+      std::erase_if(used, [&](const Card& card) { return card.name != options.network_interface; });
+    note_addresses(used);
+  }
   if (network.is_closed) {
     std::vector<int> sockets = udp_sockets();
     std::erase_if(sockets, [&](int fd) { return std::ranges::find(before, fd) != before.end(); });
@@ -104,21 +199,23 @@ void configure_domain(const ParticipantOptions& options) {
 Participant::Participant(const ParticipantOptions& options) {
   configure_domain(options);
   const qos::Qos qos(dds_create_qos());
-  static constexpr char kEnclave[] = "enclave=/;";
+  static constexpr char kEnclave[] = "enclave=/;voxtouch=1;";
   dds_qset_userdata(qos.get(), kEnclave, sizeof(kEnclave) - 1);
   dds_qset_entity_name(qos.get(), options.name.c_str());
   for (const auto& [name, value] : options.security)
     dds_qset_prop(qos.get(), name.c_str(), value.c_str());
-  entity_ =
-      Entity(dds_create_participant(options.domain, qos.get(), nullptr),
-             "node '" + options.name + "' could not join DDS domain " +
-                 std::to_string(options.domain) + " on interface '" + options.network_interface +
-                 "'; `ip link` lists the interfaces, --interface chooses one");
+  start_lines().clear();
+  const dds_entity_t participant = dds_create_participant(options.domain, qos.get(), nullptr);
+  if (participant < 0)
+    throw Error(start_fault(options, start_lines().text(participant)));
+  entity_ = Entity(participant, "");
   dds_guid_t guid{};
   dds_get_guid(entity_.get(), &guid);
   std::memcpy(guid_.data(), guid.v, guid_.size());
   if (!options.node.name.empty())
     graph_ = std::make_shared<Graph>(entity_.get(), options.node);
+  if (graph_ && options.security.empty())
+    graph_->read_names();
 }
 
 }  // namespace voxtouch::bus

@@ -23,8 +23,8 @@ struct ParticipantOptions {
       security{};  ///< properties of DDS Security (nodes/security); none: plain
 };
 
-/// Announces itself as ROS 2 does (USER_DATA "enclave=/;"). Threads of Cyclone DDS inherit the
-/// caller's scheduling: set it first.
+/// Announces itself as ROS 2 does (USER_DATA "enclave=/;voxtouch=1;"). Threads of Cyclone DDS
+/// inherit the caller's scheduling: set it first.
 class Participant {
  public:
   /// Throws Error, naming the interface and the domain.
@@ -32,6 +32,8 @@ class Participant {
 
   dds_entity_t get() const noexcept { return entity_.get(); }
   const Guid& guid() const noexcept { return guid_; }
+  /// The ROS graph as this participant sees it; null: it is no node.
+  const std::shared_ptr<Graph>& graph() const noexcept { return graph_; }
   /// Shows an endpoint of this participant to ROS 2 tools, while the entry lives.
   GraphEntry enter(dds_entity_t endpoint, qos::Endpoint kind) const {
     return graph_ ? GraphEntry(graph_, endpoint, kind) : GraphEntry();

@@ -108,11 +108,7 @@ int build(const BuildOptions& o) {
 
 void add_build(CLI::App& app, Action& action) {
   auto o = std::make_shared<BuildOptions>();
-  CLI::App* verb =
-      app.add_subcommand("build",
-                         "Voxels and pointshell of a mesh as files: <mesh>_surface.csv, "
-                         "<mesh>_interior.csv, <mesh>_shell.ply (points with\n"
-                         "normals and areas, for MeshLab or CloudCompare)");
+  CLI::App* verb = app.add_subcommand("build");
   verb->add_option("MESH", o->mesh, "OBJ, STL, PLY, glTF/GLB or COLLADA")->required();
   verb->add_option("--voxel", o->voxel_m, "Voxel edge [m]")
       ->required()

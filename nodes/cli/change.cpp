@@ -43,30 +43,7 @@ int change(const ChangeOptions& o) {
 
 void add_change(CLI::App& app, Action& action) {
   auto o = std::make_shared<ChangeOptions>();
-  CLI::App* verb = app.add_subcommand(
-      "change",
-      "Changes a ring while it runs, without a step of force: switches an effect, sets its gain or "
-      "its parameters "
-      "(each goes to\n"
-      "its new value in 0.1 s), or builds the scene anew beside the loop and fades over to it in "
-      "0.2 s. Prints what "
-      "was done or\n"
-      "why not; exit status 1 where it was refused or nobody answers within 2 s.\n"
-      "  voxtouch change viscosity off\n"
-      "  voxtouch change viscosity gain 0.5\n"
-      "  voxtouch change viscosity damping_ns_per_m=2\n"
-      "  voxtouch change --reload                                     the scene file, read again\n"
-      "  voxtouch change --reload --voxel-size 0.001 --model field    with another voxel size and "
-      "contact model\n"
-      "An effect is named by its kind, from the second of a kind on with its number (viscosity, "
-      "viscosity2). After "
-      "--reload an\n"
-      "effect that the file still asks for in the same words keeps what was changed. Meshes, voxel "
-      "size, contact and "
-      "effects may\n"
-      "change in the file; another device or coupling section needs a restart and is refused; "
-      "motions stay as they "
-      "were.");
+  CLI::App* verb = app.add_subcommand("change");
   verb->add_option("WORDS", o->words,
                    "EFFECT on|off, EFFECT gain X, or EFFECT PARAMETER=VALUE[,V,V] ...")
       ->option_text("EFFECT ...");

@@ -60,23 +60,7 @@ int keys(const KeysOptions& o) {
 
 void add_keys(CLI::App& app, Action& action) {
   auto o = std::make_shared<KeysOptions>();
-  CLI::App* verb =
-      app.add_subcommand("keys",
-                         "Makes what DDS Security needs for one rig: an authority, for each role a "
-                         "private key, a certificate and signed permissions, and the\n"
-                         "rules for all. A ring that is started with --security DIR takes nobody "
-                         "in who has none of these certificates, lets each role write\n"
-                         "its own topics alone, and encrypts who is there and every message.\n"
-                         "  voxtouch keys --out keys                                    makes the "
-                         "folder; nothing is overwritten\n"
-                         "  voxtouch up cup --security keys                             every verb "
-                         "and node has --security\n"
-                         "  voxtouch keys --out keys --renew coupling                   a new key "
-                         "and certificate, before the old one expires\n"
-                         "  voxtouch keys --out keys --revoke coupling --renew coupling when a "
-                         "host was lost: its certificate is taken by nobody any more\n"
-                         "What a host needs is said when the folder is made. Certificates and "
-                         "crl.pem are read when a node starts.");
+  CLI::App* verb = app.add_subcommand("keys");
   std::vector<std::string> one_or_all = security::roles();
   one_or_all.emplace_back("all");
   verb->add_option("--out", o->folder, "Folder of the keys")->required()->option_text("DIR");

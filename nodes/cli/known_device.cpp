@@ -3,14 +3,13 @@
 #include "core/scene/device_file.hpp"
 #include "devices/registry.hpp"
 #include "nodes/device/described_device.hpp"
-#include "nodes/device/recording.hpp"
 #include "nodes/log/tell.hpp"
 
 namespace voxtouch::cli {
 namespace {
 
 bool is_file(const std::string& device) {
-  return !device.starts_with(devices::kDescribedPrefix) && !devices::is_recording(device) &&
+  return !device.starts_with(devices::kDescribedPrefix) &&
          (device.ends_with(".yaml") || device.ends_with(".yml"));
 }
 
@@ -22,11 +21,8 @@ std::string device_argument(const std::string& device) {
 
 coupling::design::DeviceModel find_device(const std::string& device) {
   const auto file = device_node::described_device(device_argument(device));
-  if (!file) {
-    devices::DeviceOptions options;
-    options.recorded = device_node::recorded_hand(device, {});
-    return coupling::design::model_of(devices::describe_device(device, options));
-  }
+  if (!file)
+    return coupling::design::model_of(devices::describe_device(device));
   if (const std::string assumed = scene::assumed_sentence(*file); !assumed.empty())
     log::tell("note: {}\n", assumed);
   return coupling::design::model_of(file->description);

@@ -4,18 +4,16 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
-#include "core/accuracy/accuracy.hpp"
-#include "core/felt/felt.hpp"
 #include "core/first_scene/measure_part.hpp"
 #include "core/first_scene/scene_text.hpp"
 #include "core/first_scene/try_scene.hpp"
+#include "core/fitting/force_preview.hpp"
 #include "core/mesh/import.hpp"
 #include "core/scene/scene_file.hpp"
 #include "core/types/program_folder.hpp"
+#include "nodes/cli/force_line.hpp"
 #include "nodes/cli/known_device.hpp"
-#include "nodes/cli/machine.hpp"
 #include "nodes/cli/verbs.hpp"
-#include "nodes/log/progress.hpp"
 #include "nodes/log/tell.hpp"
 #include "nodes/mesh_import/mesh_process.hpp"
 #include "nodes/scene_build/build_here.hpp"
@@ -28,7 +26,6 @@ namespace fs = std::filesystem;
 struct NewOptions {
   fs::path part, tool, out;
   std::string device = "sim-phantom", part_unit, tool_unit;
-  scene_build::CacheOptions cache;
 };
 
 struct ReadMesh {
@@ -37,12 +34,13 @@ struct ReadMesh {
   std::string unit;  ///< a sentence
 };
 
-/// In the file's own numbers first, since they tell the unit.
+/// In the file's own numbers first, since they tell the unit where the format declares none.
 ReadMesh read_mesh(const fs::path& file, const std::string& unit) {
   const mesh::TriangleReader reader = mesh_import::mesh_process();
   ReadMesh read{.mesh = mesh::import_mesh(file, {}, reader), .scale = 1.0, .unit = {}};
   const double extent = (read.mesh.report.max - read.mesh.report.min).maxCoeff();
-  first_scene::Unit guess = first_scene::likely_unit(extent);
+  const bool declared = mesh::has_own_unit(file);
+  first_scene::Unit guess = declared ? first_scene::kMetre : first_scene::likely_unit(extent);
   if (unit == first_scene::kMillimetre.name)
     guess = first_scene::kMillimetre;
   if (unit == first_scene::kMetre.name)
@@ -50,8 +48,9 @@ ReadMesh read_mesh(const fs::path& file, const std::string& unit) {
   read.scale = guess.metres;
   read.unit = fmt::format(
       "{} is {:.4g} {} at its largest{}.", file.filename().string(), extent, guess.name,
-      unit.empty() ? ", if its numbers are in that unit: --unit and --tool-unit say otherwise"
-                   : "");
+      !unit.empty() ? ""
+      : declared    ? ", by the file's own unit"
+                    : ", if its numbers are in that unit: --unit and --tool-unit say otherwise");
   if (read.scale != 1.0)
     read.mesh = mesh::import_mesh(file, {.scale = read.scale}, reader);
   return read;
@@ -98,40 +97,20 @@ Meshes read_meshes(const NewOptions& o, const fs::path& out) {
   return m;
 }
 
-first_scene::ProposedScene propose(Meshes& m, const first_scene::ModelChoice& contact) {
+first_scene::ProposedScene propose(Meshes& m) {
   first_scene::ProposedScene proposed =
-      first_scene::propose_scene(m.part.mesh.mesh, m.part.mesh.report, m.tool, contact);
+      first_scene::propose_scene(m.part.mesh.mesh, m.part.mesh.report, m.tool);
   if (m.tool.sphere)
     m.names.tool_scale = proposed.tool.reach_m;  // the shipped sphere has radius 1
   proposed.reasons.insert(proposed.reasons.begin(), m.units.begin(), m.units.end());
   return proposed;
 }
 
-/// The short form of `voxtouch accuracy`: few contacts, the scene's own voxels, no spread.
-first_scene::ModelChoice measured_model(const scene::Scene& scene,
-                                        const first_scene::ModelChoice& usual) {
-  accuracy::AccuracyOptions options;
-  options.contacts = first_scene::kMeasuredContacts;
-  options.spread_contacts = options.phases = 0;
-  options.cpu_time_s = thread_cpu_s;
-  options.read = mesh_import::mesh_process();
-  options.progress = [tell = log::tell_each_second("new")](const std::string& what, double share,
-                                                           double left_s) {
-    tell(fmt::format("measuring contact models, {:.0f} %, about {:.0f} s left: {}", 100.0 * share,
-                     left_s, what));
-  };
-  return first_scene::measured_model(
-      accuracy::measure_accuracy(scene, first_scene::models_to_measure(scene.voxel_size_m), options,
-                                 serial_for()),
-      usual);
-}
-
-/// What a person must know of the scene as it is: what is wrong with it, and how it feels.
+/// What a person must know of the scene as it is: what is wrong with it, and its force preview.
 std::vector<std::string> tried(const scene::Scene& scene,
-                               const coupling::design::DeviceModel& device,
-                               const scene_build::CacheOptions& cache) {
+                               const coupling::design::DeviceModel& device) {
   std::vector<std::string> said;
-  const auto built = scene_build::build_here(scene, {.who = "new", .cache = cache});
+  const auto built = scene_build::build_here(scene, {.who = "new"});
   if (const std::string wrong = first_scene::what_is_wrong(scene, *built); !wrong.empty())
     said.push_back("To be mended by hand: " + wrong + ".");
   const rendering::StiffnessBounds bounds{built->plan().contact_n_per_m,
@@ -140,8 +119,9 @@ std::vector<std::string> tried(const scene::Scene& scene,
       fitting::fit_coupling(scene, device, bounds.translation, bounds.rotation);
   if (!fitted.refusal.empty())
     said.push_back("To be mended by hand: " + fitted.refusal);
-  if (const std::string felt = felt::felt_sentence(fitted, scene, device, *built); !felt.empty())
-    said.push_back(felt);
+  if (const auto preview =
+          fitting::force_preview(fitted, scene, device, bounds, built->plan().tool_reach_m))
+    said.push_back(force_line(*preview, device.name));
   return said;
 }
 
@@ -154,19 +134,15 @@ int make_new(const NewOptions& o) {
         "{} is there already and is left as it is; --out FILE is another", out.string()));
   Meshes meshes = read_meshes(o, out);
   const mesh::MeshReport& report = meshes.part.mesh.report;
+  for (const std::string& sentence : meshes.part.mesh.warnings)
+    log::tell("warning: {}\n", sentence);
   for (const std::string& sentence : report.sentences())
     log::tell("warning: {}\n", sentence);
 
-  const first_scene::ModelChoice usual = first_scene::usual_model(report);
-  first_scene::ProposedScene proposed = propose(meshes, usual);
+  first_scene::ProposedScene proposed = propose(meshes);
   write_new(out, first_scene::scene_text(proposed, meshes.names));
   try {
-    if (first_scene::has_inside(report) && first_scene::is_soon_measured(report)) {
-      proposed = propose(meshes, measured_model(scene::load_scene(out), usual));
-      fs::remove(out);
-      write_new(out, first_scene::scene_text(proposed, meshes.names));
-    }
-    for (std::string& sentence : tried(scene::load_scene(out), device, o.cache))
+    for (std::string& sentence : tried(scene::load_scene(out), device))
       proposed.reasons.push_back(std::move(sentence));
   } catch (const std::exception&) {
     fs::remove(out);  // a scene that cannot even be built is no begin
@@ -185,27 +161,19 @@ int make_new(const NewOptions& o) {
 
 void add_new(CLI::App& app, Action& action) {
   auto o = std::make_shared<NewOptions>();
-  CLI::App* verb = app.add_subcommand(
-      "new",
-      "Writes a scene file for a part of yours that runs as it is, and says what was guessed: "
-      "unit, voxel size, tool, two motions of a\n"
-      "simulated hand, and the contact model, by a short form of `voxtouch accuracy` where the "
-      "part is closed and below 500,000 triangles. Each line of the file may be changed "
-      "afterwards.\n"
-      "Try: voxtouch new part.stl   and then   voxtouch up part.yaml --motion press --view");
-  verb->add_option("PART", o->part, "Mesh to be felt: OBJ, STL, PLY, glTF/GLB, COLLADA")
+  CLI::App* verb = app.add_subcommand("new");
+  verb->add_option("PART", o->part, "Mesh of the part: OBJ, STL, PLY, glTF/GLB, COLLADA")
       ->required()
       ->check(CLI::ExistingFile);
-  verb->add_option("TOOL", o->tool, "Mesh that the hand holds, by its origin; default: a sphere")
+  verb->add_option("TOOL", o->tool, "Mesh of the tool, gripped at its origin; default: a sphere")
       ->check(CLI::ExistingFile);
   verb->add_option("--device", o->device, "A device by name, or a file that describes one")
       ->capture_default_str();
   const CLI::IsMember units({first_scene::kMillimetre.name, first_scene::kMetre.name});
   verb->add_option("--unit", o->part_unit,
-                   "Unit of the part's numbers; default: whichever makes it fit a desk")
+                   "Unit of the part's file; default: the file's own, else guessed from its size")
       ->check(units);
-  verb->add_option("--tool-unit", o->tool_unit, "Unit of the tool's numbers")->check(units);
-  scene_build::add_cache_options(*verb, o->cache);
+  verb->add_option("--tool-unit", o->tool_unit, "Unit of the tool's file")->check(units);
   verb->add_option("--out", o->out,
                    "Scene file to write; default: PART's name with .yaml, in the current folder");
   verb->callback([o, &action] { action = [o] { return make_new(*o); }; });

@@ -48,7 +48,8 @@ std::string without_progress(const std::string& text) {
 
 using Patience = std::optional<std::chrono::milliseconds>;
 
-/// Runs the tool with `input`, to its end or as long as there is patience; what it said.
+/// Runs the tool with `input`, isolated (-I) from packages and settings of the user's Python, to
+/// its end or as long as there is patience; what it said.
 std::optional<std::string> run_tool(const std::vector<std::string>& arguments,
                                     const std::string& input, Patience patience = std::nullopt) {
   const std::filesystem::path tool = program_folder() / "voxtouch_plot";
@@ -57,7 +58,7 @@ std::optional<std::string> run_tool(const std::vector<std::string>& arguments,
         fmt::format("{} is not there, which draws pictures: build or install anew", tool.string()));
   const auto tell = log::tell_each_second("report");
   ChildProgram program{
-      {::access(kDebianPython, X_OK) == 0 ? kDebianPython : "python3", tool.string()},
+      {::access(kDebianPython, X_OK) == 0 ? kDebianPython : "python3", "-I", tool.string()},
       input,
       patience,
       [&](std::string_view said) {

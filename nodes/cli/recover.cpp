@@ -121,17 +121,7 @@ int recover(const RecoverOptions& o) {
 
 void add_recover(CLI::App& app, Action& action) {
   auto o = std::make_shared<RecoverOptions>();
-  CLI::App* verb =
-      app.add_subcommand("recover",
-                         "Lets a device or a coupling give force again that has locked itself at "
-                         "zero: after an unstable contact, after a tenth of a second's\n"
-                         "commands above the device's limit, or where the driver refused a command "
-                         "that the force guard had let through. Find the cause first\n"
-                         "(voxtouch status, the fault records beside the bag) and let go of the "
-                         "device; then the force ramps in again. Exit status 1 where\n"
-                         "nothing is locked or nobody answers.\n"
-                         "  voxtouch recover\n"
-                         "  voxtouch recover --rig left");
+  CLI::App* verb = app.add_subcommand("recover");
   runtime::add_rig_options(*verb, o->node);
   verb->add_flag("--json", o->json, "One JSON object on stdout; all else goes to stderr");
   verb->callback([o, &action] { action = [o] { return recover(*o); }; });

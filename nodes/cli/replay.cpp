@@ -122,20 +122,7 @@ int replay_bag(ReplayVerb o) {
 
 void add_replay(CLI::App& app, Action& action) {
   auto o = std::make_shared<ReplayVerb>();
-  CLI::App* verb =
-      app.add_subcommand("replay",
-                         "Takes the device samples of a bag through rendering and coupling once "
-                         "more, offline and as fast as it goes, and holds each contact and\n"
-                         "each command against the recorded one, bit by bit. Exit status 0 where "
-                         "all is equal, 1 where something differs or the bag cannot be\n"
-                         "replayed.\n"
-                         "  voxtouch replay BAG                                   what this build "
-                         "makes of a recorded run\n"
-                         "  voxtouch replay BAG --scene mine.yaml --plot out.png  what a change of "
-                         "the scene does to the recorded hand\n"
-                         "  voxtouch replay BAG --against ../before/build         what this build "
-                         "makes of it otherwise than another one\n"
-                         "The hand does not feel what is replayed: it moves as it was recorded.");
+  CLI::App* verb = app.add_subcommand("replay");
   verb->add_option("BAG", o->options.bag, "A bag's folder, or one of its files")
       ->required()
       ->check(CLI::ExistingPath);
@@ -156,7 +143,6 @@ void add_replay(CLI::App& app, Action& action) {
       ->excludes(write);
   verb->add_option("--plot", o->picture,
                    "Draws recorded and replayed forces over time: .png, .svg or .pdf");
-  scene_build::add_cache_options(*verb, o->options.cache);
   verb->add_flag("--json", o->json, "One JSON object on stdout; all else goes to stderr");
   verb->callback([o, &action] {
     action = [o] {

@@ -24,23 +24,14 @@ int report(Report o) {
 
 void add_report(CLI::App& app, Action& action) {
   auto o = std::make_shared<Report>();
-  CLI::App* verb =
-      app.add_subcommand("report",
-                         "All of a recorded run on one HTML page that needs no network and no "
-                         "other file: what was felt and when, depth and gap, latency and\n"
-                         "overruns, energy, the coupling and the scene in sentences, faults with "
-                         "their times, and the command that runs it again.\n"
-                         "  voxtouch report BAG                      writes BAG/report.html\n"
-                         "  voxtouch report BAG --beside OTHER_BAG   two runs on one scale\n"
-                         "`voxtouch up` writes it beside each bag. Also of a ring that was killed. "
-                         "Needs python3-matplotlib (deploy/setup).");
+  CLI::App* verb = app.add_subcommand("report");
   verb->add_option("BAG", o->bag, "A bag's folder")->required()->check(CLI::ExistingPath);
-  verb->add_option("--beside", o->beside, "A second bag, which stands beside the first")
+  verb->add_option("--beside", o->beside, "A second recording, drawn next to the first")
       ->check(CLI::ExistingPath);
   verb->add_option("--out", o->page,
                    "Page to write, .html; default: report.html in the bag's folder");
   verb->add_option("--rig", o->rig,
-                   "Rig, where a bag holds several; default: haptic, or the one that is there");
+                   "Rig, if the recording holds several; default: haptic, or the only one");
   verb->callback([o, &action] { action = [o] { return report(*o); }; });
 }
 

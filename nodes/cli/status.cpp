@@ -125,6 +125,7 @@ int status(const StatusOptions& o) {
       const Rows rows = rigs.rows();
       log::print_result("{}\n",
                         o.json ? to_json(rows, o.node.domain) : to_text(rows, o.node.domain));
+      log::finish_results();  // each second, so that a reader that has gone ends the watch
       if (!o.watch)
         return !rows.empty() && is_well(rows) ? 0 : 1;
     }
@@ -137,16 +138,7 @@ int status(const StatusOptions& o) {
 
 void add_status(CLI::App& app, Action& action) {
   auto o = std::make_shared<StatusOptions>();
-  CLI::App* verb =
-      app.add_subcommand("status",
-                         "Tells which nodes of which rigs run on this network: state, rate, the "
-                         "share of samples that were answered in the last second, and\n"
-                         "each node's last sentence. Looks for 2.5 s; exit status 1 where no node "
-                         "is heard, or one that is has failed or hangs. Of one that hung\n"
-                         "before, the others tell.\n"
-                         "  voxtouch status                 once, all rigs of the domain\n"
-                         "  voxtouch status --watch         once a second until Ctrl-C\n"
-                         "  voxtouch status --rig left --json");
+  CLI::App* verb = app.add_subcommand("status");
   runtime::add_rig_options(*verb, o->node);
   verb->add_flag("--watch", o->watch, "Tells it once a second until Ctrl-C");
   verb->add_flag("--json", o->json, "One JSON object on stdout, with --watch one each second");

@@ -5,20 +5,24 @@
 
 namespace voxtouch::coupling_node {
 
+AdoptedCoupling adopted(const fitting::FittedCoupling& fitted,
+                        const scene::WorkspaceMapping& mapping,
+                        const coupling::design::DeviceModel& device) {
+  return {fitted.spec, fitting::limits_W(mapping, device), fitted.refusal.empty()};
+}
+
 void ContactCoupling::begin_session(const coupling::design::LoopTiming& timing) noexcept {
   period_s_ = timing.period_s, network_s_ = timing.network_s;
   coupling_.reset();
   last_time_ns_.reset();
-  clutched_ = false;
+  clutch_ = {}, last_ = {};
 }
 
-void ContactCoupling::adopt(const fitting::FittedCoupling& fitted,
-                            const coupling::design::DeviceModel& device) {
-  if (!fitted.refusal.empty() || (coupling_ && !coupling_->redesign(fitted.spec))) {
+void ContactCoupling::adopt(const AdoptedCoupling& next) {
+  if (!next.runs || (coupling_ && !coupling_->redesign(next.spec))) {
     coupling_.reset();
   } else if (!coupling_) {
-    coupling_.emplace(fitted.spec, fitting::limits_W(mapping_, device), period_s_,
-                      coupling::kDefaultRampS, speed_limits());
+    coupling_.emplace(next.spec, next.limits, period_s_, coupling::kDefaultRampS, speed_limits());
   }
 }
 
@@ -34,20 +38,19 @@ msg::ForceCommand ContactCoupling::answer(const msg::ContactState& contact) noex
   const double dt_s =
       last_time_ns_ ? runtime::seconds_between(*last_time_ns_, contact.sample_time_ns) : period_s_;
   last_time_ns_ = contact.sample_time_ns;
-  follow_clutch((contact.flags & msg::contact_state::kFlagClutched) != 0);
+  follow_clutch((contact.flags & msg::contact_state::kFlagClutched) != 0, dt_s);
   const coupling::CouplingInput input = coupling_input(contact);
   const coupling::CouplingOutput out = coupling_->step(input, dt_s);
-  const Wrench wrench_D =
-      clutched_ ? Wrench{} : wrench_to_device_(out.wrench, input.tool.orientation);
+  last_ = out.wrench;
+  const Wrench wrench_D = wrench_to_device_(clutch_.of(out.wrench), input.tool.orientation);
   return force_command(contact, out, wrench_D, kValidPeriods * period_s_ + network_s_);
 }
 
-/// While the clutch is pressed the tool stays and the device moves free: no force; the contact
-/// fades in again afterwards.
-void ContactCoupling::follow_clutch(bool pressed) noexcept {
-  if (pressed != clutched_)
-    coupling_->reset({});
-  clutched_ = pressed;
+/// While the clutch is pressed the tool stays and the device moves free: the force fades out; after
+/// the release the contact fades in again.
+void ContactCoupling::follow_clutch(bool pressed, double dt_s) noexcept {
+  if (clutch_.advance(pressed, dt_s))
+    coupling_->reset(clutch_.scaled(last_));
 }
 
 }  // namespace voxtouch::coupling_node

@@ -1,9 +1,9 @@
 #pragma once
-/// From a contact to the command that answers it: what the node does to each contact, and a replay
-/// once more.
+/// From a contact to the command that answers it, in the node and in a replay.
 #include <cstdint>
 #include <optional>
 
+#include "core/coupling/clutch_fade.hpp"
 #include "core/coupling/running_coupling.hpp"
 #include "core/fitting/fit_coupling.hpp"
 #include "core/rendering/device_mapping.hpp"
@@ -11,20 +11,28 @@
 
 namespace voxtouch::coupling_node {
 
-/// No DDS, thread or clock: the same contacts and couplings give the same bits. A copy goes on from
-/// where it was made.
+/// All that it takes to run a coupling again, but the period.
+struct AdoptedCoupling {
+  coupling::CouplingSpec spec;
+  coupling::CouplingLimits limits;  ///< in W
+  bool runs = false;                ///< false: no force may be commanded
+};
+AdoptedCoupling adopted(const fitting::FittedCoupling& fitted,
+                        const scene::WorkspaceMapping& mapping,
+                        const coupling::design::DeviceModel& device);
+
+/// No DDS, thread or clock: the same contacts and couplings give bit-identical commands.
 class ContactCoupling {
  public:
-  /// How the tool's world is mapped to the device.
   explicit ContactCoupling(const scene::WorkspaceMapping& device)
       : mapping_(device),
         wrench_to_device_(device) {}
 
   /// Another device session: nothing runs before `adopt`.
   void begin_session(const coupling::design::LoopTiming& timing) noexcept;
-  /// From here on this coupling runs, going on from the one that ran; one that must not run leaves
-  /// none. Not for the loop: it may allocate.
-  void adopt(const fitting::FittedCoupling& fitted, const coupling::design::DeviceModel& device);
+  /// It goes on from the one that ran; one that must not run leaves none. May allocate. Throws
+  /// std::invalid_argument where none runs yet and validate refuses the specification.
+  void adopt(const AdoptedCoupling& next);
   bool runs() const noexcept { return coupling_.has_value(); }
   double period_s() const noexcept { return period_s_; }
 
@@ -34,17 +42,17 @@ class ContactCoupling {
 
  private:
   coupling::ToolSpeedLimits speed_limits() const noexcept;
-  void follow_clutch(bool pressed) noexcept;
+  void follow_clutch(bool pressed, double dt_s) noexcept;
 
   /// Two periods for the way round the ring, three that a device holds a command for.
   static constexpr double kValidPeriods = 5.0;
   scene::WorkspaceMapping mapping_;
   rendering::WrenchToDevice wrench_to_device_;
-  std::optional<coupling::RunningCoupling>
-      coupling_;  ///< none before the first fit and while what was found must not run
+  std::optional<coupling::RunningCoupling> coupling_;  ///< none: no force
   double period_s_ = 1e-3, network_s_ = 0.0;
   std::optional<std::int64_t> last_time_ns_;
-  bool clutched_ = false;
+  coupling::ClutchFade clutch_;
+  Wrench last_;  ///< of the coupling, in W
 };
 
 }  // namespace voxtouch::coupling_node

@@ -3,14 +3,12 @@
 #include <atomic>
 
 #include "nodes/runtime/options.hpp"
-#include "nodes/runtime/standby_options.hpp"
 
 namespace voxtouch::coupling_node {
 
 struct Options : runtime::NodeOptions {
-  runtime::StandbyOptions standby;
-  std::filesystem::path
-      fault_records;  ///< folder for what was seen before a fault; empty: nothing is kept
+  /// Folder for what was seen before a fault; empty: nothing is kept
+  std::filesystem::path fault_records;
 };
 
 /// Answers every contact until `stop`. Throws while starting only.

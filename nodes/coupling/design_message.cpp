@@ -1,11 +1,39 @@
 #include "nodes/coupling/design_message.hpp"
 
+#include <bit>
+#include <cstdint>
+#include <string_view>
+
 #include <fmt/format.h>
 
 #include "nodes/runtime/strings.hpp"
 
 namespace voxtouch::coupling_node {
 namespace {
+
+struct SpecNumber {
+  std::string_view name;
+  double coupling::CouplingSpec::*of_spec;
+  double msg::CouplingDesign::*of_message;
+};
+#define VOXTOUCH_NUMBER(name) \
+  SpecNumber { #name, &coupling::CouplingSpec::name, &msg::CouplingDesign::name }
+/// All numbers of a specification but `velocity_window`, which is a count.
+constexpr SpecNumber kSpecNumbers[] = {VOXTOUCH_NUMBER(cutoff_hz),
+                                       VOXTOUCH_NUMBER(damping_ratio),
+                                       VOXTOUCH_NUMBER(gain),
+                                       VOXTOUCH_NUMBER(stiffness_n_per_m),
+                                       VOXTOUCH_NUMBER(damping_ns_per_m),
+                                       VOXTOUCH_NUMBER(stiffness_cap_n_per_m),
+                                       VOXTOUCH_NUMBER(stiffness_cap_nm_per_rad),
+                                       VOXTOUCH_NUMBER(injected_damping_ns_per_m),
+                                       VOXTOUCH_NUMBER(injected_damping_nms_per_rad),
+                                       VOXTOUCH_NUMBER(velocity_filter_hz),
+                                       VOXTOUCH_NUMBER(slow_velocity_hz),
+                                       VOXTOUCH_NUMBER(velocity_band_m_per_s),
+                                       VOXTOUCH_NUMBER(damper_share),
+                                       VOXTOUCH_NUMBER(damper_free_n)};
+#undef VOXTOUCH_NUMBER
 
 std::vector<std::string> notes_on(const fitting::FittedCoupling& fitted, double sample_time_s,
                                   const std::string& external) {
@@ -39,24 +67,79 @@ std::string status_word(const fitting::FittedCoupling& fitted) {
                          : "configured";
 }
 
-msg::CouplingDesign design_numbers(const fitting::FittedCoupling& fitted, double sample_time_s) {
-  const coupling::CouplingSpec& spec = fitted.spec;
-  const coupling::design::Design& design = fitted.design;
-  const bool filter = spec.kind == "shaping_filter", spring = spec.kind == "spring_damper";
-  msg::CouplingDesign m{};
-  m.cutoff_hz = filter ? spec.cutoff_hz : 0.0;
-  m.damping_ratio = filter ? spec.damping_ratio : 0.0;
-  m.gain = spring ? 1.0 : spec.gain;
-  m.stiffness_n_per_m = spring ? spec.stiffness_n_per_m : 0.0;
-  m.damping_ns_per_m = spring ? spec.damping_ns_per_m : 0.0;
-  m.stiffness_cap_n_per_m = spec.stiffness_cap_n_per_m;
-  m.stiffness_cap_nm_per_rad = spec.stiffness_cap_nm_per_rad;
-  m.injected_damping_ns_per_m = spec.injected_damping_ns_per_m;
-  m.injected_damping_nms_per_rad = spec.injected_damping_nms_per_rad;
-  m.velocity_filter_hz = spec.velocity_filter_hz;
+void write_coupling(const TakenUp& use, msg::CouplingDesign& m) {
+  const coupling::CouplingSpec& spec = use.coupling.spec;
+  m.session_id = use.session;
+  m.from_sample = use.from_sample;
+  m.anew = use.anew;
+  m.runs = use.coupling.runs;
+  m.kind = runtime::lend(spec.kind);
+  for (const SpecNumber& one : kSpecNumbers)
+    m.*one.of_message = spec.*one.of_spec;
   m.velocity_window = spec.velocity_window;
-  m.lag_s = coupling::lag_s(spec);
-  m.sample_time_s = sample_time_s;
+  m.max_force_n = use.coupling.limits.max_force_n;
+  m.max_torque_nm = use.coupling.limits.max_torque_nm;
+  m.resolution_m = use.coupling.limits.resolution_m;
+  m.device_damping_ns_per_m = use.coupling.limits.damping_ns_per_m;
+  m.device_coulomb_friction_n = use.coupling.limits.coulomb_friction_n;
+  m.device_delay_s = use.coupling.limits.delay_s;
+  m.device_force_lag_s = use.coupling.limits.force_lag_s;
+  m.sample_time_s = use.sample_time_s;
+}
+
+TakenUp taken_up(const msg::CouplingDesign& m) {
+  TakenUp use{m.session_id, m.from_sample, m.anew, {}, m.sample_time_s};
+  use.coupling.runs = m.runs;
+  use.coupling.spec.kind = m.kind ? m.kind : "";
+  for (const SpecNumber& one : kSpecNumbers)
+    use.coupling.spec.*one.of_spec = m.*one.of_message;
+  use.coupling.spec.velocity_window = m.velocity_window;
+  use.coupling.limits = {m.max_force_n,
+                         m.max_torque_nm,
+                         m.resolution_m,
+                         m.device_damping_ns_per_m,
+                         m.device_coulomb_friction_n,
+                         m.device_delay_s,
+                         m.device_force_lag_s};
+  return use;
+}
+
+std::vector<std::string> differences(const AdoptedCoupling& recorded, const AdoptedCoupling& made) {
+  std::vector<std::string> out;
+  const auto compare = [&](std::string_view name, const auto& before, const auto& now, bool same) {
+    if (!same)
+      out.push_back(fmt::format("{} {} recorded, {} now", name, before, now));
+  };
+  const auto number = [&](std::string_view name, double before, double now) {
+    compare(name, before, now,
+            std::bit_cast<std::uint64_t>(before) == std::bit_cast<std::uint64_t>(now));
+  };
+  compare("kind", recorded.spec.kind, made.spec.kind, recorded.spec.kind == made.spec.kind);
+  for (const SpecNumber& one : kSpecNumbers)
+    number(one.name, recorded.spec.*one.of_spec, made.spec.*one.of_spec);
+  compare("velocity_window", recorded.spec.velocity_window, made.spec.velocity_window,
+          recorded.spec.velocity_window == made.spec.velocity_window);
+  number("max_force_n", recorded.limits.max_force_n, made.limits.max_force_n);
+  number("max_torque_nm", recorded.limits.max_torque_nm, made.limits.max_torque_nm);
+  number("resolution_m", recorded.limits.resolution_m, made.limits.resolution_m);
+  number("device_damping_ns_per_m", recorded.limits.damping_ns_per_m, made.limits.damping_ns_per_m);
+  number("device_coulomb_friction_n", recorded.limits.coulomb_friction_n,
+         made.limits.coulomb_friction_n);
+  number("device_delay_s", recorded.limits.delay_s, made.limits.delay_s);
+  number("device_force_lag_s", recorded.limits.force_lag_s, made.limits.force_lag_s);
+  return out;
+}
+
+void publish_design(bus::Writer<msg::CouplingDesign>& writer, const fitting::FittedCoupling& fitted,
+                    const TakenUp& use, const std::string& external) {
+  const coupling::design::Design& design = fitted.design;
+  const std::string status = status_word(fitted);
+  const std::vector<std::string> notes = notes_on(fitted, use.sample_time_s, external);
+  runtime::LentStrings lent_notes(notes), reasons(design.reasons), remedies(design.remedies);
+  msg::CouplingDesign m{};
+  write_coupling(use, m);
+  m.status = runtime::lend(status);
+  m.lag_s = coupling::lag_s(use.coupling.spec);
   m.wanted_stiffness_n_per_m = design.translation.wanted_stiffness;
   m.shown_stiffness_n_per_m = design.translation.shown_stiffness;
   m.critical_stiffness_n_per_m = design.translation.critical_stiffness;
@@ -71,19 +154,6 @@ msg::CouplingDesign design_numbers(const fitting::FittedCoupling& fitted, double
   m.held_damping_floor = design.floors.held;
   m.damping_floor_cost_n_per_m = design.floors.cost_n_per_m;
   m.passive = design.translation.passive;
-  return m;
-}
-
-void publish_design(bus::Writer<msg::CouplingDesign>& writer, const fitting::FittedCoupling& fitted,
-                    std::uint64_t session, double sample_time_s, const std::string& external) {
-  const coupling::design::Design& design = fitted.design;
-  const std::string status = status_word(fitted);
-  const std::vector<std::string> notes = notes_on(fitted, sample_time_s, external);
-  runtime::LentStrings lent_notes(notes), reasons(design.reasons), remedies(design.remedies);
-  msg::CouplingDesign m = design_numbers(fitted, sample_time_s);
-  m.session_id = session;
-  m.kind = runtime::lend(fitted.spec.kind);
-  m.status = runtime::lend(status);
   m.worst_case = runtime::lend(design.translation.worst_case_text);
   reasons.into(m.reasons);
   remedies.into(m.remedies);

@@ -1,18 +1,35 @@
 #pragma once
-/// The coupling that runs, and what vouches for it, as a latched message.
+/// The coupling that runs and its certificate, as a latched message.
+#include <string>
+#include <vector>
+
 #include "core/fitting/fit_coupling.hpp"
 #include "nodes/bus/writer.hpp"
+#include "nodes/coupling/contact_coupling.hpp"
 
 namespace voxtouch::coupling_node {
 
 /// "configured" for a coupling that is set by hand, else the designer's word.
 std::string status_word(const fitting::FittedCoupling& fitted);
 
-/// The message without its texts and its session.
-msg::CouplingDesign design_numbers(const fitting::FittedCoupling& fitted, double sample_time_s);
+/// Where and how a coupling was taken up.
+struct TakenUp {
+  std::uint64_t session = 0;
+  std::uint64_t from_sample = 0;  ///< the first of the session that it may answer
+  bool anew = false;              ///< at rest, not going on from the one before
+  AdoptedCoupling coupling;
+  double sample_time_s = 0.0;
+};
+
+/// To the message, which lends the text `kind`, and back, bit-identical.
+void write_coupling(const TakenUp& use, msg::CouplingDesign& message);
+TakenUp taken_up(const msg::CouplingDesign& message);
+
+/// Every number in which two couplings differ, "gain 1 recorded, 0.9 now"; limits too.
+std::vector<std::string> differences(const AdoptedCoupling& recorded, const AdoptedCoupling& made);
 
 /// `external`: name of the effect that no certificate covers; empty: there is none.
 void publish_design(bus::Writer<msg::CouplingDesign>& writer, const fitting::FittedCoupling& fitted,
-                    std::uint64_t session, double sample_time_s, const std::string& external);
+                    const TakenUp& use, const std::string& external);
 
 }  // namespace voxtouch::coupling_node

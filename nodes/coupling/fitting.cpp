@@ -35,6 +35,7 @@ void Fitting::set_plan(const msg::ScenePlan& plan) {
   outdated_ |= plan_session_ != plan.session_id || bounds != bounds_;
   bounds_ = bounds;
   demand_ = demand_in(plan);
+  voxel_size_m_ = plan.voxel_size_m;
   plan_session_ = plan.session_id;
   changed_ = true;
 }

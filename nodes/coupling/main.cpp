@@ -13,11 +13,7 @@ int coupling(int argc, char** argv) {
                 "contact stay stable "
                 "together, and commands the\n"
                 "device."},
-      options,
-      [&](CLI::App& app) {
-        voxtouch::runtime::add_standby_options(app, options.standby);
-        voxtouch::faults::add_option(app, options.fault_records);
-      },
+      options, [&](CLI::App& app) { voxtouch::faults::add_option(app, options.fault_records); },
       [&](const std::atomic<bool>& stop) { return voxtouch::coupling_node::run(options, stop); });
 }
 

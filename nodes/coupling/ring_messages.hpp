@@ -1,6 +1,5 @@
 #pragma once
-/// Between the ring's messages and the coupling. Field by field; what is not usable the coupling
-/// itself finds out. Real-time safe.
+/// Between the ring's messages and the coupling, which checks the values. Real-time safe.
 #include <cmath>
 #include <cstdint>
 
@@ -10,25 +9,25 @@
 
 namespace voxtouch::coupling_node {
 
-/// The wrench is the hand's, W axes, about the tool's origin. Real-time safe.
+/// The wrench is the hand's, W axes, about the tool's origin.
 inline coupling::CouplingInput coupling_input(const msg::ContactState& contact) noexcept {
   coupling::CouplingInput input;
   input.contact = runtime::from_msg(contact.wrench);
   input.contact_stiffness_n_per_m = contact.stiffness_bound_n_per_m;
   input.contact_stiffness = runtime::from_msg(contact.stiffness);
   input.tool = runtime::from_msg(contact.tool_pose);
+  input.coherence =
+      coupling::coherence_of(contact.surface_hits, contact.queries, contact.coherence);
   input.supplied_energy_j = contact.supplied_energy_j;
-  input.contact_depth_m = contact.deepest_depth_m;
-  input.depth_goes_on = (contact.flags & msg::contact_state::kFlagHeld) != 0;
   return input;
 }
 
-/// STATUS_* of ForceCommand. Real-time safe.
+/// STATUS_* of ForceCommand.
 inline std::uint32_t status_bits(const coupling::CouplingOutput& out) noexcept {
   using namespace msg::force_command;
   return (out.ramping ? kStatusRamping : 0U) | (out.repeated_input ? kStatusHeldInput : 0U) |
          (out.clamped ? kStatusClamped : 0U) | (out.capped ? kStatusCapped : 0U) |
-         (out.passivity ? kStatusPassivity : 0U) | (out.bounded ? kStatusBounded : 0U);
+         (out.growing ? kStatusGrowing : 0U) | (out.bounded ? kStatusBounded : 0U);
 }
 
 /// The answer to the sample of `contact`: `out`, whose force is `wrench_D` there, good for
@@ -44,7 +43,6 @@ inline msg::ForceCommand force_command(const msg::ContactState& contact,
   m.wrench = runtime::to_msg(wrench_D);
   m.energy_j = out.energy_j;
   m.energy_rotation_j = out.energy_rotation_j;
-  m.damping_ns_per_m = out.damping_ns_per_m;
   m.status = status_bits(out);
   m.injected_n = static_cast<float>(out.injected_n);
   return m;

@@ -38,7 +38,7 @@ const char* reason_of(devices::DeviceError error) noexcept {
 
 DeviceLoop::DeviceLoop(const Settings& settings, devices::Driver& driver,
                        bus::Writer<msg::DeviceState>& states,
-                       runtime::PairReader<msg::ForceCommand>& commands, bus::WaitSet& wait_set,
+                       bus::FollowedReader<msg::ForceCommand>& commands, bus::WaitSet& wait_set,
                        Progress& progress, Requests& requests, Faults& faults)
     : settings_(settings),
       driver_(driver),
@@ -51,13 +51,12 @@ DeviceLoop::DeviceLoop(const Settings& settings, devices::Driver& driver,
       guard_(devices::guard_config(driver.description())),
       gate_(settings.session_id),
       period_ns_(std::llround(1e9 / driver.description().rate_hz)),
-      longest_gap_ns_(std::llround(1e9 * (guard_.config().hold_periods * guard_.config().period_s +
-                                          guard_.config().fade_s))) {
-  commands_.begin_session(settings.session_id);
-}
+      gaps_(std::llround(1e9 * (guard_.config().hold_periods * guard_.config().period_s +
+                                guard_.config().fade_s))) {}
 
 End DeviceLoop::run(const std::atomic<bool>& stop) noexcept {
   runtime::flush_denormals();
+  auto& counters = progress_.counters;
   deadline_ns_ = runtime::monotonic_ns();
   progress_.started_ns.store(deadline_ns_, kRelaxed);
   End end = End::kNone;
@@ -65,8 +64,8 @@ End DeviceLoop::run(const std::atomic<bool>& stop) noexcept {
     end = cycle(stop);
   guard_.stop();
   driver_.stop();
-  progress_.deadline_misses.store(commands_.deadlines_missed(), kRelaxed);
-  progress_.force_n.store(0.0, kRelaxed);
+  counters.note(DeviceCounter::kDeadlineMisses, static_cast<double>(commands_.deadlines_missed()));
+  counters.note(DeviceCounter::kForce, 0.0);
   progress_.ended_ns.store(runtime::monotonic_ns(), kRelaxed);
   progress_.end.store(end, std::memory_order_release);
   return end;
@@ -79,13 +78,14 @@ End DeviceLoop::asked_to_end(const std::atomic<bool>& stop) const noexcept {
     return End::kFinished;
   if (requests_.rig_claimed.load(kRelaxed))
     return End::kRigClaimed;
-  if (settings_.lockstep && requests_.peer_gone.load(kRelaxed))
+  if (requests_.peer_gone.load(kRelaxed))
     return End::kPeerGone;
   return End::kNone;
 }
 
 End DeviceLoop::cycle(const std::atomic<bool>& stop) noexcept {
   progress_.heartbeat.beat();
+  note_loss();
   if (const End asked = asked_to_end(stop); asked != End::kNone)
     return asked;
 
@@ -111,7 +111,7 @@ End DeviceLoop::cycle(const std::atomic<bool>& stop) noexcept {
     return end;
 
   ++sequence_;
-  progress_.samples.store(sequence_, kRelaxed);
+  progress_.counters.note(DeviceCounter::kSamples);
   if (stood_still()) {
     faults_.keep("its process was kept from running");
     let_go();
@@ -139,8 +139,8 @@ End DeviceLoop::give(const std::optional<devices::GuardInput>& command,
   return written ? End::kNone : on_device_error(written.error());
 }
 
-/// Only a device that has gone or needs a person ends the session. All else costs force, not the
-/// session: zero now, ramped in anew.
+/// Only a device that has gone or needs a person ends the session. All else costs force: zero now,
+/// then ramped in.
 End DeviceLoop::on_device_error(devices::DeviceError error) noexcept {
   progress_.last_error.store(error, kRelaxed);
   if (accepts_force_)
@@ -149,39 +149,41 @@ End DeviceLoop::on_device_error(devices::DeviceError error) noexcept {
     return End::kDeviceGone;
   if (error == devices::DeviceError::kFault)
     return End::kDeviceFault;
-  // The guard lets nothing through that the driver has to refuse: one of the two is wrong, and
-  // nobody knows which.
+  // The guard lets nothing through that the driver has to refuse: one of the two is wrong.
   if (error == devices::DeviceError::kNotFinite || error == devices::DeviceError::kLimit)
     progress_.lock.engage("the driver refused a command that the force guard had let through");
   let_go();
   progress_.in_trouble.store(true, kRelaxed);
-  last_cycle_ns_ = 0;  // it is at zero force: how long it takes to come back tells nothing
+  gaps_.restart();  // at zero force, a gap means nothing
   return End::kNone;
 }
 
 void DeviceLoop::let_go() noexcept {
   driver_.stop();
   guard_.restart();
-  progress_.force_n.store(0.0, kRelaxed);
-  progress_.zero_force_samples.fetch_add(1, kRelaxed);
+  progress_.counters.note(DeviceCounter::kForce, 0.0);
+  progress_.counters.note(DeviceCounter::kZeroForce);
   if (std::exchange(accepts_force_, false))
-    progress_.interruptions.fetch_add(1, kRelaxed);
+    progress_.counters.note(DeviceCounter::kInterruptions);
 }
 
-/// Whether this process was kept from its work for longer than a command is held and faded. By our
-/// clock: that of a simulated device stands still with the process, and what it pushed with then
-/// must not go on.
+void DeviceLoop::note_loss() noexcept {
+  auto& counters = progress_.counters;
+  const std::int64_t now_ns = settings_.lockstep ? static_cast<std::int64_t>(sequence_) * period_ns_
+                                                 : runtime::monotonic_ns();
+  loss_.note(now_ns, guard_.fraction() >= 1.0, counters[DeviceCounter::kForce]);
+  counters.note(DeviceCounter::kForceLosses, static_cast<double>(loss_.count()));
+  counters.note(DeviceCounter::kForceLost, static_cast<double>(loss_.total_ns()) * 1e-9);
+  counters.note(DeviceCounter::kLongestLoss, static_cast<double>(loss_.longest_ns()) * 1e-9);
+}
+
+/// What a simulated device pushed with while this process was kept from its work must not go on.
 bool DeviceLoop::stood_still() noexcept {
   if (settings_.lockstep)
     return false;
-  const std::int64_t now_ns = runtime::monotonic_ns(),
-                     last_ns = std::exchange(last_cycle_ns_, now_ns);
-  const std::int64_t gap_ns = last_ns ? now_ns - last_ns : 0;
-  if (gap_ns <= longest_gap_ns_)
-    return false;
-  if (gap_ns > progress_.longest_gap_ns.load(kRelaxed))
-    progress_.longest_gap_ns.store(gap_ns, kRelaxed);
-  return true;
+  const std::int64_t gap_ns = gaps_.gap_ns(runtime::monotonic_ns());
+  progress_.counters.note(DeviceCounter::kLongestGap, static_cast<double>(gap_ns) * 1e-6);
+  return gap_ns > 0;
 }
 
 bool DeviceLoop::publish(const devices::DeviceSample& sample,
@@ -194,14 +196,13 @@ bool DeviceLoop::publish(const devices::DeviceSample& sample,
   if (trusted)
     last_pose_ = sample.pose;
   else
-    progress_.untrusted_poses.fetch_add(1, kRelaxed);
+    progress_.counters.note(DeviceCounter::kHeldPoses);
   state.pose = runtime::to_msg(last_pose_);
   state.twist = runtime::to_msg(sample.twist);
   state.buttons = sample.buttons;
   state.flags = (driver_.simulated() ? msg::device_state::kFlagSimulated : 0U) |
                 (settings_.lockstep ? msg::device_state::kFlagLockstep : 0U) |
                 (progress_.lock.engaged() ? msg::device_state::kFlagLocked : 0U) |
-                (driver_.recorded_samples() > 0 ? msg::device_state::kFlagRecorded : 0U) |
                 (guard_.fraction() > 0 ? msg::device_state::kFlagForceOn : 0U) |
                 (trusted ? 0U : msg::device_state::kFlagPoseHeld);
   seen_.state = state, seen_.answered = false;
@@ -218,8 +219,8 @@ std::optional<devices::GuardInput> DeviceLoop::take_commands() noexcept {
   std::optional<devices::GuardInput> newest;
   msg::ForceCommand command;
   dds_instance_handle_t writer = 0;
-  for (int i = 0; i < commands_.kMaxTakes && commands_.take(command, &writer, sequence_); ++i) {
-    // The gate's own rule is the second line: it lets go only of a writer that is not followed any
+  for (int i = 0; i < commands_.kMaxTakes && commands_.take(command, &writer); ++i) {
+    // The gate's own rule is the second line: it releases only a writer that is not followed any
     // more.
     if (gate_.writer() && *gate_.writer() != commands_.writer())
       gate_.release_writer();
@@ -228,8 +229,8 @@ std::optional<devices::GuardInput> DeviceLoop::take_commands() noexcept {
     guard_.count(verdict);
     if (verdict != devices::GateVerdict::kAccepted)
       continue;
-    if (progress_.first_answered.load(kRelaxed) == Progress::kNone)
-      progress_.first_answered.store(command.sequence_number, kRelaxed);
+    progress_.counters.note(DeviceCounter::kFirstAnswered,
+                            static_cast<double>(command.sequence_number));
     if (sequence_ - command.sequence_number < published_ns_.size())
       progress_.latency.record(runtime::monotonic_ns() -
                                published_ns_[command.sequence_number % published_ns_.size()]);
@@ -275,23 +276,23 @@ std::optional<devices::GuardInput> DeviceLoop::wait_in_real_time() noexcept {
   return newest;
 }
 
-/// Of a device that paces itself its own stamps tell which samples nobody fetched.
+/// The stamps of a device that paces itself show which samples were not fetched.
 void DeviceLoop::count_skipped(std::int64_t sample_ns) noexcept {
   const std::int64_t last = std::exchange(last_sample_ns_, sample_ns);
   if (sequence_ == 0 || !accepts_force_)
     return;  // while it gets ready, or again ready, it may pause
   const std::int64_t periods = (sample_ns - last + period_ns_ / 2) / period_ns_;
   if (periods > 1)
-    progress_.overruns.fetch_add(static_cast<std::uint64_t>(periods - 1), kRelaxed);
+    progress_.counters.note(DeviceCounter::kOverruns, static_cast<double>(periods - 1));
 }
 
 void DeviceLoop::next_period() noexcept {
   const auto next = runtime::next_deadline(deadline_ns_, runtime::monotonic_ns(), period_ns_);
   deadline_ns_ = next.at_ns;
-  progress_.overruns.fetch_add(next.skipped, kRelaxed);
+  progress_.counters.note(DeviceCounter::kOverruns, static_cast<double>(next.skipped));
 }
 
-/// A fault is what the guard had to mend; what the device itself says comes with its error.
+/// A fault is what the guard had to change; those of the device come with its error.
 void DeviceLoop::record(const Wrench& given, const devices::GuardCounts& before) noexcept {
   seen_.given = msg::ForceCommand{};
   seen_.given.session_id = settings_.session_id;
@@ -313,8 +314,8 @@ void DeviceLoop::record(const Wrench& given, const devices::GuardCounts& before)
     faults_.keep_too("a fault that the coupling saw");
 }
 
-/// One command above the limit is cut and counted. Where it is more than a tenth of about a
-/// second's, what the hand feels is the limit and no contact any more.
+/// One command above the limit is cut and counted. Where more than a tenth of a second's are, the
+/// hand is displayed the limit and no contact.
 void DeviceLoop::lock_where_cut(bool cut) noexcept {
   const double second = 1e9 / static_cast<double>(period_ns_);
   cut_samples_ += (cut ? 1.0 : 0.0) - cut_samples_ / second;
@@ -325,17 +326,18 @@ void DeviceLoop::lock_where_cut(bool cut) noexcept {
 }
 
 void DeviceLoop::note(const Wrench& force) noexcept {
-  const double magnitude = force.force.norm();
-  progress_.force_n.store(magnitude, kRelaxed);
-  if (magnitude > progress_.recent_max_force_n.load(kRelaxed))
-    progress_.recent_max_force_n.store(magnitude, kRelaxed);
-  if (magnitude > progress_.max_force_n.load(kRelaxed))
-    progress_.max_force_n.store(magnitude, kRelaxed);
+  using enum DeviceCounter;
+  const auto note = [this](DeviceCounter counter, auto value) {
+    progress_.counters.note(counter, static_cast<double>(value));
+  };
+  for (const DeviceCounter counter : {kForce, kRecentForce, kMaxForce})
+    note(counter, force.force.norm());
   const devices::GuardCounts& counts = guard_.counts();
-  progress_.refused.store(counts.refused(), kRelaxed);
-  progress_.refused_late.store(counts.refused_stale, kRelaxed);
-  progress_.clamped.store(counts.clamped(), kRelaxed);
-  progress_.faded.store(counts.faded, kRelaxed);
+  note(kRefused, counts.refused());
+  note(kRefusedLate, counts.refused_stale);
+  note(kClamped, counts.clamped());
+  note(kSlewed, counts.clamped_slew);
+  note(kFaded, counts.faded);
 }
 
 std::unique_ptr<Faults> make_faults(const std::filesystem::path& folder, const std::string& rig,

@@ -1,27 +1,26 @@
 #pragma once
 /// One cycle a sample: read, publish, wait for the command, guard, write. Real-time safe after
-/// construction. A simulated device is paced here, at absolute deadlines; a real one paces by its
-/// own clock, in `read`, and gets its command as soon as it is there. Commands are those of the one
-/// writer that the reader follows; the housekeeping decides whose it is, and the reader itself
-/// where that one has a standby, which takes over when it has left out samples.
+/// construction. A simulated device is paced here, at absolute deadlines; a real one by its own
+/// clock, in `read`, and gets its command as soon as it is there.
 ///
-/// What bounds each loop. `run`: it is the session, each cycle looks at `stop`. `read`: ten
-/// periods. `take_commands`: kMaxTakes commands, of which the history in real time holds one.
-/// `wait_in_real_time`: the sample's own period. `wait_in_lockstep`: peer_timeout, in steps of 50
-/// ms that look at `stop`. No lock is taken.
+/// What bounds each loop. `run`: each cycle checks `stop`. `read`: ten periods. `take_commands`:
+/// kMaxTakes commands, of which the history in real time holds one. `wait_in_real_time`: the
+/// sample's period. `wait_in_lockstep`: peer_timeout, in steps of 50 ms that check `stop`.
 #include <array>
 #include <atomic>
 
 #include "devices/command_gate.hpp"
 #include "devices/driver.hpp"
 #include "devices/force_guard.hpp"
+#include "nodes/bus/followed_reader.hpp"
 #include "nodes/bus/wait_set.hpp"
 #include "nodes/bus/writer.hpp"
+#include "nodes/device/force_loss.hpp"
 #include "nodes/faults/fault_recorder.hpp"
 #include "nodes/faults/force_lock.hpp"
+#include "nodes/runtime/counters.hpp"
 #include "nodes/runtime/heartbeat.hpp"
 #include "nodes/runtime/latency.hpp"
-#include "nodes/runtime/pair_reader.hpp"
 
 namespace voxtouch::device_node {
 
@@ -30,6 +29,7 @@ enum class End : std::uint32_t {
   kNone,
   kStopped,
   kFinished,
+  kPeersLate,  ///< before the first sample
   kPeerSilent,
   kPeerGone,
   kDeviceGone,
@@ -38,30 +38,63 @@ enum class End : std::uint32_t {
   kRigClaimed
 };
 
+enum class DeviceCounter : std::uint8_t {
+  kSamples,
+  kOverruns,
+  kRefused,
+  kRefusedLate,
+  kClamped,
+  kSlewed,
+  kFaded,
+  kInterruptions,
+  kZeroForce,
+  kHeldPoses,
+  kDeadlineMisses,
+  kMaxForce,
+  kForce,
+  kRecentForce,
+  kFirstAnswered,
+  kLongestGap,
+  kForceLosses,
+  kForceLost,
+  kLongestLoss
+};
+inline constexpr auto kDeviceTable = [] {
+  using enum DeviceCounter;
+  using enum runtime::Counting;
+  return std::to_array<runtime::CounterRow<DeviceCounter>>({
+      {kSamples, "samples", "samples"},
+      {kOverruns, "overruns", "periods"},
+      {kRefused, "refused", "commands", kLast},
+      {kRefusedLate, "refused_late", "commands", kLast},
+      {kClamped, "clamped", "commands", kLast},
+      {kSlewed, "slewed", "samples", kLast},
+      {kFaded, "faded", "fades", kLast},
+      // Failures of a device that had taken force, however long each lasts; waiting until it is
+      // ready is none.
+      {kInterruptions, "interruptions", "times"},
+      // Reads and writes that failed, of interruptions and of waiting: zero force each.
+      {kZeroForce, "zero_force_samples", "samples"},
+      {kHeldPoses, "held_poses", "samples"},
+      {kDeadlineMisses, "deadline_misses", "deadlines", kLast},  // at the end
+      {kMaxForce, "max_force_n", "N", kMaximum},
+      {kForce, "force_n", "N", kLast},
+      {kRecentForce, "", "N", kMaximum},  // since the monitor last took it
+      {kFirstAnswered, "first_answered", "sample number", kFirst},
+      {kLongestGap, "longest_gap_ms", "ms", kMaximum},  // of those that ended the force
+      {kForceLosses, "force_losses", "times", kLast},
+      {kForceLost, "force_lost_s", "s", kLast},
+      {kLongestLoss, "longest_force_loss_s", "s", kLast},
+  });
+}();
+
 /// What other threads may read while the loop runs.
 struct Progress {
-  std::atomic<std::uint64_t> samples{0}, overruns{0}, refused{0}, refused_late{0}, clamped{0},
-      faded{0};
-  /// Times that a device which had taken force gave no samples or took none any more, without
-  /// ending the session. However long it lasts it is one; waiting at the start, until the device is
-  /// ready, is none.
-  std::atomic<std::uint64_t> interruptions{0};
-  std::atomic<std::uint64_t> zero_force_samples{
-      0};  ///< reads and writes that failed, of interruptions and of waiting: zero force each
+  runtime::Counters<kDeviceTable> counters;
   std::atomic<devices::DeviceError> last_error{
-      devices::DeviceError::kTimeout};  ///< means something where zero_force_samples is not 0
-  std::atomic<std::uint64_t> untrusted_poses{0};  ///< samples whose pose was not to be trusted
+      devices::DeviceError::kTimeout};  ///< of the last failure that kZeroForce counts
   std::atomic<bool> in_trouble{
       false};  ///< the last read or write failed: the device is at zero force
-  std::atomic<std::uint64_t> deadline_misses{
-      0};  ///< set at the end: a reader goes on counting once nobody writes any more
-  std::atomic<double> max_force_n{0.0}, force_n{0.0};
-  std::atomic<double> recent_max_force_n{0.0};  ///< since whoever shows it last took it out
-  static constexpr std::uint64_t kNone = ~std::uint64_t{0};
-  std::atomic<std::uint64_t> first_answered{
-      kNone};  ///< number of the first sample that was answered
-  std::atomic<std::int64_t> longest_gap_ns{
-      0};  ///< between two cycles, of those that let the force go
   runtime::Heartbeat heartbeat;
   std::atomic<std::int64_t> started_ns{0}, ended_ns{0};  ///< monotonic
   std::atomic<End> end{End::kNone};
@@ -69,25 +102,42 @@ struct Progress {
   faults::ForceLock lock;
 };
 
-/// What the loop saw and did in one sample, for the record of a fault.
+/// One sample, for the record of a fault.
 struct SampleSeen {
   msg::DeviceState state;
   msg::ForceCommand command;  ///< the one that came for it, if `answered`
-  msg::ForceCommand given;    ///< with the wrench that the device was given
+  msg::ForceCommand given;    ///< to the device
   bool answered = false;
 };
 using Faults = faults::FaultRecorder<SampleSeen>;
-/// Writes to FOLDER (none: records nothing); the topics are those of the ring, and `device/given`
-/// beside them.
+/// Writes to `folder` (empty: nothing) the ring's topics and `device/given`.
 std::unique_ptr<Faults> make_faults(const std::filesystem::path& folder, const std::string& rig,
                                     double rate_hz);
 
-/// Asked by other threads of the loop.
+/// From other threads.
 struct Requests {
-  std::atomic<bool> peer_gone{false};    ///< lockstep: a node that takes part has gone
-  std::atomic<bool> rig_claimed{false};  ///< another device of this rig was there first
+  std::atomic<bool> peer_gone{false};    ///< a node that the session needs has gone
+  std::atomic<bool> rig_claimed{false};  ///< another device keeps this rig
   std::atomic<bool> coupling_fault{
-      false};  ///< the coupling has kept what it saw: so does this node
+      false};  ///< the coupling has recorded a fault: so does this node
+};
+
+/// Finds when this process was kept from its work for longer than `limit_ns`. By our clock: that of
+/// a simulated device stands still with the process. Real-time safe.
+class GapWatch {
+ public:
+  explicit GapWatch(std::int64_t limit_ns) noexcept : limit_ns_(limit_ns) {}
+  /// Since the last call [ns]; 0 where that is within the limit.
+  std::int64_t gap_ns(std::int64_t now_ns) noexcept {
+    const std::int64_t gap_ns = last_ns_ ? now_ns - last_ns_ : 0;
+    last_ns_ = now_ns;
+    return gap_ns > limit_ns_ ? gap_ns : 0;
+  }
+  /// The next call has no gap before it.
+  void restart() noexcept { last_ns_ = 0; }
+
+ private:
+  std::int64_t last_ns_ = 0, limit_ns_;
 };
 
 class DeviceLoop {
@@ -102,7 +152,7 @@ class DeviceLoop {
   };
   DeviceLoop(const Settings& settings, devices::Driver& driver,
              bus::Writer<msg::DeviceState>& states,
-             runtime::PairReader<msg::ForceCommand>& commands, bus::WaitSet& wait_set,
+             bus::FollowedReader<msg::ForceCommand>& commands, bus::WaitSet& wait_set,
              Progress& progress, Requests& requests, Faults& faults);
 
   /// Runs to the end; leaves the driver stopped.
@@ -116,6 +166,7 @@ class DeviceLoop {
   End on_device_error(devices::DeviceError error) noexcept;
   void let_go() noexcept;
   bool stood_still() noexcept;
+  void note_loss() noexcept;
   void next_period() noexcept;
   void count_skipped(std::int64_t sample_ns) noexcept;
   bool publish(const devices::DeviceSample& sample, const std::atomic<bool>& stop) noexcept;
@@ -130,7 +181,7 @@ class DeviceLoop {
   Settings settings_;
   devices::Driver& driver_;
   bus::Writer<msg::DeviceState>& states_;
-  runtime::PairReader<msg::ForceCommand>& commands_;
+  bus::FollowedReader<msg::ForceCommand>& commands_;
   bus::WaitSet& wait_set_;
   Progress& progress_;
   Requests& requests_;
@@ -138,6 +189,7 @@ class DeviceLoop {
   SampleSeen seen_{};  // of this cycle
   devices::ForceGuard guard_;
   devices::CommandGate gate_;
+  ForceLoss loss_;
   std::int64_t period_ns_, deadline_ns_ = 0;
   std::uint64_t sequence_ = 0;
   std::int64_t last_sample_ns_ = 0;  // the device's clock
@@ -145,7 +197,7 @@ class DeviceLoop {
   Pose last_pose_;
   bool accepts_force_ = false;  // the last write was accepted
   double cut_samples_ = 0.0;    // of about the last second, in which the guard cut a command
-  std::int64_t last_cycle_ns_ = 0, longest_gap_ns_;
+  GapWatch gaps_;               // longer than a command is held and faded
 };
 
 }  // namespace voxtouch::device_node

@@ -11,18 +11,16 @@
 namespace voxtouch::device_node {
 
 void add_hand_options(CLI::App& app, HandChoice& choice) {
-  app.add_option(
-      "--hand", choice.grip,
-      fmt::format(
-          "How the simulated hand holds the device: {} (default: as the device is usually held)",
-          fmt::join(hand::grip_names(), ", ")));
+  app.add_option("--hand", choice.grip,
+                 fmt::format("Grip of the simulated hand: {}; default: that of the device",
+                             fmt::join(hand::grip_names(), ", ")));
   app.add_option("--let-go-at", choice.let_go_at_s,
-                 "Device time at which the simulated hand opens [s]")
+                 "Device time at which the simulated hand releases the device [s]")
       ->check(runtime::require_positive);
   app.add_option("--grip-harder-at", choice.grip_harder_at_s,
                  "Device time at which it grips harder [s]")
       ->check(runtime::require_positive);
-  app.add_option("--grip-factor", choice.grip_factor, "How much stiffer it holds then")
+  app.add_option("--grip-factor", choice.grip_factor, "Stiffness of that grip over the first")
       ->capture_default_str()
       ->check(runtime::require_positive)  // which refuses nan
       ->check(CLI::Range(1e-3, 1e3));

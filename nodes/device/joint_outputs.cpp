@@ -30,7 +30,7 @@ JointOutputs::~JointOutputs() {
 }
 
 void JointOutputs::show(std::span<const double> joints, std::int64_t sample_ns) noexcept {
-  if (!regular_.is_due(runtime::monotonic_ns()))
+  if (!regular_.is_due(mode_ == qos::TimeMode::kRealTime ? runtime::monotonic_ns() : sample_ns))
     return;
   Moment moment{.stamp_ns = mode_ == qos::TimeMode::kRealTime ? runtime::realtime_ns() : sample_ns};
   moment.count = static_cast<std::uint32_t>(std::min(joints.size(), kMaxJoints));

@@ -1,6 +1,5 @@
 #pragma once
-/// Joints of an arm, for ROS tools: /joint_states, and the arm itself as /robot_description.
-/// Written only while somebody reads them.
+/// /joint_states and /robot_description of an arm, for ROS tools. Written only while they are read.
 #include <array>
 #include <atomic>
 #include <cstdint>
@@ -49,12 +48,13 @@ class JointOutputs {
   std::thread thread_;
 };
 
-/// A driver whose joints are shown; all else is the driver's own.
+/// A driver whose joints are published; all else is the driver's own.
 class ShownDriver final : public devices::Driver {
  public:
-  ShownDriver(std::unique_ptr<devices::Driver> driver, JointOutputs& outputs)
-      : driver_(std::move(driver)),
-        outputs_(outputs) {}
+  ShownDriver(std::unique_ptr<devices::Driver> driver, const bus::Participant& participant,
+              const std::string& rig, const arm::ArmDescription& arm, qos::TimeMode mode)
+      : outputs_(participant, rig, arm, mode),
+        driver_(std::move(driver)) {}
   const DeviceDescription& description() const noexcept override { return driver_->description(); }
   devices::DeviceResult<devices::DeviceSample> read(
       std::chrono::microseconds timeout) noexcept override {
@@ -75,8 +75,8 @@ class ShownDriver final : public devices::Driver {
   std::span<const double> joints() const noexcept override { return driver_->joints(); }
 
  private:
-  std::unique_ptr<devices::Driver> driver_;
-  JointOutputs& outputs_;
+  JointOutputs outputs_;
+  std::unique_ptr<devices::Driver> driver_;  ///< closes first
 };
 
 }  // namespace voxtouch::device_node

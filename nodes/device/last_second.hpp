@@ -1,11 +1,11 @@
 #pragma once
-/// What was felt in the last second, for a person who looks once a second.
+/// Force and answers of the last second.
 #include <cstdint>
 #include <deque>
 
 namespace voxtouch::device_node {
 
-/// Fed by the housekeeping, every 20 ms or so. Not for the loop: allocates.
+/// Fed by the monitor about every 20 ms. Allocates.
 class LastSecond {
  public:
   /// `samples` and `answered` count since the start; `largest_n`: of the forces since the last

@@ -11,6 +11,7 @@
 #include "nodes/bag/bag_writer.hpp"
 #include "nodes/bag/files.hpp"
 #include "nodes/faults/fault_recorder.hpp"
+#include "voxtouch_msgs/definitions.hpp"
 
 namespace voxtouch::faults {
 namespace {
@@ -40,10 +41,12 @@ std::filesystem::path write_fault_bag(const std::filesystem::path& folder,
   bag::BagWriter writer = good(bag::BagWriter::create(path));
   std::vector<bag::TopicId> ids;
   for (const FaultTopic& topic : topics)
-    ids.push_back(good(writer.add_topic({.name = topic.name,
-                                         .type = std::string(topic.type),
-                                         .offered_qos = {},
-                                         .type_hash = std::string(topic.hash)})));
+    ids.push_back(
+        good(writer.add_topic({.name = topic.name,
+                               .type = std::string(topic.type),
+                               .offered_qos = {},
+                               .type_hash = std::string(topic.hash),
+                               .definition = std::string(msg::definition_of(topic.type))})));
   for (const FaultMessage& message : messages)
     good(writer.append(ids[message.topic], message.time_ns, message.bytes));
   const nlohmann::ordered_json json{

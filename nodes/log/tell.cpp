@@ -117,8 +117,11 @@ void post(std::string_view text) noexcept {
       text = cut;
     posted.fetch_add(1);
     log.logger->log(spdlog::level::info, spdlog::string_view_t(text.data(), text.size()));
+  } catch (const std::system_error&) {  // the system refuses the thread that writes
+    if (::write(STDERR_FILENO, text.data(), text.size()) != static_cast<ssize_t>(text.size()))
+      count_lost();
   } catch (...) {
-    count_lost();  // no memory, or no thread
+    count_lost();  // no memory
   }
 }
 

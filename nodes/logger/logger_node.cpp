@@ -1,19 +1,17 @@
 #include "nodes/logger/logger_node.hpp"
 
 #include <algorithm>
+#include <array>
+#include <map>
 
 #include <fmt/format.h>
 
 #include "nodes/bag/bag_recorder.hpp"
 #include "nodes/bag/bag_writer.hpp"
-#include "nodes/bus/latched_reader.hpp"
 #include "nodes/log/tell.hpp"
 #include "nodes/logger/recorded_topics.hpp"
-#include "nodes/runtime/clock.hpp"
-#include "nodes/runtime/held_start.hpp"
-#include "nodes/runtime/housekeeping.hpp"
+#include "nodes/runtime/node_host.hpp"
 #include "nodes/runtime/role_binding.hpp"
-#include "nodes/runtime/standby.hpp"
 
 namespace voxtouch::logger {
 namespace {
@@ -37,35 +35,26 @@ class LoggerNode {
  public:
   explicit LoggerNode(const Options& options)
       : options_(options),
-        participant_(options.participant("logger")),
-        descriptions_(participant_, qos::kDeviceDescription, options.rig),
-        wait_set_(participant_),
+        host_("logger", options, runtime::NodeHost::Kind::kTap),
+        descriptions_(
+            host_.reader<bus::LatchedReader<msg::DeviceDescription>>(qos::kDeviceDescription)),
         recorder_(open_bag(options.bag, options.format), {.lockstep = options.lockstep}),
-        topics_(participant_, options, options.topics, recorder_, wait_set_),
-        device_("device", {&descriptions_.following()}),
-        rendering_("rendering", topics_.of_rendering()),
-        links_(topics_.links()) {
-    wait_set_.attach(descriptions_.condition());
+        topics_(host_.participant(), options, options.topics, recorder_, host_.wait_set()),
+        roles_{runtime::RoleBinding{"device", {&descriptions_.following()}},
+               runtime::RoleBinding{"rendering", topics_.readers_of("rendering")},
+               runtime::RoleBinding{"coupling", topics_.readers_of("coupling")}} {
+    host_.links() = topics_.links();
+    host_.wait_set().attach(descriptions_.condition());
   }
 
   int run(const std::atomic<bool>& stop) {
-    {
-      runtime::Housekeeping housekeeping(
-          participant_, "logger", options_,
-          [this](runtime::NodeRegistry& registry, runtime::NodeReport& report) {
-            look(registry, report);
-          },
-          {{"its loop", [this] { return heartbeat_.sign(); }},
-           {"its disk", [this] { return recorder_.disk_steps() + closing_.sign(); }}});
-      record(stop, housekeeping);
-      record_what_is_on_its_way();
-      topics_.end();
-      lost_peer_ = housekeeping.peer_lost();
-      constexpr std::int64_t kMaxCloseNs = 20'000'000'000;  // as long as `up` waits for it
-      const runtime::Heartbeat::Busy busy(heartbeat_, kMaxCloseNs), closing(closing_, kMaxCloseNs);
-      final_ = recorder_.stop();
-      session_.stop();  // what is final is in place
-    }
+    const auto report = [this](auto& registry, auto& status, auto& text) {
+      this->report(registry, status, text);
+    };
+    const int peer_lost = host_.monitored(
+        stop, report, [this] { record(); },
+        {{"its loop", [this] { return host_.heartbeat().sign(); }},
+         {"its disk", [this] { return recorder_.disk_steps() + closing_.sign(); }}});
     for (const std::string& error : final_.errors)
       log::tell("error: logger: {}\n", error);
     for (const bag::TopicReport& t : final_.topics)
@@ -74,18 +63,17 @@ class LoggerNode {
             "warning: logger: {} of {} messages of {} are not in the bag: the disk was too slow or "
             "full\n",
             t.dropped + t.lost, t.received, t.name);
-    return lost_messages(final_) == 0 && final_.errors.empty() && !lost_peer_ ? 0 : 1;
+    return lost_messages(final_) == 0 && final_.errors.empty() ? peer_lost : 1;
   }
 
  private:
-  /// Until it is asked to stop, or in lockstep a peer is lost.
-  void record(const std::atomic<bool>& stop, const runtime::Housekeeping& housekeeping) {
+  void record() {
     std::int64_t last_discovery = 0;
-    while (!stop.load(std::memory_order_relaxed) && !housekeeping.peer_lost()) {
-      heartbeat_.beat();
-      wait_set_.wait(20'000'000);
+    while (!host_.over()) {
+      host_.heartbeat().beat();
+      host_.wait_set().wait(20'000'000);
       descriptions_.take([this](const msg::DeviceDescription& d) {
-        session_.begin(d.session_id);
+        host_.session().begin(d.session_id);
         session_in_bag_.store(d.session_id, std::memory_order_relaxed);
       });
       topics_.drain();
@@ -95,6 +83,13 @@ class LoggerNode {
           log::tell("warning: logger: {}\n", sentence);
       }
     }
+    record_what_is_on_its_way();
+    topics_.end();
+    constexpr std::int64_t kMaxCloseNs = 20'000'000'000;  // as long as `up` waits for it
+    const runtime::Heartbeat::Busy busy(host_.heartbeat(), kMaxCloseNs),
+        closing(closing_, kMaxCloseNs);
+    final_ = recorder_.stop();
+    host_.session().stop();  // what is final is in place
   }
 
   /// Whatever the others wrote before they stopped has been acknowledged by our readers: it is
@@ -104,8 +99,8 @@ class LoggerNode {
   void record_what_is_on_its_way() {
     const std::int64_t end = runtime::monotonic_ns() + kMaxStopNs;
     for (int quiet = 0; quiet < 5 && runtime::monotonic_ns() < end;
-         quiet = wait_set_.wait(20'000'000) ? 0 : quiet + 1) {
-      heartbeat_.beat();
+         quiet = host_.wait_set().wait(20'000'000) ? 0 : quiet + 1) {
+      host_.heartbeat().beat();
       descriptions_.take([](const msg::DeviceDescription&) {});
       topics_.drain();
     }
@@ -115,73 +110,81 @@ class LoggerNode {
     return report.total(&bag::TopicReport::dropped) + report.total(&bag::TopicReport::lost);
   }
 
-  void look(runtime::NodeRegistry& registry, runtime::NodeReport& report) {
-    const bool finished = session_.stopped();
+  void report(runtime::NodeRegistry& registry, runtime::NodeReport& report,
+              runtime::StatusText& status) {
+    using runtime::StatusPriority;
+    const bool finished = host_.session().stopped();
     const bag::RecordingReport now = finished ? final_ : recorder_.report();
     const std::uint64_t lost = lost_messages(now);
-    report.message = !now.errors.empty() ? now.errors.front()
-                     : lost              ? "the disk is too slow: messages are being dropped"
-                     : finished          ? "the bag is closed"
-                                         : "recording";
+    status.say(StatusPriority::kProgress, finished ? "the bag is closed" : "recording");
+    if (lost)
+      status.say(StatusPriority::kNetwork, "the disk is too slow: messages are being dropped");
+    if (!now.errors.empty())
+      status.say(StatusPriority::kFault, now.errors.front());
     report.values = {{"bag", options_.bag.string()}};
     report.figures = {{"received", {now.total(&bag::TopicReport::received), "messages"}},
                       {"written", {now.total(&bag::TopicReport::written), "messages"}},
                       {"dropped", {lost, "messages"}},
                       {"topics", {now.topics.size(), "topics"}}};
     topics_.tell(session_in_bag_.load(std::memory_order_relaxed), report.figures);
-    device_.update(registry, std::nullopt);
-    look_for_rendering(registry, report);
-    session_.report_to(report, options_, registry, links_, "a device", true);
+    report_roles(registry, report, status);
+    host_.report_session(registry, report, "a device", true);
   }
 
-  /// Of two that play it both are entitled: the one that stands by writes no record before it acts.
-  void look_for_rendering(const runtime::NodeRegistry& registry, runtime::NodeReport& report) {
-    if (device_.bound())
-      rendering_.update(registry, device_.session());
-    RoleRecords& records = topics_.records();
-    const auto& acting = rendering_.participant();
-    if (acting)
-      records.entitle(*acting);
-    const runtime::NodeReport* said = acting ? registry.report_of(*acting) : nullptr;
-    if (const auto standby = said ? runtime::named_standby(*said).participant : std::nullopt)
-      records.entitle(*standby);
-    records.looked(acting.has_value());
-    const std::uint64_t refused = records.refused();
-    report.figures["records"] = {records.settled(), "messages"};
+  /// The participants that play device, rendering and coupling; only their messages are for the
+  /// recording.
+  void report_roles(const runtime::NodeRegistry& registry, runtime::NodeReport& report,
+                    runtime::StatusText& status) {
+    constexpr std::string_view kRoles[] = {"device", "rendering", "coupling"};
+    roles_[0].update(registry, std::nullopt);
+    for (std::size_t n = 1; n < roles_.size() && roles_[0].bound(); ++n)
+      roles_[n].update(registry, roles_[0].session());
+    std::uint64_t settled = 0, refused = 0, left_out = 0;
+    for (const RecordedTopics::OfRole& one : topics_.of_roles()) {
+      const auto& bound =
+          roles_[static_cast<std::size_t>(std::ranges::find(kRoles, one.role) - kRoles)]
+              .participant();
+      if (bound)
+        one.records->entitle(*bound);
+      one.records->looked(bound.has_value());
+      if (one.followed)
+        settled += one.records->settled();
+      (one.followed ? refused : left_out) += one.records->refused();
+      for (const bus::Guid& writer : one.records->refused_writers())
+        if (std::string& name = refused_names_[writer];
+            name.empty() || name.starts_with("a participant"))
+          name = writer == bus::Guid{} ? "a writer that has gone" : registry.name_of(writer);
+    }
+    report.figures["records"] = {settled, "messages"};
     report.figures["refused_records"] = {refused, "messages"};
-    if (refused == 0)
+    report.figures["left_out_messages"] = {left_out, "messages"};
+    if (refused + left_out == 0)
       return;
     std::string names;
-    for (const bus::Guid& writer : records.refused_writers())
-      names += (names.empty() ? "" : " and ") +
-               (writer == bus::Guid{} ? "somebody who has gone" : registry.name_of(writer));
-    report.message += fmt::format(
-        "; {} records that {} wrote are not in the bag: only the rendering's are, and {}", refused,
-        names, acting ? "that is " + registry.name_of(*acting) : "none is known");
+    for (const auto& [writer, name] : refused_names_)
+      names += (names.empty() ? "" : " and ") + name;
+    report.values["refused_writers"] = names;
+    status.append(
+        fmt::format("; {} messages of {} are not in the bag: they play no role of this session",
+                    refused + left_out, names));
   }
 
   const Options& options_;
-  bus::Participant participant_;
+  runtime::NodeHost host_;
   bus::LatchedReader<msg::DeviceDescription> descriptions_;
-  bus::WaitSet wait_set_;
   bag::BagRecorder recorder_;
   RecordedTopics topics_;
-  runtime::RoleBinding device_;  ///< whose session this is; what is recorded is all that is on the
-                                 ///< wire, but for records that a replay follows
-  runtime::RoleBinding rendering_;  ///< whose records those are
-  std::vector<runtime::Link> links_;
+  std::array<runtime::RoleBinding, 3>
+      roles_;  ///< device, whose session this is; rendering; coupling
+  std::map<bus::Guid, std::string> refused_names_;
   bag::RecordingReport final_;
-  runtime::Session session_;
   std::atomic<std::uint64_t> session_in_bag_{0};
-  runtime::Heartbeat heartbeat_, closing_;
-  bool lost_peer_ = false;
+  runtime::Heartbeat closing_;
 };
 
 }  // namespace
 
 int run(const Options& options, const std::atomic<bool>& stop) {
-  if (!runtime::may_begin(stop))
-    return 0;
   LoggerNode node(options);
   return node.run(stop);
 }

@@ -12,7 +12,7 @@ namespace voxtouch::logger {
 
 /// How the bag is stored, and when it goes on in another file.
 struct RecordFormat {
-  bag::Storage storage = bag::Storage::kSqlite3;
+  bag::Storage storage = bag::WriterOptions{}.storage;
   double split_mb = 0.0, split_s = 0.0;  ///< of a file [10^6 bytes, s]; 0: no such bound
 };
 /// --record-format, --record-split-mb and --record-split-s.

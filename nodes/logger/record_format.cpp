@@ -12,10 +12,10 @@ void add_format_options(CLI::App& app, RecordFormat& format) {
   for (const bag::StorageName& one : bag::kStorages)
     names.emplace(one.name, one.storage);
   app.add_option("--record-format", format.storage,
-                 "How the bag is stored: sqlite3 (default); or mcap, compressed and with the types "
-                 "of its messages, so that Foxglove and others read it as it is")
+                 "How the bag is stored: mcap (default), compressed, with the types of its "
+                 "messages; sqlite3 for ROS 2 Humble")
       ->transform(CLI::CheckedTransformer(names))
-      ->option_text("sqlite3|mcap");
+      ->option_text("mcap|sqlite3");
   app.add_option("--record-split-mb", format.split_mb,
                  "The bag goes on in another file before one is larger than this [MB]")
       ->check(runtime::require_positive);

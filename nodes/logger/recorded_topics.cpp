@@ -24,12 +24,20 @@ static_assert(std::ranges::none_of(qos::kTopics, [](const qos::Topic& row) {
   return type_of(row) == std::end(msg::kAllTypes);
 }));
 
-/// Who plays the rendering writes each of these.
-constexpr std::string_view kOfRendering[] = {qos::kContactState.path, qos::kScenePlan.path,
-                                             qos::kEffectMade.path};
-/// What a replay follows: the rendering's alone.
-constexpr std::string_view kRecordsOfRendering[] = {qos::kEffectMade.path,
-                                                    qos::kExternalSample.path};
+/// What the ring takes from the participant alone that plays the role. `binds`: only who has a
+/// writer on it plays the role here.
+struct RoleTopic {
+  std::string_view path, role;
+  bool followed, binds;
+};
+constexpr RoleTopic kRoleTopics[] = {{qos::kDeviceState.path, "device", false, false},
+                                     {qos::kDeviceDescription.path, "device", false, false},
+                                     {qos::kContactState.path, "rendering", false, true},
+                                     {qos::kScenePlan.path, "rendering", false, true},
+                                     {qos::kEffectMade.path, "rendering", true, true},
+                                     {qos::kExternalSample.path, "rendering", true, false},
+                                     {qos::kForceCommand.path, "coupling", false, true},
+                                     {qos::kCouplingDesign.path, "coupling", false, false}};
 
 }  // namespace
 
@@ -42,6 +50,10 @@ RecordedTopics::RecordedTopics(const bus::Participant& participant,
       recorder_(recorder),
       wait_set_(wait_set),
       discovery_(participant.get()) {
+  using Unknown = RoleRecords::Unknown;
+  for (const std::string_view role : {"device", "rendering", "coupling"})
+    of_roles_.push_back({role, std::make_unique<RoleRecords>(Unknown::kRecord), false});
+  of_roles_.push_back({"rendering", std::make_unique<RoleRecords>(Unknown::kRefuse), true});
   for (const qos::Topic& row : qos::kTopics) {
     if (!(row.readers & qos::kLogger))
       continue;
@@ -65,9 +77,15 @@ RecordedTopics::RecordedTopics(const bus::Participant& participant,
                            : Stamp::kZero);
     if (row.profile == qos::ProfileId::kStream)
       entry.stream = qos::figure_name(row);
-    entry.of_role =
-        std::ranges::find(kRecordsOfRendering, row.path) != std::end(kRecordsOfRendering);
-    if (std::ranges::find(kOfRendering, row.path) == std::end(kOfRendering))
+    entry.latched = row.profile == qos::ProfileId::kLatched;
+    const auto own = std::ranges::find(kRoleTopics, row.path, &RoleTopic::path);
+    if (own == std::end(kRoleTopics))
+      continue;
+    entry.role = own->role;
+    for (const OfRole& one : of_roles_)
+      if (one.role == own->role && one.followed == own->followed)
+        entry.records = one.records.get();
+    if (!own->binds)
       continue;
     entry.following = std::make_unique<bus::Following>(bus::Following::WhileNobody::kTakeAll);
     entry.following->attach(entry.reader.get());
@@ -103,7 +121,7 @@ bool RecordedTopics::wants(const std::string& topic) const {
 std::vector<std::string> RecordedTopics::discover() {
   std::vector<std::string> sentences;
   for (Entry& entry : entries_)
-    if (entry.of_role)
+    if (entry.records)
       look_for_writers(entry);
   discovery_.take([&](const dds_builtintopic_endpoint_t& writer) {
     const std::string name = writer.topic_name, type_name = writer.type_name;
@@ -145,24 +163,37 @@ std::size_t RecordedTopics::drain() {
   for (Entry& entry : entries_)
     count += entry.reader.take([&](std::span<const std::byte> bytes, dds_instance_handle_t writer) {
       const std::int64_t time_ns = time_of(entry, bytes);
-      if (entry.of_role)
-        return records_.take(writer_of(entry, writer),
-                             {entry.id, time_ns, {bytes.begin(), bytes.end()}});
-      const auto pushed = recorder_.push(entry.id, time_ns, bytes);
-      if (pushed == bag::PushResult::kQueued && !entry.stream.empty())
-        note(entry, bytes);
+      if (entry.records)
+        return entry.records->take(writer_of(entry, writer),
+                                   {entry.id, time_ns, {bytes.begin(), bytes.end()}});
+      push(entry, time_ns, bytes);
     });
-  records_.settle([this](const RoleRecords::Record& record) { push(record); });
+  for (const OfRole& one : of_roles_)
+    one.records->settle([this](const RoleRecords::Record& record) { push(record); });
   return count;
 }
 
 void RecordedTopics::end() {
-  records_.settle([this](const RoleRecords::Record& record) { push(record); });
-  records_.end();
+  for (const OfRole& one : of_roles_)
+    one.records->end([this](const RoleRecords::Record& record) { push(record); });
 }
 
 void RecordedTopics::push(const RoleRecords::Record& record) {
-  recorder_.push(record.topic, record.time_ns, record.bytes);
+  push(*std::ranges::find(entries_, record.topic, &Entry::id), record.time_ns, record.bytes);
+}
+
+void RecordedTopics::push(Entry& entry, std::int64_t time_ns, std::span<const std::byte> bytes) {
+  // Messages that waited until their writer's role was known must not go back in time: readers of a
+  // file without an index refuse that. Times of lockstep are those of the samples.
+  if (!options_.lockstep)
+    pushed_ns_ = time_ns = std::max(time_ns, pushed_ns_);
+  if (entry.latched && std::ranges::equal(entry.newest, bytes))
+    return;  // written again for who came later
+  if (entry.latched)
+    entry.newest.assign(bytes.begin(), bytes.end());
+  const auto pushed = recorder_.push(entry.id, time_ns, bytes);
+  if (pushed == bag::PushResult::kQueued && !entry.stream.empty())
+    note(entry, bytes);
 }
 
 /// Who writes one record and goes is asked for in vain afterwards.
@@ -188,10 +219,10 @@ bus::Guid RecordedTopics::writer_of(Entry& entry, dds_instance_handle_t writer) 
   return participant;
 }
 
-std::vector<bus::Following*> RecordedTopics::of_rendering() const {
+std::vector<bus::Following*> RecordedTopics::readers_of(std::string_view role) const {
   std::vector<bus::Following*> all;
   for (const Entry& entry : entries_)
-    if (entry.following)
+    if (entry.following && entry.role == role)
       all.push_back(entry.following.get());
   return all;
 }

@@ -37,10 +37,16 @@ class RecordedTopics {
   std::size_t drain();
   /// The last call: what is kept for somebody who has not come is refused.
   void end();
-  /// Readers of what who plays the rendering writes. Their addresses stay.
-  std::vector<bus::Following*> of_rendering() const;
-  /// Records that the rendering alone may write, for a replay follows them.
-  RoleRecords& records() noexcept { return records_; }
+  /// Readers of what who plays the role writes. Their addresses stay.
+  std::vector<bus::Following*> readers_of(std::string_view role) const;
+  /// What those who play the roles alone may write: the streams, and the records that a replay
+  /// follows.
+  struct OfRole {
+    std::string_view role;
+    std::unique_ptr<RoleRecords> records;
+    bool followed;  ///< by a replay
+  };
+  std::span<const OfRole> of_roles() const noexcept { return of_roles_; }
   /// Who must have matched what before a lockstep run.
   std::vector<runtime::Link> links() const;
   /// Which samples of `session` were taken to be written, for each stream of the ring. Any thread.
@@ -59,15 +65,20 @@ class RecordedTopics {
     Stamp stamp;
     std::string stream{};     ///< "device_state"; empty where samples bear no number
     SequenceCount numbers{};  ///< under `numbers_mutex_`
-    bool of_role = false;     ///< only what who plays the role writes is for the bag
+    bool latched = false;     ///< a value that is the newest one again is not recorded again
+    std::vector<std::byte> newest{};  ///< of a latched one
+    std::string_view role{};          ///< who plays it writes the topic; empty: any node
+    RoleRecords* records =
+        nullptr;  ///< only what who plays the role writes is for the bag; null: all is
     std::map<dds_instance_handle_t, bus::Guid>
-        writers{};  ///< those that have been seen, where it is `of_role`
+        writers{};  ///< those that have been seen, where it has `records`
   };
   Entry& add(const std::string& name, const msg::AnyType& type, const qos::Qos& qos,
              const dds_qos_t* offered, Stamp stamp);
   bool wants(const std::string& topic) const;
   void note(Entry& entry, std::span<const std::byte> bytes);
   void push(const RoleRecords::Record& record);
+  void push(Entry& entry, std::int64_t time_ns, std::span<const std::byte> bytes);
   static void look_for_writers(Entry& entry);
   static bus::Guid writer_of(Entry& entry, dds_instance_handle_t writer);
   std::int64_t time_of(const Entry& entry, std::span<const std::byte> bytes);
@@ -80,8 +91,9 @@ class RecordedTopics {
   bus::WriterDiscovery discovery_;
   std::deque<Entry> entries_;  // addresses stay
   std::set<std::string> known_;
-  RoleRecords records_;
+  std::vector<OfRole> of_roles_;
   std::int64_t newest_ns_ = 0;
+  std::int64_t pushed_ns_ = 0;  ///< real time: the newest time in the bag
   mutable std::mutex numbers_mutex_;
 };
 

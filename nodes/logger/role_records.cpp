@@ -31,8 +31,12 @@ void RoleRecords::looked(bool bound) {
 void RoleRecords::take(const bus::Guid& writer, Record record) {
   const std::lock_guard lock(mutex_);
   const std::size_t size = record.bytes.size();
-  if (kept_bytes_[writer] + size > kMaxOfOne || all_bytes_ + size > kMaxOfAll)
-    return refuse(writer);
+  if (kept_bytes_[writer] + size > kMaxOfOne || all_bytes_ + size > kMaxOfAll) {
+    const bool owner = std::ranges::find(entitled_, writer) != entitled_.end();
+    if (unknown_ == Unknown::kRefuse || (!owner && !entitled_.empty()))
+      return refuse(writer);
+    released_ = released_ || entitled_.empty();
+  }
   kept_bytes_[writer] += size, all_bytes_ += size;
   kept_.push_back({writer, std::move(record), looks_ + kLooks});
 }
@@ -41,7 +45,7 @@ std::vector<RoleRecords::Record> RoleRecords::decided() {
   const std::lock_guard lock(mutex_);
   std::vector<Record> own;
   std::erase_if(kept_, [&](Kept& one) {
-    const bool entitled = std::ranges::find(entitled_, one.writer) != entitled_.end();
+    const bool entitled = released_ || std::ranges::find(entitled_, one.writer) != entitled_.end();
     const bool foreign = !entitled && bound_ && looks_ >= one.decided_at;
     if (!entitled && !foreign)
       return false;
@@ -54,10 +58,16 @@ std::vector<RoleRecords::Record> RoleRecords::decided() {
     return true;
   });
   std::erase_if(kept_bytes_, [](const auto& entry) { return entry.second == 0; });
+  released_ = false;
   return own;
 }
 
-void RoleRecords::end() {
+void RoleRecords::release_unknown() {
+  const std::lock_guard lock(mutex_);
+  released_ = unknown_ == Unknown::kRecord && entitled_.empty();
+}
+
+void RoleRecords::refuse_kept() {
   const std::lock_guard lock(mutex_);
   for (const Kept& one : kept_)
     refuse(one.writer);

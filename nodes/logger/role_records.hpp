@@ -14,8 +14,8 @@
 namespace voxtouch::logger {
 
 /// A record may come before it is known who plays the role: it is kept until then. One whose writer
-/// is not entitled is kept for two looks at the statuses, as the one that took over may be heard
-/// before the status is that names it. What is refused then is counted. `entitle` and `looked`: the
+/// is not entitled is kept for two looks at the statuses, as a rendering that was started again may
+/// be heard before it is bound. What is refused then is counted. `entitle` and `looked`: the
 /// housekeeping. `take`, `settle` and `end`: the thread that reads. Allocates; not for the loop of
 /// a ring.
 class RoleRecords {
@@ -30,8 +30,14 @@ class RoleRecords {
   /// about 200, a value of the outside wrench 80.
   static constexpr std::size_t kMaxOfOne = 1'000'000, kMaxOfAll = 16'000'000;
 
-  /// This participant plays the role, or is the standby that the acting one has named. What it
-  /// wrote counts, also after it has gone.
+  /// While nobody has played the role, and at the end if nobody did.
+  enum class Unknown : bool {
+    kRefuse,  ///< what a replay follows
+    kRecord,  ///< streams: beyond the limits above, what is kept is recorded
+  };
+  explicit RoleRecords(Unknown unknown = Unknown::kRefuse) noexcept : unknown_(unknown) {}
+
+  /// This participant plays the role. What it wrote counts, also after it has gone.
   void entitle(const bus::Guid& participant);
   /// All that one look at the statuses tells has been said. `bound`: somebody plays the role.
   void looked(bool bound);
@@ -45,8 +51,14 @@ class RoleRecords {
     for (const Record& record : decided())
       push(record);
   }
-  /// Nobody comes any more who might be entitled: what is still kept is refused.
-  void end();
+  /// Nobody comes any more who might be entitled: what is still kept is refused, or recorded if
+  /// nobody ever was and kRecord holds.
+  template <class Push>
+  void end(Push&& push) {
+    release_unknown();
+    settle(push);
+    refuse_kept();
+  }
 
   /// Any thread: how many were for the bag, and how many were not.
   std::uint64_t settled() const;
@@ -61,9 +73,13 @@ class RoleRecords {
     std::uint64_t decided_at;  ///< the look after which it is known whether the writer is entitled
   };
   std::vector<Record> decided();
+  void release_unknown();
+  void refuse_kept();
   void refuse(const bus::Guid& writer);
 
+  const Unknown unknown_;
   mutable std::mutex mutex_;
+  bool released_ = false;  ///< all that is kept is recorded
   std::deque<bus::Guid> entitled_;
   std::deque<Kept> kept_;
   std::map<bus::Guid, std::size_t> kept_bytes_;  ///< of each writer

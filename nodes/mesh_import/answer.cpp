@@ -9,7 +9,7 @@ namespace {
 struct Head {
   std::uint64_t mark = 0x6873656d786f7609;  ///< so that what was never written is no answer
   std::uint64_t refused = 0, vertices = 0, triangles = 0, text = 0;
-  std::uint64_t points = 0, lines = 0, uncut = 0;
+  std::uint64_t points = 0, lines = 0;
   double spacing = 0.0, largest = 0.0;
 };
 using Triangle = std::array<std::uint32_t, 3>;
@@ -34,7 +34,6 @@ std::string encode(const mesh::FileTriangles& read) {
                      .text = text.size(),
                      .points = read.points,
                      .lines = read.lines,
-                     .uncut = read.uncut,
                      .spacing = read.spacing,
                      .largest = read.largest},
                     read.mesh, text);
@@ -67,7 +66,6 @@ mesh::FileTriangles decode(std::string_view answer) {
       .mesh = {std::vector<Vec3>(head.vertices), std::vector<Triangle>(head.triangles)},
       .points = head.points,
       .lines = head.lines,
-      .uncut = head.uncut,
       .spacing = head.spacing,
       .largest = head.largest,
       .warnings = {}};

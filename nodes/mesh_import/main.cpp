@@ -1,6 +1,5 @@
 /// voxtouch_import_mesh PATH MAX_TRIANGLES CPU_S MEMORY_MIB PARENT HOW: what mesh_process() starts.
 /// The mesh's bytes are behind kSharedFile, and the answer takes their place.
-#include <assimp/postprocess.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -44,7 +43,7 @@ int main(int argc, char** argv) {
   std::string answer;
   try {
     if (argv[6] == std::string_view(voxtouch::mesh_import::kAsItIs)) {
-      Assimp::Importer().ReadFile(argv[1], aiProcess_Triangulate);
+      Assimp::Importer().ReadFile(argv[1], 0);
       answer = voxtouch::mesh_import::encode({});
     } else {
       voxtouch::mesh::FileTriangles read =

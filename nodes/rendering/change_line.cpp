@@ -8,8 +8,7 @@ void ChangeLine::report(ChangeReport::What what, const Change& change,
 }
 
 void ChangeLine::retire(rendering::LiveScene& live) noexcept {
-  // An update server that has not looked for long must not cost a scene's memory: it is asked for
-  // again when there is room.
+  // Without room the scene is retired later, so that none is lost.
   if (reports_.room() == 0)
     return;
   if (rendering::BuiltScene* scene = live.retired())
@@ -23,7 +22,7 @@ void ChangeLine::rest(rendering::LiveScene& live) noexcept {
   reports_.push({ChangeReport::What::kAtRest, applied_, 0, epoch_, nullptr, session_});
 }
 
-/// None: it waits. What is not made takes the epoch with it, for what is behind it was judged as if
+/// None: it waits. A change that is not made ends the epoch, for those behind it were judged as if
 /// it had been.
 std::optional<ChangeReport::What> ChangeLine::fate_of(const Change& change,
                                                       const rendering::LiveScene& live,

@@ -1,6 +1,5 @@
 #pragma once
-/// What the loop is asked to change, and what it says of it: plain numbers through queues without
-/// locks.
+/// Changes for the loop and its reports: plain numbers through queues without locks.
 #include <atomic>
 #include <cstdint>
 #include <optional>
@@ -12,27 +11,24 @@
 
 namespace voxtouch::rendering_node {
 
-/// One change that has been judged.
+/// One validated change.
 struct Change {
   std::uint64_t ticket = 0;       ///< counts from 1
   std::uint64_t session = 0;      ///< 0: whichever runs
   std::uint64_t from_sample = 0;  ///< 0: at once
-  std::uint64_t epoch = 0;        ///< as the loop last said; a change of an older one is dropped
-  std::uint32_t following = 0;  ///< so many behind it are made in the same sample as it, or none of
-                                ///< all; of the last of them 0
+  std::uint64_t epoch = 0;        ///< as last reported; an older one is dropped
+  std::uint32_t following = 0;    ///< so many behind it are made in the same sample, or none
   effects::EffectCommand effect;
-  rendering::BuiltScene* scene =
-      nullptr;  ///< takes the place of the one that runs; `effect` is not looked at then
+  rendering::BuiltScene* scene = nullptr;  ///< replaces the one that runs; then `effect` is unused
 };
 
 struct ChangeReport {
   enum class What : std::uint8_t {
     kApplied,  ///< holds from `sample` on
     kLate,     ///< its sample had passed: not applied
-    kDropped,  ///< what it was judged by is no more: a change before it was not applied, or another
-               ///< session has begun
+    kDropped,  ///< a change before it was not applied, or another session has begun
     kRetired,  ///< `scene` is not rendered any more
-    kAtRest,   ///< all numbers of the effects have come to where they were to go
+    kAtRest,   ///< all ramps of the effects have ended
   } what = What::kApplied;
   std::uint64_t ticket = 0, sample = 0;
   std::uint64_t epoch = 0;  ///< from now on
@@ -40,19 +36,18 @@ struct ChangeReport {
   std::uint64_t session = 0;  ///< of `sample`; 0: before any
 };
 
-/// Between the update server, which judges, and the loop, which applies. Changes are taken in the
-/// order they were asked for, one that waits for its sample holds up those behind it: so each runs
-/// on the values that it was judged by. In a session none is made before the update server has
-/// judged, for its device, what was asked for before that device was known.
+/// From the update server, which validates, to the loop, which applies. Changes are made in order,
+/// and one that waits for its sample delays those behind it: so each meets the values that it was
+/// validated with. In a session none is made before the update server has judged, for its device,
+/// what was requested before.
 class ChangeLine {
  public:
   static constexpr std::size_t kCapacity = 64;
 
   // Of the update server.
   bool ask(const Change& change) noexcept { return changes_.push(change); }
-  /// Several that the first one's `following` binds together.
   bool ask(std::span<const Change> changes) noexcept { return changes_.push(changes); }
-  /// The oldest report that has not been fetched; false: there is none.
+  /// The oldest report; false: there is none.
   bool next_report(ChangeReport& report) noexcept {
     const ChangeReport* oldest = reports_.front();
     if (!oldest)
@@ -62,32 +57,32 @@ class ChangeLine {
     return true;
   }
   void settle(std::uint64_t ticket) noexcept { settled_.store(ticket, std::memory_order_release); }
-  /// All that has been asked for holds on the device of this session.
+  /// All pending changes hold on the device of this session.
   void found_good_for(std::uint64_t session) noexcept {
     good_for_.store(session, std::memory_order_release);
   }
-  /// What waits with a ticket up to this one is dropped.
+  /// Pending changes up to this ticket are dropped.
   void cancel(std::uint64_t ticket) noexcept {
     cancelled_.store(ticket, std::memory_order_release);
   }
-  /// Lockstep: the loop answers no sample from this one on before it is resumed.
+  /// Lockstep: the loop answers no sample from this one on before `resume`.
   void pause_before(std::uint64_t sample) noexcept {
     pause_.store(sample, std::memory_order_seq_cst);
   }
   void resume() noexcept { pause_.store(kNoPause, std::memory_order_seq_cst); }
-  /// The sample that is being answered, or was last.
+  /// The sample that is answered, or was last.
   std::uint64_t answering() const noexcept { return answering_.load(std::memory_order_seq_cst); }
 
   // Of the loop. All real-time safe.
-  /// Between two samples; the next has the number `next`. Only `at_sample` is it there, and what
-  /// waits for a sample may be taken.
+  /// Between two samples. `at_sample`: the sample `next` is there, so that what waits for one may
+  /// be taken.
   void apply_due(rendering::LiveScene& live, std::uint64_t next, bool at_sample) noexcept;
-  /// Another session: what waits for a sample of the last one is dropped, what was asked for before
-  /// any session stays.
+  /// Changes that wait for a sample of the last session are dropped; those from before any session
+  /// stay.
   void begin_session(std::uint64_t session) noexcept;
-  /// Ticket of the last change that was applied; 0: none.
+  /// Ticket of the last applied change; 0: none.
   std::uint64_t applied() const noexcept { return applied_; }
-  /// Whether the update server is done with this ticket and all before it. Real-time safe.
+  /// Whether the update server is done with this ticket and all before it.
   bool settled(std::uint64_t ticket) const noexcept {
     return settled_.load(std::memory_order_acquire) >= ticket;
   }
@@ -110,7 +105,7 @@ class ChangeLine {
   std::atomic<std::uint64_t> settled_{0}, pause_{kNoPause}, answering_{0}, good_for_{0},
       cancelled_{0};
   std::uint64_t applied_ = 0, epoch_ = 0, session_ = 0;
-  bool moving_ = false;  ///< numbers of the effects are on their way
+  bool moving_ = false;  ///< effects ramp
 };
 
 }  // namespace voxtouch::rendering_node

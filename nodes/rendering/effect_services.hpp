@@ -13,6 +13,7 @@
 #include "nodes/bus/writer.hpp"
 #include "nodes/log/few_a_second.hpp"
 #include "nodes/rendering/effect_parameters.hpp"
+#include "nodes/runtime/parameter_services.hpp"
 
 namespace voxtouch::rendering_node {
 
@@ -37,49 +38,30 @@ class EffectServices {
  public:
   static constexpr int kMaxPerSecond = 200;
 
-  EffectServices(const bus::Participant& participant, const std::string& rig,
+  EffectServices(const bus::Participant& participant, const std::string& rig, bool lockstep,
                  ChangeHandler handler);
   void attach_to(bus::WaitSet& wait_set);
-  /// Answers what has come, and what waited for its client. Does not block. Where not `answers`
-  /// another rendering that acts does: what has come is dropped.
-  void serve(bool answers);
+  /// Answers what has come, and what waited for its client. Does not block.
+  void serve();
   /// Replies wait for their client's reader: `serve` soon.
   bool waits() const noexcept;
   /// Parameters may have changed, by whatever way: tells `/parameter_events` what did.
   void parameters_changed();
   /// Requests that were beyond what a second takes. Any thread.
-  std::uint64_t refused() const noexcept { return refused_.load(std::memory_order_relaxed); }
+  std::uint64_t refused() const noexcept { return limit_.refused(); }
 
  private:
-  template <class S>
-  using Server = bus::ServiceServer<S>;
-  template <class S, class F>
-  void each(Server<S>& server, F&& f);
-  bool admits(std::uint32_t count);
-  /// Values, types and descriptions of parameters by name.
-  void serve_named();
-  /// Of a name that there is not, a value that is not set: so tools say that it is not.
-  template <class Names>
-  std::vector<RosParameter> named(const Names& names) const;
-  void set(const msg::rcl_interfaces_SetParameters::Request& request, const bus::Caller& caller);
-  void set_together(const msg::rcl_interfaces_SetParametersAtomically::Request& request,
-                    const bus::Caller& caller);
+  void set(std::span<const msg::rcl_interfaces_Parameter> asked, bool together,
+           const runtime::SettingTold& told);
   void change(const msg::ChangeEffect::Request& request, const bus::Caller& caller);
 
   std::string node_;  ///< "/haptic/rendering"
-  bool answers_ = true;
   ChangeHandler handler_;
-  Server<msg::ChangeEffect> change_;
-  Server<msg::rcl_interfaces_ListParameters> list_;
-  Server<msg::rcl_interfaces_GetParameters> get_;
-  Server<msg::rcl_interfaces_GetParameterTypes> types_;
-  Server<msg::rcl_interfaces_DescribeParameters> describe_;
-  Server<msg::rcl_interfaces_SetParameters> set_;
-  Server<msg::rcl_interfaces_SetParametersAtomically> set_together_;
+  runtime::RequestLimit limit_{kMaxPerSecond};
+  bus::ServiceServer<msg::ChangeEffect> change_;
+  runtime::ParameterServices parameters_;
   bus::Writer<msg::rcl_interfaces_ParameterEvent> events_;
   std::vector<RosParameter> told_;  ///< as the events' readers know them
-  log::FewASecond admitted_{kMaxPerSecond};
-  std::atomic<std::uint64_t> refused_{0};
 };
 
 }  // namespace voxtouch::rendering_node

@@ -15,8 +15,7 @@ namespace voxtouch::rendering_node {
 namespace {
 
 constexpr std::size_t kMaxOthers = 16;
-/// Between two looks at the topic: so a flood takes no more of the machine than the looks of this
-/// thread, and a value waits no longer.
+/// Between two looks at the topic, so that a flood costs no more than these looks.
 constexpr std::int64_t kBetweenTurnsNs = 500'000;
 
 const effects::EffectSpec& effect_of(const scene::Scene& scene) {
@@ -66,6 +65,8 @@ ExternalSource::ExternalSource(const bus::Participant& participant,
       about_(effects::no_certificate_sentence(effect_of(scene).name)),
       following_(std::make_unique<bus::Following>(bus::Following::WhileNobody::kTakeNothing)),
       reader_(reader_of(participant, options, effect_of(scene).text, following_.get())),
+      records_(participant, qos::kExternalSample, options.rig,
+               qos::profile(qos::kExternalSample.profile)),
       wait_set_(participant) {
   wait_set_.attach(reader_.condition());
   thread_ = std::thread([this] { run(); });
@@ -91,37 +92,38 @@ void ExternalSource::run() {
   }
 }
 
-/// The writer's stamp is of a clock that nobody knows here: what counts is the sample that sees the
-/// value first.
+/// The writer's stamp is of an unknown clock and does not count.
 void ExternalSource::receive(const msg::geometry_msgs_WrenchStamped& message) {
   const std::string_view frame = message.header.frame_id ? message.header.frame_id : "";
   const bool of_device = frame == device_frame_;
   if (!of_device && frame != kWorldFrame) {
-    if (wrong_frame_.fetch_add(1, kRelaxed) == 0) {
+    if (counters_[ExternalCounter::kWrongFrame] == 0.0) {
       FrameText text{};
       std::copy_n(frame.begin(), std::min(frame.size(), text.size() - 1), text.begin());
       bad_frame_.put(text);
     }
-    return;
+    return counters_.note(ExternalCounter::kWrongFrame);
   }
   Wrench wrench = runtime::from_msg(message.wrench);
   if (!wrench.finite())
-    return void(not_finite_.fetch_add(1, kRelaxed));
+    return counters_.note(ExternalCounter::kNotFinite);
   if (of_device)
     wrench = {device_in_world_ * wrench.force, device_in_world_ * wrench.torque};
   newest_.put({wrench, session_.load(std::memory_order_acquire), runtime::monotonic_ns()});
 }
 
-std::optional<Wrench> ExternalSource::take(std::uint64_t session) noexcept {
+std::optional<Wrench> ExternalSource::take(const msg::DeviceState& next) noexcept {
   Arrived arrived;
-  if (!newest_.take(arrived) || arrived.session != session)
+  if (!newest_.take(arrived) || arrived.session != next.session_id)
     return std::nullopt;
   const std::int64_t now_ns = runtime::monotonic_ns();
   if (now_ns - arrived.at_ns > kMaxWaitNs) {
-    late_.fetch_add(1, kRelaxed);
+    counters_.note(ExternalCounter::kLate);
     return std::nullopt;
   }
-  taken_.fetch_add(1, kRelaxed);
+  counters_.note(ExternalCounter::kTaken);
+  records_.write({next.session_id, next.sequence_number, next.sample_time_ns,
+                  runtime::to_msg(arrived.wrench)});
   return arrived.wrench;
 }
 
@@ -163,16 +165,15 @@ void ExternalSource::look_for_writer(const std::set<bus::Guid>& matched) {
     bound_ = *matched.begin();
 }
 
-void ExternalSource::report_to(const runtime::NodeRegistry& registry, runtime::NodeReport& report) {
+void ExternalSource::report_to(const runtime::NodeRegistry& registry, runtime::NodeReport& report,
+                               runtime::StatusText& status) {
   look();
   report.values["external"] = about_;
   report.values["external_topic"] = topic_;
   report.values["external_writer"] = bound_ ? registry.name_of(*bound_) : "";
-  report.figures["external_samples"] = {taken_.load(kRelaxed), "samples"};
   report.figures["external_foreign"] = {following_->refused(), "samples"};
-  report.figures["external_not_finite"] = {not_finite_.load(kRelaxed), "samples"};
-  report.figures["external_wrong_frame"] = {wrong_frame_.load(kRelaxed), "samples"};
-  report.figures["external_late"] = {late_.load(kRelaxed), "samples"};
+  counters_.report_to(report.figures);
+  status.say(runtime::StatusPriority::kFault, trouble(registry));
 }
 
 std::string ExternalSource::trouble(const runtime::NodeRegistry& registry) const {

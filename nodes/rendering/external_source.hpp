@@ -1,6 +1,5 @@
 #pragma once
-/// Whom the effect `external` follows: one writer of one topic outside the ring, read beside the
-/// loop.
+/// The wrench of the effect `external`: from one writer outside the ring, read beside the loop.
 #include <array>
 #include <atomic>
 #include <cstdint>
@@ -15,20 +14,34 @@
 #include "core/types/latest_value.hpp"
 #include "nodes/bus/reader.hpp"
 #include "nodes/bus/wait_set.hpp"
+#include "nodes/bus/writer.hpp"
+#include "nodes/runtime/counters.hpp"
 #include "nodes/runtime/node_registry.hpp"
 #include "nodes/runtime/options.hpp"
+#include "nodes/runtime/status_text.hpp"
 
 namespace voxtouch::rendering_node {
 
-/// The rule. The participant that is the only one with a writer on the topic, once a session has
-/// begun, is followed until its writer has gone or another session begins; then the next one is.
-/// Where several are there while nobody is followed, nobody is. The samples of all others are
-/// refused, counted and named. Nothing proves who a participant is: without DDS Security a forged
-/// one passes, and the effect's bounds hold all the same.
+enum class ExternalCounter : std::uint8_t { kTaken, kNotFinite, kWrongFrame, kLate, kGivenJ };
+inline constexpr auto kExternalTable = [] {
+  using enum ExternalCounter;
+  return std::to_array<runtime::CounterRow<ExternalCounter>>({
+      {kTaken, "external_samples", "samples"},
+      {kNotFinite, "external_not_finite", "samples"},
+      {kWrongFrame, "external_wrong_frame", "samples"},
+      {kLate, "external_late", "samples"},
+      {kGivenJ, "external_given_j", "J"},
+  });
+}();
+
+/// Once a session has begun, the only participant with a writer on the topic is followed until its
+/// writer has gone or another session begins. Of several none is. The samples of others are
+/// refused, counted and named. Without DDS Security a participant may be forged; the effect's
+/// bounds hold all the same.
 class ExternalSource {
  public:
-  /// For the scene's effect `external`, which there is. Throws bus::Error where its topic is one of
-  /// the ring's own, or one to which the keys give no right.
+  /// The scene has the effect. Throws bus::Error where its topic is one of the ring's own, or the
+  /// keys give no right to it.
   ExternalSource(const bus::Participant& participant, const runtime::NodeOptions& options,
                  const scene::Scene& scene);
   ~ExternalSource();
@@ -39,15 +52,16 @@ class ExternalSource {
   void begin_session(std::uint64_t session) noexcept {
     session_.store(session, std::memory_order_release);
   }
-  /// The newest value of this session that has not been taken yet, W. One that waited for a sample
-  /// for longer than kMaxWaitNs is left out.
-  std::optional<Wrench> take(std::uint64_t session) noexcept;
+  /// The newest value of the session that has not been taken yet, W, recorded as of the sample
+  /// `next`. One that waited for longer than kMaxWaitNs is skipped.
+  std::optional<Wrench> take(const msg::DeviceState& next) noexcept;
+  /// Energy that the effect gave to the hand in one sample, in W [J]; below 0: taken.
+  void count_energy(double joules) noexcept { counters_.note(ExternalCounter::kGivenJ, joules); }
   static constexpr std::int64_t kMaxWaitNs = 100'000'000;
 
-  // Of the housekeeping.
-  void report_to(const runtime::NodeRegistry& registry, runtime::NodeReport& report);
-  /// What a person must know: who is refused, or which frame. Empty: nothing.
-  std::string trouble(const runtime::NodeRegistry& registry) const;
+  // The monitor.
+  void report_to(const runtime::NodeRegistry& registry, runtime::NodeReport& report,
+                 runtime::StatusText& status);
 
  private:
   struct Arrived {
@@ -56,11 +70,12 @@ class ExternalSource {
     std::int64_t at_ns = 0;
   };
   using FrameText = std::array<char, 65>;
-  static constexpr auto kRelaxed = std::memory_order_relaxed;
 
   void run();
   void receive(const msg::geometry_msgs_WrenchStamped& message);
   void look();
+  /// Which writers or which frame is refused; empty: none.
+  std::string trouble(const runtime::NodeRegistry& registry) const;
   void look_for_writer(const std::set<bus::Guid>& matched);
 
   const std::string topic_, device_frame_;
@@ -68,15 +83,17 @@ class ExternalSource {
   const std::string about_;
   std::unique_ptr<bus::Following> following_;  ///< outlives the reader, which asks it
   bus::Reader<msg::geometry_msgs_WrenchStamped> reader_;
+  bus::Writer<msg::ExternalSample> records_;  ///< which sample saw which value, for a replay
   bus::WaitSet wait_set_;
   LatestValue<Arrived> newest_;
   LatestValue<FrameText> bad_frame_;
-  std::atomic<std::uint64_t> session_{0}, taken_{0}, late_{0}, not_finite_{0}, wrong_frame_{0};
-  // Of the housekeeping alone.
+  std::atomic<std::uint64_t> session_{0};
+  runtime::Counters<kExternalTable> counters_;
+  // Of the monitor.
   std::optional<bus::Guid> bound_;
   std::uint64_t bound_for_ = 0;  ///< session
   std::set<bus::Guid> rivals_, others_;
-  std::string frame_;  ///< that was refused first
+  std::string frame_;  ///< refused first
   std::atomic<bool> stop_{false};
   std::thread thread_;
 };

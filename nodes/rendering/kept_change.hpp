@@ -1,6 +1,5 @@
 #pragma once
-/// What an EffectChange asks for, kept until it is made: a message's texts are its sender's and end
-/// with it.
+/// An EffectChange with texts of its own, kept until it is made.
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -27,8 +26,7 @@ class KeptChange {
     std::ranges::copy(m.value, value_.begin());
   }
 
-  /// As it was asked for, but of this session and from this sample on: a record of what was made.
-  /// Its texts live as long as this.
+  /// The record of the change that was made. Its texts are lent.
   msg::EffectChange made(std::uint64_t session, std::uint64_t from_sample) const {
     msg::EffectChange m{};
     m.request = request_, m.session_id = session, m.from_sample = from_sample, m.action = action_,

@@ -11,11 +11,7 @@ int rendering(int argc, char** argv) {
        .about = "voxtouch rendering node: builds the scene's voxmap and pointshell and answers "
                 "every device sample "
                 "with the contact wrench."},
-      options,
-      [&](CLI::App& app) {
-        voxtouch::runtime::add_standby_options(app, options.standby);
-        voxtouch::scene_build::add_cache_options(app, options.cache);
-      },
+      options, [](CLI::App&) {},
       [&](const std::atomic<bool>& stop) { return voxtouch::rendering_node::run(options, stop); });
 }
 

@@ -6,8 +6,8 @@
 
 namespace voxtouch::rendering_node {
 
-/// With the parts of the ring behind those of the plan, and what is demanded of the device.
-/// `from_sample`: the first one that it holds for; 0 where a session begins.
+/// With the ring's parts and what is demanded of the device. `from_sample`: the first that it holds
+/// for; 0: a session begins.
 void publish_plan(bus::Writer<msg::ScenePlan>& writer, const scene::Scene& scene,
                   const rendering::Plan& plan, const fitting::DeviceDemand& demand,
                   double largest_shell_gap_m, std::uint64_t session, std::uint64_t from_sample);

@@ -12,6 +12,8 @@ namespace {
 std::string writer_of(const qos::Topic& topic) {
   if (topic.writers == qos::kEveryNode)
     return "every node";
+  if (topic.of_launcher)
+    return "up";
   return fmt::format(
       "{}", fmt::join(qos::names_of(topic.writers ? topic.writers : topic.readers & ~qos::kLogger),
                       ", "));

@@ -3,15 +3,10 @@
 #include <atomic>
 
 #include "nodes/runtime/options.hpp"
-#include "nodes/runtime/standby_options.hpp"
-#include "nodes/scene_build/cache_options.hpp"
 
 namespace voxtouch::rendering_node {
 
-struct Options : runtime::NodeOptions {
-  runtime::StandbyOptions standby;
-  scene_build::CacheOptions cache;
-};
+struct Options : runtime::NodeOptions {};
 
 /// Builds the scene, then answers every device sample until `stop`. Throws while starting only.
 int run(const Options& options, const std::atomic<bool>& stop);

@@ -52,6 +52,10 @@ msg::ContactState SampleRenderer::message(const msg::DeviceState& state, bool go
   m.contact_wrench = runtime::to_msg(c.wrench);
   m.effects_wrench = runtime::to_msg(frame_.effects.wrench);
   m.object_pose = runtime::to_msg(frame_.object);
+  m.spring_n_per_m = live_.spring_n_per_m();
+  m.series_m_per_n = live_.series_spring().translation;
+  m.series_effects_m_per_n = live_.series_spring().effects;
+  m.series_rad_per_nm = live_.series_spring().rotation;
   m.supplied_energy_j = frame_.supplied_energy_j;
   m.scene_time_ns =
       session_begin_ns_ ? runtime::ns_between(*session_begin_ns_, state.sample_time_ns) : 0;
@@ -60,10 +64,6 @@ msg::ContactState SampleRenderer::message(const msg::DeviceState& state, bool go
   m.deepest_depth_m = c.deepest_depth_m;
   m.residual_m = frame_.tool.residual_m;
   m.queries = frame_.tool.queries;
-  m.points_left_out = c.left_out.points;
-  m.left_out_depth_m = c.left_out.depth_m;
-  m.points_budget = static_cast<std::uint32_t>(
-      std::min<std::uint64_t>(live_.dominant().plan().budget_points, 0xffffffff));
   m.coherence = c.coherence;
   m.stiffness_bound_n_per_m = frame_.stiffness_bound_n_per_m;
   runtime::to_msg(frame_.stiffness, m.stiffness);

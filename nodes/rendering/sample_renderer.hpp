@@ -1,6 +1,5 @@
 #pragma once
-/// From a device sample to the contact that answers it: what the node does to each sample, and a
-/// replay once more.
+/// From a device sample to the contact that answers it, in the node and in a replay.
 #include <cstdint>
 #include <optional>
 
@@ -10,25 +9,22 @@
 
 namespace voxtouch::rendering_node {
 
-/// No DDS, thread or clock: the same samples and changes give the same bits. Real-time safe.
-/// Between two samples the scene and its effects may be changed through `live`.
+/// No DDS, thread or clock: the same samples and changes give bit-identical answers. Real-time
+/// safe. Between two samples the scene and its effects may be changed through `live`.
 class SampleRenderer {
  public:
-  /// `first` is the scene that runs first; who owns it, see LiveScene.
   SampleRenderer(const scene::WorkspaceMapping& device, rendering::BuiltScene& first) noexcept
       : live_(first),
         mapping_(device) {}
 
-  /// Another device session: all samples so far are forgotten. It begins with its first good
-  /// sample, or began at `begin_ns` on the device's clock, with samples that are not known any
-  /// more.
+  /// Forgets all samples. A session begins with its first good sample, or began at `begin_ns` on
+  /// the device's clock.
   void begin_session(std::optional<std::int64_t> begin_ns = {}) noexcept;
-  /// Somebody outside the ring wants this felt, in W, and the sample that is answered next is the
-  /// first to see it. Nothing before a session's first good sample.
+  /// From outside the ring, in W, from the sample `next` on. Ignored before a session's first good
+  /// sample.
   void take_external(const Wrench& wrench, const msg::DeviceState& next) noexcept;
-  /// The contact of one sample; `time_spent_ns` is left to who has a clock. A sample that cannot be
-  /// used is answered with the last good pose's contact for kMaxRepeats samples, as long as a
-  /// device holds a command.
+  /// The contact of one sample, without `time_spent_ns`. An unusable sample is answered with the
+  /// last good pose's contact for kMaxRepeats samples, as long as a device holds a command.
   msg::ContactState answer(const msg::DeviceState& state) noexcept;
 
   rendering::LiveScene& live() noexcept { return live_; }

@@ -111,7 +111,7 @@ class Collector {
       case Kind::kPlan:
         return text<msg::ScenePlan>(m, [this](const auto& p) { plan(p); });
       case Kind::kDesign:
-        return text<msg::CouplingDesign>(m, [&](const auto& d) { design(d, m.time_ns); });
+        return text<msg::CouplingDesign>(m, [this](const auto& d) { design(d); });
       case Kind::kChange:
         return text<msg::EffectChange>(m, [this](const auto& c) { change(c); });
       case Kind::kChanged:
@@ -145,10 +145,11 @@ class Collector {
                             return one.second.state.has_value();
                           })->second;
       out_.lockstep = (first.state->flags & msg::device_state::kFlagLockstep) != 0;
-      for (RecordedDesign& told : designs_)
-        if (told.session == session.id)
-          session.designs.push_back(std::move(told));
+      for (coupling_node::TakenUp& design : designs_)
+        if (design.session == session.id)
+          session.designs.push_back(std::move(design));
     }
+    out_.designs = designs_.size();
     if (doubled_ > 0)
       out_.warnings.push_back(
           fmt::format("{} messages bear a number that was there before: DDS gave something twice. "
@@ -186,8 +187,6 @@ class Collector {
       return;
     }
     sample.*where = message;
-    if constexpr (std::is_same_v<T, msg::ForceCommand>)
-      sample.command_taken_ns = m.time_ns;
   }
 
   template <class T, class F>
@@ -211,11 +210,15 @@ class Collector {
     out_.plans.push_back({m.session_id, m.from_sample, text_of(m.scene_hash)});
   }
 
-  void design(const msg::CouplingDesign& m, std::int64_t taken_ns) {
-    RecordedDesign design{m.session_id, taken_ns, text_of(m.kind), numbers_of(m), {}};
-    for (std::uint32_t i = 0; i < m.notes._length; ++i)
-      design.notes.push_back(text_of(m.notes._buffer[i]));
-    designs_.push_back(std::move(design));
+  void design(const msg::CouplingDesign& m) {
+    designs_.push_back(coupling_node::taken_up(m));
+    const coupling_node::AdoptedCoupling& design = designs_.back().coupling;
+    if (!design.runs)
+      return;
+    for (const coupling::CouplingIssue& issue :
+         coupling::validate(design.spec, design.limits, m.sample_time_s))
+      if (issue.refuse)
+        cannot("{} holds a coupling that cannot run: {}", path_.string(), issue.sentence);
   }
 
   static RecordedChange asked_by(const msg::EffectChange& m) {
@@ -273,6 +276,7 @@ class Collector {
 
   void status(const msg::NodeStatus& m) {
     runtime::Figures& figures = out_.figures[text_of(m.node)];
+    out_.processes[text_of(m.node)].insert(m.pid);
     for (std::uint32_t i = 0; i < m.figures._length; ++i)
       figures[text_of(m.figures._buffer[i].name)] =
           runtime::Figure(m.figures._buffer[i].value, text_of(m.figures._buffer[i].unit));
@@ -297,28 +301,13 @@ class Collector {
   std::map<std::uint64_t, DeviceDescription> devices_;
   std::map<std::uint64_t, std::vector<std::byte>> described_;  ///< the first description's bytes
   std::set<std::uint64_t> anew_, answered_;
-  std::vector<RecordedDesign> designs_;
+  std::vector<coupling_node::TakenUp> designs_;
   std::map<std::uint64_t, RecordedChange> asked_;  ///< by request
   std::deque<RecordedChange> nameless_;
   std::uint64_t doubled_ = 0;
 };
 
 }  // namespace
-
-std::array<double, 12> numbers_of(const msg::CouplingDesign& d) noexcept {
-  return {d.cutoff_hz,
-          d.damping_ratio,
-          d.gain,
-          d.stiffness_n_per_m,
-          d.damping_ns_per_m,
-          d.stiffness_cap_n_per_m,
-          d.stiffness_cap_nm_per_rad,
-          d.injected_damping_ns_per_m,
-          d.injected_damping_nms_per_rad,
-          d.velocity_filter_hz,
-          static_cast<double>(d.velocity_window),
-          d.sample_time_s};
-}
 
 Recording read_recording(const std::filesystem::path& path, const std::string& rig) {
   const auto bag = bag::BagReader::open(path);
@@ -331,7 +320,9 @@ Recording read_recording(const std::filesystem::path& path, const std::string& r
                             [&](const bag::BagMessage& m) { return collector.take(m), true; });
   if (!read)
     throw std::runtime_error(read.error().sentence);
-  return std::move(collector).finish();
+  Recording recording = std::move(collector).finish();
+  recording.losses = bag->losses();
+  return recording;
 }
 
 }  // namespace voxtouch::replay

@@ -4,10 +4,12 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "core/types/device_description.hpp"
+#include "nodes/coupling/design_message.hpp"
 #include "nodes/runtime/figure.hpp"
 #include "voxtouch_msgs/messages.hpp"
 
@@ -20,7 +22,6 @@ struct RecordedSample {
   std::optional<msg::ForceCommand> command;
   std::vector<msg::ForceCommand> again;  ///< the same sample's, once more: DDS gave the coupling
                                          ///< its contact twice, or the command to the recorder
-  std::int64_t command_taken_ns = 0;     ///< by the recorder
   std::optional<msg::ExternalSample> external;  ///< what the effect `external` was given with it
   /// Whether the rendering answered it: in real time it and the coupling leave samples out. A
   /// contact that the recorder lost shows by its command.
@@ -45,21 +46,12 @@ struct RecordedPlan {
   std::string scene_hash{};
 };
 
-/// A coupling that was taken up. In the bag stands when it was told, not the sample.
-struct RecordedDesign {
-  std::uint64_t session = 0;
-  std::int64_t taken_ns = 0;  ///< by the recorder
-  std::string kind{};
-  std::array<double, 12> numbers{};  ///< as `numbers_of`
-  std::vector<std::string> notes{};
-};
-
 struct RecordedSession {
   std::uint64_t id = 0;
   std::map<std::uint64_t, RecordedSample> samples{};  ///< by sequence number
   std::optional<DeviceDescription> device{};          ///< the first that it was described as
   bool described_anew = false;
-  std::vector<RecordedDesign> designs{};
+  std::vector<coupling_node::TakenUp> designs{};  ///< in the order that they were taken up
 };
 
 struct Recording {
@@ -70,7 +62,11 @@ struct Recording {
   std::vector<RecordedSession> sessions;  ///< in the order that their first samples were recorded
   std::vector<RecordedChange> changes;    ///< in the order that they were made
   std::vector<RecordedPlan> plans;
-  std::map<std::string, runtime::Figures> figures;  ///< each node's last
+  std::size_t designs = 0;                                   ///< of all sessions
+  std::map<std::string, runtime::Figures> figures;           ///< each node's last
+  std::map<std::string, std::set<std::uint32_t>> processes;  ///< of each node, by its statuses
+  std::vector<std::string>
+      losses;  ///< data that the bag's metadata states and its files do not hold
   std::vector<std::string> warnings;  ///< what was not as it should be, and was read all the same
 };
 
@@ -79,8 +75,5 @@ struct Recording {
 /// bag, a damaged one, one of another program or version, without device samples or a device's
 /// description. Holds the whole run in memory, about 1 MB for each second of it.
 Recording read_recording(const std::filesystem::path& path, const std::string& rig);
-
-/// What a coupling does, in the order of RecordedDesign::numbers.
-std::array<double, 12> numbers_of(const msg::CouplingDesign& design) noexcept;
 
 }  // namespace voxtouch::replay

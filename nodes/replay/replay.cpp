@@ -13,7 +13,6 @@
 #include "nodes/replay/scene_replay.hpp"
 #include "nodes/runtime/node_registry.hpp"
 #include "nodes/runtime/stamps.hpp"
-#include "nodes/runtime/standby_options.hpp"
 
 namespace voxtouch::replay {
 namespace {
@@ -62,13 +61,13 @@ class Run {
       : options_(options),
         recording_(recording),
         scene_(scene),
-        rendering_(scene, options.cache),
-        coupling_(scene_, !recording.lockstep && (recording.scene_hash.empty() ||
-                                                  recording.scene_hash == scene.hash)) {
+        rendering_(scene),
+        coupling_(scene_, recording.scene_hash.empty() || recording.scene_hash == scene.hash) {
     out_.bag = options.bag.string(), out_.rig = recording.rig, out_.lockstep = recording.lockstep;
     out_.recorded = {recording.scene, recording.scene_hash, recording.scene_file.string()};
     out_.replayed = {scene.name, scene.hash, std::filesystem::absolute(scene.file).string()};
-    out_.notes = recording.warnings;
+    out_.notes = recording.warnings, out_.losses = recording.losses;
+    follows_ = !recording.lockstep && recording.scene_hash == scene.hash;
     std::uint64_t commands = 0;
     for (const RecordedSession& session : recording.sessions)
       for (const auto& [number, sample] : session.samples)
@@ -81,14 +80,10 @@ class Run {
   Replayed replay() {
     for (const RecordedSession& session : recording_.sessions)
       run(session);
+    out_.designs = coupling_.compared(), out_.designs_differ = coupling_.differ();
     for (const std::string& note : coupling_.notes())
       out_.notes.push_back(note);
     say_what_is_lost();
-    if (!recording_.lockstep && scene_.virtual_tool() && out_.contact.differ > 0)
-      out_.missing.push_back(
-          "In real time the loop learns a virtual tool's spring some samples after a session's "
-          "begin or a change. The bag does not say after how many: it is "
-          "taken to be there at once.");
     return std::move(out_);
   }
 
@@ -135,7 +130,7 @@ class Run {
           &made, static_cast<std::size_t>(last - recording_.changes.begin()) - next_change_);
       apply(together);
       if (sample && together.size() == 1)
-        coupling_.contact_shows(made.from_sample, rendering_.bounds(), rendering_.demand());
+        coupling_.contact_shows(rendering_.bounds(), rendering_.demand());
     }
   }
   /// Of a session that has ended in the bag before its change was reached, or that was over when
@@ -193,7 +188,8 @@ class Run {
     if (sample.state && sample.external)
       rendering_.take_external(*sample.external, *sample.state);
     if (sample.state)
-      contact = rendering_.answer(*sample.state);
+      contact =
+          rendering_.answer(*sample.state, follows_ && sample.contact ? &*sample.contact : nullptr);
     if (contact && sample.contact)
       compare(*sample.contact, *contact);
     if (!sample.contact && sample.command)
@@ -202,17 +198,16 @@ class Run {
       contact = sample.contact;  // the coupling need not suffer from what the rendering lacks
     if (!contact || (!sample.command && !recording_.lockstep))
       return;  // in lockstep every contact is answered
-    if (!coupling_.runs())
+    const std::optional<msg::ForceCommand> command = coupling_.answer(*contact);
+    if (!command)
       return say_once(fmt::format(
           "From sample {} of session {} on commands were recorded, and here no coupling may run.",
           number, session.id));
-    const msg::ForceCommand command = coupling_.answer(
-        *contact, sample.command.value_or(msg::ForceCommand{}), sample.command_taken_ns);
     if (sample.command)
-      compare(*sample.command, command);
+      compare(*sample.command, *command);
     for (const msg::ForceCommand& more : sample.again)
       if (each_was_made_ || std::memcmp(&more, &*sample.command, sizeof more) != 0)
-        compare(more, coupling_.answer(*contact, more, sample.command_taken_ns));
+        compare(more, *coupling_.answer(*contact));
   }
 
   void compare(const msg::ContactState& recorded, msg::ContactState replayed) {
@@ -265,7 +260,8 @@ class Run {
     contacts.count += out_.lost_contacts;
     say_lost("rendering", "contacts", contacts);
     say_lost("coupling", "commands", commands);
-    say_takeovers();
+    say_restarts();
+    say_designs();
     say_changes();
     say_refused();
     say_external();
@@ -310,17 +306,23 @@ class Run {
         node, made - held.count, what, begin, came_late ? began : held.first_without.value_or(0)));
   }
 
+  void say_designs() {
+    const auto figures = recording_.figures.find("coupling");
+    if (figures == recording_.figures.end())
+      return;
+    const std::uint64_t made = runtime::as_count(runtime::value_of(figures->second, "designs"));
+    if (made > recording_.designs)
+      out_.missing.push_back(
+          fmt::format("The coupling took up {} designs, and the bag has {} of them: bits may "
+                      "differ for the others.",
+                      made, recording_.designs));
+  }
+
   void say_changes() {
     const auto figures = recording_.figures.find("rendering");
     if (figures == recording_.figures.end())
       return;
-    const auto standby = recording_.figures.find(runtime::standby_of("rendering"));
-    const std::uint64_t by_standby =
-        standby == recording_.figures.end()
-            ? 0
-            : runtime::as_count(runtime::value_of(standby->second, "changes"));
-    const std::uint64_t made =
-        std::max(runtime::as_count(runtime::value_of(figures->second, "changes")), by_standby);
+    const std::uint64_t made = runtime::as_count(runtime::value_of(figures->second, "changes"));
     const std::size_t recorded = recording_.changes.size();
     if (made > recorded)
       out_.missing.push_back(fmt::format(
@@ -333,20 +335,16 @@ class Run {
                       recorded, made));
   }
 
-  /// A standby has lived through the session beside the acting one, and what it had made of it by
-  /// then no message says.
-  void say_takeovers() {
-    for (const std::string role : {"rendering", "coupling"})
-      for (const std::string& node : {role, runtime::standby_of(role)}) {
-        const auto figures = recording_.figures.find(node);
-        if (figures == recording_.figures.end() ||
-            runtime::value_of(figures->second, "took_over") == 0.0)
-          continue;
-        out_.missing.push_back(fmt::format(
-            "{} took over at sample {}. How it stood by then is not in the bag: from there on bits "
-            "may differ for it.",
-            node, runtime::as_count(runtime::value_of(figures->second, "took_over_at"))));
-      }
+  /// What a process began with in the middle of a session no message says.
+  void say_restarts() {
+    for (const std::string node : {"rendering", "coupling"})
+      if (const auto processes = recording_.processes.find(node);
+          recording_.sessions.size() == 1 && processes != recording_.processes.end() &&
+          processes->second.size() > 1)
+        out_.missing.push_back(
+            fmt::format("The {} was started again within the session. What it began with is not in "
+                        "the bag: from there on bits may differ.",
+                        node));
   }
 
   void say_refused() {
@@ -391,6 +389,7 @@ class Run {
   /// Every command in the bag is one that the coupling made. Else DDS was given the same one twice,
   /// which is no second answer.
   bool each_was_made_ = false;
+  bool follows_ = false;  ///< the springs that the recorded answers name
 };
 
 }  // namespace

@@ -7,7 +7,6 @@
 
 #include "nodes/replay/message_difference.hpp"
 #include "nodes/replay/replayed_bag.hpp"
-#include "nodes/scene_build/cache_options.hpp"
 
 namespace voxtouch::replay {
 
@@ -17,7 +16,6 @@ struct ReplayOptions {
   std::string rig;      ///< empty: the one that the bag holds
   bool curves = false;  ///< keep them
   bool answers = false;  ///< keep them
-  scene_build::CacheOptions cache = {};
 };
 
 /// Forces of one run.
@@ -56,6 +54,9 @@ struct Replayed {
   std::uint64_t sessions = 0, changes = 0;
   Comparison<msg::ContactState> contact;
   Comparison<msg::ForceCommand> command;
+  std::uint64_t designs = 0,
+                designs_differ =
+                    0;           ///< recorded ones that were compared with what this build designs
   FeltTwice rendered, returned;  ///< by the rendering; by the coupling, to the hand
   Answers answers;
   std::string
@@ -64,7 +65,11 @@ struct Replayed {
   std::vector<std::string> notes;  ///< what was found out, or is as it should not be
   std::vector<std::string>
       missing;  ///< what the bag does not say, and from which sample on bits may differ for it
-  bool equal() const noexcept { return contact.differ == 0 && command.differ == 0; }
+  std::vector<std::string>
+      losses;  ///< data that the bag's metadata states and its files do not hold
+  bool equal() const noexcept {
+    return contact.differ == 0 && command.differ == 0 && designs_differ == 0 && losses.empty();
+  }
 };
 
 /// Throws std::runtime_error, a sentence, where the bag cannot be replayed; as scene files and

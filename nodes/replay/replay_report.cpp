@@ -119,6 +119,9 @@ std::string to_text(const Replayed& r) {
         fmt::format("  the recorder lost {} device samples and {} contacts whose answers it has\n",
                     r.lost_states, r.lost_contacts);
   text += difference_text("contact", r.contact) + difference_text("command", r.command);
+  if (r.designs_differ > 0)
+    text += fmt::format("  {:<9} {} of {} differ from what this build designs\n", "design",
+                        r.designs_differ, r.designs);
   if (!r.equal() || !r.same_scene()) {
     text += "  force [N]      recorded                        replayed\n";
     text += "             largest      rms  in contact    largest      rms  in contact\n";
@@ -128,9 +131,12 @@ std::string to_text(const Replayed& r) {
     text += "  note: " + note + "\n";
   for (const std::string& what : r.missing)
     text += "  missing: " + what + "\n";
+  for (const std::string& loss : r.losses)
+    text += "  lost: " + loss + "\n";
   text += r.contact.compared + r.command.compared == 0 ? "  Nothing could be compared.\n"
           : r.equal()                                  ? "  All is equal to the bit.\n"
-                                                       : "  It differs.\n";
+          : r.losses.empty()                           ? "  It differs.\n"
+                                                       : "  The bag is not complete.\n";
   return text;
 }
 
@@ -153,8 +159,10 @@ ordered_json to_json(const Replayed& r) {
           {"lost", {{"device_state", r.lost_states}, {"contact_state", r.lost_contacts}}},
           {"contact", to_json(r.contact)},
           {"command", to_json(r.command)},
+          {"design", {{"compared", r.designs}, {"differ", r.designs_differ}}},
           {"felt", {{"rendered", to_json(r.rendered)}, {"returned", to_json(r.returned)}}},
           {"notes", r.notes},
+          {"losses", r.losses},
           {"missing", r.missing}};
 }
 

@@ -72,7 +72,7 @@ class Answerer {
 void write_replayed(const std::filesystem::path& bag, const std::string& rig,
                     const Answers& answers, const std::filesystem::path& folder) {
   const bag::BagReader reader = required(bag::BagReader::open(bag));
-  bag::BagWriter writer = required(bag::BagWriter::create(folder));
+  bag::BagWriter writer = required(bag::BagWriter::create(folder, {.storage = reader.storage()}));
   const std::string contacts = "/" + rig + "/" + std::string(qos::kContactState.path),
                     commands = "/" + rig + "/" + std::string(qos::kForceCommand.path);
   std::vector<bag::TopicId> ids;

@@ -1,5 +1,7 @@
 #include "nodes/replay/scene_replay.hpp"
 
+#include <algorithm>
+
 #include "core/rendering/reload_check.hpp"
 #include "core/scene/scene_file.hpp"
 #include "nodes/rendering/effect_action.hpp"
@@ -10,18 +12,16 @@
 namespace voxtouch::replay {
 namespace {
 
-std::unique_ptr<rendering::BuiltScene> built_from(const scene::Scene& scene,
-                                                  const scene_build::CacheOptions& cache) {
-  return scene_build::build_here(scene, {.who = "replay", .cache = cache});
+std::unique_ptr<rendering::BuiltScene> built_from(const scene::Scene& scene) {
+  return scene_build::build_here(scene, {.who = "replay"});
 }
 
 }  // namespace
 
-SceneReplay::SceneReplay(const scene::Scene& scene, const scene_build::CacheOptions& cache)
-    : cache_(cache),
-      scene_(scene),
+SceneReplay::SceneReplay(const scene::Scene& scene)
+    : scene_(scene),
       settled_(scene.effects),
-      renderer_(scene_.device, *built_.emplace_back(built_from(scene, cache))) {
+      renderer_(scene_.device, *built_.emplace_back(built_from(scene))) {
   sum_up();
 }
 
@@ -29,12 +29,14 @@ void SceneReplay::begin_session(const coupling::design::DeviceModel& device,
                                 std::optional<std::int64_t> begin_ns) {
   renderer_.begin_session(begin_ns);
   on_device_.device_is(device);
+  found_.clear(), in_use_ = 0;
   sum_up();
 }
 
 void SceneReplay::sum_up() {
   bounds_ = rendering::with_effects(built_.back()->plan().of_contact_alone, settled_);
-  on_device_.runs(scene_, bounds_, demand());
+  on_device_.runs(scene_, built_.back()->plan().of_contact_alone, bounds_, demand());
+  found_.push_back({on_device_.spring_n_per_m(), on_device_.series_spring()});
 }
 
 fitting::DeviceDemand SceneReplay::demand() const {
@@ -75,7 +77,7 @@ std::string SceneReplay::reload(const RecordedChange& change) {
       next.voxel_size_m = change.voxel_size_m;
     if (!change.model.empty())
       next.contact.model = change.model;
-    auto built = built_from(next, cache_);
+    auto built = built_from(next);
     std::vector<effects::EffectSpec> effects =
         rendering::carried_over(scene_.effects, settled_, next.effects);
     built->scene_renderer().effects() = effects::EffectChain(effects);
@@ -96,9 +98,27 @@ void SceneReplay::take_external(const msg::ExternalSample& sample,
   renderer_.take_external(runtime::from_msg(sample.wrench), next);
 }
 
-msg::ContactState SceneReplay::answer(const msg::DeviceState& state) noexcept {
+/// Which of those that were found: the last one, or the one that the recorded answer names.
+void SceneReplay::take_springs(const msg::ContactState* recorded) noexcept {
+  if (!recorded) {
+    in_use_ = found_.size() - 1;
+  } else {
+    const Springs named{
+        recorded->spring_n_per_m,
+        {recorded->series_m_per_n, recorded->series_rad_per_nm, recorded->series_effects_m_per_n}};
+    const auto from = found_.begin() + static_cast<std::ptrdiff_t>(in_use_),
+               match = std::find(from, found_.end(), named);
+    if (match != found_.end())
+      in_use_ = static_cast<std::size_t>(match - found_.begin());
+  }
+  renderer_.live().aim_for_spring(found_[in_use_].tool_n_per_m);
+  renderer_.live().aim_for_series(found_[in_use_].series);
+}
+
+msg::ContactState SceneReplay::answer(const msg::DeviceState& state,
+                                      const msg::ContactState* recorded) noexcept {
   const LoopArithmetic arithmetic;
-  renderer_.live().aim_for_spring(on_device_.spring_n_per_m());
+  take_springs(recorded);
   return renderer_.answer(state);
 }
 

@@ -10,7 +10,6 @@
 #include "core/scene/scene.hpp"
 #include "nodes/rendering/sample_renderer.hpp"
 #include "nodes/replay/recording.hpp"
-#include "nodes/scene_build/cache_options.hpp"
 
 namespace voxtouch::replay {
 
@@ -19,7 +18,7 @@ namespace voxtouch::replay {
 class SceneReplay {
  public:
   /// Builds `scene`. Throws as rendering::build_scene and mesh readers do.
-  explicit SceneReplay(const scene::Scene& scene, const scene_build::CacheOptions& cache = {});
+  explicit SceneReplay(const scene::Scene& scene);
   SceneReplay(const SceneReplay&) = delete;
   SceneReplay& operator=(const SceneReplay&) = delete;
 
@@ -32,8 +31,10 @@ class SceneReplay {
   std::string apply(std::span<const RecordedChange> changes);
   /// The effect `external` is given this, and `next` is the first sample to see it.
   void take_external(const msg::ExternalSample& sample, const msg::DeviceState& next) noexcept;
-  /// `time_spent_ns` is 0.
-  msg::ContactState answer(const msg::DeviceState& state) noexcept;
+  /// `time_spent_ns` is 0. `recorded`: the answer in the bag of a run in real time of this scene,
+  /// or null. It decides at which sample a spring that was found takes the place of the one before.
+  msg::ContactState answer(const msg::DeviceState& state,
+                           const msg::ContactState* recorded) noexcept;
 
   /// What contact and effects can show and ask for as they are set now, in W: what the plan tells
   /// the coupling.
@@ -45,14 +46,23 @@ class SceneReplay {
   std::string change_effect(std::span<const RecordedChange> changes);
   std::string reload(const RecordedChange& change);
   void sum_up();
+  void take_springs(const msg::ContactState* recorded) noexcept;
 
-  scene_build::CacheOptions cache_;
+  struct Springs {
+    double tool_n_per_m = 0.0;
+    rendering::Compliance series;
+    bool operator==(const Springs&) const = default;
+  };
+
   scene::Scene scene_;
   std::vector<std::unique_ptr<rendering::BuiltScene>>
       built_;  ///< all that have run: the renderer points into the last two
   std::vector<effects::EffectSpec> settled_;  ///< the effects as they are set now
   rendering::StiffnessBounds bounds_;
   fitting::SceneOnDevice on_device_;
+  std::vector<Springs>
+      found_;  ///< of this session, in the order in which they were; one of them is in use
+  std::size_t in_use_ = 0;
   rendering_node::SampleRenderer renderer_;
 };
 

@@ -1,6 +1,5 @@
 #pragma once
-/// Signs of life: of a loop, for the housekeeping beside it; of nodes, for whoever reads their
-/// statuses.
+/// Signs of life of loops and of nodes.
 #include <algorithm>
 #include <atomic>
 #include <cstdint>
@@ -10,14 +9,14 @@
 
 namespace voxtouch::runtime {
 
-/// Statuses come ten times a second and loops go round at least every 50 ms: whoever has given no
-/// sign for this long hangs [ns].
+/// Statuses come ten times a second and loops cycle at least every 50 ms: one without a sign for
+/// this long hangs [ns].
 inline constexpr std::int64_t kHungNs = 400'000'000;
 /// A peer silent for this long ends a lockstep run, and `up` [ns].
 inline constexpr std::int64_t kGivenUpNs = 5'000'000'000;
 
-/// Time that stands still while its owner does not look: whoever was kept from looking must not
-/// blame the others for that.
+/// Time that stands still while its owner does not look, so that a stalled watcher takes no other
+/// for hung.
 class WatchClock {
  public:
   /// Call at each look, at least every 20 ms or so, before what has come since is noted.
@@ -35,12 +34,11 @@ class WatchClock {
   std::int64_t watched_ns_ = 0;
 };
 
-/// What a loop tells of itself. Real-time safe.
+/// Of a loop. Real-time safe.
 class Heartbeat {
  public:
   void beat() noexcept { beats_.fetch_add(1, std::memory_order_relaxed); }
-  /// Another number at each look for as long as the loop goes on, or is busy with work that may
-  /// take this long.
+  /// Changes while the loop goes on, or is busy.
   std::uint64_t sign() const noexcept {
     const std::int64_t now_ns = monotonic_ns();
     const bool busy = now_ns < busy_until_ns_.load(std::memory_order_relaxed);
@@ -48,7 +46,7 @@ class Heartbeat {
            (busy ? static_cast<std::uint64_t>(now_ns) : 0U);
   }
 
-  /// One pass of the loop that is meant to take long, but not longer than `most_ns`.
+  /// A pass of the loop that may take long, `most_ns` at most.
   class Busy {
    public:
     Busy(Heartbeat& loop, std::int64_t most_ns) noexcept : loop_(loop) {
@@ -70,10 +68,10 @@ class Heartbeat {
   std::atomic<std::int64_t> busy_until_ns_{0};
 };
 
-/// Since when something that is looked at has not changed.
+/// For how long a sign has not changed.
 class StallWatch {
  public:
-  /// For how long `sign` has been the same, by a clock of who looks [ns].
+  /// By the watcher's clock [ns].
   std::int64_t stalled_ns(std::uint64_t sign, const WatchClock& clock) noexcept {
     if (sign_ != sign)
       sign_ = sign, since_ns_ = clock.now_ns();

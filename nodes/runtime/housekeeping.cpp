@@ -2,12 +2,13 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdlib>
 
 #include <fmt/format.h>
 
+#include "nodes/bus/exchange.hpp"
 #include "nodes/log/tell.hpp"
 #include "nodes/runtime/clock.hpp"
-#include "nodes/runtime/own_line.hpp"
 
 namespace voxtouch::runtime {
 namespace {
@@ -18,6 +19,21 @@ constexpr std::int64_t kStatusPeriodNs = 75'000'000;
 /// other's looks, one after the other.
 constexpr std::int64_t kStartNs = 1'000'000'000;
 
+/// Settings with which a node was started, sorted by name.
+std::vector<RosParameter> settings_of(const NodeOptions& options) {
+  std::vector<RosParameter> all;
+  if (!options.scene.empty())
+    all.push_back({.name = "scene_file",
+                   .value = options.scene.string(),
+                   .meaning = "The scene's file.",
+                   .read_only = true});
+  all.push_back({.name = "seed",
+                 .value = static_cast<std::int64_t>(options.seed),
+                 .meaning = "Seed of everything random.",
+                 .read_only = true});
+  return all;
+}
+
 }  // namespace
 
 Housekeeping::Housekeeping(const bus::Participant& participant, std::string node,
@@ -27,12 +43,16 @@ Housekeeping::Housekeeping(const bus::Participant& participant, std::string node
     : options_(options),
       node_(node),
       writer_(participant, std::move(node), options.rig),
-      registry_(participant, options.rig),
-      life_cycle_(participant, node_, options.rig),
+      registry_(participant, options.rig, options.up),
       ros_log_(participant, node_, options.rig),
       look_(std::move(look)),
-      watched_(std::move(watched)),
-      own_(participant.guid()) {
+      stalls_(std::move(watched)),
+      own_(participant.guid()),
+      rate_line_(node_, options.announce && !log::stderr_is_journal()) {
+  if (node_ != "rendering")
+    parameters_.emplace(participant, options.rig, node_, options.lockstep,
+                        ParameterHandler{[this] { return settings_of(options_); }, nullptr},
+                        requests_);
   cycle();
   thread_ = std::thread([this, begun_ns = monotonic_ns()] {
     ordinary_priority();
@@ -81,8 +101,7 @@ void Housekeeping::compare_scenes(NodeReport& report) const {
   }
 }
 
-/// Its own loop, or what else the node waits for. What has ended stands still by right.
-void Housekeeping::watch_own(NodeReport& report) {
+void OwnStalls::look(NodeReport& report) {
   clock_.look(monotonic_ns());
   double longest_s = 0.0;
   for (Watched& watched : watched_) {
@@ -93,15 +112,43 @@ void Housekeeping::watch_own(NodeReport& report) {
     longest_s = stalled_s;
     report.values[kStalled] = watched.what;
   }
-  longest_stall_s_ = std::max(longest_stall_s_, longest_s);
+  longest_s_ = std::max(longest_s_, longest_s);
   const bool hangs = longest_s > static_cast<double>(kHungNs) * 1e-9;
   if (!hangs)
     report.values.erase(kStalled);
   report.figures[kStalledFor] = {hangs ? longest_s : 0.0, "s"};
-  report.figures[kLongestStall] = {longest_stall_s_, "s"};
+  report.figures[kLongestStall] = {longest_s_, "s"};
   if (hangs)
     report.message +=
         fmt::format("; {} has stood still for {} s", report.values[kStalled], 1e-9 * kHungNs);
+}
+
+void Housekeeping::watch_reception(NodeReport& report) {
+  constexpr std::int64_t kDeafNs = 3'000'000'000, kEachNs = 1'000'000'000;
+  const std::vector<NodeReport> reports = registry_.reports();
+  has_heard_ = has_heard_ || std::ranges::any_of(reports, [this](const NodeReport& other) {
+                 return other.participant != own_;
+               });
+  const bool was_deaf = !deaf_.empty();
+  if (const std::int64_t now = monotonic_ns(); now - reception_checked_ns_ >= kEachNs) {
+    reception_checked_ns_ = now;
+    const char* const uri = std::getenv("CYCLONEDDS_URI");
+    const bool hears_nothing =
+        !options_.peers.empty() && !has_heard_ && stalls_.watched_ns() >= kDeafNs;
+    if (const std::string lost = bus::lost_address(); !lost.empty())
+      deaf_ = lost + ": nodes may not receive each other; start the ring again";
+    else if (hears_nothing && !was_deaf)
+      deaf_ = fmt::format(
+          "nothing has come from other nodes for {} s: {}", kDeafNs / 1'000'000'000,
+          bus::deafness_cause(options_.network_interface, options_.domain, uri ? uri : ""));
+    else if (!hears_nothing)
+      deaf_.clear();
+  }
+  if (deaf_.empty())
+    return;
+  if (!was_deaf)
+    log::tell("warning: {}: {}\n", node_, deaf_);
+  report.message += "; " + deaf_;
 }
 
 void Housekeeping::watch_others(NodeReport& report) {
@@ -126,7 +173,8 @@ void Housekeeping::watch_others(NodeReport& report) {
 
 /// What it says anew, and to who has just come what it said last.
 void Housekeeping::tell_ros(const NodeReport& report) {
-  life_cycle_.serve(report.state);
+  if (parameters_)
+    parameters_->serve();
   if (ros_log_.reader_came() || report.message != last_.message)
     ros_log_.say(report.state, report.message);
 }
@@ -143,7 +191,8 @@ void Housekeeping::cycle() {
   compare_scenes(report);
   if (const std::uint64_t lost = log::texts_lost())
     report.figures["lost_texts"] = {lost, "texts"};
-  watch_own(report);
+  stalls_.look(report);
+  watch_reception(report);
   watch_others(report);
   tell_ros(report);
   const bool announce = options_.announce && report.message != last_.message;
@@ -160,13 +209,8 @@ void Housekeeping::cycle() {
   if (announce)
     log::tell("{}: {}\n", node_,
               last_.message);  // after the report itself: that one is for the other nodes
-  if (rate_lines_ && last_.state == NodeState::kRunning && now - last_line_ns_ >= 1'000'000'000) {
-    const double seconds = 1e-9 * static_cast<double>(now - last_line_ns_);
-    if (const std::string line = own_line(node_, last_.figures, at_last_line_, seconds);
-        last_line_ns_ != 0 && !line.empty())
-      log::tell("{}\n", line);
-    at_last_line_ = last_.figures, last_line_ns_ = now;
-  }
+  if (last_.state == NodeState::kRunning)
+    rate_line_.print(now, last_.figures);
   last_publish_ns_ = now;
 }
 

@@ -4,13 +4,15 @@
 /// and sentences of the node.
 #include <atomic>
 #include <functional>
+#include <optional>
 #include <set>
 #include <thread>
 
 #include "nodes/log/tell.hpp"
-#include "nodes/runtime/life_cycle.hpp"
 #include "nodes/runtime/node_registry.hpp"
 #include "nodes/runtime/options.hpp"
+#include "nodes/runtime/own_line.hpp"
+#include "nodes/runtime/parameter_services.hpp"
 #include "nodes/runtime/ros_log.hpp"
 
 namespace voxtouch::runtime {
@@ -20,6 +22,21 @@ struct Watched {
   std::string what;                     ///< "its loop"
   std::function<std::uint64_t()> sign;  ///< another number at each look while all is well
   StallWatch watch{};
+};
+
+/// Finds what stands still in this node.
+class OwnStalls {
+ public:
+  explicit OwnStalls(std::vector<Watched> watched) : watched_(std::move(watched)) {}
+  /// What has ended stands still by right.
+  void look(NodeReport& report);
+  /// Time spent watching [ns].
+  std::int64_t watched_ns() const noexcept { return clock_.now_ns(); }
+
+ private:
+  WatchClock clock_;
+  std::vector<Watched> watched_;
+  double longest_s_ = 0.0;
 };
 
 class Housekeeping {
@@ -42,7 +59,9 @@ class Housekeeping {
  private:
   void cycle();
   void compare_scenes(NodeReport& report) const;
-  void watch_own(NodeReport& report);
+  /// Nothing has come from any other node for 3 s after the start, or an address of DDS is gone:
+  /// reported once.
+  void watch_reception(NodeReport& report);
   void watch_others(NodeReport& report);
   void cycle_or_skip() noexcept;
   void tell_ros(const NodeReport& report);
@@ -51,23 +70,22 @@ class Housekeeping {
   std::string node_;
   StatusWriter writer_;
   NodeRegistry registry_;
-  LifeCycle life_cycle_;
+  RequestLimit requests_{100};
+  std::optional<ParameterServices> parameters_;  ///< none of a rendering, which serves its own
   RosLog ros_log_;
   std::function<void(NodeRegistry&, NodeReport&)> look_;
-  WatchClock clock_;
-  std::vector<Watched> watched_;
-  double longest_stall_s_ = 0.0;
+  OwnStalls stalls_;
   std::atomic<bool> peer_lost_{false};
   bus::Guid own_;
   NodeReport last_;
-  std::int64_t last_publish_ns_ = 0, last_ros_ns_ = 0, last_line_ns_ = 0;
-  const bool rate_lines_ =
-      options_.announce &&
-      !log::stderr_is_journal();  ///< once a second, of a node that was started by hand
-  Figures at_last_line_;
+  std::int64_t last_publish_ns_ = 0, last_ros_ns_ = 0;
+  RateLine rate_line_;
   bool had_session_ = false;
   std::set<bus::Guid> partners_;  ///< whom this node waits for, as `look` said last
-  std::string lost_;              ///< the sentence for a peer that was lost
+  bool has_heard_ = false;
+  std::string deaf_;  ///< the sentence; empty: all is well, as far as is known
+  std::int64_t reception_checked_ns_ = 0;
+  std::string lost_;  ///< the sentence for a peer that was lost
   std::atomic<bool> stop_{false};
   std::thread thread_;
 };

@@ -7,8 +7,8 @@
 #include <CLI/CLI.hpp>
 
 #include "core/types/version.hpp"
+#include "nodes/log/reason.hpp"
 #include "nodes/log/tell.hpp"
-#include "nodes/runtime/held_start.hpp"
 #include "nodes/runtime/ros_arguments.hpp"
 #include "nodes/runtime/signals.hpp"
 
@@ -39,29 +39,20 @@ int node_main(int argc, char** argv, const Program& program, NodeOptions& option
               const std::function<void(CLI::App&)>& configure,
               const std::function<int(const std::atomic<bool>& stop)>& run) {
   CLI::App app(program.about);
-  add_node_options(app, options, program.with_scene);
-  app.set_version_flag("--version", std::string(version()));
-  int parent = 0;
-  app.add_option("--with-parent", parent,
-                 "Stop when this parent process dies (voxtouch up sets this)");
-  bool held = false;
-  app.add_flag("--held", held,
-               "Get ready, and join the rig when a byte comes on standard input; leave at its end "
-               "(voxtouch up sets this)");
-  configure(app);
   log::guard_standard_streams();
   try {
+    add_node_options(app, options, program.with_scene);
+    app.set_version_flag("--version", std::string(version()));
+    int parent = 0;
+    app.add_option("--with-parent", parent,
+                   "Stop when this parent process dies (voxtouch up sets this)");
+    configure(app);
     parse(app, argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return explain(app, error);
-  }
-  catch_signals();
-  if (parent)
-    die_with_parent(parent);
-  if (held)
-    be_held();
-  options.announce = parent == 0;
-  try {
+    catch_signals();
+    if (parent)
+      die_with_parent(parent);
+    options.announce = parent == 0;
+    options.rig_is_checked = parent != 0;
     options.require_keys(program.name);  // before anything starts
     if (!program.in_ring)
       options.realtime.mode = Realtime::kOff;
@@ -70,8 +61,10 @@ int node_main(int argc, char** argv, const Program& program, NodeOptions& option
          options.announce ? options.warnings : std::vector<std::string>())
       log::tell("warning: {}: {}\n", program.name, warning);
     return run(stop_requested());
+  } catch (const CLI::ParseError& error) {
+    return explain(app, error);
   } catch (const std::exception& error) {
-    log::tell("error: {}: {}\n", program.name, error.what());
+    log::tell("error: {}: {}\n", program.name, log::reason_of(error));
     return 1;
   }
 }

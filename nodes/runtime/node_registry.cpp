@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "nodes/bus/exchange.hpp"
 #include "nodes/runtime/clock.hpp"
 #include "nodes/runtime/strings.hpp"
 
@@ -99,10 +100,13 @@ void StatusWriter::publish_diagnostics(const NodeReport& report,
 
 void StatusWriter::flush() noexcept { writer_.wait_for_acknowledgments(DDS_SECS(1)); }
 
-NodeRegistry::NodeRegistry(const bus::Participant& participant, const std::string& rig)
+NodeRegistry::NodeRegistry(const bus::Participant& participant, const std::string& rig,
+                           const bus::Guid& up)
     : senders_(std::make_unique<bus::Following>(bus::Following::WhileNobody::kTakeAll)),
       reader_(participant, qos::kNodeStatus, rig, qos::profile(qos::ProfileId::kStatus),
-              senders_.get()) {}
+              senders_.get()),
+      graph_(participant.graph()),
+      roles_(up == bus::Guid{} ? nullptr : std::make_unique<RigRoles>(participant, rig, up)) {}
 
 /// A writer that has gone is known as long as its last samples may lie here.
 void NodeRegistry::look_who_is_here() {
@@ -178,6 +182,8 @@ void NodeRegistry::update(const std::function<bool(const NodeReport&)>& keep) {
   constexpr int kMaxTakes = 256;
   clock_.look(monotonic_ns());
   look_who_is_here();
+  if (roles_)
+    roles_->update();
   reader_.take_each(
       [this](const msg::NodeStatus& status, dds_instance_handle_t writer) {
         ++taken_[writer];
@@ -185,12 +191,17 @@ void NodeRegistry::update(const std::function<bool(const NodeReport&)>& keep) {
         if (!fitting)
           senders_->refuse(writer);
         if (fitting && is_its_own(status, writer))
-          take(status);
-        else
-          ++refused_;
+          return take(status);
+        ++refused_;
+        constexpr std::size_t kMaxNamed = 16;
+        if (const auto of = writers_.find(writer);
+            of != writers_.end() && refused_participants_.size() < kMaxNamed)
+          refused_participants_.insert(of->second);
       },
       kMaxTakes);
   refuse_floods();
+  if (graph_)
+    graph_->take_names();
   remember_vanished();
   std::erase_if(reports_, [&](const auto& entry) {
     return !is_here(entry.first) && !(keep && keep(entry.second));
@@ -240,9 +251,11 @@ std::vector<Hung> NodeRegistry::hung() const {
       continue;  // `up` has no loop, and says once that it is here
     const double silent = silent_s(report), stalled = value_of(report.figures, kStalledFor);
     if (silent > kHungS) {
-      all.push_back(
-          {report.node, report.participant, silent,
-           fmt::format("{} hangs: no status has come from it for {} s", report.node, kHungS)});
+      const std::string lost = bus::lost_address();
+      all.push_back({report.node, report.participant, silent,
+                     lost.empty() ? fmt::format("{} hangs: no status has come from it for {} s",
+                                                report.node, kHungS)
+                                  : fmt::format("no status comes from {}: {}", report.node, lost)});
     } else if (stalled > kHungS) {
       const auto what = report.values.find(kStalled);
       all.push_back({report.node, report.participant, stalled,
@@ -261,7 +274,9 @@ const NodeReport* NodeRegistry::report_of(const bus::Guid& participant) const {
 std::string NodeRegistry::name_of(const bus::Guid& guid) const {
   if (const NodeReport* report = report_of(guid))
     return fmt::format("{} (process {} on {})", report->node, report->pid, report->host);
-  return fmt::format("a participant that gives no name ({:02x})", fmt::join(guid, ""));
+  if (const std::string name = graph_ ? graph_->name_of(guid) : ""; !name.empty())
+    return fmt::format("ROS 2's {}", name);
+  return fmt::format("a participant that gives no name ({})", to_text(guid));
 }
 
 std::optional<NodeReport> look_for(NodeRegistry& registry,

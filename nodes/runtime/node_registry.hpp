@@ -13,6 +13,7 @@
 #include "nodes/bus/writer.hpp"
 #include "nodes/runtime/figure.hpp"
 #include "nodes/runtime/heartbeat.hpp"
+#include "nodes/runtime/rig_roles.hpp"
 
 namespace voxtouch::runtime {
 
@@ -31,6 +32,9 @@ inline constexpr char kSessions[] = "sessions";
 /// still, and what it is.
 inline constexpr char kStalledFor[] = "stalled_s", kLongestStall[] = "longest_stall_s",
                       kStalled[] = "stalled";
+
+/// Word of a report that has failed: why scene and device do not go together.
+inline constexpr char kRefusal[] = "refusal";
 
 /// One node's status as a value.
 struct NodeReport {
@@ -91,7 +95,9 @@ struct Hung {
 /// more.
 class NodeRegistry {
  public:
-  NodeRegistry(const bus::Participant& participant, const std::string& rig);
+  /// `up`: only whom its claim names may play a role; all zero: anybody.
+  NodeRegistry(const bus::Participant& participant, const std::string& rig,
+               const bus::Guid& up = {});
   /// Takes what has arrived; forgets nodes whose participant has gone, but for those that `keep`
   /// holds on to.
   void update(const std::function<bool(const NodeReport&)>& keep = {});
@@ -110,9 +116,17 @@ class NodeRegistry {
   const NodeReport* report_of(const bus::Guid& participant) const;
   /// Whether a status writer of `participant` is there.
   bool is_here(const bus::Guid& participant) const { return here_.contains(participant); }
+  /// Whether `up` started the ring, so that its claim names who plays a role.
+  bool is_claimed() const noexcept { return roles_ != nullptr; }
+  bool may_play(const std::string& node, const bus::Guid& participant) const {
+    return !roles_ || roles_->names(node, participant);
+  }
+  /// Participants of some of the statuses that were refused.
+  const std::set<bus::Guid>& refused_participants() const noexcept { return refused_participants_; }
   /// Statuses that were refused.
   std::uint64_t refused() const noexcept { return refused_; }
-  /// Name of the node whose participant is `guid`, or "a participant that gives no name (GUID)".
+  /// The node whose participant is `guid`: of this rig, or as `ros_discovery_info` names it ("ROS
+  /// 2's /talker"); else "a participant that gives no name (GUID)".
   std::string name_of(const bus::Guid& guid) const;
 
   static constexpr std::size_t kMaxNodes = 64, kMaxValues = 256, kMaxTextBytes = 1024;
@@ -128,11 +142,14 @@ class NodeRegistry {
 
   std::unique_ptr<bus::Following> senders_;  // outlives the reader, which asks it
   bus::Reader<msg::NodeStatus> reader_;
+  std::shared_ptr<bus::Graph> graph_;
   std::map<dds_instance_handle_t, int> taken_,
       taken_before_;  ///< statuses of each writer, in this look and in the last
   std::map<dds_instance_handle_t, bus::Guid> writers_;  ///< of the statuses: whose each is
   std::set<bus::Guid> here_;
   std::uint64_t refused_ = 0;
+  std::set<bus::Guid> refused_participants_;
+  std::unique_ptr<RigRoles> roles_;
   std::map<bus::Guid, NodeReport> reports_;
   std::map<std::string, NodeReport> vanished_;  ///< gone without a last word, by name
 };

@@ -3,6 +3,7 @@
 #include <sched.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <map>
 
 #include <fmt/format.h>
@@ -10,6 +11,7 @@
 #include <CLI/CLI.hpp>
 
 #include "core/types/number.hpp"
+#include "nodes/runtime/rig_roles.hpp"
 #include "nodes/runtime/scene_argument.hpp"
 
 namespace voxtouch::runtime {
@@ -37,6 +39,23 @@ std::string check_host(const std::string& name) {
   return check_interface(name).empty()
              ? std::string()
              : fmt::format("'{}' is no host's name or address", name.substr(0, kShown));
+}
+
+constexpr std::uint32_t kLastDomain = 232;
+
+/// Only a program that joins a domain refuses a faulty ROS_DOMAIN_ID, and --domain overrides it: so
+/// the fault is kept, not thrown.
+void take_domain_of_environment(NodeOptions& o) {
+  const char* const text = std::getenv("ROS_DOMAIN_ID");
+  if (!text || *text == 0)
+    return;
+  const auto domain = parse_number<std::uint32_t>(text);
+  if (domain && *domain <= kLastDomain)
+    o.domain = *domain;
+  else
+    o.domain_fault = fmt::format(
+        "ROS_DOMAIN_ID is '{}', which is no DDS domain (0 to {}): set it anew, or give --domain",
+        std::string_view(text).substr(0, kShown), kLastDomain);
 }
 
 }  // namespace
@@ -109,29 +128,25 @@ void add_rig_options(CLI::App& app, NodeOptions& o) {
   app.add_option("--rig", o.rig, "Rig name: the namespace of all topics")
       ->capture_default_str()
       ->check(check_rig);
-  app.add_option("--domain", o.domain, "DDS domain, as ROS_DOMAIN_ID")
-      ->capture_default_str()
-      ->envname("ROS_DOMAIN_ID")
-      ->check(CLI::Range(0, 232));
+  take_domain_of_environment(o);
+  app.add_option("--domain", o.domain, "DDS domain; default: ROS_DOMAIN_ID, or 0")
+      ->check(CLI::Range(std::uint32_t{0}, kLastDomain))
+      ->each([&o](const std::string&) { o.domain_fault.clear(); });
   app.add_option("--interface", o.network_interface,
-                 "Network interface for a ring on several hosts; host: this one, closed to others "
-                 "(CYCLONEDDS_URI overrides)")
+                 "Network card of a ring on several hosts; host: this machine only")
       ->capture_default_str()
       ->check(check_interface);
   app.add_option("--discovery-peer", o.discovery_peers,
-                 "Another host of the ring, where multicast does not reach it; may be repeated")
+                 "A host that multicast does not reach; repeatable")
       ->allow_extra_args(false)
       ->check(check_host);
   app.add_option("--security", o.security,
-                 "Folder of `voxtouch keys`: DDS Security, with the files of the role that this "
-                 "has; nothing falls back to plain")
+                 "Folder of `voxtouch keys`: joins with DDS Security only")
       ->option_text("DIR")
       ->check([](const std::string& text) {
         return std::string(text.empty() ? "an empty name is no folder of keys" : "");
       });
-  app.add_option(
-         "--ros", o.ros,
-         "The ROS 2 that shows the nodes: humble, or iron for every later one (Jazzy, Kilted, ...)")
+  app.add_option("--ros", o.ros, "ROS 2 that lists the nodes: humble, or iron for all later ones")
       ->transform(CLI::CheckedTransformer(std::map<std::string, bus::RosGraph>{
           {"humble", bus::RosGraph::kHumble}, {"iron", bus::RosGraph::kIron}}))
       ->option_text("humble|iron");
@@ -148,21 +163,23 @@ void add_node_options(CLI::App& app, NodeOptions& o, bool with_scene) {
       ->capture_default_str()
       ->check(require_whole);
   app.add_flag("--lockstep", o.lockstep,
-               "Simulated time: every sample waits for its command; same bits on every run");
+               "Simulated time: each sample waits for its command; runs are bit-identical");
   app.add_option("--peers", o.peers,
                  "Nodes that take part, beside the device. In lockstep a run waits for them all; "
-                 "in real time device, rendering and\n"
-                 "coupling wait with their first sample until the logger, where it is one of them, "
-                 "hears them, 5 s at most")
+                 "in real time a simulated device waits\n"
+                 "with its first sample until those that read it are matched, 5 s at most")
       ->delimiter(',')
       ->check(CLI::IsMember({"rendering", "coupling", "logger", "validator"}));
-  app.add_option(
-         "--realtime", o.realtime.mode,
-         "What to do where real-time scheduling is refused: ignore (warn) or enforce (fail)")
+  app.add_option("--realtime", o.realtime.mode,
+                 "If real-time scheduling is refused: ignore (warn) or enforce (fail)")
       ->transform(CLI::CheckedTransformer(std::map<std::string, Realtime>{
           {"ignore", Realtime::kIgnore}, {"enforce", Realtime::kEnforce}}))
       ->option_text("ignore|enforce");
   app.add_option("--cpu", o.realtime.cpu, "Pin to this CPU")->check(require_cpu);
+  // For `voxtouch up` alone.
+  app.add_option_function<std::string>(
+         "--of-up", [&o](const std::string& text) { o.up = to_guid(text); }, "")
+      ->group("");
 }
 
 std::vector<std::string> to_arguments(const NodeOptions& o, bool with_scene) {
@@ -183,6 +200,8 @@ std::vector<std::string> to_arguments(const NodeOptions& o, bool with_scene) {
     a.insert(a.end(), {"--peers", fmt::format("{}", fmt::join(o.peers, ","))});
   if (o.realtime.mode == Realtime::kEnforce)
     a.insert(a.end(), {"--realtime", "enforce"});
+  if (o.up != bus::Guid{})
+    a.insert(a.end(), {"--of-up", to_text(o.up)});
   if (o.realtime.cpu)
     a.insert(a.end(), {"--cpu", fmt::to_string(*o.realtime.cpu)});
   return a;

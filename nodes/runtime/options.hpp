@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "nodes/bus/entity.hpp"
 #include "nodes/bus/network.hpp"
 #include "nodes/bus/participant.hpp"
 #include "nodes/runtime/realtime.hpp"
@@ -18,29 +19,48 @@ class App;
 
 namespace voxtouch::runtime {
 
+/// The nodes of a ring. ROS 2 tools see them alone as nodes: verbs come and go, and serve no
+/// parameters.
+constexpr bool is_ring_node(std::string_view node) noexcept {
+  for (const std::string_view known : {"device", "rendering", "coupling", "logger", "validator"})
+    if (node == known)
+      return true;
+  return false;
+}
+
 struct NodeOptions {
   std::filesystem::path scene;
   std::string rig = "haptic";
   std::uint32_t domain = 0;
+  std::string domain_fault;  ///< why ROS_DOMAIN_ID is no domain; empty where it is one, or --domain
+                             ///< is given
   std::string network_interface{bus::kThisHost};
   std::vector<std::string> discovery_peers;
   bus::RosGraph ros = bus::RosGraph::kIron;
   std::filesystem::path security;  ///< folder of keys; empty: plain DDS
   bool lockstep = false;
-  std::vector<std::string> peers;  ///< the nodes that take part, the device aside: lockstep waits
-                                   ///< for all, real time for the logger alone
+  std::vector<std::string>
+      peers;  ///< the nodes that take part, the device aside; see participation.hpp
   std::uint64_t seed = 1;
   RealtimeOptions realtime;
-  bool announce = false;  ///< say on stderr what changes; for nodes that are started by hand
+  bus::Guid up{};               ///< the `voxtouch up` that started this node; all zero: none did
+  bool rig_is_checked = false;  ///< whoever started this node has checked that the rig is free
+  bool announce = false;        ///< say on stderr what changes; for nodes that are started by hand
   std::vector<std::string> warnings;  ///< of the start-up; each node keeps them in its reports
 
   qos::TimeMode mode() const noexcept {
     return lockstep ? qos::TimeMode::kLockstep : qos::TimeMode::kRealTime;
   }
-  /// Judges the files of --security first: throws security::Error.
+  /// Judges the files of --security first: throws security::Error. Throws bus::Error where the
+  /// domain is none.
   bus::ParticipantOptions participant(const std::string& node) const {
-    return {domain,          network_interface,      "voxtouch_" + node + "/" + rig,
-            discovery_peers, {"/" + rig, node, ros}, require_keys(node)};
+    if (!domain_fault.empty())
+      throw bus::Error(domain_fault);
+    bus::RosNode shown{"/" + rig, node, ros};
+    if (!is_ring_node(node))
+      shown.name.clear();
+    return {domain, network_interface, "voxtouch_" + node + "/" + rig, discovery_peers,
+            shown,  require_keys(node)};
   }
   /// Of the role that `node` has; nothing without --security. Throws security::Error, a sentence.
   security::Properties require_keys(std::string_view node) const {

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "nodes/log/tell.hpp"
+
 namespace voxtouch::runtime {
 
 std::string own_line(const std::string& node, const Figures& now, const Figures& before,
@@ -24,6 +26,16 @@ std::string own_line(const std::string& node, const Figures& now, const Figures&
     return line;
   }
   return {};
+}
+
+void RateLine::print(std::int64_t now_ns, const Figures& figures) {
+  if (!enabled_ || now_ns - last_ns_ < 1'000'000'000)
+    return;
+  const std::string line =
+      own_line(node_, figures, last_, 1e-9 * static_cast<double>(now_ns - last_ns_));
+  if (last_ns_ != 0 && !line.empty())
+    log::tell("{}\n", line);
+  last_ = figures, last_ns_ = now_ns;
 }
 
 }  // namespace voxtouch::runtime

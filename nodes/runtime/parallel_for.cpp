@@ -4,6 +4,7 @@
 #include <atomic>
 #include <exception>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -22,9 +23,16 @@ class Loop {
   Loop(std::size_t count, const Body& body) : count_(count), body_(body) {}
 
   void run(std::size_t threads) {
-    std::vector<std::jthread> pool;  // joins, also where one of them could not be made
-    for (std::size_t t = 0; t < threads; ++t)
-      pool.emplace_back([this] { work(); });
+    std::vector<std::jthread> pool;  // its destructor joins
+    try {
+      while (pool.size() < threads)
+        pool.emplace_back([this] { work(); });
+    } catch (const std::system_error&) {
+      if (pool.empty()) {  // the system refuses even one: the calling thread does the work
+        const AtOrdinaryPriority here;
+        work();
+      }
+    }
     pool.clear();
     if (failure_)
       std::rethrow_exception(failure_);

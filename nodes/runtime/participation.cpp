@@ -13,14 +13,12 @@ std::vector<std::string> taking_part(const NodeOptions& options, std::vector<std
 }
 
 std::string missing_links(const NodeOptions& options, const NodeRegistry& registry,
-                          const std::vector<Link>& links) {
+                          const std::vector<Link>& links, bool with_device) {
   std::string missing;
-  if (!options.lockstep)
-    return missing;
   for (const Link& link : links) {
     const std::vector<bus::Guid> matched = link.matched();
     for (const std::string& node : taking_part(options, link.nodes))
-      if (!has_matched(registry, matched, {node}))
+      if ((with_device || node != "device") && !has_matched(registry, matched, {node}))
         missing += (missing.empty() ? "" : ", ") + node + " on " + link.what;
   }
   return missing;
@@ -81,13 +79,16 @@ std::string Session::report_to(NodeReport& report, const NodeOptions& options,
                                const NodeRegistry& registry, const std::vector<Link>& links,
                                std::string_view first, bool busy) {
   const std::uint64_t id = id_.load(std::memory_order_acquire);
-  std::string missing = id ? missing_links(options, registry, links) : std::string(first);
-  const bool ready = missing.empty();
+  std::string missing(id == 0 ? first : "");
+  if (id != 0 && options.lockstep)
+    missing = missing_links(options, registry, links);
+  const bool ready = missing.empty(),
+             ready_for_device = id == 0 && missing_links(options, registry, links, false).empty();
   partners_.update(options, registry, links, id);
   report.partners = partners_.participants();
   report.session_id = ready ? id : 0;
   report.state = stopped() ? NodeState::kStopped
-                 : !ready  ? NodeState::kStarting
+                 : !ready  ? (ready_for_device ? NodeState::kReady : NodeState::kStarting)
                  : busy    ? NodeState::kRunning
                            : NodeState::kReady;
   report.figures[kSessions] = {count_.load(std::memory_order_relaxed), "sessions"};

@@ -1,5 +1,6 @@
 #pragma once
-/// Lockstep: who must have matched whom before sample 0, and who is still there.
+/// Which nodes must have matched before a run begins, and in lockstep which are still there.
+/// --peers and the device take part.
 #include <atomic>
 #include <functional>
 #include <set>
@@ -20,8 +21,7 @@ struct Link {
   std::vector<std::string> nodes;
 };
 
-/// The links of a node's own writer and reader: by the table of topics, who reads what it writes,
-/// and who writes what it reads. The endpoint must outlive the link.
+/// To all nodes that the table of topics has at the other end. The endpoint must outlive the link.
 template <class Writer>
 Link link_of_writer(const qos::Topic& topic, const Writer& writer) {
   return {std::string(topic.path), [&writer] { return writer.matched(); },
@@ -33,24 +33,24 @@ Link link_of_reader(const qos::Topic& topic, const Reader& reader) {
           qos::names_of(topic.writers)};
 }
 
-/// Keeps only the nodes that take part in this run ("device" always does).
+/// Those that take part in this run; "device" always does.
 std::vector<std::string> taking_part(const NodeOptions& options, std::vector<std::string> nodes);
 
-/// What is still missing, for people: "validator on rendering/contact". Empty when every link has
-/// matched all its nodes; in real time nobody is waited for, so it is always empty there.
+/// Links that have not matched all nodes that take part, for people: "validator on
+/// rendering/contact". Empty if all have. `with_device`: the device too.
 std::string missing_links(const NodeOptions& options, const NodeRegistry& registry,
-                          const std::vector<Link>& links);
+                          const std::vector<Link>& links, bool with_device = true);
 
-/// Lockstep: the participants that a run waits for, and that alone can end it by their silence:
-/// those that were ready for its session, each at the other end of every link that names its node,
-/// when the last node was. Who comes later may call itself what it likes.
+/// Lockstep: the participants that a run waits for, and that alone end it by their silence: those
+/// that were ready for its session and at the other end of every link of their node when the last
+/// node was. Participants that come later are none of them.
 class Partners {
  public:
   explicit Partners(std::vector<std::string> nodes) : nodes_(std::move(nodes)) {}
-  /// `session`: a new one begins with nobody. In real time nobody is waited for.
+  /// A new session begins with none; in real time there are none.
   void update(const NodeOptions& options, const NodeRegistry& registry,
               const std::vector<Link>& links, std::uint64_t session);
-  /// Whether every node that takes part has been ready; from then on nobody joins.
+  /// Every node that takes part has been ready; none joins any more.
   bool complete() const noexcept { return complete_; }
   /// The nodes that are not ready yet.
   const std::vector<std::string>& missing() const noexcept { return missing_; }
@@ -63,19 +63,19 @@ class Partners {
   bool complete_ = false;
 };
 
-/// When latched values are written once more: once a second while a node that needs them is there
-/// and has not answered for the session. A flood of foreign values may have kept them from it, or
-/// it was refused before it was known whose is needed.
+/// When latched values are written again: once a second while a node that needs them has not
+/// answered for the session. A flood of foreign values may have hidden them, or they came before
+/// their writer was bound.
 class Reminder {
  public:
-  /// For `topic`: its readers but the logger, which needs no session's answer.
+  /// By the readers of `topic` but the logger, which answers for no session.
   bool is_due(const NodeRegistry& registry, std::uint64_t session, const qos::Topic& topic);
 
  private:
-  std::int64_t answered_ns_ = 0;  ///< monotonic: last time that all had, or that one was reminded
+  std::int64_t answered_ns_ = 0;  ///< when all had answered, or it was due
 };
 
-/// A device session as one node sees it. The loop writes, the housekeeping reads.
+/// A device session as one node sees it. The loop writes, the monitor reads.
 class Session {
  public:
   /// From the loop, once everything is reset and what is latched has been published.
@@ -85,12 +85,14 @@ class Session {
   }
   void stop() noexcept { stopped_.store(true, std::memory_order_release); }
 
-  /// What all nodes but the device report alike: session, state, count of sessions. Ready once a
-  /// session has begun and every link has matched; running once `busy`. Returns what it waits for
-  /// (`first` before any session), empty when ready. One thread.
+  /// Session, state and count of sessions, of all nodes but the device. Ready for a device, without
+  /// a session, once every link but those to the device has matched. Ready for a session once it
+  /// has begun and, in lockstep, every link has matched; running once `busy`. Returns what it waits
+  /// for (`first` before any session); empty: nothing. One thread.
   std::string report_to(NodeReport& report, const NodeOptions& options,
                         const NodeRegistry& registry, const std::vector<Link>& links,
                         std::string_view first, bool busy);
+  std::uint64_t id() const noexcept { return id_.load(std::memory_order_acquire); }
   bool stopped() const noexcept { return stopped_.load(std::memory_order_acquire); }
 
  private:

@@ -17,7 +17,12 @@ void catch_signals() {
   action.sa_handler = [](int) { stop_requested().store(true, std::memory_order_relaxed); };
   sigset_t ours;
   sigemptyset(&ours);
+  struct sigaction hangup {};
+  sigaction(SIGHUP, nullptr, &hangup);
+  const bool under_nohup = hangup.sa_handler == SIG_IGN;
   for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) {
+    if (number == SIGHUP && under_nohup)
+      continue;
     sigaction(number, &action, nullptr);
     sigaddset(&ours, number);
   }

@@ -6,7 +6,6 @@
 namespace voxtouch::scene_build {
 
 std::unique_ptr<rendering::BuiltScene> build_here(const scene::Scene& scene, const BuildHow& how) {
-  const std::unique_ptr<rendering::SceneStore> cache = open_cache(how.cache, how.who);
   std::optional<BuildProgress> progress;
   ParallelFor loop = how.loop;
   if (how.tells_progress)
@@ -19,15 +18,14 @@ std::unique_ptr<rendering::BuiltScene> build_here(const scene::Scene& scene, con
       body(i);
     });
   };
-  return rendering::build_scene(
-      scene, while_wanted,
-      {.model = how.model, .read = mesh_import::mesh_process(), .store = cache.get()},
-      [&](const std::string& step) {
-        if (how.go_on)
-          how.go_on();
-        if (progress)
-          progress->begin_step(step);
-      });
+  return rendering::build_scene(scene, while_wanted,
+                                {.model = how.model, .read = mesh_import::mesh_process()},
+                                [&](const std::string& step) {
+                                  if (how.go_on)
+                                    how.go_on();
+                                  if (progress)
+                                    progress->begin_step(step);
+                                });
 }
 
 }  // namespace voxtouch::scene_build

@@ -1,6 +1,6 @@
 #pragma once
-/// How programs build a scene: each mesh is read in a process of its own, all processors work,
-/// progress is told, and what was built before is taken from the cache.
+/// How programs build a scene: each mesh is read in a process of its own, all processors work, and
+/// progress is reported.
 #include <functional>
 #include <memory>
 #include <optional>
@@ -8,13 +8,11 @@
 
 #include "core/rendering/build.hpp"
 #include "nodes/runtime/parallel_for.hpp"
-#include "nodes/scene_build/cache_options.hpp"
 
 namespace voxtouch::scene_build {
 
 struct BuildHow {
   std::string who;  ///< begins what is told
-  CacheOptions cache = {};
   std::optional<contact::ContactModelKind> model = {};
   ParallelFor loop = runtime::threaded_for();
   std::function<void()> go_on =

@@ -19,25 +19,10 @@ qos::Nodes node_of(std::string_view role) {
 
 bool writes(std::string_view role, const qos::Topic& topic) {
   if (role == kLauncher)
-    return topic.writers == qos::kEveryNode;
+    return topic.writers == qos::kEveryNode || topic.of_launcher;
   if (role == kTool)
-    return topic.writers == qos::kNobody || (topic.writers & qos::kAnybody) != 0;
+    return topic.writers == qos::kNobody && !topic.of_launcher;
   return (topic.writers & node_of(role)) != 0;
-}
-
-/// Of what it answers itself, for a standby hears whether the other one does.
-bool reads_its_own(std::string_view role, const qos::Topic& topic) {
-  return (node_of(role) & (qos::kRendering | qos::kCoupling)) != 0 && writes(role, topic) &&
-         topic.profile == qos::ProfileId::kStream;
-}
-
-/// Names under which a service is served. What every node serves a standby serves under its own
-/// name; what is the rendering's is served by who acts.
-std::vector<std::string> servers_of(const qos::Service& service) {
-  std::vector<std::string> names = qos::names_of(service.servers);
-  if (service.path == qos::kGetState.path)
-    names.insert(names.end(), {"rendering_standby", "coupling_standby"});
-  return names;
 }
 
 bool reads_all(std::string_view role) {
@@ -63,10 +48,7 @@ std::vector<std::string> roles() {
   return all;
 }
 
-/// A standby has the keys of the one that it stands by for.
 std::string role_of(std::string_view name) {
-  if (constexpr std::string_view kStandby = "_standby"; name.ends_with(kStandby))
-    name.remove_suffix(kStandby.size());
   return std::string(std::ranges::count(roles(), name) ? name : kTool);
 }
 
@@ -107,14 +89,14 @@ std::string permissions(std::string_view role, std::string_view rig, std::string
   for (const qos::Topic& topic : qos::kTopics) {
     if (writes(role, topic))
       written.push_back(qos::dds_name(topic, rig));
-    if (!reads_all(role) && ((topic.readers & node_of(role)) != 0 || reads_its_own(role, topic)))
+    if (!reads_all(role) && (topic.readers & node_of(role)) != 0)
       read.push_back(qos::dds_name(topic, rig));
   }
   for (const qos::Service& service : qos::kServices)
-    for (const std::string& node : servers_of(service)) {
+    for (const std::string& node : qos::names_of(service.servers)) {
       if (role == kTool)
         written.push_back(qos::request_name(service, rig, node));
-      if (role != role_of(node))
+      if (role != node)
         continue;
       written.push_back(qos::reply_name(service, rig, node));
       if (!reads_all(role))

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <memory>
+#include <mutex>
 #include <optional>
 
 #include <fmt/format.h>
@@ -12,18 +12,11 @@
 #include "core/reference/reference_scene.hpp"
 #include "core/reference/tool_judgement.hpp"
 #include "core/scene/scene_file.hpp"
-#include "nodes/bus/latched_reader.hpp"
-#include "nodes/bus/wait_set.hpp"
-#include "nodes/bus/writer.hpp"
 #include "nodes/log/tell.hpp"
 #include "nodes/mesh_import/mesh_process.hpp"
-#include "nodes/runtime/clock.hpp"
 #include "nodes/runtime/convert.hpp"
-#include "nodes/runtime/held_start.hpp"
-#include "nodes/runtime/housekeeping.hpp"
-#include "nodes/runtime/pair_reader.hpp"
-#include "nodes/runtime/participation.hpp"
-#include "nodes/runtime/realtime.hpp"
+#include "nodes/runtime/counters.hpp"
+#include "nodes/runtime/node_host.hpp"
 #include "nodes/runtime/role_binding.hpp"
 #include "nodes/runtime/strings.hpp"
 
@@ -42,7 +35,6 @@ reference::ReportedContact to_report(const msg::ContactState& c) {
   r.wrench = runtime::from_msg(c.contact_wrench);  // the reference knows contact only
   r.mean_normal = runtime::from_msg(c.mean_normal);
   r.deepest_depth_m = c.deepest_depth_m;
-  r.left_out_depth_m = c.left_out_depth_m;
   r.coherence = c.coherence;
   r.surface_hits = c.surface_hits;
   r.interior_hits = c.interior_hits;
@@ -62,7 +54,17 @@ reference::ReportedTool to_tool(const msg::ContactState& c) {
           .unplaced = (c.flags & msg::contact_state::kFlagUnplaced) != 0};
 }
 
-class ValidatorNode {
+enum class ValidatorCounter : std::uint8_t { kFirstChecked, kExcused };
+constexpr auto kValidatorTable = [] {
+  using enum ValidatorCounter;
+  using enum runtime::Counting;
+  return std::to_array<runtime::CounterRow<ValidatorCounter>>({
+      {kFirstChecked, "first_checked", "sample number", kFirst},
+      {kExcused, "excused", "samples"},  // due since the first, but of a kind that is not judged
+  });
+}();
+
+class ValidatorNode final : public runtime::Step<msg::ContactState, msg::ValidationReport> {
  public:
   ValidatorNode(const Options& options, const scene::Scene& scene)
       : options_(options),
@@ -70,46 +72,17 @@ class ValidatorNode {
         hash_(scene.hash),
         scene_(scene),
         reference_(scene),
-        participant_(options.participant("validator")),
-        plans_(participant_, qos::kScenePlan, options.rig),
-        contacts_(participant_, qos::kContactState, options.rig, contact_profile(options)),
-        reports_(participant_, qos::kValidation, options.rig,
-                 qos::profile_in(qos::kValidation, options.mode())),
-        wait_set_(participant_),
-        rendering_("rendering", {&plans_.following()}, &contacts_) {
-    wait_set_.attach(plans_.condition());
-    contacts_.attach_to(wait_set_);
-    links_ = {runtime::link_of_reader(qos::kScenePlan, plans_),
-              runtime::link_of_reader(qos::kContactState, contacts_),
-              runtime::link_of_writer(qos::kValidation, reports_)};
+        host_("validator", options, runtime::NodeHost::Kind::kTap),
+        plans_(host_.reader<bus::LatchedReader<msg::ScenePlan>>(qos::kScenePlan)),
+        contacts_(host_.participant(), qos::kContactState, options.rig, contact_profile(options)),
+        reports_(host_.writer<msg::ValidationReport>(qos::kValidation)),
+        rendering_("rendering", {&plans_.following(), &contacts_.following()}) {
+    host_.link_reader(qos::kScenePlan, plans_);
+    host_.link_reader(qos::kContactState, contacts_);
+    host_.link_writer(qos::kValidation, reports_);
   }
 
-  int run(const std::atomic<bool>& stop) {
-    runtime::flush_denormals();
-    runtime::Housekeeping housekeeping(
-        participant_, "validator", options_,
-        [this](runtime::NodeRegistry& registry, runtime::NodeReport& report) {
-          look(registry, report);
-        },
-        {{"its loop", [this] { return heartbeat_.sign(); }}});
-    over_ = [&] { return stop.load(std::memory_order_relaxed) || housekeeping.peer_lost(); };
-    bool leave = false;
-    while (!leave) {
-      heartbeat_.beat();
-      leave = over_();  // one more pass after the stop: what came before it is judged too
-      wait_set_.wait(leave ? 100'000'000 : 50'000'000);
-      plans_.take([this](const msg::ScenePlan& plan) { take(plan); });
-      msg::ContactState contact;
-      for (int i = 0; i < contacts_.kMaxTakes && contacts_.take(contact); ++i)
-        check(contact);
-    }
-    if (options_.lockstep && !housekeeping.peer_lost()) {
-      const runtime::Heartbeat::Busy busy(heartbeat_, 6'000'000'000);
-      reports_.wait_for_acknowledgments(DDS_SECS(5));
-    }
-    session_.stop();
-    return housekeeping.peer_lost() ? 1 : 0;
-  }
+  int run(const std::atomic<bool>& stop) { return host_.run(*this, contacts_, reports_, stop); }
 
  private:
   /// What of a plan the judge must know.
@@ -128,7 +101,7 @@ class ValidatorNode {
   void take(const msg::ScenePlan& plan) {
     Built built{plan.session_id, plan.from_sample,  plan.scene,
                 plan.scene_hash, plan.voxel_size_m, plan.largest_shell_gap_m};
-    if (judge_ && built.session == session_in_loop_)
+    if (judge_ && built.session == host_.session_in_loop())
       next_ = std::move(built);
     else
       start_session(std::move(built));
@@ -156,10 +129,9 @@ class ValidatorNode {
     blind_ = false;
     judge_ = std::make_unique<reference::Judge>(settings());
     forget_disagreement();
-    session_in_loop_ = built_.session;
-    contacts_.begin_session(built_.session);
+    host_.begin_session(built_.session);
     publish_counts();
-    session_.begin(built_.session);
+    host_.session().begin(built_.session);
   }
 
   /// The rendering runs another scene from here on. Where that is another file, it is read again;
@@ -171,7 +143,7 @@ class ValidatorNode {
     if (!another)
       return;
     if (another_file) {
-      const runtime::Heartbeat::Busy busy(heartbeat_, 60'000'000'000);  // large meshes
+      const runtime::Heartbeat::Busy busy(host_.heartbeat(), 60'000'000'000);  // large meshes
       try {
         scene::Scene scene = scene::load_scene(options_.scene);
         blind_ = scene.hash != built_.hash;
@@ -191,34 +163,42 @@ class ValidatorNode {
       judge_->change(settings());
   }
 
-  void check(const msg::ContactState& contact) {
-    if (options_.lockstep)
-      plans_.take([this](const msg::ScenePlan& plan) { take(plan); });
-    if (!judge_ || contact.session_id != session_in_loop_)
-      return;
+  void listen() override {
+    plans_.take([this](const msg::ScenePlan& plan) { take(plan); });
+  }
+  bool ready() const noexcept override { return judge_ != nullptr; }
+
+  std::optional<msg::ValidationReport> step(const msg::ContactState& contact) noexcept override {
     if (next_ && contact.sequence_number >= next_->from_sample)
       follow_change();
-    heartbeat_.beat();
     if (blind_ || !reference::is_checked(contact.sequence_number, options_.every))
-      return;
+      return {};
     if (contact.flags & unlike()) {
-      if (first_checked_.load(std::memory_order_relaxed) != kNone)
-        excused_.fetch_add(1, std::memory_order_relaxed);
-      return;
+      if (!std::isnan(counters_[ValidatorCounter::kFirstChecked]))
+        counters_.note(ValidatorCounter::kExcused);
+      return {};
     }
     unread_.store(reports_.matched_count() == 0, std::memory_order_relaxed);
     if (unread_)
-      return;  // a verdict that nobody reads is not made
+      return {};  // no verdict without a reader
     reference_.move_to(static_cast<double>(contact.scene_time_ns) * 1e-9);
     reference::GapResult gap;
-    const reference::Judgement judgement =
-        scene_.virtual_tool() ? judge_tool(contact, gap) : judge_contact(contact, gap);
-    write_report(contact, gap, judgement);
-    if (first_checked_.load(std::memory_order_relaxed) == kNone)
-      first_checked_.store(contact.sequence_number, std::memory_order_relaxed);
-    if (judgement.verdict == reference::Verdict::kDisagree)
-      note(contact.sequence_number, judgement);
+    judgement_ = scene_.virtual_tool() ? judge_tool(contact, gap) : judge_contact(contact, gap);
+    return report_of(contact, gap);
+  }
+
+  void wrote(const msg::ContactState& contact, const msg::ValidationReport&) noexcept override {
+    counters_.note(ValidatorCounter::kFirstChecked, static_cast<double>(contact.sequence_number));
+    if (judgement_.verdict == reference::Verdict::kDisagree)
+      note(contact.sequence_number, judgement_);
     publish_counts();
+  }
+
+  void end() override {
+    if (!options_.lockstep || host_.peer_lost())
+      return;
+    const runtime::Heartbeat::Busy busy(host_.heartbeat(), 6'000'000'000);
+    reports_.wait_for_acknowledgments(DDS_SECS(5));
   }
 
   /// Flags of a contact that cannot be judged. While one scene fades into another, what is felt is
@@ -228,8 +208,9 @@ class ValidatorNode {
            (scene_.virtual_tool() ? msg::contact_state::kFlagRefusedSample : 0U);
   }
 
-  void write_report(const msg::ContactState& contact, const reference::GapResult& gap,
-                    const reference::Judgement& judgement) {
+  /// Lends the text of `judgement_`.
+  msg::ValidationReport report_of(const msg::ContactState& contact,
+                                  const reference::GapResult& gap) const {
     const reference::JudgeCounts& counts = judge_->counts();
     msg::ValidationReport m{};
     m.session_id = contact.session_id;
@@ -237,22 +218,19 @@ class ValidatorNode {
     m.sample_time_ns = contact.sample_time_ns;
     m.gap_m = gap.gap_m;
     m.reported_depth_m = contact.deepest_depth_m;
-    m.depth_error_m = judgement.depth_error_m;
-    m.direction_error_rad = judgement.direction_error_rad;
+    m.depth_error_m = judgement_.depth_error_m;
+    m.direction_error_rad = judgement_.direction_error_rad;
     m.surface_hits = contact.surface_hits;
     m.interior_hits = contact.interior_hits;
-    m.verdict = static_cast<std::uint32_t>(judgement.verdict);
-    m.cause = static_cast<std::uint32_t>(judgement.cause);
+    m.verdict = static_cast<std::uint32_t>(judgement_.verdict);
+    m.cause = static_cast<std::uint32_t>(judgement_.cause);
     m.checked = counts.checked;
     m.decided = counts.decided;
     m.agree = counts.agree;
     m.in_band = counts.in_band;
     m.disagree = counts.disagree;
-    m.explanation = runtime::lend(judgement.explanation);
-    reports_.write_until(m, [this] {
-      heartbeat_.beat();
-      return !options_.lockstep || over_();
-    });
+    m.explanation = runtime::lend(judgement_.explanation);
+    return m;
   }
 
   reference::Judgement judge_contact(const msg::ContactState& contact, reference::GapResult& gap) {
@@ -290,55 +268,49 @@ class ValidatorNode {
     counts_ = judge_->counts();
   }
 
-  void look(runtime::NodeRegistry& registry, runtime::NodeReport& report) {
+  void report(runtime::NodeRegistry& registry, runtime::NodeReport& report,
+              runtime::StatusText& status) override {
+    using runtime::StatusPriority;
     const std::lock_guard lock(mutex_);
     report.values = {{"scene", name_}, {"scene_hash", hash_}};
     report.figures = {{"checked", {counts_.checked, "samples"}},
                       {"decided", {counts_.decided, "samples"}},
+                      {"compared", {counts_.compared, "samples"}},
                       {"agree", {counts_.agree, "samples"}},
                       {"in_band", {counts_.in_band, "samples"}},
                       {"disagree", {counts_.disagree, "samples"}},
                       {"by_rendering", {counts_.rendering, "samples"}},
-                      {"by_reference", {counts_.reference, "samples"}},
-                      {"excused", {excused_.load(), "samples"}}};
-    if (const std::uint64_t first = first_checked_.load(); first != kNone)
-      report.figures["first_checked"] = {first, "sample number"};
+                      {"by_reference", {counts_.reference, "samples"}}};
+    counters_.report_to(report.figures);
     report.figures["foreign_samples"] = {rendering_.refused(), "samples"};
     rendering_.update(registry, std::nullopt);
-    rendering_.report_to(report, registry);
-    const std::string trouble = rendering_.trouble(registry);
-    const std::string missing = session_.report_to(report, options_, registry, links_,
-                                                   "the rendering", counts_.checked > 0);
-    report.message = !first_disagreement_.empty() ? "first disagreement: " + first_disagreement_
-                     : !trouble.empty()           ? trouble
-                     : !missing.empty()           ? "waiting for " + missing
-                     : unread_                    ? "idle: nobody reads the verdicts"
-                                                  : "no disagreement";
+    const std::string missing =
+        host_.report_session(registry, report, "the rendering", counts_.checked > 0);
+    status.say(StatusPriority::kProgress,
+               unread_ ? "idle: nobody reads the verdicts" : "no disagreement");
+    if (!missing.empty())
+      status.say(StatusPriority::kWaiting, "waiting for " + missing);
+    status.say(StatusPriority::kForeign, rendering_.trouble(registry));
+    if (!first_disagreement_.empty())
+      status.say(StatusPriority::kFault, "first disagreement: " + first_disagreement_);
   }
 
   const Options& options_;
   std::string name_, hash_;  ///< of the file as this ring was started with
   scene::Scene scene_;
   reference::ReferenceScene reference_;
-  bus::Participant participant_;
+  runtime::NodeHost host_;
   bus::LatchedReader<msg::ScenePlan> plans_;
-  runtime::PairReader<msg::ContactState> contacts_;
+  bus::FollowedReader<msg::ContactState> contacts_;
   bus::Writer<msg::ValidationReport> reports_;
-  bus::WaitSet wait_set_;
   runtime::RoleBinding rendering_;  ///< only its samples are judged
-  std::vector<runtime::Link> links_;
   std::unique_ptr<reference::Judge> judge_;
+  reference::Judgement judgement_;    ///< of the sample that is answered
   Built built_;                       ///< what is judged
   std::optional<Built> next_;         ///< from its first sample on
   bool blind_ = false;                ///< the rendering runs what this node has no reference for
   std::atomic<bool> unread_ = false;  ///< nobody read the verdicts when the last one was due
-  static constexpr std::uint64_t kNone = ~std::uint64_t{0};
-  std::atomic<std::uint64_t> first_checked_{kNone};  ///< number of the first sample that was judged
-  std::atomic<std::uint64_t> excused_{0};  ///< due since then, but of a kind that is not judged
-  runtime::Heartbeat heartbeat_;
-  std::function<bool()> over_;  ///< asked to stop, or in lockstep a peer is lost
-  std::uint64_t session_in_loop_ = 0;
-  runtime::Session session_;
+  runtime::Counters<kValidatorTable> counters_;
   std::mutex mutex_;
   reference::JudgeCounts counts_;
   std::string first_disagreement_;
@@ -349,8 +321,6 @@ class ValidatorNode {
 int run(const Options& options, const std::atomic<bool>& stop) {
   const scene::Scene scene = scene::load_scene(options.scene);
   mesh_import::rehearse_reading(scene);
-  if (!runtime::may_begin(stop))
-    return 0;
   ValidatorNode node(options, scene);
   return node.run(stop);
 }

@@ -21,6 +21,15 @@ bool Access::admits_host(std::string_view host) const {
          (address.starts_with("127.") && host == fmt::format("localhost:{}", port));
 }
 
+std::string Access::remedy_for(std::string_view host) const {
+  if (!host.starts_with("localhost:") && !host.starts_with("127."))
+    return {};
+  return fmt::format(
+      " Through a tunnel, use the same port on both sides (ssh -L {0}:{1}:{0} HOST) and open the "
+      "address that voxtouch printed; --port chooses another one.",
+      port, address);
+}
+
 bool Access::admits_origin(std::string_view origin) const {
   constexpr std::string_view kScheme = "http://";
   return origin.empty() ||

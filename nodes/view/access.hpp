@@ -18,6 +18,9 @@ struct Access {
   /// As the header Host says it: the address itself, or `localhost` where the address is a loopback
   /// one. Against names of other sites that lead here.
   bool admits_host(std::string_view host) const;
+  /// Behind the refusal of such a header: what to do about a tunnel that begins at another port.
+  /// Empty for other names.
+  std::string remedy_for(std::string_view host) const;
   /// As the header Origin says it: a page of this very server, or none: then it is no browser.
   bool admits_origin(std::string_view origin) const;
   /// Takes as long whatever is wrong with it.

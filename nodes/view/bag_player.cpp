@@ -10,6 +10,8 @@
 
 #include "nodes/bag/bag_origin.hpp"
 #include "nodes/bus/wire_form.hpp"
+#include "nodes/log/reason.hpp"
+#include "nodes/log/tell.hpp"
 #include "nodes/runtime/realtime.hpp"
 #include "nodes/view/rounded.hpp"
 #include "qos/topics.hpp"
@@ -59,10 +61,14 @@ bag::BagReader open(const std::filesystem::path& path) {
 }
 
 /// What `up` has left beside the bag, as the page shows it; null where it left nothing.
-nlohmann::json verdict_beside(const std::filesystem::path& path) {
-  std::ifstream file((std::filesystem::is_directory(path) ? path : path.parent_path()) /
+nlohmann::json verdict_beside(const std::filesystem::path& path,
+                              const std::vector<std::string>& losses) {
+  std::error_code error;
+  std::ifstream file((std::filesystem::is_directory(path, error) ? path : path.parent_path()) /
                      "voxtouch_run.json");
   const auto told = nlohmann::json::parse(file, nullptr, false);
+  if (!losses.empty())
+    return {{"good", false}, {"problems", losses}};
   if (!told.is_object() || !told.contains("ok") || !told["ok"].is_boolean() ||
       !told.contains("problems") || !told["problems"].is_array())
     return nullptr;
@@ -78,7 +84,7 @@ nlohmann::json verdict_beside(const std::filesystem::path& path) {
 
 BagPlayer::BagPlayer(const bus::Participant& participant, const std::filesystem::path& path)
     : reader_(open(path)),
-      verdict_(verdict_beside(path)) {
+      verdict_(verdict_beside(path, reader_.losses())) {
   const Take status = [this,
                        form = std::make_shared<bus::WireForm<msg::NodeStatus>>(participant.get())](
                           const bag::BagMessage& m, Picture&, Facts&, NodeTable& nodes) {
@@ -126,22 +132,77 @@ BagPlayer::BagPlayer(const bus::Participant& participant, const std::filesystem:
   if (!*times)
     throw std::runtime_error(fmt::format("{} is empty", path.string()));
   std::tie(begin_ns_, end_ns_) = **times;
+  find_steps();
   collecting_ = std::thread([this, path] {
     runtime::ordinary_priority();
-    collect_facts(path);
+    try {
+      collect_facts(path);
+    } catch (const std::exception& error) {
+      damaged(log::reason_of(error));
+    }
   });
+}
+
+/// Looks into one stretch of kLongestPauseNs after the other; of a ring none is empty.
+void BagPlayer::find_steps() {
+  constexpr std::int64_t kLongestPauseNs = 60'000'000'000;
+  const auto first_in = [&](std::int64_t from_ns, std::int64_t to_ns) {
+    std::optional<std::int64_t> found;
+    (void)reader_.for_each_between(from_ns, to_ns, [&](const bag::BagMessage& m) {
+      found = found ? std::min(*found, m.time_ns) : m.time_ns;
+      return false;
+    });
+    return found;
+  };
+  for (std::int64_t at_ns = begin_ns_; end_ns_ - at_ns > kLongestPauseNs;) {
+    if (first_in(at_ns, at_ns + kLongestPauseNs)) {
+      at_ns += kLongestPauseNs;
+      continue;
+    }
+    // The file that comes next may lie later than one behind it: the least of all counts.
+    std::int64_t next_ns = end_ns_;
+    while (const auto earlier = first_in(at_ns, next_ns))
+      next_ns = *earlier;
+    std::int64_t last_ns = at_ns;
+    (void)reader_.for_each_between(at_ns - kLongestPauseNs, at_ns, [&](const bag::BagMessage& m) {
+      last_ns = last_ns == at_ns ? m.time_ns : std::max(last_ns, m.time_ns);
+      return true;
+    });
+    steps_.push_back({last_ns, next_ns - last_ns});
+    at_ns = next_ns;
+  }
+}
+
+double BagPlayer::duration_s() const noexcept {
+  std::int64_t all_ns = end_ns_ - begin_ns_;
+  for (const Step& step : steps_)
+    all_ns -= step.length_ns;
+  return static_cast<double>(all_ns) * 1e-9;
+}
+
+void BagPlayer::damaged(const std::string& sentence) {
+  const std::lock_guard lock(mutex_);
+  if (damage_.empty())
+    log::tell("warning: view: {}\n", damage_ = sentence);
+}
+
+std::string BagPlayer::damage() const {
+  const std::lock_guard lock(mutex_);
+  return damage_;
 }
 
 /// What is said seldom may lie anywhere in a long recording: it is looked for beside the picture.
 void BagPlayer::collect_facts(const std::filesystem::path& path) {
   const auto reader = bag::BagReader::open(path);
   if (!reader)
-    return;
-  (void)reader->for_each_between(begin_ns_, end_ns_ + 1, [&](const bag::BagMessage& m) {
+    return damaged(reader.error().sentence);
+  const auto all = reader->for_each_between(begin_ns_, end_ns_ + 1, [&](const bag::BagMessage& m) {
     if (topics_[m.topic].seldom)
       seldom_.push_back({m.time_ns, m.topic, {m.bytes.begin(), m.bytes.end()}});
     return !stop_.load();
   });
+  if (!all)
+    damaged(all.error().sentence);
   collected_.store(true, std::memory_order_release);
 }
 
@@ -152,17 +213,18 @@ BagPlayer::~BagPlayer() {
 }
 
 void BagPlayer::play(bool on) {
-  const double end_s = static_cast<double>(end_ns_ - begin_ns_) * 1e-9;
-  if (on && at_s_ >= end_s)
+  if (on && at_s_ >= duration_s())
     seek_s_ = 0.0;  // once more from the start
   playing_ = on;
 }
 void BagPlayer::speed(double times) { speed_ = std::clamp(times, kSlowest, kFastest); }
-void BagPlayer::seek(double to_s) {
-  seek_s_ = std::clamp(to_s, 0.0, static_cast<double>(end_ns_ - begin_ns_) * 1e-9);
-}
+void BagPlayer::seek(double to_s) { seek_s_ = std::clamp(to_s, 0.0, duration_s()); }
 std::int64_t BagPlayer::now_ns() const noexcept {
-  return begin_ns_ + static_cast<std::int64_t>(at_s_ * 1e9);
+  std::int64_t now_ns = begin_ns_ + static_cast<std::int64_t>(at_s_ * 1e9);
+  for (const Step& step : steps_)
+    if (now_ns > step.from_ns)
+      now_ns += step.length_ns;
+  return now_ns;
 }
 
 bool BagPlayer::advance(double elapsed_s, Picture& picture, Facts& facts, NodeTable& nodes) {
@@ -183,7 +245,7 @@ bool BagPlayer::advance(double elapsed_s, Picture& picture, Facts& facts, NodeTa
   if (!playing_)
     return jump;
   const std::int64_t before_ns = now_ns();
-  at_s_ = std::min(at_s_ + elapsed_s * speed_, static_cast<double>(end_ns_ - begin_ns_) * 1e-9);
+  at_s_ = std::min(at_s_ + elapsed_s * speed_, duration_s());
   if (now_ns() + 1 >= end_ns_)
     playing_ = false;
   feed(before_ns + 1, now_ns() + 1, picture, facts, nodes);
@@ -192,19 +254,36 @@ bool BagPlayer::advance(double elapsed_s, Picture& picture, Facts& facts, NodeTa
 
 void BagPlayer::feed(std::int64_t from_ns, std::int64_t to_ns, Picture& picture, Facts& facts,
                      NodeTable& nodes) {
-  (void)reader_.for_each_between(from_ns, to_ns, [&](const bag::BagMessage& message) {
+  const auto all = reader_.for_each_between(from_ns, to_ns, [&](const bag::BagMessage& message) {
     if (const Take& take = topics_[message.topic].take)
       take(message, picture, facts, nodes);
     return true;
   });
+  if (!all)
+    damaged(all.error().sentence);
+}
+
+std::string BagPlayer::note() const {
+  std::string note = damage();
+  for (const Step& step : steps_)
+    note += fmt::format("{}The recorder's clock stepped by {:.0f} s; that time is skipped.",
+                        note.empty() ? "" : " ", static_cast<double>(step.length_ns) * 1e-9);
+  return note;
 }
 
 nlohmann::json BagPlayer::to_json() const {
+  nlohmann::json verdict = verdict_;
+  if (const std::string sentence = damage(); !sentence.empty()) {
+    if (verdict.is_null())
+      verdict = {{"problems", nlohmann::json::array()}};
+    verdict["good"] = false;
+    verdict["problems"].push_back(sentence);
+  }
   return {{"t", rounded(at_s_)},
-          {"duration", rounded(static_cast<double>(end_ns_ - begin_ns_) * 1e-9)},
+          {"duration", rounded(duration_s())},
           {"playing", playing_},
           {"speed", speed_},
-          {"verdict", verdict_}};
+          {"verdict", verdict}};
 }
 
 }  // namespace voxtouch::view

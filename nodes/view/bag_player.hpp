@@ -3,6 +3,7 @@
 #include <atomic>
 #include <filesystem>
 #include <functional>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <thread>
@@ -33,8 +34,10 @@ class BagPlayer {
   /// shown before is gone.
   bool advance(double elapsed_s, Picture& picture, Facts& facts, NodeTable& nodes);
 
-  /// {t, duration, playing, speed, verdict: null or {good, problems}}
+  /// {t, duration, playing, speed, verdict: null or {good, problems}}. A damaged bag is not good.
   nlohmann::json to_json() const;
+  /// For people: what could not be read, and where the recorder's clock stepped. Empty: nothing.
+  std::string note() const;
   /// As the rendering node said it; empty where it did not.
   const std::string& scene_file() const noexcept { return scene_file_; }
   /// Of the bag's times, as NodeTable is told them [ns].
@@ -55,6 +58,15 @@ class BagPlayer {
     std::size_t topic = 0;
     std::vector<std::byte> bytes;
   };
+  /// A time without messages that is too long for a ring: the recorder's clock stepped. It is
+  /// skipped.
+  struct Step {
+    std::int64_t from_ns = 0, length_ns = 0;
+  };
+  void find_steps();
+  double duration_s() const noexcept;
+  void damaged(const std::string& sentence);
+  std::string damage() const;
   void feed(std::int64_t from_ns, std::int64_t to_ns, Picture& picture, Facts& facts,
             NodeTable& nodes);
   void collect_facts(const std::filesystem::path& path);
@@ -65,6 +77,9 @@ class BagPlayer {
   std::vector<Seldom>
       seldom_;  ///< all such messages, by time; of the thread that collects them, until it has
   std::int64_t begin_ns_ = 0, end_ns_ = 0;
+  std::vector<Step> steps_;  ///< by time
+  mutable std::mutex mutex_;
+  std::string damage_;  ///< of both threads, under the mutex
   double at_s_ = 0.0, speed_ = 1.0;
   bool playing_ = true;
   std::optional<double> seek_s_ = 0.0;

@@ -84,11 +84,10 @@ void ContactPoints::look() {
     return;
   if (scene_) {
     built_.reset();
-    building_ = std::async(std::launch::async, [scene = *std::exchange(scene_, std::nullopt),
-                                                cache = cache_] {
+    building_ = std::async(std::launch::async, [scene = *std::exchange(scene_, std::nullopt)] {
       give_way();
       return scene_build::build_here(
-          scene, {.who = "view", .cache = cache, .loop = serial_for(), .tells_progress = false});
+          scene, {.who = "view", .loop = serial_for(), .tells_progress = false});
     });
   } else if (built_ && (question_ || slice_question_)) {
     finding_ = std::async(

@@ -11,7 +11,6 @@
 
 #include "core/rendering/build.hpp"
 #include "core/scene/scene.hpp"
-#include "nodes/scene_build/cache_options.hpp"
 #include "nodes/view/voxel_slice.hpp"
 
 namespace voxtouch::view {
@@ -21,7 +20,6 @@ namespace voxtouch::view {
 /// is under way.
 class ContactPoints {
  public:
-  explicit ContactPoints(const scene_build::CacheOptions& cache) : cache_(cache) {}
   /// Another scene; built when its turn comes.
   void scene_is(const scene::Scene& scene);
   /// Which points touch with the tool at `object` in W, where moving objects are at `scene_time_s`.
@@ -50,7 +48,6 @@ class ContactPoints {
     std::optional<nlohmann::json> slice;
   };
 
-  scene_build::CacheOptions cache_;
   std::optional<scene::Scene> scene_;  ///< to be built
   std::optional<Question> question_;
   std::optional<SliceQuestion> slice_question_;

@@ -78,7 +78,8 @@ class PageServer::Impl {
     std::size_t frames = 0;  ///< among them
     std::string incoming;
     Clock::time_point second{};
-    int messages = 0;  ///< in this second
+    int messages = 0;      ///< in this second
+    bool refused = false;  ///< gets one sentence and is closed
   };
 
  public:
@@ -106,6 +107,9 @@ class PageServer::Impl {
     info.protocols = protocols;
     info.user = this;
     info.keepalive_timeout = 30;
+    // A page that does not answer a ping (frozen, or its host is gone) loses its place after 20 s.
+    static const lws_retry_bo_t idle{nullptr, 0, 0, 10, 20, 0};
+    info.retry_and_idle_policy = &idle;
     lws_vhost* vhost = lws_create_vhost(context_, &info);
     if (!vhost && !options.port_is_wished) {
       info.port = 0;
@@ -191,8 +195,8 @@ class PageServer::Impl {
 
   /// Host and Origin of any request; empty: it may come in.
   std::string why_not(lws* wsi) const {
-    if (!access_.admits_host(header(wsi, WSI_TOKEN_HOST)))
-      return "This server answers to its own address only.";
+    if (const std::string host = header(wsi, WSI_TOKEN_HOST); !access_.admits_host(host))
+      return "This server answers to its own address only." + access_.remedy_for(host);
     if (!access_.admits_origin(header(wsi, WSI_TOKEN_ORIGIN)))
       return "Pages of other sites get nothing here.";
     return {};
@@ -202,8 +206,6 @@ class PageServer::Impl {
     std::string why = why_not(wsi);
     if (why.empty() && !access_.admits_token(token_of(wsi)))
       why = "The token in the address is missing or wrong.";
-    if (why.empty() && clients_.size() >= kMaxClients)
-      why = "Too many pages are open.";
     return why;
   }
 
@@ -243,7 +245,17 @@ class PageServer::Impl {
   }
 
   int open(lws* wsi, Client** client) {
-    *client = new Client;  // libwebsockets keeps the pointer; `close` ends it
+    *client = new Client;                  // libwebsockets keeps the pointer; `close` ends it
+    if (clients_.size() >= kMaxClients) {  // a browser shows no reason of a refused WebSocket
+      (*client)->refused = true;
+      (*client)->waiting.push_back(outgoing(
+          fmt::format(
+              R"({{"type":"refused","sentence":"{} pages are open, which is the limit: close one"}})",
+              kMaxClients),
+          false));
+      lws_callback_on_writable(wsi);
+      return 0;
+    }
     clients_.insert({wsi, *client});
     count_.store(clients_.size());
     (*client)->waiting.push_back(outgoing(greeting_(), false));
@@ -259,6 +271,8 @@ class PageServer::Impl {
   }
 
   int hear(lws* wsi, Client& client, std::string_view part) {
+    if (client.refused)
+      return 0;
     const auto end_it = [&](lws_close_status status, const char* why) {
       std::string text = why;
       lws_close_reason(wsi, status, reinterpret_cast<unsigned char*>(text.data()), text.size());
@@ -291,7 +305,10 @@ class PageServer::Impl {
       return -1;
     if (!client.waiting.empty())
       lws_callback_on_writable(wsi);
-    return 0;
+    if (!client.refused)
+      return 0;
+    lws_close_reason(wsi, LWS_CLOSE_STATUS_GOINGAWAY, nullptr, 0);
+    return -1;
   }
 
   /// Facts are few; a client that lets so many lie is gone.

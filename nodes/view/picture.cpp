@@ -42,7 +42,7 @@ constexpr Words kCommandWords[] = {{msg::force_command::kStatusRamping, "ramping
                                    {msg::force_command::kStatusHeldInput, "input held"},
                                    {msg::force_command::kStatusClamped, "clamped"},
                                    {msg::force_command::kStatusCapped, "capped"},
-                                   {msg::force_command::kStatusPassivity, "passivity"},
+                                   {msg::force_command::kStatusGrowing, "growing"},
                                    {msg::force_command::kStatusBounded, "damping bounded"}};
 
 /// The words of the bits that are set.
@@ -163,8 +163,8 @@ void Picture::close_rows(const scene::Scene* scene) {
   fresh_ = std::min(fresh_, closed_.size());
 }
 
-/// s; returned force x, y, z and size, contact force [N]; depth [mm]; energy [mJ]; added damping
-/// [Ns/m]. Null where nothing came.
+/// s; returned force x, y, z and size, contact force [N]; depth [mm]; energy [mJ]; force of
+/// injected damping [N]. Null where nothing came.
 json Picture::row_json(std::int64_t index, const Row& row, const scene::Scene* scene) const {
   json r = {rounded(static_cast<double>(index * kRowNs) * 1e-9)};
   if (row.command) {
@@ -182,7 +182,7 @@ json Picture::row_json(std::int64_t index, const Row& row, const scene::Scene* s
   }
   if (row.command) {
     r.push_back(rounded(row.command->energy_j * 1e3));
-    r.push_back(rounded(row.command->damping_ns_per_m));
+    r.push_back(rounded(row.command->injected_n));
   } else {
     r.insert(r.end(), 2, nullptr);
   }

@@ -36,7 +36,8 @@ std::string text_of(const json& j) {
 }
 
 bool is_bag(const std::filesystem::path& path) {
-  return std::filesystem::is_directory(path) || path.extension() == ".db3" ||
+  std::error_code error;
+  return std::filesystem::is_directory(path, error) || path.extension() == ".db3" ||
          path.extension() == ".mcap";
 }
 
@@ -60,7 +61,6 @@ class View {
   explicit View(const Options& options)
       : options_(options),
         participant_(options.node.participant("view")),
-        points_(options.cache),
         server_(
             options.server, [this] { return greeting(); },
             [this](std::string text) { hear(std::move(text)); }) {
@@ -150,6 +150,8 @@ class View {
     facts["counts"] = counts_of(rows);
     facts["latency"] = picture_.latency();
     facts["scene_note"] = scene_note();
+    if (player_)
+      facts["bag_note"] = player_->note();
     if (player_)
       facts["bag"] = player_->to_json();
     server_.send_fact(text_of(facts));

@@ -4,7 +4,6 @@
 #include <filesystem>
 
 #include "nodes/runtime/options.hpp"
-#include "nodes/scene_build/cache_options.hpp"
 #include "nodes/view/page_server.hpp"
 
 namespace voxtouch::view {
@@ -14,7 +13,6 @@ struct Options {
   std::filesystem::path
       shown;  ///< a bag, a scene file, or empty: the ring's own scene, if its file is at hand
   ServerOptions server;
-  scene_build::CacheOptions cache;
   bool to_stderr = false;  ///< the address is told there, since stdout belongs to somebody else
 };
 

@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 """A ring that feels the cup while a program attacks it from beside.
 
-    tests/attack/ring_under.py --build build --domain 64 -- build/bin/some_attack --domain 64 --seconds 10
+    tests/attack/ring_under.py --build build --domain 64 -- build/bin/some_attack --domain 64
+    --seconds 10
 
-Starts `voxtouch up`, waits until the hand feels the contact, runs the program, lets the ring come to its end, and judges: `up` ends by
-itself, no process is lost, the device never gets more force than the contact gives, and exit status and named problems agree. The
-program has to end with 0. Exit status 1 if something did not hold.
-"""
+Starts `voxtouch up`, waits until the hand feels the contact, runs the program, lets the ring come
+to its end, and judges: `up` ends by itself, no process is lost, the device never gets more force
+than the contact gives, and exit status and named problems agree. The program has to end with 0.
+Exit status 1 if something did not hold. """
 import argparse
 import json
 import pathlib
@@ -119,7 +120,8 @@ def main():
             if force is None or not 0.05 < force <= ask.most:
                 faults.append(f"{force} N reached the device, at most {ask.most} are right")
             print(
-                f"figure: largest force {force:.3f} N, {summary['samples']} samples, `up` ended with {up.returncode}: {'; '.join(problems) or 'no problem'}"
+                f"figure: largest force {force:.3f} N, {summary['samples']} samples, `up` ended"
+                f" with {up.returncode}: {'; '.join(problems) or 'no problem'}"
             )
     for fault in faults:
         print("FAULT:", fault)

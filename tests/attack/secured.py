@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
-"""A ring under --security beside each attack of the network, GUIDs of its own nodes forged among them: nothing reaches the loop, and no start fails.
+"""A ring under --security beside each attack of the network, GUIDs of its own nodes forged among
+them: nothing reaches the loop, and no start fails.
 
     tests/attack/secured.py --build build --domain 68
 
-For each attack: a ring runs in contact, the attack begins, the ring comes to its end; a second ring starts while the attack goes on. Counts
-foreign samples that any reader of a node had, starts that were refused, and runs that had a problem. The forger at last attacks a plain
-ring, which has to suffer: else it would prove nothing. Exit status 1 if something did not hold.
-"""
+For each attack: a ring runs in contact, the attack begins, the ring comes to its end; a second ring
+starts while the attack goes on. Counts foreign samples that any reader of a node had, starts that
+were refused, and runs that had a problem. The forger at last attacks a plain ring, which has to
+suffer: else it would prove nothing. Exit status 1 if something did not hold. """
 import argparse
 import json
 import pathlib
@@ -27,6 +28,7 @@ LIFTED = [
     "first_recorded_s=inf",
     "recorded_share=0",
     "silence_s=inf",
+    "force_losses=inf",
 ]  # what other work on a machine costs
 
 
@@ -168,7 +170,8 @@ def main():
             taken += had
             if had or named != 0:
                 faults.append(
-                    f"{name}: {had} foreign commands reached the device, {named} nodes name strangers"
+                    f"{name}: {had} foreign commands reached the device, {named} nodes name"
+                    " strangers"
                 )
             for run in runs:
                 faults += [
@@ -190,7 +193,8 @@ def main():
             run = plain.end()
             attack.wait(60)
             print(
-                f"figure: the same forgeries beside a plain ring: {'; '.join(run['problems']) or 'no problem'}"
+                "figure: the same forgeries beside a plain ring:"
+                f" {'; '.join(run['problems']) or 'no problem'}"
             )
             if run["ok"]:
                 faults.append("a plain ring does not suffer either: the forger proves nothing")

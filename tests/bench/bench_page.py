@@ -1,6 +1,7 @@
 #!/usr/bin/python3
-"""bench_page.py FOLDER: what deploy/bench measured (query.json, meshes.json, build.json, instructions.json, ring.json, as far as they are there) as one page,
-FOLDER/bench.md, with two pictures beside it where matplotlib is there."""
+"""bench_page.py FOLDER: what deploy/bench measured (query.json, meshes.json, build.json,
+instructions.json, ring.json, as far as they are there) as one page, FOLDER/bench.md, with two
+pictures beside it where matplotlib is there."""
 import json
 import pathlib
 import statistics
@@ -52,13 +53,17 @@ def time_word(ns):
     return (
         "–"
         if ns is None
-        else f"{ns:.3g} ns"
-        if ns < 1e3
-        else f"{ns / 1e3:.3g} µs"
-        if ns < 1e6
-        else f"{ns / 1e6:.3g} ms"
-        if ns < 1e9
-        else f"{ns / 1e9:.3g} s"
+        else (
+            f"{ns:.3g} ns"
+            if ns < 1e3
+            else (
+                f"{ns / 1e3:.3g} µs"
+                if ns < 1e6
+                else f"{ns / 1e6:.3g} ms"
+                if ns < 1e9
+                else f"{ns / 1e9:.3g} s"
+            )
+        )
     )
 
 
@@ -123,8 +128,11 @@ def query_part(m):
         "",
         machine(m.context) + ".",
         "",
-        f"CPU time of a frame, and ns a point; in brackets over reading 12 bytes a point ({', '.join(f'{n:,}: {time_word(m.ns(READ, str(), n))}' for n in m.sizes())}). "
-        "The last two columns are on a cup made of a mesh, whose surface has other voxels.",
+        (
+            "CPU time of a frame, and ns a point; in brackets over reading 12 bytes a point"
+            f" ({', '.join(f'{n:,}: {time_word(m.ns(READ, str(), n))}' for n in m.sizes())}). The"
+            " last two columns are on a cup made of a mesh, whose surface has other voxels."
+        ),
         "",
     ]
     lines += table(
@@ -211,8 +219,11 @@ def mesh_part(m):
         "",
         machine(m.context) + ".",
         "",
-        "A query of the same two meshes at the same poses, one process. `find` and `render` (adapted) look at the tool's shell at 0.5 mm and do not see the static "
-        "triangles. In brackets what was found: points, pairs of triangles, contacts.",
+        (
+            "A query of the same two meshes at the same poses, one process. `find` and `render`"
+            " (adapted) look at the tool's shell at 0.5 mm and do not see the static triangles. In"
+            " brackets what was found: points, pairs of triangles, contacts."
+        ),
         "",
     ]
     lines += table(
@@ -255,7 +266,10 @@ def build_part(m):
         "",
         machine(m.context) + ".",
         "",
-        "The cup at 0.5 mm, one thread. Our distances reach 2 voxels outside and 12 inside, OpenVDB's 3 to both sides, its default.",
+        (
+            "The cup at 0.5 mm, one thread. Our distances reach 2 voxels outside and 12 inside,"
+            " OpenVDB's 3 to both sides, its default."
+        ),
         "",
     ]
     lines += table(
@@ -283,7 +297,10 @@ def instructions_part(rows):
     return [
         "## Instructions a point",
         "",
-        f"{rows[0]['points']:,} points, counted by callgrind with AVX2; `field` on the cup made of a mesh.",
+        (
+            f"{rows[0]['points']:,} points, counted by callgrind with AVX2; `field` on the cup made"
+            " of a mesh."
+        ),
         "",
     ] + table(
         ["place"] + whats,
@@ -317,8 +334,11 @@ def ring_part(ring):
     lines = [
         "## Ring",
         "",
-        f"Medians of {ring['turns']} turns of {ring['seconds']:g} s each, load {ring['load']:.1f}. A round is three hops, at 1 kHz; ratios are of p50 within one turn, "
-        "median (least to most).",
+        (
+            f"Medians of {ring['turns']} turns of {ring['seconds']:g} s each, load"
+            f" {ring['load']:.1f}. A round is three hops, at 1 kHz; ratios are of p50 within one"
+            " turn, median (least to most)."
+        ),
         "",
     ]
     lines += table(
@@ -584,7 +604,10 @@ def main():
         [
             "# Benchmarks",
             "",
-            "Medians of interleaved runs. Compare ratios within a part: they are of one process, or of one turn.",
+            (
+                "Medians of interleaved runs. Compare ratios within a part: they are of one"
+                " process, or of one turn."
+            ),
             "",
         ],
         goals_part(query, meshes, build, ring),

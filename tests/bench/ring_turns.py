@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""ring_turns.py --build BUILD --out RESULT.json: our ring beside bare rings of Cyclone DDS (ring_bench), in turns, so that what else the machine does meets
-all alike. Times are of a whole round, which is three hops. Told, not judged: the machine decides more than the program."""
+"""ring_turns.py --build BUILD --out RESULT.json: our ring beside bare rings of Cyclone DDS
+(ring_bench), in turns, so that what else the machine does meets all alike. Times are of a whole
+round, which is three hops. Told, not judged: the machine decides more than the program."""
 import argparse
 import json
 import os
@@ -114,7 +115,9 @@ KINDS = {
 
 
 def calls_in_a_second(pid):
-    """System calls of the thread that answers samples, by name, as strace counts them for a second."""
+    """System calls of the thread that answers samples, by name, as strace counts them for a
+    second.
+    """
     end = subprocess.run(
         ["timeout", "-s", "INT", "1", "strace", "-c", "-p", str(pid)],
         capture_output=True,
@@ -126,7 +129,9 @@ def calls_in_a_second(pid):
 
 
 def system_calls(ask):
-    """{ring: {role: {name: calls in a second}}}, ours and the bare one with wait sets; nothing where strace is missing or may not look."""
+    """{ring: {role: {name: calls in a second}}}, ours and the bare one with wait sets; nothing
+    where strace is missing or may not look.
+    """
     if not shutil.which("strace"):
         return {}
     out = {}

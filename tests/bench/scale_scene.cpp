@@ -1,10 +1,32 @@
 #include "tests/bench/scale_scene.hpp"
 
+#include <algorithm>
+#include <bit>
+
 #include "core/contact/contact_query.hpp"
+#include "core/contact/instructions.hpp"
+#include "core/contact/leaf_kernel.hpp"
 #include "core/contact/query_kernel.hpp"
 
 namespace voxtouch::bench {
 namespace {
+
+/// Groups of spheres that a look-up looks at, from the group of `level` that begins at `first`
+/// downwards.
+double groups_below(const contact::Lookup& lookup,
+                    const std::vector<contact::SphereTree::Level>& levels, std::size_t level,
+                    std::size_t first) {
+  constexpr std::size_t kNodes = contact::SphereTree::kFanOut;
+  const std::size_t count = std::min(levels[level].count - first, kNodes);
+  std::uint32_t near =
+      contact::leaf_kernel(contact::instructions()).near_spheres(lookup, levels[level], first) &
+      ((1U << count) - 1U);
+  double groups = 1.0;
+  for (; level > 0 && near != 0; near &= near - 1)
+    groups += groups_below(lookup, levels, level - 1,
+                           kNodes * (first + static_cast<std::size_t>(std::countr_zero(near))));
+  return groups;
+}
 
 /// How many groups of spheres a look-up at this pose looks at.
 double looked_at(const contact::ContactQuery& query, const Pose& pose) {
@@ -22,11 +44,10 @@ double looked_at(const contact::ContactQuery& query, const Pose& pose) {
   const contact::QueryData data{&query.voxmap(), query.shell().size(),
                                 &query.tree(),   nullptr,
                                 nullptr,         nullptr};  // no point is looked at
-  std::vector<std::uint32_t> leaves(query.shell().size() / contact::SphereTree::kLeafPoints + 1);
-  const contact::NearLeaves near =
-      contact::near_leaves(data, frame, query.tree(), 0, SIZE_MAX, leaves.data());
-  return static_cast<double>((near.work - contact::SphereTree::kLeafPoints * near.count) /
-                             contact::kPointsPerLook);
+  const auto& levels = query.tree().levels();
+  return levels.empty()
+             ? 0.0
+             : groups_below({data, frame, data.voxmap->arrays()}, levels, levels.size() - 1, 0);
 }
 
 }  // namespace

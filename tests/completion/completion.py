@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Completion of bash, asked as bash asks, against the programs of the build; man pages of all of them; --version of each program.
+"""Completion of bash, asked as bash asks, against the programs of the build; man pages of all of
+them; --version of each program.
 
 usage: completion.py ROOT BIN VERSION
 """
@@ -65,8 +66,7 @@ CASES = (
         {"touch"},
     ),
     (("voxtouch", "up", "cup", "--device", "sim", ":"), {"omega_3", "touch"}, set()),
-    (("voxtouch", "up", "cup", "--device", "repl"), {"replay:"}, {"sim-phantom"}),
-    (("voxtouch", "up", "cup", "--device", "replay", ":", "/et"), {"/etc"}, {"touch"}),
+    (("voxtouch", "up", "cup", "--device", "sim", ":", "/et"), {"/etc"}, {"touch"}),
     (("voxtouch", "up", "cup", "--realtime", ""), {"ignore", "enforce"}, set()),
     (("voxtouch", "up", "cup", "--hand", "pen"), {"pen", "pen-firm"}, {"arm"}),
     (("voxtouch", "change", "--model", ""), {"original", "adapted", "field"}, set()),
@@ -80,11 +80,16 @@ def wrong_completions(root, binaries):
     for words, wanted, unwanted in CASES:
         given, err = replies(root, binaries, *words)
         if err or not wanted <= given or unwanted & given:
-            yield f"{' '.join(words)}: wanted {sorted(wanted)}, not {sorted(unwanted)}; got {sorted(given)} {err}"
+            yield (
+                f"{' '.join(words)}: wanted {sorted(wanted)}, not {sorted(unwanted)}; got"
+                f" {sorted(given)} {err}"
+            )
 
 
 def wrong_in_zsh(root, binaries):
-    """What a person sees who presses Tab in zsh, twice over: the first time loads it. Nothing where there is no zsh."""
+    """What a person sees who presses Tab in zsh, twice over: the first time loads it. Nothing where
+    there is no zsh.
+    """
     if not shutil.which("zsh"):
         print("zsh is not here: its completion is left out")
         return
@@ -114,7 +119,8 @@ def wrong_in_zsh(root, binaries):
 
         os.write(
             terminal,
-            f"fpath=({root}/deploy/completion $fpath); autoload -Uz compinit; compinit -u -D; echo rea''dy\n".encode(),
+            f"fpath=({root}/deploy/completion $fpath); autoload -Uz compinit; compinit -u -D; echo"
+            " rea''dy\n".encode(),
         )
         if not waits_for("ready"):
             yield "zsh does not get ready"
@@ -133,11 +139,16 @@ def wrong_in_zsh(root, binaries):
 
 
 def wrong_effects(root, binaries):
-    """Those of a scene that a rendering runs: a process of that name with such a command line stands in for it."""
+    """Those of a scene that a rendering runs: a process of that name with such a command line
+    stands in for it.
+    """
     with tempfile.TemporaryDirectory() as folder:
         scene = pathlib.Path(folder) / "own.yaml"
         scene.write_text(
-            "scene: own\neffects:\n  - viscosity: {damping_ns_per_m: 1}\n  - magnet: {x: 1}\n  - viscosity: {y: 2}\nmotions: {}\n",
+            (
+                "scene: own\neffects:\n  - viscosity: {damping_ns_per_m: 1}\n  - magnet: {x: 1}\n "
+                " - viscosity: {y: 2}\nmotions: {}\n"
+            ),
             encoding="utf-8",
         )
         named = pathlib.Path(folder) / "voxtouch_rendering"

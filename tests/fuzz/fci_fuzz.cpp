@@ -81,7 +81,7 @@ void states(const fci::Dialect& dialect, fuzz::Bytes in) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  constexpr std::array<std::uint16_t, 4> kVersions = {10, 9, 6, 5};
+  constexpr std::array<std::uint16_t, 8> kVersions = {10, 9, 6, 5, 3, 4, 7, 8};
   fuzz::Bytes in(data, size);
   const auto choice = in.take<std::uint8_t>();
   const fci::Dialect& dialect = *fci::dialect_of(kVersions[choice % kVersions.size()]);

@@ -74,6 +74,23 @@ void meshes() {
   put("mesh", "refused_ply_corner",
       with(2, 0,
            ply_head + "0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 99999999\n"));
+  const std::string l = "v 0 0 0\nv 4 0 0\nv 4 1 0\nv 2 1 0\nv 2 2 0\nv 0 2 0\n";
+  put("mesh", "obj_concave", with(0, 0, "\xef\xbb\xbf" + l + "f 2 3 4 5 6 1\nf 6 5 4 3 2 1\n"));
+  put("mesh", "obj_bridge",
+      with(0, 0, l + "v 1 0.5 0\nv 1 1 0\nv 1.5 0.5 0\nF 1 2 3 4 5 6 1 7 8 9 7\n"));
+  put("mesh", "refused_obj_crossing", with(0, 0, l + "f 1 2 3\nf 1 4 2 3 5\n"));
+  put("mesh", "stl_capitals",
+      with(1, 0,
+           "SOLID A\nFACET NORMAL -NAN(IND) 0 0\nOUTER LOOP\nVERTEX 0 0 0\nVERTEX 1 0 0\nVERTEX 0 "
+           "1 0\nENDLOOP\nENDFACET\nEND "
+           "SOLID A\n"));
+  put("mesh", "stl_tail", with(1, 0, samples::binary_stl(solid) + "tail"));
+  put("mesh", "refused_ply_strips",
+      with(2, 0,
+           "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty "
+           "float z\nelement tristrips "
+           "1\nproperty list int int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n4 0 1 2 "
+           "-1\n"));
   samples::Gltf gltf;
   put("mesh", "glb", with(4, 0, gltf.glb()));
   gltf.buffer =
@@ -84,6 +101,9 @@ void meshes() {
   samples::Collada collada;
   collada.unit = R"(<unit name="millimeter" meter="0.001"/>)";
   put("mesh", "dae", with(5, 0, collada.xml()));
+  collada.kind = "polygons", collada.faces = "1",
+  collada.p = "</p><ph><p>0 1 2</p><h>3 1 2</h></ph><p>";
+  put("mesh", "dae_hole", with(5, 0, collada.xml()));
 }
 
 void scenes(const fs::path& deploy) {

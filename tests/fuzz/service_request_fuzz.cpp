@@ -2,7 +2,8 @@
 // what is answered is of the parameters that there are, what is let through leaves every effect
 // within its ranges, and what is refused changes nothing and says why in words that can be printed.
 #include "nodes/rendering/effect_action.hpp"
-#include "nodes/rendering/request_limits.hpp"
+#include "nodes/rendering/effect_parameters.hpp"
+#include "nodes/runtime/request_limits.hpp"
 #include "tests/fuzz/effects.hpp"
 #include "tests/fuzz/service_types.hpp"
 #include "tests/fuzz/wire.hpp"
@@ -12,6 +13,8 @@ namespace {
 using namespace voxtouch;
 using namespace voxtouch::rendering_node;
 using fuzz::Asked;
+using runtime::all_of, runtime::change_fits, runtime::names_fit, runtime::parameters_fit,
+    runtime::prefixes_fit;
 
 std::string_view view(const char* text) { return text ? text : ""; }
 

@@ -112,12 +112,12 @@ TEST(AccuracyVerb, GivesTheSameErrorsForTheSameSeedAndOthersForAnother) {
   EXPECT_NE(errors("3"), errors("4"));
 }
 
-TEST(AccuracyVerb, TellsAPersonInATableAndEndsWithTheAdvice) {
+TEST(AccuracyVerb, PrintsATableAndTheChosenSetting) {
   const Finished run =
       voxtouch(small_run({"--models", "adapted,field", "--want-direction-deg", "90"}));
   ASSERT_EQ(run.status, 0) << run.err;
-  for (const char* word :
-       {"direction [deg]", "time [us]", "  adapted\n", "  field\n", "*> ", "CPU time", " 90 deg "})
+  for (const char* word : {"direction [deg]", "time [us]", "  adapted\n", "  field\n", "*> ",
+                           "CPU time", "  Chosen: "})
     EXPECT_NE(run.out.find(word), std::string::npos) << word << " in\n" << run.out;
 }
 

@@ -2,6 +2,9 @@
 /// standard output.
 #include <gtest/gtest.h>
 
+#include <unistd.h>
+
+#include <filesystem>
 #include <fstream>
 
 #include "tests/golden/golden.hpp"
@@ -43,6 +46,28 @@ class BadCall : public testing::Test {
 TEST_F(BadCall, OfNoVerbOrAnUnknownOne) {
   expect_refused({}, "subcommand");
   expect_refused({"sing"}, "subcommand");
+}
+
+TEST_F(BadCall, WithANameOf300LettersIsASentence) {
+  const std::string name(300, 'a'), said = std::string(64, 'a');
+  for (const char* verb : {"up", "view", "plan", "accuracy", "report", "replay"})
+    expect_refused({verb, name}, said);
+  expect_refused({"new", kMesh, "--out", name}, "File name too long");
+  expect_refused({"probe", kScene, "--poses", name}, "File name too long");
+  expect_refused({"view", name + "/x.yaml"}, said);
+}
+
+TEST_F(BadCall, InAFolderThatMayNotBeEnteredIsASentence) {
+  const std::filesystem::path closed = folder_ / "closed";
+  std::filesystem::create_directories(closed / "in");
+  std::filesystem::permissions(closed, std::filesystem::perms::none);
+  if (access((closed / "in").c_str(), F_OK) == 0)
+    GTEST_SKIP() << "root enters every folder";
+  for (const char* verb : {"up", "view", "plan", "report", "replay"})
+    expect_refused({verb, (closed / "in/x").string()}, "in/x");
+  expect_refused({"new", kMesh, "--out", (closed / "in/x.yaml").string()}, "Permission denied");
+  expect_refused({"probe", kScene, "--poses", (closed / "in/x.csv").string()}, "Permission denied");
+  std::filesystem::permissions(closed, std::filesystem::perms::owner_all);
 }
 
 TEST_F(BadCall, OfProbeWithoutItsFiles) {
@@ -95,6 +120,68 @@ TEST_F(BadCall, OfBuild) {
   expect_refused({"build", file("empty.obj", ""), "--voxel", "0.1", "--out", out}, "empty.obj");
   expect_refused({"build", kMesh, "--voxel", "0.1", "--out", file("is_a_file", "")}, "is_a_file");
   EXPECT_FALSE(std::filesystem::exists(out)) << "a call that was refused leaves nothing behind";
+}
+
+TEST(Environment, WithAFaultyDomainOnlyStopsWhatJoinsOne) {
+  for (const char* const domain : {"abc", "-1", "233", "7 "}) {
+    const std::string set = std::string("ROS_DOMAIN_ID='") + domain + "' ";
+    EXPECT_EQ(shell(set + "$VOXTOUCH schema").status, 0) << domain;
+    EXPECT_EQ(shell(set + "$VOXTOUCH up --help").status, 0) << domain;
+    const Finished status = shell(set + "$VOXTOUCH status");
+    EXPECT_EQ(status.status, 1) << domain;
+    EXPECT_TRUE(status.err.contains(std::string("ROS_DOMAIN_ID is '") + domain + "'"))
+        << status.err;
+    EXPECT_FALSE(shell(set + "$VOXTOUCH status --domain 59").err.contains("ROS_DOMAIN_ID"))
+        << "an option overrides the environment";
+  }
+}
+
+/// DDS's own line stands in the sentence, with the setting to change.
+TEST(Environment, OfDdsThatDoesNotStartNamesTheCause) {
+  struct Case {
+    const char* configuration;
+    const char* cause;
+  };
+  for (const auto& [configuration, cause] :
+       {Case{"<CycloneDDS><Domain><Nonsense>1</Nonsense></Domain></CycloneDDS>",
+             "correct CYCLONEDDS_URI"},
+        Case{"<CycloneDDS><Domain><Internal><SocketReceiveBufferSize min=\"1 "
+             "GiB\"/></Internal></Domain></CycloneDDS>",
+             "rmem_max"},
+        Case{"<CycloneDDS><Domain><General><Interfaces><NetworkInterface "
+             "name=\"none7\"/></Interfaces></General></Domain></CycloneDDS>",
+             "none7"},
+        Case{"<CycloneDDS><Domain><SharedMemory><Enable>true</Enable></SharedMemory></Domain></"
+             "CycloneDDS>",
+             "SharedMemory"}}) {
+    const Finished run = shell(std::string("CYCLONEDDS_URI='") + configuration +
+                               "' timeout 20 $VOXTOUCH status --domain 59");
+    EXPECT_EQ(run.status, 1) << run.err;
+    const std::string last = run.err.substr(run.err.rfind('\n', run.err.size() - 2) + 1);
+    EXPECT_TRUE(last.contains(cause)) << run.err;
+  }
+}
+
+TEST(DefaultBag, DiffersByRigDomainAndSecond) {
+  const TemporaryFolder folder;
+  const std::string run =
+      "XDG_DATA_HOME=" + folder.path().string() +
+      " $VOXTOUCH up plane --lockstep --one-process --duration 0.05 --no-report";
+  // Together, and in the shortest possible sequence.
+  EXPECT_EQ(shell(run + " --domain 59 & first=$!; " + run +
+                  " --domain 60 --rig other && wait $first && " + run + " --domain 59")
+                .status,
+            0);
+  std::size_t bags = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder / "voxtouch/recordings"))
+    bags += std::filesystem::exists(entry.path() / "metadata.yaml") ? 1U : 0U;
+  EXPECT_EQ(bags, 3U);
+}
+
+TEST(Watch, EndsWhenItsReaderGoes) {
+  const Finished run =
+      shell("timeout 20 sh -c '$VOXTOUCH status --watch --domain 59; echo $? >&2' | head -n 1");
+  EXPECT_TRUE(run.err.ends_with("1\n")) << run.err;
 }
 
 }  // namespace bad_calls_test

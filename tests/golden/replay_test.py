@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""voxtouch replay: recorded runs give the same bits again, what was planted is found at its sample, and what cannot be replayed gets a sentence.
+"""voxtouch replay: recorded runs give the same bits again, what was planted is found at its sample,
+and what cannot be replayed gets a sentence.
 
 usage: replay_test.py BIN DEPLOY [arguments of unittest]
 """
@@ -22,6 +23,7 @@ STATE, CONTACT, COMMAND = (
     "/haptic/rendering/contact",
     "/haptic/coupling/command",
 )
+DESIGN = "/haptic/coupling/design"
 ASKED, MADE = "/haptic/rendering/change", "/haptic/rendering/made"
 HEADER, NUMBER = (
     4,
@@ -46,6 +48,8 @@ def up_words(bag, scene, *words):
         "--no-report",
         "--record",
         bag,
+        "--record-format",
+        "sqlite3",
         "--json",
         *words,
     ]
@@ -66,16 +70,30 @@ def database(bag):
 
 
 def edit(bag, sql, *values):
+    """Changes the messages and what metadata.yaml counts: the bag is as if it had been
+    recorded so.
+    """
+    count = "SELECT COUNT(*) FROM messages"
     with sqlite3.connect(database(bag)) as connection:
+        before = connection.execute(count).fetchone()[0]
         done = connection.execute(sql, values).rowcount
+        after = connection.execute(count).fetchone()[0]
     connection.close()
+    metadata = pathlib.Path(bag) / "metadata.yaml"
+    if metadata.exists():
+        metadata.write_text(
+            metadata.read_text().replace(f"message_count: {before}\n", f"message_count: {after}\n")
+        )
     return done
 
 
 def messages(bag, topic):
     with sqlite3.connect(f"file:{database(bag)}?mode=ro", uri=True) as connection:
         return connection.execute(
-            "SELECT messages.id, data FROM messages JOIN topics ON topics.id = topic_id WHERE name = ? ORDER BY messages.id",
+            (
+                "SELECT messages.id, data FROM messages JOIN topics ON topics.id = topic_id WHERE"
+                " name = ? ORDER BY messages.id"
+            ),
             (topic,),
         ).fetchall()
 
@@ -86,6 +104,17 @@ def message_of(bag, topic, number):
         for row, data in messages(bag, topic)
         if struct.unpack_from("<Q", data, NUMBER)[0] == number
     )
+
+
+def gain_of(design):
+    """Where in a CouplingDesign's bytes the gain stands: behind session, sample, two bools, two
+    texts and two numbers.
+    """
+    at = HEADER + 20
+    for _ in range(2):
+        at += 4 + struct.unpack_from("<I", design, at)[0]
+        at += -(at - HEADER) % 4
+    return at + -(at - HEADER) % 8 + 16
 
 
 def scene_of(folder, name, *replacements):
@@ -100,24 +129,29 @@ def scene_of(folder, name, *replacements):
 
 
 class Storages(unittest.TestCase):
-    """A bag in MCAP, split, is a recorded run as one in sqlite3 is."""
+    """A bag as is the default, in MCAP, split, is a recorded run as one in sqlite3 is, which the
+    other cases change in SQL.
+    """
 
     def test_a_split_bag_in_mcap_gives_the_same_bits_and_has_its_report(self):
         with tempfile.TemporaryDirectory(prefix="voxtouch_test_replay_") as folder:
             bag = pathlib.Path(folder) / "cup"
-            record(
-                bag,
+            ran = voxtouch(
+                "up",
                 DEPLOY / "scenes/cup.yaml",
                 "--motion",
                 "slide",
                 "--lockstep",
                 "--duration",
                 "1.5",
-                "--record-format",
-                "mcap",
+                "--record",
+                bag,
                 "--record-split-s",
                 "0.6",
+                "--one-process",
+                "--no-report",
             )
+            self.assertEqual(ran.returncode, 0, ran.stderr)
             self.assertEqual(
                 sorted(file.name for file in bag.glob("*.mcap")),
                 ["cup_0.mcap", "cup_1.mcap", "cup_2.mcap"],
@@ -196,83 +230,16 @@ class Replay(unittest.TestCase):
         ):
             self.assertRegex(text, fact)
 
-    def test_a_recorded_hand_meets_in_a_live_ring_what_it_met_and_the_run_is_not_called_good(self):
-        played = self.folder / "played"
-        ran = voxtouch(
-            "up",
-            DEPLOY / "scenes/cup.yaml",
-            "--device",
-            f"replay:{self.cup}",
-            "--lockstep",
-            "--one-process",
-            "--no-report",
-            "--record",
-            played,
-            "--json",
-        )
-        told = json.loads(ran.stdout)
-        self.assertEqual((ran.returncode, told["ok"]), (1, False), ran.stderr)
-        self.assertEqual(
-            [problem for problem in told["problems"] if "recording" not in problem],
-            [],
-            "nothing else is wrong",
-        )
-        self.assertIn(f"recording ({self.cup})", told["problems"][0])
-        self.assertIn("recording of 2.0 s", ran.stderr)
-        for topic in (CONTACT, COMMAND):  # behind the session, which is another
-            before, after = (
-                [data[NUMBER:] for _, data in messages(bag, topic)] for bag in (self.cup, played)
-            )
-            self.assertEqual(len(before), 2000)
-            self.assertEqual(before, after, topic)
-        flags = [
-            {struct.unpack_from("<I", data, len(data) - 4)[0] for _, data in messages(bag, STATE)}
-            for bag in (self.cup, played)
-        ]
-        self.assertTrue(
-            all(not flag & 32 for flag in flags[0]) and all(flag & 32 for flag in flags[1]), flags
-        )
-        self.assertEqual(replay(played)[0], 0, "and its recording is one that can be replayed")
-
-    def test_a_recorded_hand_is_played_slower_and_over_what_a_bag_has_lost(self):
-        bag, played = self.copy(), self.folder / "slow"
-        row, _ = message_of(bag, STATE, 700)
-        self.assertEqual(edit(bag, "DELETE FROM messages WHERE id = ?", row), 1)
-        ran = voxtouch(
-            "up",
-            DEPLOY / "scenes/cup.yaml",
-            "--device",
-            f"replay:{bag}",
-            "--device-option",
-            "speed=0.5",
-            "--lockstep",
-            "--one-process",
-            "--no-report",
-            "--record",
-            played,
-            "--json",
-        )
-        self.assertRegex(ran.stderr, r"\b1 gaps\b.* 2 ms")
-        states = messages(played, STATE)
-        self.assertEqual(len(states), 3999)
-        half = [struct.unpack_from("<3d", data, POSE) for _, data in states]
-        whole = [struct.unpack_from("<3d", data, POSE) for _, data in messages(self.cup, STATE)]
-        self.assertEqual(half[0:1400:2], whole[0:700])
-        self.assertEqual(half[1402::2], whole[701:])
-        self.assertNotEqual(half[1400], whole[700], "it is reckoned")
-        self.assertTrue(
-            all(abs(a - b) < 1e-4 for a, b in zip(half[1400], whole[700])),
-            "and close: within some steps of the encoder",
-        )
-
     def other_build(self, *lines):
-        """A build's folder whose program is this build's, and what it wrote is changed by `lines` of Python."""
+        """A build's folder whose program is this build's, and what it wrote is changed by `lines`
+        of Python.
+        """
         program = self.folder / "other/bin/voxtouch"
         program.parent.mkdir(parents=True)
         program.write_text(
-            f"#!/usr/bin/python3\nimport sqlite3, struct, subprocess, sys\n"
+            "#!/usr/bin/python3\nimport sqlite3, struct, subprocess, sys\n"
             f"status = subprocess.run([{str(BIN / 'voxtouch')!r}, *sys.argv[1:]]).returncode\n"
-            f"made = sys.argv[sys.argv.index('--write') + 1]\n"
+            "made = sys.argv[sys.argv.index('--write') + 1]\n"
             + "\n".join(lines)
             + "\nsys.exit(status)\n"
         )
@@ -318,10 +285,20 @@ class Replay(unittest.TestCase):
         other = self.other_build(
             "import glob",
             "with sqlite3.connect(glob.glob(made + '/*.db3')[0]) as bag:",
-            f"    rows = bag.execute(\"SELECT messages.id, data FROM messages JOIN topics ON topics.id = topic_id WHERE name = '{COMMAND}'\").fetchall()",
-            f"    row, data = next(r for r in rows if struct.unpack_from('<Q', r[1], {NUMBER})[0] == 700)",
+            (
+                '    rows = bag.execute("SELECT messages.id, data FROM messages JOIN topics ON'
+                f" topics.id = topic_id WHERE name = '{COMMAND}'\").fetchall()"
+            ),
+            (
+                "    row, data = next(r for r in rows if struct.unpack_from('<Q', r[1],"
+                f" {NUMBER})[0] == 700)"
+            ),
             f"    x = struct.unpack_from('<d', data, {NUMBER + 24})[0]",
-            f"    bag.execute('UPDATE messages SET data = ? WHERE id = ?', (data[:{NUMBER + 24}] + struct.pack('<d', x + 0.25) + data[{NUMBER + 32}:], row))",
+            (
+                "    bag.execute('UPDATE messages SET data = ? WHERE id = ?',"
+                f" (data[:{NUMBER + 24}] + struct.pack('<d', x + 0.25) + data[{NUMBER + 32}:],"
+                " row))"
+            ),
         )
         picture = self.folder / "builds.svg"
         status, said, err = replay(bag, "--against", other, "--plot", picture)
@@ -346,42 +323,6 @@ class Replay(unittest.TestCase):
         shutil.rmtree(other)
         other = self.other_build("import os, signal", "os.kill(os.getpid(), signal.SIGKILL)")
         self.assertIn("signal 9", self.refused(self.cup, "--against", other))
-
-    def test_what_holds_no_hand_is_not_played(self):
-        empty = self.copy()
-        edit(
-            empty,
-            "DELETE FROM messages WHERE topic_id IN (SELECT id FROM topics WHERE name = '/haptic/device/description')",
-        )
-        unit = self.copy("unit")
-        row, data = message_of(unit, STATE, 5)
-        edit(
-            unit,
-            "UPDATE messages SET data = ? WHERE id = ?",
-            data[:POSE] + struct.pack("<d", float("nan")) + data[POSE + 8 :],
-            row,
-        )
-        for bag, words, says in (
-            (empty, (), "does not say what device gave its samples"),
-            (unit, (), "pose of the device that this version does not read"),
-            (self.folder / "none", (), "none"),
-            (self.cup, ("--device-option", "rig=other"), "holds no rig 'other', but haptic"),
-            (self.cup, ("--device-option", "speed=20"), "speed is '20'"),
-            (self.cup, ("--hand", "pen"), "recorded hand goes where it was recorded"),
-        ):
-            ran = voxtouch(
-                "up",
-                DEPLOY / "scenes/cup.yaml",
-                "--device",
-                f"replay:{bag}",
-                "--lockstep",
-                "--one-process",
-                "--no-report",
-                "--no-record",
-                *words,
-            )
-            self.assertEqual(ran.returncode, 1, says)
-            self.assertIn(says, ran.stderr + ran.stdout)
 
     def test_moving_objects_and_a_virtual_tool_give_the_same_bits(self):
         for scene, motion in (
@@ -412,8 +353,10 @@ class Replay(unittest.TestCase):
         scene.write_text(
             re.sub(
                 r"^motions:.*$",
-                "motions:\n  clutched: {path: [[0, 0, 0.03], [0, 0, 0.007]], speed_m_per_s: 0.1, hold_s: 0.2, "
-                "press: [{button: 0, from_s: 1, to_s: 1.5}]}",
+                (
+                    "motions:\n  clutched: {path: [[0, 0, 0.03], [0, 0, 0.007]], speed_m_per_s:"
+                    " 0.1, hold_s: 0.2, press: [{button: 0, from_s: 1, to_s: 1.5}]}"
+                ),
                 text,
                 flags=re.M,
             )
@@ -430,7 +373,9 @@ class Replay(unittest.TestCase):
         self.equal(self.folder / "bag", 2500)
 
     def change(self, bag, scene, changes, *words):
-        """Records a run that is changed while it runs: by numbers of samples in lockstep, else at once."""
+        """Records a run that is changed while it runs: by numbers of samples in lockstep, else at
+        once.
+        """
         ring = subprocess.Popen(
             [BIN / "voxtouch", *map(str, up_words(bag, scene, *words))],
             stdout=subprocess.PIPE,
@@ -488,7 +433,9 @@ class Replay(unittest.TestCase):
         )
 
     def test_a_record_more_than_the_rendering_counts_is_said(self):
-        """As in a bag of `ros2 bag record`, which takes a stranger's record too: our recorder refuses it (tests/ring/forged_record_test.cpp)."""
+        """As in a bag of `ros2 bag record`, which takes a stranger's record too: our recorder
+        refuses it (tests/ring/forged_record_test.cpp).
+        """
         bag = self.copy()
         session = struct.unpack_from("<Q", message_of(bag, STATE, 0)[1], HEADER)[0]
         forged = b"\0\1\0\0" + struct.pack(
@@ -511,7 +458,10 @@ class Replay(unittest.TestCase):
         self.assertEqual(
             edit(
                 bag,
-                "INSERT INTO messages (topic_id, timestamp, data) SELECT id, ?, ? FROM topics WHERE name = ?",
+                (
+                    "INSERT INTO messages (topic_id, timestamp, data) SELECT id, ?, ? FROM topics"
+                    " WHERE name = ?"
+                ),
                 1_000_000_000,
                 forged,
                 MADE,
@@ -522,6 +472,38 @@ class Replay(unittest.TestCase):
         self.assertEqual((status, said["changes"]), (0, 1), f"{said} {err}")
         self.assertIn("sample 1000", said["missing"][0])
         self.assertRegex(said["missing"][1], r"\b1 records\b.*\b0\b")
+
+    def test_a_design_that_holds_from_another_sample_or_differs_by_a_bit_is_found(self):
+        bag = self.folder / "bag"
+        self.change(
+            bag,
+            DEPLOY / "scenes/cup_friction.yaml",
+            [("friction", "stiffness_n_per_m=80", "--from-sample", 1500)],
+            "--motion",
+            "slide",
+            "--lockstep",
+            "--duration",
+            "3",
+        )
+        self.assertEqual(self.equal(bag, 3000)["design"], {"compared": 2, "differ": 0})
+        (first, design), (second, later) = messages(bag, DESIGN)
+        self.assertEqual(struct.unpack_from("<Q", later, NUMBER)[0], 1500)
+        late = bytearray(later[:NUMBER] + struct.pack("<Q", 1600) + later[NUMBER + 8 :])
+        late[gain_of(later)] ^= 1
+        edit(bag, "UPDATE messages SET data = ? WHERE id = ?", bytes(late), second)
+        _, said, _ = replay(bag)
+        self.assertTrue(1600 <= said["command"]["first"]["sample"] <= 1700, said)
+        edit(bag, "UPDATE messages SET data = ? WHERE id = ?", later, second)
+        at = gain_of(design)
+        changed = bytearray(design)
+        changed[at] ^= 1  # the last bit of the gain
+        edit(bag, "UPDATE messages SET data = ? WHERE id = ?", bytes(changed), first)
+        status, said, _ = replay(bag)
+        self.assertEqual((status, said["design"]), (1, {"compared": 2, "differ": 1}), said)
+        self.assertRegex(" ".join(said["notes"]), r"Design 1: gain [0-9.]+ recorded, [0-9.]+ now")
+        edit(bag, "DELETE FROM messages WHERE id = ?", second)
+        _, said, _ = replay(bag)
+        self.assertIn("took up 2 designs, and the bag has 1", " ".join(said["missing"]))
 
     def real_time(self, bag):
         """Equal where the bag says all; else what is missing is said."""
@@ -540,7 +522,7 @@ class Replay(unittest.TestCase):
         said = self.real_time(self.folder / "bag")
         self.assertFalse(said["lockstep"])
 
-    def test_in_real_time_the_commands_tell_from_where_a_new_design_holds(self):
+    def test_in_real_time_the_bag_tells_from_where_a_new_design_holds(self):
         self.change(
             self.folder / "bag",
             DEPLOY / "scenes/cup_friction.yaml",
@@ -552,10 +534,12 @@ class Replay(unittest.TestCase):
         )
         said = self.real_time(self.folder / "bag")
         self.assertEqual(said["changes"], 1)
-        self.assertTrue(
-            said["missing"] or any(note.startswith("Design 2 began ") for note in said["notes"]),
-            said,
-        )
+        starts = [
+            struct.unpack_from("<Q", data, NUMBER)[0]
+            for _, data in messages(self.folder / "bag", DESIGN)
+        ]
+        self.assertTrue(len(starts) == 2 and starts[0] == 0 and starts[1] >= 2000, starts)
+        self.assertTrue(said["missing"] or said["design"] == {"compared": 2, "differ": 0}, said)
 
     def test_one_bit_of_a_device_sample_is_found_at_its_sample(self):
         bag = self.copy()
@@ -590,21 +574,25 @@ class Replay(unittest.TestCase):
             "<QQq", message_of(bag, STATE, 500)[1], HEADER
         )
         taken = struct.pack("<4xQQq6d", session, number, time_ns, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0)
-        insert = "INSERT INTO messages (topic_id, timestamp, data) SELECT id, ?, ? FROM topics WHERE name = '/haptic/rendering/external'"
+        insert = (
+            "INSERT INTO messages (topic_id, timestamp, data) SELECT id, ?, ? FROM topics WHERE"
+            " name = '/haptic/rendering/external'"
+        )
         self.assertEqual(edit(bag, insert, time_ns, b"\x00\x01\x00\x00" + taken[4:]), 1)
         status, said, _ = replay(bag)
         self.assertEqual((status, said["contact"]["first"]["sample"]), (1, 500), said)
         self.assertIn(
             "effects_wrench.force.y", [f["field"] for f in said["contact"]["first"]["fields"]]
         )
-        # 50 ms until it is late, 20 ms of fade from 1 N with 50 N/s; the hand rests, so that it is given no energy.
+        # 50 ms until it is late, 20 ms of fade from 1 N with 50 N/s; the hand rests, so that it is
+        # given no energy.
         self.assertTrue(68 <= said["contact"]["differ"] <= 74, said)
 
     def test_one_bit_of_a_recorded_answer_is_found_and_nothing_else(self):
         for topic, at, name, field in (
             (CONTACT, HEADER + 24 + 112, "contact", "wrench.force.x"),
             (COMMAND, HEADER + 32, "command", "wrench.force.x"),
-            (COMMAND, HEADER + 108, "command", "injected_n"),
+            (COMMAND, HEADER + 100, "command", "injected_n"),
         ):
             with self.subTest(topic):
                 bag = self.copy(f"{name}.{field}")
@@ -687,7 +675,10 @@ class Replay(unittest.TestCase):
         bag = self.copy()
         edit(
             bag,
-            "INSERT INTO messages (topic_id, timestamp, data) SELECT topic_id, timestamp, data FROM messages WHERE id = ?",
+            (
+                "INSERT INTO messages (topic_id, timestamp, data) SELECT topic_id, timestamp, data"
+                " FROM messages WHERE id = ?"
+            ),
             message_of(bag, COMMAND, 1300)[0],
         )
         self.assertIn("1 messages", self.equal(bag, 2000)["notes"][0])
@@ -696,7 +687,10 @@ class Replay(unittest.TestCase):
         bag = self.copy("undescribed")
         edit(
             bag,
-            "DELETE FROM messages WHERE topic_id = (SELECT id FROM topics WHERE name = '/haptic/device/description')",
+            (
+                "DELETE FROM messages WHERE topic_id = (SELECT id FROM topics WHERE name ="
+                " '/haptic/device/description')"
+            ),
         )
         self.assertIn("/haptic/device/description", self.refused(bag))
         bag = self.copy("truncated")
@@ -708,7 +702,10 @@ class Replay(unittest.TestCase):
         bag = self.copy("other version")
         edit(
             bag,
-            "UPDATE messages SET data = substr(data, 1, 100) WHERE topic_id = (SELECT id FROM topics WHERE name = ?)",
+            (
+                "UPDATE messages SET data = substr(data, 1, 100) WHERE topic_id = (SELECT id FROM"
+                " topics WHERE name = ?)"
+            ),
             STATE,
         )
         self.assertIn("another version", self.refused(bag))

@@ -1,14 +1,19 @@
 #!/usr/bin/env python3
-"""Fails where one name has two definitions in what is built: the linker takes one of them without a word.
+"""Fails where one name has two definitions in what is built: the linker takes one of them without a
+word.
 
-usage: one_definition.py headers BUILD   quick, a test: all headers of core, devices, nodes and qos compiled as one unit, which finds a
-                                         type or an inline function that two headers define; and every function that is inline in
-                                         a header but also defined in a source file (the unit's symbols against BUILD's objects),
-                                         or defined in two source files.
-       one_definition.py objects BUILD   thorough, for a BUILD made with -O0 -g1 -flto -ffat-lto-objects (deploy/sanitize odr): types
-                                         by -Wodr over all objects, functions by nm: a name that is strong in one and weak in
-                                         another, strong in two source files, or weak from two source files. This also finds what
-                                         only source files define.
+usage: one_definition.py headers BUILD   quick, a test: all headers of core, devices, nodes and qos
+                                         compiled as one unit, which finds a type or an inline
+                                         function that two headers define; and every function that
+                                         is inline in a header but also defined in a source file
+                                         (the unit's symbols against BUILD's objects), or defined in
+                                         two source files.
+       one_definition.py objects BUILD   thorough, for a BUILD made with -O0 -g1 -flto
+                                         -ffat-lto-objects (deploy/sanitize odr): types by -Wodr
+                                         over all objects, functions by nm: a name that is strong in
+                                         one and weak in another, strong in two source files, or
+                                         weak from two source files. This also finds what only
+                                         source files define.
 Exit status 1 and a sentence for each finding.
 """
 import argparse
@@ -49,7 +54,8 @@ class Build:
         self.entries = []  # (source relative to the root, object, flags)
         for entry in json.loads((self.folder / "compile_commands.json").read_text()):
             source = pathlib.Path(entry["file"])
-            # Files that are compiled together stand in one unit of the build folder; the unit then counts as the source.
+            # Files that are compiled together stand in one unit of the build folder; the unit then
+            # counts as the source.
             home = self.folder if source.is_relative_to(self.folder) else self.root
             if source.suffix not in (".cpp", ".cxx") or not source.is_relative_to(home):
                 continue
@@ -67,7 +73,8 @@ class Build:
                 )
         if not self.entries:
             sys.exit(
-                f"{self.folder} has no compiled sources of {', '.join(PRODUCTION)}: configure it first (deploy/build)."
+                f"{self.folder} has no compiled sources of {', '.join(PRODUCTION)}: configure it"
+                " first (deploy/build)."
             )
 
     def objects(self):
@@ -102,9 +109,10 @@ def mixed(strong, weak):
         n: f"is defined in {' and in '.join(sorted(p))}" for n, p in strong.items() if len(p) > 1
     }
     for name in strong.keys() & weak.keys():
-        findings[
-            name
-        ] = f"is defined in {' and '.join(sorted(strong[name]))}, and inline in {' and '.join(sorted(weak[name]))}"
+        findings[name] = (
+            f"is defined in {' and '.join(sorted(strong[name]))}, and inline in"
+            f" {' and '.join(sorted(weak[name]))}"
+        )
     findings |= {
         n: f"is defined inline in {' and in '.join(sorted(p))}"
         for n, p in weak.items()
@@ -124,7 +132,8 @@ def check_headers(build):
             folder, "all_headers.o"
         )
         unit.write_text("".join(f'#include "{h}"\n' for h in headers))
-        # -O0 and kept: every inline function leaves a symbol. (Templates do so where they are used: they cannot be strong.)
+        # -O0 and kept: every inline function leaves a symbol. (Templates do so where they are used:
+        # they cannot be strong.)
         made = run(
             [
                 build.compiler,
@@ -165,7 +174,8 @@ def check_headers(build):
             for _, _, name, place in symbols([unit_object], "-l"):
                 weak[name] = {short(place, build.root) or "a header"}
     print(
-        f"{len(headers)} headers, {len(objects)} of {len(build.entries)} objects, {len(strong)} strong names, {len(weak)} inline ones"
+        f"{len(headers)} headers, {len(objects)} of {len(build.entries)} objects,"
+        f" {len(strong)} strong names, {len(weak)} inline ones"
     )
     return mixed(strong, weak)
 
@@ -183,7 +193,8 @@ def check_objects(build):
     objects = build.objects()
     if len(objects) < len(build.entries):
         sys.exit(
-            f"{build.folder} has {len(objects)} of {len(build.entries)} objects: build its target `programs` first."
+            f"{build.folder} has {len(objects)} of {len(build.entries)} objects: build its target"
+            " `programs` first."
         )
     findings = []
     with tempfile.TemporaryDirectory() as folder:

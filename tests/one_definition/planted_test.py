@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Plants each kind of second definition in a small project and sees that the checks find it, and nothing where there is none.
+"""Plants each kind of second definition in a small project and sees that the checks find it, and
+nothing where there is none.
 
 usage: planted_test.py COMPILER
 """
@@ -11,55 +12,86 @@ import tempfile
 
 CHECK = pathlib.Path(__file__).with_name("one_definition.py")
 SOUND = {
-    "core/one.hpp": "#pragma once\nnamespace p { struct Step { int way; int go() const; }; bool clamp(double& v); }\n",
-    "core/one.cpp": '#include "core/one.hpp"\nbool p::clamp(double& v) { v = 1; return true; }\nint p::Step::go() const { return way; }\n',
-    "devices/two.hpp": "#pragma once\nnamespace p { struct Other { double x; }; inline int same() { return 1; } }\n",
-    "devices/two.cpp": '#include "devices/two.hpp"\nnamespace p { int use() { return same() + int(Other{1}.x); } }\n',
+    "core/one.hpp": (
+        "#pragma once\nnamespace p { struct Step { int way; int go() const; }; bool clamp(double&"
+        " v); }\n"
+    ),
+    "core/one.cpp": (
+        '#include "core/one.hpp"\nbool p::clamp(double& v) { v = 1; return true; }\nint'
+        " p::Step::go() const { return way; }\n"
+    ),
+    "devices/two.hpp": (
+        "#pragma once\nnamespace p { struct Other { double x; }; inline int same() { return 1;"
+        " } }\n"
+    ),
+    "devices/two.cpp": (
+        '#include "devices/two.hpp"\nnamespace p { int use() { return same() + int(Other{1}.x);'
+        " } }\n"
+    ),
 }
 TWO_INCLUDES = '#include "devices/two.hpp"\n'
 PLANTED = {  # name: (changed files, which checks find it, what they name)
     "nothing": ({}, [], ""),
     "a type in two headers": (
         {
-            "devices/two.hpp": "#pragma once\nnamespace p { class Step { public: double x, y; }; inline int same() { return 1; } }\n",
-            "devices/two.cpp": TWO_INCLUDES
-            + "namespace p { Step s; int use() { return same() + int(s.x); } }\n",
+            "devices/two.hpp": (
+                "#pragma once\nnamespace p { class Step { public: double x, y; }; inline int same()"
+                " { return 1; } }\n"
+            ),
+            "devices/two.cpp": (
+                TWO_INCLUDES + "namespace p { Step s; int use() { return same() + int(s.x); } }\n"
+            ),
         },
         ["headers", "objects"],
         "Step",
     ),
     "a function inline in a header and strong in a source file": (
         {
-            "devices/two.hpp": "#pragma once\nnamespace p { struct Other { double x; }; inline int same() { return 1; }\n"
-            "inline bool clamp(double& v) { if (v != v) v = 0; return false; } }\n",
-            "devices/two.cpp": TWO_INCLUDES
-            + "namespace p { int use() { double v = 1; return same() + clamp(v); } }\n",
+            "devices/two.hpp": (
+                "#pragma once\nnamespace p { struct Other { double x; }; inline int same() { return"
+                " 1; }\ninline bool clamp(double& v) { if (v != v) v = 0; return false; } }\n"
+            ),
+            "devices/two.cpp": (
+                TWO_INCLUDES
+                + "namespace p { int use() { double v = 1; return same() + clamp(v); } }\n"
+            ),
         },
         ["headers", "objects"],
         "p::clamp(double&)",
     ),
     "a function strong in two source files": (
         {
-            "devices/two.cpp": TWO_INCLUDES
-            + "namespace p { bool clamp(double&) { return false; } int use() { return same(); } }\n"
+            "devices/two.cpp": (
+                TWO_INCLUDES
+                + "namespace p { bool clamp(double&) { return false; } int use() { return same();"
+                " } }\n"
+            )
         },
         ["headers", "objects"],
         "p::clamp(double&)",
     ),
     "a type in a source file": (
         {
-            "devices/two.cpp": TWO_INCLUDES
-            + "namespace p { struct Step { double x[3]; }; Step s; int use() { return same() + int(s.x[0]); } }\n"
+            "devices/two.cpp": (
+                TWO_INCLUDES
+                + "namespace p { struct Step { double x[3]; }; Step s; int use() { return same() +"
+                " int(s.x[0]); } }\n"
+            )
         },
         ["objects"],
         "Step",
     ),
     "a function inline in two source files": (
         {
-            "core/one.cpp": SOUND["core/one.cpp"]
-            + "namespace p { inline int twice() { return 1; } int a() { return twice(); } }\n",
-            "devices/two.cpp": TWO_INCLUDES
-            + "namespace p { inline int twice() { return 2; } int use() { return same() + twice(); } }\n",
+            "core/one.cpp": (
+                SOUND["core/one.cpp"]
+                + "namespace p { inline int twice() { return 1; } int a() { return twice(); } }\n"
+            ),
+            "devices/two.cpp": (
+                TWO_INCLUDES
+                + "namespace p { inline int twice() { return 2; } int use() { return same() +"
+                " twice(); } }\n"
+            ),
         },
         ["objects"],
         "p::twice()",
@@ -111,9 +143,8 @@ def main():
                 )
                 wanted = check in finders
                 good = told.returncode == int(wanted) and (not wanted or name in told.stdout)
-                print(
-                    f"{'ok  ' if good else 'FAIL'} {check:8} {'finds' if wanted else 'passes'} {fault}"
-                )
+                verdict, expected = "ok  " if good else "FAIL", "finds" if wanted else "passes"
+                print(f"{verdict} {check:8} {expected} {fault}")
                 if not good:
                     print(told.stdout, told.stderr)
                     failures += 1

@@ -3,9 +3,11 @@
 
 usage: check_readmes.py ROOT BIN       BIN: the build's folder of programs, with `voxtouch` in it
 
-Looks at every .md file below ROOT that is no build's. In code and in backticks, a word that begins with a folder of the top level is a path;
-`voxtouch VERB --option` and `build/bin/X --option` are looked up in --help; `build/bin/X` may also be a target that is not built yet.
-Prints one sentence for each fault; exit status 1 where there is one.
+Looks at every .md file below ROOT that is no build's. In code and in backticks, a word that begins
+with a folder of the top level is a path; `voxtouch VERB --option` and `build/bin/X --option` are
+looked up in --help; `build/bin/X` may also be a target that is not built yet. Times of
+`deploy/demo` and `deploy/test` in the top README are held to deploy/results/times.md, if there is
+one. Prints one sentence for each fault; exit status 1 where there is one.
 """
 import functools
 import glob
@@ -16,8 +18,11 @@ import sys
 
 TOP = ("core", "deploy", "devices", "idl", "nodes", "qos", "tests")
 TOP_README_LINES = 200
-TOP_README_COLUMNS = 140
+README_LINES = 150
+COLUMNS = 100
 CELL = 120
+WORDS = 30_000  # of all pages together
+GENERATED = ("deploy/scenes/README.md", "deploy/results/", "deploy/CHANGELOG.md")
 
 
 def readmes(root):
@@ -29,8 +34,10 @@ def readmes(root):
 
 
 def code_of(text):
-    """Commands and words in code, one at a time: each line of a fenced block, and each span in backticks."""
-    fenced = re.compile(r"^```.*?\n(.*?)^```", re.DOTALL | re.MULTILINE)
+    """Commands and words in code, one at a time: each line of a fenced block, and each span in
+    backticks.
+    """
+    fenced = re.compile(r"^ *```.*?\n(.*?)^ *```", re.DOTALL | re.MULTILINE)
     for block in fenced.findall(text):
         yield from (
             line.split(" # ")[0].strip().removeprefix("$ ")
@@ -140,19 +147,92 @@ def wrong_commands(programs, words):
             yield f"'{' '.join(called)}' has no option '{option}'"
 
 
-def wrong_sizes(text):
-    lines = text.splitlines()
-    if len(lines) > TOP_README_LINES:
-        yield f"it has {len(lines)} lines, {TOP_README_LINES} are allowed"
+def wrong_sizes(text, most_lines):
+    """Lines of a page, and columns of its prose: tables, code and links may be longer."""
+    lines, code = text.splitlines(), False
+    if len(lines) > most_lines:
+        yield f"it has {len(lines)} lines, {most_lines} are allowed"
     for number, line in enumerate(lines, 1):
-        if len(line) > TOP_README_COLUMNS:
-            yield f"line {number} has {len(line)} columns, {TOP_README_COLUMNS} are allowed"
+        code ^= line.lstrip().startswith("```")
+        if (
+            len(line) > COLUMNS
+            and not code
+            and not line.startswith("|")
+            and "](" not in line
+            and "<!--" not in line
+        ):
+            yield f"line {number} has {len(line)} columns, {COLUMNS} are allowed"
+
+
+def wrong_cells(text):
+    for number, line in enumerate(text.splitlines(), 1):
         for cell in re.split(r"(?<!\\)\|", line) if line.startswith("|") else []:
             if len(cell.strip()) > CELL:
-                yield f"line {number} has a table cell of {len(cell.strip())} characters, {CELL} are allowed"
+                yield (
+                    f"line {number} has a table cell of {len(cell.strip())} characters, {CELL} are"
+                    " allowed"
+                )
+
+
+@functools.cache
+def retired_words():
+    """Pattern, word to use, and files that may use it: tests/readme/retired_words.txt."""
+    lines, words = (
+        pathlib.Path(__file__).parent / "retired_words.txt"
+    ).read_text().splitlines(), []
+    for line in lines:
+        if line and not line.startswith("#"):
+            pattern, use = line.rsplit(" | ", 1)
+            pattern, _, files = pattern.partition(" : ")
+            words.append((re.compile(pattern, re.IGNORECASE), use, files.split()))
+    return words
+
+
+def wrong_words(name, text):
+    """Words that the glossary replaces, outside code."""
+    text = re.sub(
+        r"^ *```.*?^ *```|`[^`]*`",
+        lambda code: "\n" * code[0].count("\n"),
+        text,
+        flags=re.DOTALL | re.MULTILINE,
+    )
+    for number, line in enumerate(text.splitlines(), 1):
+        for pattern, use, files in retired_words():
+            if name not in files and (found := pattern.search(line)):
+                yield f"line {number} has '{found[0]}', which pages do not use: {use}."
+
+
+def times_of(page):
+    """Minutes of each command, from the rows of deploy/results/times.md: | `deploy/demo` from
+    nothing | 4.1 min | ...
+    """
+    return {
+        command: float(minutes)
+        for command, minutes in re.findall(
+            r"^\| `(deploy/\w+)` from nothing \| ([\d.]+) min \|", page, re.MULTILINE
+        )
+    }
+
+
+def wrong_times(text, times):
+    """Times in a paragraph that begins with the command in bold: within 30 % of the
+    measured one.
+    """
+    for paragraph in text.split("\n\n"):
+        command = re.match(r"\s*\*\*`(deploy/\w+)`\*\*", paragraph)
+        for minutes in re.findall(r"(\d+) minutes", paragraph) if command else []:
+            measured = times.get(command[1])
+            if measured and not 0.7 <= float(minutes) / measured <= 1.3:
+                yield (
+                    f"it says {minutes} minutes for {command[1]}, deploy/results/times.md says"
+                    f" {measured}"
+                )
 
 
 def faults(root, programs):
+    times = root / "deploy/results/times.md"
+    measured = times_of(times.read_text(encoding="utf-8")) if times.exists() else {}
+    words_of_all = 0
     for file in readmes(root):
         text = file.read_text(encoding="utf-8")
         found = list(wrong_links(file, text))
@@ -161,9 +241,17 @@ def faults(root, programs):
             found += wrong_paths(root, file.parent, words)
             found += wrong_script_options(root, words)
             found += wrong_commands(programs, words)
-        if file == root / "README.md":
-            found += wrong_sizes(text)
+        is_top, name = file == root / "README.md", str(file.relative_to(root))
+        if not name.startswith(GENERATED):
+            found += (fault.rstrip(".") for fault in wrong_words(name, text))
+            found += wrong_sizes(text, TOP_README_LINES if is_top else README_LINES)
+            words_of_all += len(text.split())
+        if is_top:
+            found += wrong_cells(text)
+            found += wrong_times(text, measured)
         yield from (f"{file.relative_to(root)}: {fault}." for fault in dict.fromkeys(found))
+    if words_of_all > WORDS:
+        yield f"All pages have {words_of_all} words, {WORDS} are allowed."
 
 
 def main(root, binaries):

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""What the units of systemd, deploy/compose.yaml and deploy/Containerfile name is there: options of programs, settings, folders.
+"""What the units of systemd, deploy/compose.yaml and deploy/Containerfile name is there: options of
+programs, settings, folders.
 
 usage: check_services.py ROOT BIN       BIN: the build's folder of programs
 """
@@ -14,7 +15,9 @@ def options(text):
 
 
 def calls(root):
-    """(file, program, text behind it) of every program that is started, with what stands in rig.conf for it."""
+    """(file, program, text behind it) of every program that is started, with what stands in
+    rig.conf for it.
+    """
     settings = dict(
         re.findall(
             r"^#?([A-Z_]+)=(.*)", (root / "deploy/services/rig.conf").read_text(), re.MULTILINE

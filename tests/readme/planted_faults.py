@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""The check of READMEs finds each fault that is planted into a small tree, and none where there is none.
+"""The check of READMEs finds each fault that is planted into a small tree, and none where there is
+none.
 
 usage: planted_faults.py BIN
 """
@@ -17,6 +18,9 @@ $ voxtouch up SCENE --duration 10      # ten seconds
 build/bin/voxtouch design --device NAME
 deploy/run --fast
 ```
+
+**`deploy/demo`** takes about 4 minutes.
+
 | a | b |
 |---|---|
 | `voxtouch schema` | short |
@@ -34,8 +38,10 @@ PLANTED = {  # fault: (what stands there, what stands there instead, a word of t
     "option of a verb": ("--duration", "--druation", "no option"),
     "option of a script": ("--fast", "--slow", "no option"),
     "program": ("build/bin/voxtouch", "build/bin/vextouch", "no program"),
+    "time": ("about 4 minutes", "about 7 minutes", "says 4.2"),
     "cell": ("short", "long " * 30, "table cell"),
-    "line": ("See", "See " * 10, "columns"),
+    "line": ("**`deploy/demo`** takes", "word " * 30 + "**`deploy/demo`** takes", "columns"),
+    "word": ("takes about", "is felt, somebody says, after about", "pages do not use"),
     "length": ("# A project\n", "# A project\n" + "\n" * 200, "lines"),
 }
 
@@ -48,9 +54,11 @@ def sentences(text, binaries):
             "core/README.md": "# Core\n\n## Law\n",
             "core/law.cpp": "",
             "deploy/force.svg": "",
+            "deploy/demo": "",
+            "deploy/results/times.md": "| `deploy/demo` from nothing | 4.2 min | a note |\n",
             "deploy/run": "case $1 in --fast) ;; esac\n",
         }.items():
-            (root / name).parent.mkdir(exist_ok=True)
+            (root / name).parent.mkdir(exist_ok=True, parents=True)
             (root / name).write_text(content, encoding="utf-8")
         return list(check_readmes.faults(root, check_readmes.Programs(pathlib.Path(binaries))))
 

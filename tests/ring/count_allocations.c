@@ -1,6 +1,8 @@
-/* Preloaded into a node: counts malloc, calloc, realloc and free of the main thread (the loop) during a window of time, told apart by who
- * called: Cyclone DDS's library or anything else (our code, the C++ library on our behalf). Writes "ours N dds M" at exit.
- *   VOXTOUCH_COUNT_FILE  where to;  VOXTOUCH_COUNT_FROM_S, VOXTOUCH_COUNT_TO_S  seconds after the start */
+/* Preloaded into a node: counts malloc, calloc, realloc and free of the main thread (the loop)
+ * during a window of time. Calls of Cyclone DDS's library are counted apart from all others.
+ * Writes "ours N dds M" at exit.
+ *   VOXTOUCH_COUNT_FILE  output file
+ *   VOXTOUCH_COUNT_FROM_S, VOXTOUCH_COUNT_TO_S  window, seconds after the start */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <stdatomic.h>
@@ -28,30 +30,49 @@ static double now_s(void) {
 }
 
 static void count(void* caller) {
-  if (from_s > 1e8 || syscall(SYS_gettid) != getpid()) return;
+  if (from_s > 1e8 || syscall(SYS_gettid) != getpid())
+    return;
   const double t = now_s() - start_s;
-  if (t < from_s || t > to_s) return;
+  if (t < from_s || t > to_s)
+    return;
   const uintptr_t c = (uintptr_t)caller;
   atomic_fetch_add(c >= dds_low && c < dds_high ? &dds : &ours, 1);
 }
 
-void* malloc(size_t n) { count(__builtin_return_address(0)); return __libc_malloc(n); }
-void* calloc(size_t n, size_t m) { count(__builtin_return_address(0)); return __libc_calloc(n, m); }
-void* realloc(void* p, size_t n) { count(__builtin_return_address(0)); return __libc_realloc(p, n); }
+void* malloc(size_t n) {
+  count(__builtin_return_address(0));
+  return __libc_malloc(n);
+}
+void* calloc(size_t n, size_t m) {
+  count(__builtin_return_address(0));
+  return __libc_calloc(n, m);
+}
+void* realloc(void* p, size_t n) {
+  count(__builtin_return_address(0));
+  return __libc_realloc(p, n);
+}
 
 /* Freeing a scene in the loop would cost more than building a message: it counts too. */
-void free(void* p) { if (p) count(__builtin_return_address(0)); __libc_free(p); }
+void free(void* p) {
+  if (p)
+    count(__builtin_return_address(0));
+  __libc_free(p);
+}
 
 /* The address range of libddsc, from the kernel's own table. */
 static void find_dds(void) {
   char line[512];
   FILE* maps = fopen("/proc/self/maps", "r");
-  if (!maps) return;
+  if (!maps)
+    return;
   while (fgets(line, sizeof line, maps)) {
     unsigned long low, high;
-    if (!strstr(line, "libddsc.so") || sscanf(line, "%lx-%lx", &low, &high) != 2) continue;
-    if (!dds_low || low < dds_low) dds_low = low;
-    if (high > dds_high) dds_high = high;
+    if (!strstr(line, "libddsc.so") || sscanf(line, "%lx-%lx", &low, &high) != 2)
+      continue;
+    if (!dds_low || low < dds_low)
+      dds_low = low;
+    if (high > dds_high)
+      dds_high = high;
   }
   fclose(maps);
 }
@@ -60,13 +81,15 @@ __attribute__((constructor)) static void begin(void) {
   find_dds();
   start_s = now_s();
   const char *from = getenv("VOXTOUCH_COUNT_FROM_S"), *to = getenv("VOXTOUCH_COUNT_TO_S");
-  if (from && to) to_s = atof(to), from_s = atof(from);
+  if (from && to)
+    to_s = atof(to), from_s = atof(from);
 }
 
 __attribute__((destructor)) static void end(void) {
   const char* name = getenv("VOXTOUCH_COUNT_FILE");
   FILE* out = name ? fopen(name, "w") : NULL;
-  if (!out) return;
+  if (!out)
+    return;
   fprintf(out, "ours %ld dds %ld\n", atomic_load(&ours), atomic_load(&dds));
   fclose(out);
 }

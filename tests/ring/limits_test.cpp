@@ -2,6 +2,8 @@
 // signal, nothing left behind.
 #include <gtest/gtest.h>
 
+#include <unistd.h>
+
 #include <fstream>
 #include <sstream>
 
@@ -33,6 +35,22 @@ TEST(Descriptors, TooFewAreSaidAndNoProcessDiesOfThem) {
   }
   const Finished enough = run_with_descriptors(80);
   EXPECT_EQ(enough.status, 0) << enough.err;
+}
+
+/// Root has no such limit, so the processes run as a user that has no others.
+TEST(Threads, TooFewAreReportedWithoutAnAbort) {
+  if (geteuid() != 0)
+    GTEST_SKIP() << "needs root: the limit counts all threads of a user";
+  for (const int most : {1, 2, 3, 5, 8, 12, 16}) {
+    const Finished end = Process({"/usr/bin/setpriv", "--reuid", "64123", "--clear-groups",
+                                  "/usr/bin/prlimit", "--nproc=" + std::to_string(most),
+                                  VOXTOUCH_BIN "/voxtouch", "status", "--domain", fresh_domain()})
+                             .wait();
+    EXPECT_LT(end.status, 128) << most << " ended by a signal: " << end.err;
+    if (most <= 8) {
+      EXPECT_TRUE(end.err.contains("raise the limit of processes")) << most << ": " << end.err;
+    }
+  }
 }
 
 TEST(Options, ThatAreNoneAreRefusedAtOnce) {
@@ -120,7 +138,8 @@ TEST(ModelAlone, ARunInWhichAWallWasPassedSlowlyIsNoGoodOne) {
                                   ", stiffness_n_per_m: 30, rendering: model_alone"),
         {"--motion", "it", "--duration", "3", "--lockstep", "--one-process", "--no-record"});
     EXPECT_EQ(run.process.status, 1);
-    EXPECT_EQ(run.summary["fast_samples"], 0);
+    EXPECT_LE(run.summary["fast_samples"], 2)
+        << "the tool behind the spring may snap through the plate";
     EXPECT_EQ(run.summary["held_samples"], 0);
     EXPECT_GT(run.summary["passing_samples"], 10);
     EXPECT_EQ(run.summary["validator"]["disagree"], 0) << run.summary["problems"];

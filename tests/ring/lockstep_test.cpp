@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <cstring>
+#include <set>
 #include <thread>
 
 #include "core/types/geometry.hpp"
@@ -45,6 +47,61 @@ std::map<std::string, bag::TopicHash> lockstep_run(const TemporaryFolder& folder
   EXPECT_EQ(r.process.status, 0) << r.process.err << r.process.out;
   EXPECT_EQ(r.summary["ring_latency_us"]["p50"], 0.0) << "measured durations read 0 in lockstep";
   return hashes(folder / name);
+}
+
+/// One NodeStatus of a bag, as far as it is needed here.
+struct Status {
+  std::string node;
+  std::uint64_t session = 0;
+  std::uint32_t state = 0;
+};
+
+/// CDR: strings with their length before them, numbers at multiples of their size behind the header
+/// of 4 bytes.
+Status status_of(const std::vector<std::byte>& bytes) {
+  std::size_t at = 4;
+  const auto number = [&](auto& value) {
+    at = 4 + (at - 4 + sizeof value - 1) / sizeof value * sizeof value;
+    std::memcpy(&value, bytes.data() + at, sizeof value);
+    at += sizeof value;
+  };
+  const auto text = [&] {
+    std::uint32_t length = 0;
+    number(length);
+    const std::string word(reinterpret_cast<const char*>(bytes.data() + at), length - 1);
+    at += length;
+    return word;
+  };
+  Status status;
+  std::uint32_t pid = 0;
+  status.node = text();
+  text();  // the host
+  number(pid);
+  at += 16;  // the participant
+  number(status.session), number(status.state);
+  return status;
+}
+
+TEST(Lockstep, StartsTheDeviceWhenTheNodesThatItNeedsAreReady) {
+  const TemporaryFolder folder;
+  const RingResult r =
+      run_ring(shipped_scene("plane"), {"--lockstep", "--motion", "hit", "--duration", "0.2",
+                                        "--record", (folder / "bag").string()});
+  ASSERT_EQ(r.process.status, 0) << r.process.err << r.process.out;
+  const auto bag = bag::WholeBag::open(folder / "bag");
+  ASSERT_TRUE(bag) << bag.error().sentence;
+  const auto messages = bag->read_topic("/haptic/node_status", bag::WholeBag::Order::kArrival);
+  ASSERT_TRUE(messages) << messages.error().sentence;
+  constexpr std::uint32_t kReady = 1;
+  std::set<std::string> ready;
+  for (const auto& message : *messages) {
+    const Status status = status_of(message.bytes);
+    if (status.node == "device")
+      break;
+    if (status.state == kReady && status.session == 0)
+      ready.insert(status.node);
+  }
+  EXPECT_TRUE(ready.contains("rendering") && ready.contains("coupling")) << ready.size();
 }
 
 TEST(Lockstep, GivesTheSameBitsAloneBesideABurnerAndInOneProcess) {
@@ -233,7 +290,8 @@ TEST(BlockScene, IsCarriedFallsRestsAndIsPushedOverTheTable) {
     const auto commands =
         read_ring_topic<msg::ForceCommand>(folder / "bag", "/haptic/coupling/command");
     ASSERT_EQ(contacts.size(), 6500u);
-    constexpr double kWeight = 0.08 * 9.81, kLies = 0.015 - kWeight / (1.2e6 * 0.0016);
+    constexpr double kWeight = 0.08 * 9.81, kSixth = 0.008 / 6.0,
+                     kLies = 0.015 - 1e-4 * kSixth / 0.0016;  // the lower face is larger
     EXPECT_NEAR(-contacts[1400].wrench.force.z, kWeight, 0.05) << "held still in the air";
     EXPECT_NEAR(magnitude(commands[1400]), kWeight, 0.1) << "and the hand feels it";
     EXPECT_GT(contacts[1400].object_pose.position.z, 0.04);
@@ -248,8 +306,8 @@ TEST(BlockScene, IsCarriedFallsRestsAndIsPushedOverTheTable) {
         << "over the table, however the hand lifts or presses";
     EXPECT_LT(pushed.object_pose.position.x, pushed.tool_pose.position.x)
         << "behind it: its friction pulls";
-    EXPECT_LT(std::hypot(pushed.wrench.force.x, pushed.wrench.force.y), 0.45 * kWeight)
-        << "no more than friction and a rest";
+    EXPECT_LT(std::hypot(pushed.wrench.force.x, pushed.wrench.force.y), 0.5 * kWeight)
+        << "no more than friction and what accelerates it by 1 m/s^2";
     EXPECT_GT(contacts[6400].object_pose.position.z, 0.02) << "lifted off again";
   }
 }

@@ -35,10 +35,11 @@ double mean(const std::vector<double>& x, std::size_t at) {
   return std::accumulate(middle - kHalf, middle + kHalf, 0.0) / (2.0 * kHalf);
 }
 
-/// Wants 1 to 40 mm; what the hand gets is at least 0.95 of the certified stiffness times its
-/// depth, and rises, down to `most_m` deep. A ball of facets and points begins `late_m` deep. A
-/// contact that itself is softer gives `share` of that at least.
-void presses(const std::string& contact, double most_m, double late_m, double share = 0.95) {
+/// Wants 1 to 40 mm; what the hand gets is at least `share` of the certified stiffness times its
+/// depth, and rises, down to `most_m` deep. A ball of facets and points begins `late_m` deep.
+/// Behind the spring of K_c a contact of K displays K K_c/(K + K_c): these give `share` of K_c at
+/// least.
+void presses(const std::string& contact, double most_m, double late_m, double share = 0.5) {
   SCOPED_TRACE(contact);
   const TemporaryFolder folder;
   const RingResult ring =
@@ -64,6 +65,7 @@ void presses(const std::string& contact, double most_m, double late_m, double sh
       at_10_mm = f;
     if (const double here = f / (certified * d); here < worst)
       worst = here, worst_m = d;
+    EXPECT_LE(f, 1.01 * certified * d) << "hand " << d << " m deep";
     EXPECT_GE(f, share * certified * (d - late_m)) << "hand " << d << " m deep";
     if (d > deepest) {
       EXPECT_GE(f, last * (1.0 - 1e-3)) << "rises all the way; hand " << d << " m deep";
@@ -78,25 +80,25 @@ void presses(const std::string& contact, double most_m, double late_m, double sh
   EXPECT_GT(measured, 50);
 }
 
-TEST(PressRing, ReturnsTheCertifiedStiffnessWithTheField) {
+TEST(PressRing, RisesAndStaysBelowTheCertifiedWithTheField) {
   presses("model: field, stiffness_n_per_m3: 1.0e+8", 1.0, 1.2e-4);
 }
 /// A ball whose points are so soft takes some millimetres to become as stiff as is certified; deep
 /// in its normals cancel.
 TEST(PressRing, NeverFallsWhileTheHandGoesInWhereTheContactIsSoftAndItsNormalsCancel) {
-  presses("model: adapted, stiffness_n_per_m: 30", 1.0, 1e-4, 0.5);
+  presses("model: adapted, stiffness_n_per_m: 30", 1.0, 1e-4, 0.35);
 }
 TEST(PressRing, NeverFallsWhileTheHandGoesInWhereEachPointPushesAlongItsOwnNormal) {
-  presses("model: original, stiffness_n_per_m: 200", 0.009, 1e-4, 0.9);
+  presses("model: original, stiffness_n_per_m: 200", 0.009, 1e-4, 0.65);
 }
 TEST(PressRing, NeverFallsToTheEndWhateverTheModel) {
   for (const char* contact :
        {"model: original, stiffness_n_per_m: 200", "model: adapted, stiffness_n_per_m: 200"})
-    presses(contact, 1.0, 1e-4, 0.5);
+    presses(contact, 1.0, 1e-4, 0.65);
 }
 /// Deeper, the normals of the ball's points cancel, and the model falls back to each point's own.
-TEST(PressRing, ReturnsTheCertifiedStiffnessWithThePapersModelAsDeepAsItsNormalsAgree) {
-  presses("model: adapted, stiffness_n_per_m: 200", 0.007, 1e-4);
+TEST(PressRing, RisesAndStaysBelowTheCertifiedWithThePapersModel) {
+  presses("model: adapted, stiffness_n_per_m: 200", 0.007, 1e-4, 0.65);
 }
 
 }  // namespace

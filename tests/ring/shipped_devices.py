@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""A shipped device file runs: `voxtouch up --device sim:NAME --lockstep` for a stylus and for an arm, and for a file of one's own, also at 4 kHz.
+"""A shipped device file runs: `voxtouch up --device sim:NAME --lockstep` for a stylus and for an
+arm, and for a file of one's own, also at 4 kHz.
 
 usage: shipped_devices.py VOXTOUCH DOMAIN
 """
@@ -67,7 +68,8 @@ def main(program, domain):
                 wrong.append(f"{device}: {run.stderr} {summary.get('problems')}")
             elif summary["contact_samples"] < 100 or summary["max_force_n"] < 0.05:
                 wrong.append(
-                    f"{device}: hardly a touch, {summary['contact_samples']} samples, {summary['max_force_n']} N"
+                    f"{device}: hardly a touch, {summary['contact_samples']} samples,"
+                    f" {summary['max_force_n']} N"
                 )
             if says not in run.stderr:
                 wrong.append(f"{device}: '{says}' is not said: {run.stderr}")

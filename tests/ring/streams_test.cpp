@@ -79,14 +79,14 @@ INSTANTIATE_TEST_SUITE_P(Stderr, Streams, testing::Bool(), [](const auto& kind) 
   return kind.param ? "in_one_process" : "in_processes";
 });
 
-/// The bag's disk is full after half a megabyte: the ring goes on, what is missing is counted, and
-/// the run is no good one.
+/// The bag's disk is full after 64 KiB, a third of the bag: the ring goes on, what is missing is
+/// counted, and the run fails.
 TEST(Bag, OnAFullDiskIsCountedAndTheRunIsNoGoodOne) {
   const TemporaryFolder folder;
   const std::string path = (folder / "bag").string();
   for (const char* redirection : {"", "2>/dev/full"}) {
     std::filesystem::remove_all(path);
-    const RingResult r = run_redirected(redirection, {"--record", path}, "ulimit -f 1024; ");
+    const RingResult r = run_redirected(redirection, {"--record", path}, "ulimit -f 128; ");
     EXPECT_EQ(r.process.status, 1) << r.process.err;
     ASSERT_TRUE(r.summary.is_object()) << r.process.out << r.process.err;
     EXPECT_EQ(r.summary["ok"], false);

@@ -126,7 +126,8 @@ TEST(Up, OfTwoAtOnceExactlyOneRunsAndTheOtherSaysSo) {
 TEST(Up, RefusesARigWhoseRingAnswersLate) {
   const bus::Participant participant(
       {static_cast<std::uint32_t>(std::stoul(fresh_domain())), "lo", "a ring"});
-  runtime::StatusWriter status(participant, "up", "haptic");
+  bus::Writer<msg::RigClaim> claims(participant, qos::kRigClaim, "haptic",
+                                    qos::profile(qos::ProfileId::kStatus));
   runtime::NodeRegistry registry(participant, "haptic");
   Process up(up_arguments(shipped_scene("plane"),
                           {"--motion", "free", "--no-record", "--duration", "0.2"}));
@@ -134,9 +135,11 @@ TEST(Up, RefusesARigWhoseRingAnswersLate) {
       registry, [](const runtime::NodeReport& report) { return report.node == "up"; }, seconds(30)))
       << up.err();
   std::this_thread::sleep_for(milliseconds(250));
-  runtime::NodeReport runs;
-  runs.state = runtime::NodeState::kRunning;
-  status.publish(runs);
+  msg::RigClaim held{};
+  char host[] = "other";
+  held.host = host, held.state = msg::rig_claim::kStateHeld;
+  std::memcpy(held.participant, participant.guid().data(), participant.guid().size());
+  claims.write(held);
   const Finished end = up.wait();
   EXPECT_NE(end.status, 0);
   EXPECT_TRUE(end.err.contains("'haptic'")) << end.err;
@@ -239,8 +242,9 @@ TEST(Up, RefusesWhatItCannotDoWithASentence) {
   const std::string plane = shipped_scene("plane");
   EXPECT_NE(refusal(plane, {"--motion", "moonwalk"}).find("'moonwalk'"), std::string::npos);
   EXPECT_NE(refusal(plane, {"--device", "sim-omni"}).find("sim-phantom"), std::string::npos);
-  EXPECT_NE(refusal(plane, {"--device", "wire-lwr", "--device-option", "prot=1"}).find("period_ms"),
-            std::string::npos);
+  EXPECT_NE(
+      refusal(plane, {"--device", "emulated-lwr", "--device-option", "prot=1"}).find("period_ms"),
+      std::string::npos);
   EXPECT_NE(refusal(plane, {"--interface", "no_such_if0"}).find("no_such_if0"), std::string::npos);
   const RingResult nowhere = run_ring("/nowhere/scene.yaml", {"--duration", "1", "--no-record"});
   EXPECT_NE(nowhere.process.status, 0);

@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
-"""Builds and runs the unit tests that the changes of a work tree touch, on a tree that was built before. `deploy/test --quick` calls it.
+"""Builds and runs the unit tests that the changes of a work tree touch, on a tree that was built
+before. `deploy/test --quick` calls it.
 
 usage: quick_test.py [--since REV] [--minutes M] [--list]
 
-Touched are the test programs that Ninja would build anew; first come those of the folders that a change lies in, then those that take
-least to compile. What does not fit into the time is named and left out: `deploy/test` runs everything. Tests of the ring, of timing and
-long ones are not units and not run. Exit status 1 if a test fails or nothing could be built.
-"""
+Touched are the test programs that Ninja would build anew; first come those of the folders that a
+change lies in, then those that take least to compile. What does not fit into the time is named and
+left out: `deploy/test` runs everything. Tests of the ring, of timing and long ones are not units
+and not run. Exit status 1 if a test fails or nothing could be built. """
 import argparse
 import json
 import os
@@ -38,7 +39,8 @@ def stale_programs():
     subprocess.run(
         ["ninja", "-C", str(BUILD), "build.ninja"], check=True, stdout=subprocess.DEVNULL
     )  # new files make new steps
-    # A dry run ends before the first step where CMake's own check of folders stands in the file, as it does in a file of this name only.
+    # A dry run ends before the first step where CMake's own check of folders stands in the file, as
+    # it does in a file of this name only.
     copy = BUILD / "quick.ninja"
     copy.write_text((BUILD / "build.ninja").read_text())
     dry_run = ("ninja", "-C", str(BUILD), "-f", copy.name, "-n")
@@ -121,7 +123,8 @@ def main():
             file=sys.stderr,
         )
     print(
-        f"{len(programs) - len(failed) - len(left)} passed, {len(failed)} failed, {len(left)} skipped"
+        f"{len(programs) - len(failed) - len(left)} passed, {len(failed)} failed,"
+        f" {len(left)} skipped"
     )
     return 1 if failed else 0
 

@@ -2,22 +2,32 @@
 """Runs the tests of a build, and those that fail once more, alone. `deploy/test` calls it.
 
 usage: run_tests.py BUILD [arguments of ctest]
-       run_tests.py BUILD --case FILTER     the cases of this name of every test program, by a filter of GoogleTest such as 'Guard.*'
+       run_tests.py BUILD --case FILTER     the cases of this name of every test program, by a
+                                            filter of GoogleTest such as 'Guard.*'
 
-A test of the ring in real time needs its share of the processor; on a machine of unknown load one failure says little, two say much. So
-up to MOST tests that fail beside others run once more, one after the other, and the end of the output says which failed then too and which
-passed. Both outputs of each stay in BUILD/failed. Exit status 1 if a test fails twice, or if more than MOST failed.
-"""
+A test of the ring in real time needs its share of the processor; on a machine of unknown load one
+failure says little, two say much. So up to MOST tests that fail beside others run once more, one
+after the other, and the end of the output says which failed then too and which passed. Both outputs
+of each stay in BUILD/failed. Exit status 1 if a test fails twice, or if more than MOST failed.
+
+Tests find the programs of the packages in deploy/packages.txt and no others: PATH is
+BUILD/listed_programs (listed_programs.py). """
 import concurrent.futures
 import json
+import os
 import pathlib
 import re
 import shutil
 import subprocess
 import sys
+import time
 import xml.etree.ElementTree as xml
 
 HERE = pathlib.Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE))
+import build_progress  # noqa: E402
+import listed_programs  # noqa: E402
+
 MOST = 5  # more have a cause that is not the machine's load
 
 
@@ -46,7 +56,9 @@ def cases_of(program):
 
 
 def all_cases(build):
-    """The cases of each test program that is built, and under None the tests that are no such program."""
+    """The cases of each test program that is built, and under None the tests that are no such
+    program.
+    """
     tests = [
         (pathlib.Path(test["command"][0]), test["name"])
         for test in listing(build)
@@ -62,7 +74,9 @@ def all_cases(build):
 
 
 def run_cases(build, wanted):
-    """Runs what a filter of GoogleTest names, in every program that has it. True if something ran and nothing failed."""
+    """Runs what a filter of GoogleTest names, in every program that has it. True if something ran
+    and nothing failed.
+    """
     parts = [
         re.compile("".join({"*": ".*", "?": "."}.get(c, re.escape(c)) for c in part))
         for part in wanted.split("-")[0].split(":")
@@ -77,14 +91,19 @@ def run_cases(build, wanted):
     ]
     if not with_it:
         print(
-            f"No test program has a case '{wanted}'. 'Suite.*' are all cases of a suite, '*/Suite.*' those of one with parameters.",
+            (
+                f"No test program has a case '{wanted}'. 'Suite.*' are all cases of a suite,"
+                " '*/Suite.*' those of one with parameters."
+            ),
             file=sys.stderr,
         )
     return all(good) and bool(good)
 
 
 def named_in(output):
-    """Cases of GoogleTest that failed by what a program has said; where it ended in the middle, the one that ran then."""
+    """Cases of GoogleTest that failed by what a program has said; where it ended in the middle, the
+    one that ran then.
+    """
     failed = list(
         dict.fromkeys(re.findall(r"^\[  FAILED  \] ([\w/]+\.[\w/]+)", output, re.MULTILINE))
     )
@@ -114,20 +133,100 @@ def failures(junit):
     return out
 
 
+def known_seconds(build):
+    """Seconds that each test took in earlier runs of this build folder, as ctest keeps them."""
+    file = build / "Testing/Temporary/CTestCostData.txt"
+    lines = file.read_text(encoding="utf-8").split("\n---")[0].splitlines() if file.exists() else []
+    found = (re.fullmatch(r"(.*) (\d+) ([\d.eE+-]+)", line) for line in lines)
+    return {one[1]: float(one[3]) for one in found if one and int(one[2]) > 0}
+
+
+def plan(build, arguments):
+    """Name, seconds (None: unknown) and whether it holds the lock of real time, of each test that
+    these arguments select.
+    """
+    command = ["ctest", "--test-dir", str(build), "--show-only=json-v1", *arguments]
+    done = subprocess.run(command, capture_output=True, text=True)
+    tests = (
+        json.loads(done.stdout)["tests"]
+        if done.returncode == 0 and done.stdout.startswith("{")
+        else []
+    )
+    known, out = known_seconds(build), {}
+    for test in tests:
+        held = {one["name"]: one["value"] for one in test.get("properties", [])}
+        locked = "real_time" in held.get("RESOURCE_LOCK", []) or bool(held.get("RUN_SERIAL"))
+        out[test["name"]] = (known.get(test["name"]), locked)
+    return out
+
+
+def remaining(tests, workers=2):
+    """Seconds that these tests still take: those with the lock of real time one after the other,
+    all of them shared by the workers. Those of unknown time take the mean of the others; None if no
+    time is known."""
+    known = [seconds for seconds, _ in tests.values() if seconds is not None]
+    if tests and not known:
+        return None
+    mean = sum(known) / len(known) if known else 0.0
+    each = [(mean if seconds is None else seconds, locked) for seconds, locked in tests.values()]
+    return max(
+        sum(seconds for seconds, _ in each) / workers,
+        sum(seconds for seconds, locked in each if locked),
+    )
+
+
+def ended_test(line):
+    """Name and seconds of the test that ctest reports in this line; None of any other line."""
+    found = re.match(r" *\d+/\d+ Test +#\d+: (.*?) \.{2,}[ *].* ([\d.]+) sec", line)
+    return (found[1], float(found[2])) if found else None
+
+
+def report_time(left, seen):
+    """One line on stderr: how many tests are left, and for how long. `seen` holds seconds of those
+    that have run.
+    """
+    unknown_as = sum(seen) / len(seen) if seen else None
+    rest = remaining(
+        {
+            name: (unknown_as if seconds is None else seconds, locked)
+            for name, (seconds, locked) in left.items()
+        }
+    )
+    text = (
+        f"about {build_progress.duration(rest)}"
+        if rest is not None
+        else "time unknown on this machine"
+    )
+    print(f"  {len(left)} tests left, {text}", file=sys.stderr, flush=True)
+
+
 def ctest(build, junit, *arguments):
+    """Runs ctest; prints the plan at once and every 30 s the remaining time."""
     junit.unlink(missing_ok=True)
-    status = subprocess.run(
-        [
-            "ctest",
-            "--test-dir",
-            str(build),
-            "--output-on-failure",
-            "--output-junit",
-            str(junit),
-            *arguments,
-        ]
-    ).returncode
-    return status, failures(junit)
+    left, seen, last = plan(build, arguments), [], time.monotonic()
+    print(f"running {len(left)} tests, two at a time", file=sys.stderr, flush=True)
+    report_time(left, seen)
+    command = [
+        "ctest",
+        "--test-dir",
+        str(build),
+        "--output-on-failure",
+        "--output-junit",
+        str(junit),
+        *arguments,
+    ]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, errors="replace") as run:
+        for line in run.stdout:
+            sys.stdout.write(line)
+            sys.stdout.flush()
+            ended = ended_test(line)
+            if ended:
+                left.pop(ended[0], None)
+                seen.append(ended[1])
+            if ended and time.monotonic() - last >= 30.0:
+                last = time.monotonic()
+                report_time(left, seen)
+    return run.returncode, failures(junit)
 
 
 def keep(folder, outputs, when):
@@ -153,12 +252,17 @@ def main(build, *arguments):
         return 0 if run_cases(build, arguments[1] if len(arguments) > 1 else "*") else 1
     junit, kept, end = build / "tests.xml", build / "failed", []
     shutil.rmtree(kept, ignore_errors=True)
+    if listed_programs.link_programs(build / "listed_programs"):
+        os.environ["PATH"] = str(build / "listed_programs")
     status, first = ctest(build, junit, "-j", "2", *arguments)
     if status and first:
         lines = keep(kept, first, "beside_others")
         if len(first) > MOST:
             end = [
-                f"{len(first)} tests failed, which are too many to blame the machine's load; none was run once more:",
+                (
+                    f"{len(first)} tests failed, which are too many to blame the machine's load;"
+                    " none was run once more:"
+                ),
                 *lines,
             ]
         else:

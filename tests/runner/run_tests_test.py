@@ -3,29 +3,43 @@
 
 usage: run_tests_test.py RUN_TESTS
 """
+import os
 import pathlib
 import subprocess
 import sys
 import tempfile
 import unittest
+import unittest.mock
 
 RUN_TESTS = sys.argv.pop(1)
-HEAD = "[==========] Running 3 tests from 1 test suite.\n[ RUN      ] Guard.Holds\n[       OK ] Guard.Holds (0 ms)\n[ RUN      ] Guard.{0}\n"
-END = "[  FAILED  ] Guard.{0} (0 ms)\n[ RUN      ] Guard.Last\n[       OK ] Guard.Last (0 ms)\n[  FAILED  ] Guard.{0}\n"
+sys.path.insert(0, str(pathlib.Path(RUN_TESTS).resolve().parent))
+import run_tests  # noqa: E402
+
+HEAD = (
+    "[==========] Running 3 tests from 1 test suite.\n[ RUN      ] Guard.Holds\n[       OK ]"
+    " Guard.Holds (0 ms)\n[ RUN      ] Guard.{0}\n"
+)
+END = (
+    "[  FAILED  ] Guard.{0} (0 ms)\n[ RUN      ] Guard.Last\n[       OK ] Guard.Last (0 ms)\n[ "
+    " FAILED  ] Guard.{0}\n"
+)
 GOOD = "exit 0"
 LAST = f"printf '{HEAD.format('Fails')}[  FAILED  ] Guard.Fails (0 ms)\n'; exit 1".replace(
     "\n", "\\n"
 )
 BAD = f"printf '{HEAD.format('Fails') + END.format('Fails')}'; exit 1".replace("\n", "\\n")
 CRASHING = f"printf '{HEAD.format('Crashes')}'; kill -SEGV $$".replace("\n", "\\n")
-ONCE = f"if [ -e been ]; then exit 0; fi; touch been; printf '{HEAD.format('OfALateRing') + END.format('OfALateRing')}'; exit 1".replace(
-    "\n", "\\n"
+ONCE = (
+    "if [ -e been ]; then exit 0; fi; touch been; printf"
+    f" '{HEAD.format('OfALateRing') + END.format('OfALateRing')}'; exit 1".replace("\n", "\\n")
 )
 
 
 class Runner(unittest.TestCase):
     def run_with(self, **programs):
-        """(exit status, what was said at the end, the folder) of a run of these shell scripts as tests."""
+        """(exit status, what was said at the end, the folder) of a run of these shell scripts as
+        tests.
+        """
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         build = pathlib.Path(folder.name)
@@ -46,6 +60,51 @@ class Runner(unittest.TestCase):
             told,
         )
         self.assertIn("2 passed, 0 failed", told)
+
+    def test_prints_the_plan_at_once(self):
+        _, told, _ = self.run_with(devices_test=GOOD, wire_test=GOOD)
+        self.assertTrue(told.startswith("running 2 tests"), told)
+
+    def test_remaining_time_is_that_of_the_longer_queue(self):
+        tests = {"a": (30.0, True), "b": (50.0, True), "c": (20.0, False), "d": (None, False)}
+        self.assertAlmostEqual(run_tests.remaining(tests), 80.0)
+        self.assertAlmostEqual(run_tests.remaining({"c": (20.0, False), "e": (60.0, False)}), 40.0)
+        self.assertIsNone(run_tests.remaining({"d": (None, False)}))
+        self.assertEqual(run_tests.remaining({}), 0.0)
+
+    def test_reads_the_lines_of_ctest(self):
+        self.assertEqual(
+            run_tests.ended_test(
+                "  3/12 Test  #7: All/W.T/l  # GetParam() = l ...   Passed    1.50 sec\n"
+            ),
+            ("All/W.T/l  # GetParam() = l", 1.5),
+        )
+        self.assertEqual(
+            run_tests.ended_test("12/12 Test #12: bus_test ........***Failed    0.21 sec\n"),
+            ("bus_test", 0.21),
+        )
+        self.assertIsNone(run_tests.ended_test("      Start  7: bus_test\n"))
+
+    def test_reads_the_seconds_that_ctest_keeps(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder) / "Testing/Temporary/CTestCostData.txt"
+            file.parent.mkdir(parents=True)
+            file.write_text(
+                "All/Wire.Touches/lwr  # GetParam() = lwr 1 8.97\nnever_run 0 0\n---\nfailed_test\n"
+            )
+            self.assertEqual(
+                run_tests.known_seconds(pathlib.Path(folder)),
+                {"All/Wire.Touches/lwr  # GetParam() = lwr": 8.97},
+            )
+
+    def test_hides_programs_of_other_packages(self):
+        with tempfile.TemporaryDirectory() as folder:
+            planted = pathlib.Path(folder) / "planted"
+            planted.write_text("#!/bin/sh\nexit 0\n")
+            planted.chmod(0o755)
+            with unittest.mock.patch.dict(os.environ, {"PATH": f"{folder}:{os.environ['PATH']}"}):
+                status, told, _ = self.run_with(devices_test="planted")
+        self.assertEqual(status, 1, told)
 
     def test_names_the_case_that_fails_twice(self):
         status, told, build = self.run_with(devices_test=BAD, wire_test=GOOD)

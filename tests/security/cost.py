@@ -1,12 +1,14 @@
 #!/usr/bin/env python3
-"""What DDS Security costs a hop, measured in turns so that what else the machine does meets all alike.
+"""What DDS Security costs a hop, measured in turns so that what else the machine does meets all
+alike.
 
     tests/security/cost.py ring --build build      # the ring of five processes, plain and secured
-    tests/security/cost.py hop --build build       # three processes that hand a sample round, one kind of protection after the other
+    tests/security/cost.py hop --build build       # three processes that hand a sample round, one
+                                                   kind of protection after the other
 
-p50 and p99 are of a whole round, which is three hops; a ratio is of two rounds of one turn, or of their medians. Told, not judged, for the machine
-decides more than the program: read the load beside it.
-"""
+p50 and p99 are of a whole round, which is three hops; a ratio is of two rounds of one turn, or of
+their medians. Told, not judged, for the machine decides more than the program: read the load beside
+it. """
 import argparse
 import pathlib
 import re
@@ -90,8 +92,10 @@ def main():
         p50, p99 = (statistics.median(f[n] for f in figures) for n in (0, 1))
         pairs = sorted(f[0] / p[0] for f, p in zip(figures, plain))
         print(
-            f"figure: {kind}: p50 {p50:.0f} us, p99 {p99:.0f} us, a hop {(p50 - statistics.median(p[0] for p in plain)) / 3:+.1f} us; p50 over plain {p50 / statistics.median(p[0] for p in plain):.2f}, "
-            f"by turns {pairs[0]:.2f} to {pairs[-1]:.2f}, median {statistics.median(pairs):.2f}"
+            f"figure: {kind}: p50 {p50:.0f} us, p99 {p99:.0f} us, a hop"
+            f" {(p50 - statistics.median(p[0] for p in plain)) / 3:+.1f} us; p50 over plain"
+            f" {p50 / statistics.median(p[0] for p in plain):.2f}, by turns {pairs[0]:.2f} to"
+            f" {pairs[-1]:.2f}, median {statistics.median(pairs):.2f}"
         )
 
 

@@ -68,9 +68,6 @@ TEST(Keys, ArePrivateAndTakenForEveryRole) {
   }
   EXPECT_EQ(role_of("device"), "device");
   EXPECT_EQ(role_of("up"), "up");
-  EXPECT_EQ(role_of("rendering_standby"), "rendering")
-      << "a standby has the keys of the one that it stands by for";
-  EXPECT_EQ(role_of("_standby"), kTool);
   for (const char* reader : {"view", "status", "change", "doctor"})
     EXPECT_EQ(role_of(reader), kTool);
 }
@@ -101,7 +98,8 @@ TEST(Permissions, AreThoseOfTheTableOfTopics) {
                                                               topic.path == "external")
         << name;
     EXPECT_EQ(half(of("up"), "publish").contains(name),
-              topic.path == "node_status" || topic.path == "diagnostics" || topic.path == "rosout")
+              topic.path == "node_status" || topic.path == "rig_claim" ||
+                  topic.path == "diagnostics" || topic.path == "rosout")
         << name;
   }
   const auto named = [](const std::string& name) { return "<topic>" + name + "</topic>"; };
@@ -122,17 +120,13 @@ TEST(Permissions, AreThoseOfTheTableOfTopics) {
         EXPECT_EQ(half(of(other), "publish").contains(asked), other == "tool") << other << asked;
       }
     }
-  EXPECT_TRUE(half(of("coupling"), "publish")
-                  .contains(named(qos::reply_name(qos::kGetState, "left", "coupling_standby"))))
-      << "a standby serves its state by its own name";
   int commanding = 0;
   for (const std::string& role : roles())
     commanding += half(of(role), "publish").contains("coupling/command");
   EXPECT_EQ(commanding, 1) << "the coupling alone commands";
   EXPECT_FALSE(half(of("device"), "subscribe").contains("<topic>*<"));
-  EXPECT_TRUE(half(of("coupling"), "subscribe").contains("coupling/command"))
-      << "a standby hears whether the other one answers";
-  EXPECT_TRUE(half(of("rendering"), "subscribe").contains("rendering/contact"));
+  EXPECT_FALSE(half(of("coupling"), "subscribe").contains("coupling/command"));
+  EXPECT_FALSE(half(of("rendering"), "subscribe").contains("rendering/contact"));
   EXPECT_FALSE(half(of("device"), "subscribe").contains("device/state"));
   EXPECT_FALSE(half(of("logger"), "publish").contains("device/state"));
 }

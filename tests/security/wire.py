@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""What a listener on the wire sees of a ring: names of topics and types, words of messages, samples that are not enciphered.
+"""What a listener on the wire sees of a ring: names of topics and types, words of messages, samples
+that are not enciphered.
 
     tests/security/wire.py BUILD DOMAIN
 
-Captures loopback while a secured ring runs, and while a plain one does, which has to show plenty. Exit status 1: something passed in clear
-text, or the plain ring showed nothing; 77: this user may not capture.
-"""
+Captures loopback while a secured ring runs, and while a plain one does, which has to show plenty.
+Exit status 1: something passed in clear text, or the plain ring showed nothing; 77: this user may
+not capture. """
 import base64
 import pathlib
 import re
@@ -138,7 +139,8 @@ def main():
     for name, seen in (("secured", secured), ("plain", plain)):
         print(f"figure: {name}: " + ", ".join(f"{count} {what}" for what, count in seen.items()))
     print(
-        f"figure: the handshake's permissions {'name' if named else 'do not name'} topics to who decodes them"
+        f"figure: the handshake's permissions {'name' if named else 'do not name'} topics to who"
+        " decodes them"
     )
     good = (
         secured["with our words"] == secured["with a sample in clear text"] == 0

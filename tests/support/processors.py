@@ -1,4 +1,6 @@
-"""How much of the machine other programs take: a test judges times only where that is little, and tells them with the share otherwise."""
+"""How much of the machine other programs take: a test judges times only where that is little, and
+tells them with the share otherwise.
+"""
 import os
 import pathlib
 import time
@@ -7,7 +9,9 @@ QUIET = 0.1  # the share that programs of others may take
 
 
 class Processors:
-    """Which share of the processors programs of others take, from now on: of all time that they worked what is not this program's and its children's."""
+    """Which share of the processors programs of others take, from now on: of all time that they
+    worked what is not this program's and its children's.
+    """
 
     def __init__(self):
         self.begin = self.now()

@@ -1,7 +1,10 @@
 #pragma once
 /// What stands in for a node of the ring: a participant with a status, so that the others take it
 /// for what it plays.
+#include <cstring>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "nodes/runtime/node_registry.hpp"
 
@@ -19,6 +22,31 @@ struct StandIn {
   }
   bus::Participant participant;
   runtime::StatusWriter status;
+};
+
+/// A `voxtouch up` as far as its nodes see it.
+struct StandInUp {
+  StandInUp(std::uint32_t domain, const std::string& rig)
+      : participant({domain, "lo", "up"}),
+        claims(participant, qos::kRigClaim, rig, qos::profile(qos::ProfileId::kStatus)) {}
+  void name(const std::vector<std::pair<std::string, bus::Guid>>& players) {
+    std::vector<std::pair<std::string, bus::Guid>> kept = players;
+    std::vector<msg::RigRole> roles;
+    for (auto& [node, guid] : kept) {
+      msg::RigRole& role = roles.emplace_back();
+      role.node = node.data();
+      std::memcpy(role.participant, guid.data(), guid.size());
+    }
+    char host[] = "host";
+    msg::RigClaim claim{};
+    claim.host = host, claim.state = msg::rig_claim::kStateHeld;
+    std::memcpy(claim.participant, participant.guid().data(), participant.guid().size());
+    claim.roles._buffer = roles.data();
+    claim.roles._length = claim.roles._maximum = static_cast<std::uint32_t>(roles.size());
+    claims.write(claim);
+  }
+  bus::Participant participant;
+  bus::Writer<msg::RigClaim> claims;
 };
 
 /// A small stylus, simulated; its strings live for ever.

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""A bag of a version whose messages were laid out otherwise is refused with a sentence by `voxtouch view` and `report`; one that tells no
-hashes is read.
+"""A bag of a version whose messages were laid out otherwise is refused with a sentence by `voxtouch
+view` and `report`; one that tells no hashes is read.
 
 usage: old_bag.py VOXTOUCH DOMAIN
 """

@@ -57,8 +57,10 @@ def faults(root):
     for name in sorted(now.keys() | told.keys()):
         if now.get(name) != told.get(name):
             yield (
-                f"deploy/CHANGELOG.md: {name} has another layout than version {build} tells, so bags and nodes of before do not fit: say so there as "
-                "BREAKING, raise the version once that one is released, and write the table by tests/versions/versions.py --write"
+                f"deploy/CHANGELOG.md: {name} has another layout than version {build} tells, so"
+                " bags and nodes of before do not fit: say so there as BREAKING, raise the version"
+                " once that one is released, and write the table by tests/versions/versions.py"
+                " --write"
             )
 
 

@@ -1,4 +1,6 @@
-"""The page in a real browser: headless Chromium, driven by Selenium. Its pictures stay in VOXTOUCH_PICTURES, to be looked at."""
+"""The page in a real browser: headless Chromium, driven by Selenium. Its pictures stay in
+VOXTOUCH_PICTURES, to be looked at.
+"""
 import os
 import pathlib
 import signal
@@ -65,7 +67,9 @@ class Browser:
         self.driver.save_screenshot(str(PICTURES / name))
 
     def faults(self):
-        """What stands in the console, but for what taking pictures without a graphics card costs."""
+        """What stands in the console, but for what taking pictures without a graphics card
+        costs.
+        """
         return [
             line["message"]
             for line in self.driver.get_log("browser")
@@ -74,7 +78,9 @@ class Browser:
         ]
 
     def overlaps(self):
-        """Pairs of panels and words that stand over one another, and words that are cut off at the window's edge."""
+        """Pairs of panels and words that stand over one another, and words that are cut off at the
+        window's edge.
+        """
         return self.js(
             """(() => {
           const faults = [], of = s => [...document.querySelectorAll(s)].filter(e => e.offsetParent !== null && !e.hidden);
@@ -91,7 +97,9 @@ class Browser:
         )
 
     def low_contrast(self):
-        """Words whose contrast with the ground behind them is under 4.5:1, as WCAG counts it: over the picture too, where axe-core cannot tell."""
+        """Words whose contrast with the ground behind them is under 4.5:1, as WCAG counts it: over
+        the picture too, where axe-core cannot tell.
+        """
         return self.js(
             """(() => {
           const parse = c => c.match(/[\\d.]+/g).map(Number);
@@ -114,7 +122,8 @@ class Browser:
         )
         self.driver.execute_script(axe.read_text(encoding="utf-8"))
         found = self.driver.execute_async_script(
-            "const done = arguments[0]; axe.run(document).then(done, error => done({violations: [{id: String(error), nodes: []}]}))"
+            "const done = arguments[0]; axe.run(document).then(done, error => done({violations:"
+            " [{id: String(error), nodes: []}]}))"
         )
         return [
             (rule["id"], [node["html"][:100] for node in rule["nodes"]])
@@ -283,7 +292,8 @@ class InABrowser(unittest.TestCase):
                 until(lambda: browser.facts()["bag"]["t"] < at - 0.5, 5, "a step back")
                 browser.press(Keys.SPACE)
                 browser.js(
-                    "document.getElementById('speed').value = '4', document.getElementById('speed').dispatchEvent(new Event('change'))"
+                    "document.getElementById('speed').value = '4',"
+                    " document.getElementById('speed').dispatchEvent(new Event('change'))"
                 )
                 until(
                     lambda: browser.facts()["bag"]["t"]

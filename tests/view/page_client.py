@@ -1,4 +1,6 @@
-"""What the tests of the page share: rings and pages as child processes, and a plain HTTP and WebSocket client of the standard library."""
+"""What the tests of the page share: rings and pages as child processes, and a plain HTTP and
+WebSocket client of the standard library.
+"""
 import base64
 import contextlib
 import json
@@ -59,7 +61,9 @@ def fine_scene(folder, n):
 
 
 def until(holds, patience_s, what):
-    """The first true value of holds(); fails with a sentence after so long. `what`: the words, or a function that gives them then."""
+    """The first true value of holds(); fails with a sentence after so long. `what`: the words, or a
+    function that gives them then.
+    """
     end = time.monotonic() + patience_s
     while time.monotonic() < end:
         value = holds()
@@ -144,7 +148,9 @@ def request(address, path=None, host=None, headers=()):
 
 
 class WebSocket:
-    """RFC 6455 as far as a page needs it. `status` is that of the handshake: 101 where it was let in."""
+    """RFC 6455 as far as a page needs it. `status` is that of the handshake: 101 where it was let
+    in.
+    """
 
     def __init__(self, address, token=None, host=None, origin=None):
         parts = urllib.parse.urlsplit(address)
@@ -201,7 +207,9 @@ class WebSocket:
         self.send(json.dumps(words))
 
     def receive(self):
-        """The next message as JSON; None once the server has closed, whose code `closed` then is."""
+        """The next message as JSON; None once the server has closed, whose code `closed`
+        then is.
+        """
         text = b""
         while True:
             try:
@@ -216,6 +224,8 @@ class WebSocket:
             if first & 15 == 8:
                 self.closed = int.from_bytes(data[:2], "big")
                 return None
+            if first & 15 == 9:  # a ping of at most 125 bytes; the mask is 0
+                self.socket.sendall(bytes([0x8A, 0x80 | len(data), 0, 0, 0, 0]) + data)
             if first & 15 in (0, 1):
                 text += data
                 if first & 128:

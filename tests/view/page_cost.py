@@ -1,9 +1,10 @@
 """page_cost.py [SECONDS [ROUNDS]]: what the page of voxtouch view costs the ring, by hand.
 
-One ring runs; in turns of SECONDS (8) there is a page with a plain WebSocket client that reads all it gets, and there is none. Latency is that of each
-sample, from the device's write to the coupling's write of its command, by DDS's times of writing, read by a tap of this process that runs throughout.
-Needs Python with cyclonedds 11 (build/python/bin/python), VOXTOUCH_BIN, VOXTOUCH_DEPLOY.
-"""
+One ring runs; in turns of SECONDS (8) there is a page with a plain WebSocket client that reads all
+it gets, and there is none. Latency is that of each sample, from the device's write to the
+coupling's write of its command, by DDS's times of writing, read by a tap of this process that runs
+throughout. Needs Python with cyclonedds 11 (build/python/bin/python), VOXTOUCH_BIN,
+VOXTOUCH_DEPLOY. """
 import json
 import statistics
 import subprocess
@@ -119,7 +120,8 @@ def main():
     for figure in "p50_us", "p99_us":
         ratios = [b[figure] / a[figure] for a, b in zip(found["without"], found["with"])]
         print(
-            f"{figure}: with over without {', '.join(f'{r:.3f}' for r in ratios)}; median {statistics.median(ratios):.3f}"
+            f"{figure}: with over without {', '.join(f'{r:.3f}' for r in ratios)}; median"
+            f" {statistics.median(ratios):.3f}"
         )
 
 

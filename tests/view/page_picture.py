@@ -33,7 +33,8 @@ def take(browser, address, after_s, dark):
 
     def touches():
         return browser.js(
-            "(f => f && f.t > 10 && f.depth > 0 && (f.points || []).length > 0 && Math.hypot(...f.force) > 0.1)(voxtouch.frame)"
+            "(f => f && f.t > 10 && f.depth > 0 && (f.points || []).length > 0 &&"
+            " Math.hypot(...f.force) > 0.1)(voxtouch.frame)"
         )
 
     def picture():

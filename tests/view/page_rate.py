@@ -1,8 +1,9 @@
-"""page_rate.py [N]: how often headless Chromium draws a bag whose scene has 12 N N triangles (N = 289: a million), by hand, with Debian's Python.
+"""page_rate.py [N]: how often headless Chromium draws a bag whose scene has 12 N N triangles (N =
+289: a million), by hand, with Debian's Python.
 
-Prints pictures a second, frames of the server a second, and what a picture costs in milliseconds of the page's one thread. A browser without a graphics
-card draws on the same processors that do all else. Needs VOXTOUCH_BIN, VOXTOUCH_DEPLOY, VOXTOUCH_PICTURES.
-"""
+Prints pictures a second, frames of the server a second, and what a picture costs in milliseconds of
+the page's one thread. A browser without a graphics card draws on the same processors that do all
+else. Needs VOXTOUCH_BIN, VOXTOUCH_DEPLOY, VOXTOUCH_PICTURES. """
 import json
 import pathlib
 import sys
@@ -47,7 +48,8 @@ def main():
             browser.open(shown.address())
             scene = until(
                 lambda: browser.js(
-                    "voxtouch.scene && voxtouch.scene.meshes.length && voxtouch.scene.meshes.map(m => [m.triangles, m.shown])"
+                    "voxtouch.scene && voxtouch.scene.meshes.length && voxtouch.scene.meshes.map(m"
+                    " => [m.triangles, m.shown])"
                 ),
                 60,
                 "a scene",
@@ -62,7 +64,8 @@ def main():
                 "voxels: building them takes the processors from the browser",
             )
             browser.js(
-                "document.getElementById('seek').value = 0, document.getElementById('seek').dispatchEvent(new Event('change'))"
+                "document.getElementById('seek').value = 0,"
+                " document.getElementById('seek').dispatchEvent(new Event('change'))"
             )
             time.sleep(0.5)
             if not browser.facts()["bag"]["playing"]:

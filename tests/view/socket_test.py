@@ -1,4 +1,6 @@
-"""The page's server as a plain client sees it: who is let in, what it may cost, and what of the ring comes through."""
+"""The page's server as a plain client sees it: who is let in, what it may cost, and what of the
+ring comes through.
+"""
 import contextlib
 import json
 import os
@@ -84,12 +86,30 @@ class Guards(unittest.TestCase):
 
     def test_serves_eight_pages_and_no_more(self):
         sockets = [WebSocket(self.address) for _ in range(10)]
-        self.assertEqual(sum(s.status == 101 for s in sockets), 8)
+        self.assertEqual(sum(s.status == 101 for s in sockets), 10)
+        for refused in sockets[8:]:
+            message = refused.receive()
+            self.assertEqual(message["type"], "refused")
+            self.assertIn("8 pages are open", message["sentence"])
+            self.assertIsNone(refused.receive())
         for s in sockets:
             s.close()
         time.sleep(0.5)
         with WebSocket(self.address) as socket:
             self.assertEqual(socket.status, 101)
+
+    def test_a_page_that_answers_no_ping_loses_its_place(self):
+        frozen = [WebSocket(self.address) for _ in range(8)]
+        time.sleep(25)
+        with WebSocket(self.address) as socket:
+            self.assertNotEqual(socket.receive()["type"], "refused")
+        for s in frozen:
+            s.close()
+
+    def test_names_the_remedy_for_a_tunnel_at_another_port(self):
+        status, _, body = request(self.address, host="localhost:1")
+        self.assertEqual(status, 403)
+        self.assertIn(b"ssh -L", body)
 
     def test_serves_the_pages_files_and_no_others(self):
         for path in "/main.js", "/page.css", "/three.js", "/orbit.js", "/dygraph.js":
@@ -152,9 +172,13 @@ class Live(unittest.TestCase):
                     "the scene that the ring names",
                 )
                 self.assertEqual({m["role"] for m in drawn["meshes"]}, {"static", "dynamic"})
-                touched = socket.frame(lambda m: m.get("hits", 0) > 0, 20, "contact")
-                felt = socket.frame(lambda m: size(m.get("force")) > 0.05, 10, "force")
-                self.assertLess(felt["t"] - touched["t"], 1.0)
+                # The page may join while the tool leaves its first contact: the next one counts
+                # too.
+                felt = socket.frame(
+                    lambda m: m.get("hits", 0) > 0 and size(m.get("force")) > 0.05,
+                    20,
+                    "force in contact",
+                )
                 points = socket.frame(
                     lambda m: len(m.get("points", [])) >= 3, 20, "points in contact"
                 )
@@ -219,7 +243,9 @@ class Live(unittest.TestCase):
 
 class Slices(unittest.TestCase):
     def test_cut_the_voxels_of_the_scene(self):
-        """The plane's block fills 0 > z > -20 mm: what the page is told of it is checked against that, cell by cell."""
+        """The plane's block fills 0 > z > -20 mm: what the page is told of it is checked against
+        that, cell by cell.
+        """
         with page() as shown, WebSocket(shown.address()) as socket, ring("plane"):
             socket.frame(lambda m: m.get("tool"), 20, "samples")
             for axis, at in ("z", -0.009), ("x", 0.011), ("z", 0.05):
@@ -333,6 +359,8 @@ class Recorded(unittest.TestCase):
                 "5",
                 "--record",
                 bag,
+                "--record-format",
+                "sqlite3",
             ) as run:
                 run.process.wait(60)
             with page(bag) as shown, WebSocket(shown.address()) as socket:
@@ -353,7 +381,8 @@ class Recorded(unittest.TestCase):
             for file in pathlib.Path(bag).glob("*.db3"):
                 with contextlib.closing(sqlite3.connect(file)) as db:
                     for name, time_ns, data in db.execute(
-                        "select name, timestamp, data from messages join topics on topics.id = topic_id"
+                        "select name, timestamp, data from messages join topics on topics.id ="
+                        " topic_id"
                     ):
                         if name in taken:
                             taken[name][int.from_bytes(data[12:20], "little")] = time_ns
@@ -385,11 +414,9 @@ class Recorded(unittest.TestCase):
                 "6",
                 "--record",
                 bag,
-                "--record-format",
-                "mcap",
                 "--record-split-s",
                 "2.5",
-            ) as run:  # the case above plays one in sqlite3
+            ) as run:  # in MCAP; the case above plays one in sqlite3
                 self.assertEqual(run.process.wait(60), 0, run.told())
             with page(bag) as shown, WebSocket(shown.address()) as socket:
                 socket.frame(lambda m: size(m.get("force")) > 0.05, 10, "force")

@@ -15,17 +15,11 @@ void set_cap(CouplingSpec& spec, std::size_t axis, double cap) {
   (axis == 0 ? spec.stiffness_cap_n_per_m : spec.stiffness_cap_nm_per_rad) = cap;
 }
 
-/// Of the pulse that a step of the encoder makes of injected damping, what passes its bound
-/// whatever the contact gives. Where nothing but kQuietForceN passed, a light touch through a
-/// coarse encoder and a strong damper would be a row of cut pulses, which do not damp: one of 2756
-/// simulated designs went on swinging. All of it would let a sim-lwr's first touch begin 1.8 times
-/// as strong as it goes on, a third 1.5 times.
-constexpr double kPulseShare = 1.0 / 3.0;
-
 void set_damping(CouplingSpec& spec, const AxisProblem& translation, const FilterChoice& choice) {
   spec.damper_share = translation.damper_share;
-  spec.damper_free_n = std::max(
-      kQuietForceN, kPulseShare * choice.damping[0] * step_speed(translation, choice.velocity));
+  // A step of the encoder makes a pulse of damping. More of it than this, where the contact gives
+  // little, throws a device without friction from one wall of a slot to the other, again and again.
+  spec.damper_free_n = kQuietForceN;
   spec.velocity_filter_hz = choice.velocity.filter_hz,
   spec.velocity_window = static_cast<std::uint32_t>(choice.velocity.window);
   spec.injected_damping_ns_per_m = choice.damping[0];

@@ -69,17 +69,6 @@ void describe_spec(const DesignProblem& request, const std::vector<AxisProblem>&
   design.swing = slowest_swing(request, problems, design.spec);
 }
 
-/// What the passivity controller may add: half of what the worst case bears, less what is injected
-/// already.
-void allow_passivity_damping(const std::vector<AxisProblem>& problems, CouplingSpec& spec) {
-  const auto left = [&](std::size_t axis, double injected) {
-    return std::max(0.0, 0.5 * critical_damping(problems[axis], velocity_of(spec)) - injected);
-  };
-  spec.passivity_damping_limit_ns_per_m = left(0, spec.injected_damping_ns_per_m);
-  if (problems.size() > 1)
-    spec.passivity_damping_limit_nms_per_rad = left(1, spec.injected_damping_nms_per_rad);
-}
-
 bool too_soft(const std::vector<AxisProblem>& problems, const Design& design) {
   for (std::size_t a = 0; a < problems.size(); ++a)
     if (axis_of(design, a).shown_stiffness <
@@ -114,7 +103,6 @@ Judged certified(const DesignProblem& request, const std::vector<AxisProblem>& p
 Design told(const DesignProblem& request, const std::vector<AxisProblem>& problems, Judged result) {
   Design& design = result.design;
   describe_spec(request, problems, design);
-  allow_passivity_damping(problems, design.spec);
   design.reasons = reasons_of(request, problems, design);
   if (!result.faults.empty() && design.reasons.empty())
     design.reasons = result.faults;

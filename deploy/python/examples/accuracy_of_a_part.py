@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""How well a part of yours can be felt: writes a scene for its mesh, measures every contact model against the true force, and prints what to take.
+"""How well a part of yours can be felt: writes a scene for its mesh, measures every contact model
+against the true force, and prints what to take.
 
-It calls `voxtouch new` and `voxtouch accuracy --json`, which measures for 10 s to minutes. Needs the programs of voxtouch on PATH, or --voxtouch.
-"""
+It calls `voxtouch new` and `voxtouch accuracy --json`, which measures for 10 s to minutes. Needs
+the programs of voxtouch on PATH, or --voxtouch. """
 import argparse
 import json
 import pathlib
@@ -16,7 +17,9 @@ def arguments():
     )
     parser.add_argument(
         "part",
-        help="mesh (OBJ, STL, PLY, glTF/GLB, COLLADA), or a scene file that is there already (.yaml)",
+        help=(
+            "mesh (OBJ, STL, PLY, glTF/GLB, COLLADA), or a scene file that is there already (.yaml)"
+        ),
     )
     parser.add_argument(
         "--unit",
@@ -81,12 +84,14 @@ def main():
     for row in told["rows"]:
         if row["direction_mean_deg"] is None or row["median_us"] is None:
             print(
-                f"{row['model']:14} {1e3 * row['voxel_m']:6.2f} mm  {row['refused'] or 'no figures'}"
+                f"{row['model']:14} {1e3 * row['voxel_m']:6.2f} mm "
+                f" {row['refused'] or 'no figures'}"
             )
             continue
         direction, frame = row["direction_mean_deg"], row["median_us"]
         print(
-            f"{row['model']:14} {1e3 * row['voxel_m']:6.2f} mm {direction:8.2f}° {frame:6.1f} us{'  <- take this' if row['recommended'] else ''}"
+            f"{row['model']:14} {1e3 * row['voxel_m']:6.2f} mm {direction:8.2f}°"
+            f" {frame:6.1f} us{'  <- take this' if row['recommended'] else ''}"
         )
     print(told["advice"]["sentence"])
     raise SystemExit(0 if told["ok"] else 1)

@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
-"""Draws what a running ring commands: force over the last seconds, and the energy account of the passivity observer.
+"""Draws what a running ring commands: force over the last seconds, and the energy account of the
+passivity observer.
 
-It only listens, with best effort: a slow picture never slows the ring. Needs voxtouch[dds,plot]. For example:
+It only listens, with best effort: a slow picture never slows the ring. Needs voxtouch[dds,plot].
+For example:
     voxtouch up cup --motion slide &
     live_plot.py
 """
@@ -69,7 +71,8 @@ def main():
     if o.save:
         if not rows:
             raise SystemExit(
-                f"No command came on rig {o.rig}, domain {o.domain}, interface {o.interface}: does a ring run there? `voxtouch status` looks."
+                f"No command came on rig {o.rig}, domain {o.domain}, interface {o.interface}: does"
+                " a ring run there? `voxtouch status` looks."
             )
         draw(rows, lines, energy, (upper, lower))
         figure.savefig(o.save)

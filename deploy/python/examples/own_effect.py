@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""An effect of one's own, from outside the ring: a spring that pulls the tool towards a point, written as geometry_msgs/WrenchStamped.
+"""An effect of one's own, from outside the ring: a spring that pulls the tool towards a point,
+written as geometry_msgs/WrenchStamped.
 
-A scene takes it where it names the topic as an external effect (deploy/scenes says how); the ring then bounds it in force and slew, and lets it fade when it
-is late. Put your own law into `wrench_at`. Needs voxtouch[dds]. Stops on Ctrl-C; what it wrote last fades then.
-"""
+A scene takes it where it names the topic as an external effect (deploy/scenes says how); the ring
+then bounds it in force and slew, and lets it fade when it is late. Put your own law into
+`wrench_at`. Needs voxtouch[dds]. Stops on Ctrl-C; what it wrote last fades then. """
 import argparse
 import time
 
@@ -60,7 +61,9 @@ def arguments():
 
 
 def wrench_at(position, velocity, o):
-    """Force [N] on the tool at a position [m] with a velocity [m/s], all in the device's base frame."""
+    """Force [N] on the tool at a position [m] with a velocity [m/s], all in the device's base
+    frame.
+    """
     force = o.stiffness * (numpy.array(o.point) - position) - o.damping * velocity
     size = numpy.linalg.norm(force)
     return force if size <= o.most else force * (o.most / size)
@@ -110,7 +113,8 @@ def main():
     print(f"{written} wrenches written on {o.topic}")
     if not written:
         raise SystemExit(
-            f"No sample came on rig {o.rig}, domain {o.domain}, interface {o.interface}: does a ring run there? `voxtouch status` looks."
+            f"No sample came on rig {o.rig}, domain {o.domain}, interface {o.interface}: does a"
+            " ring run there? `voxtouch status` looks."
         )
 
 

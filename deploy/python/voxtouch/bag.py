@@ -1,4 +1,6 @@
-"""Recorded runs as arrays: rosbag2 folders in sqlite3 or MCAP, split ones too, also of a ring that was killed."""
+"""Recorded runs as arrays: rosbag2 folders in sqlite3 or MCAP, split ones too, also of a ring that
+was killed.
+"""
 import collections.abc
 import json
 import pathlib
@@ -16,22 +18,25 @@ class BagError(Exception):
 
 
 def open_bag(path):
-    """A bag's folder, or one of its files, as a Bag. Reads no messages yet. BagError where there is no bag.
+    """A bag's folder, or one of its files, as a Bag. Reads no messages yet. BagError where there is
+    no bag.
 
     bag = open_bag(path)
     list(bag)                                  # names of topics
     bag["/haptic/device/state"]["pose"]        # a numpy structured array
-    bag.frame("/haptic/coupling/command")      # the same as a pandas DataFrame, with columns such as wrench.force.z
+    bag.frame("/haptic/coupling/command")      # the same as a pandas DataFrame, with columns such
+                                               as wrench.force.z
     """
     return Bag(path)
 
 
 class Bag(collections.abc.Mapping):
-    """Topics by name, each as a numpy structured array: `bag_time_ns` [ns] (when it was recorded; simulated time in lockstep), then the fields of its
-    message, in the units that idl/msg says. A topic is read when it is first asked for, and kept.
+    """Topics by name, each as a numpy structured array: `bag_time_ns` [ns] (when it was recorded;
+    simulated time in lockstep), then the fields of its message, in the units that idl/msg says. A
+    topic is read when it is first asked for, and kept.
 
-    `types` has each topic's ROS type, `notes` sentences on what was not as it should be and was read all the same.
-    """
+    `types` has each topic's ROS type, `notes` sentences on what was not as it should be and was
+    read all the same."""
 
     def __init__(self, path):
         self.path = pathlib.Path(path).expanduser()
@@ -60,10 +65,11 @@ class Bag(collections.abc.Mapping):
         return self._tables[topic]
 
     def raw(self, topic):
-        """(bag time [ns], bytes in CDR with their four bytes of encapsulation) of each message, in order of arrival. KeyError: no such topic.
+        """(bag time [ns], bytes in CDR with their four bytes of encapsulation) of each message, in
+        order of arrival. KeyError: no such topic.
 
-        `TOPICS[...].type.deserialize(bytes)` of voxtouch.types makes a message of it that can be written again.
-        """
+        `TOPICS[...].type.deserialize(bytes)` of voxtouch.types makes a message of it that can be
+        written again."""
         if topic not in self.types:
             raise KeyError(f"{self.path} has no topic {topic!r}; it has {', '.join(self.types)}")
         for file in self._files:
@@ -79,7 +85,9 @@ class Bag(collections.abc.Mapping):
                     self.notes.append(note)
 
     def frame(self, topic):
-        """The topic as a pandas DataFrame: a column for each number, `wrench.force.z`, `value.0`. Needs pandas."""
+        """The topic as a pandas DataFrame: a column for each number, `wrench.force.z`, `value.0`.
+        Needs pandas.
+        """
         import pandas
 
         columns = {}
@@ -102,7 +110,9 @@ class Bag(collections.abc.Mapping):
         return {topic: self.frame(topic) for topic in self}
 
     def recording(self):
-        """What the logger told of the recording: version, samples lost, errors; {} where it told nothing."""
+        """What the logger told of the recording: version, samples lost, errors; {} where it told
+        nothing.
+        """
         folder = self.path if self.path.is_dir() else self.path.parent
         try:
             told = json.loads((folder / "voxtouch_recording.json").read_text(encoding="utf-8"))
@@ -111,14 +121,16 @@ class Bag(collections.abc.Mapping):
         return told if isinstance(told, dict) else {}
 
     def definition(self, topic):
-        """How the topic's messages are laid out: by the bag itself where it says so (MCAP), else as this version has it. BagError where nobody knows, or
-        where the recording version had it otherwise."""
+        """How the topic's messages are laid out: by the bag itself where it says so (MCAP), else as
+        this version has it. BagError where nobody knows, or where the recording version had it
+        otherwise."""
         kind = self.types[topic]
         if kind in self._definitions:
             return Definition(kind, self._definitions[kind])
         if kind not in DEFINITIONS:
             raise BagError(
-                f"{self.path}: {topic} is of type {kind}, which neither the bag nor this version of voxtouch explains. A bag in MCAP explains its types."
+                f"{self.path}: {topic} is of type {kind}, which neither the bag nor this version of"
+                " voxtouch explains. A bag in MCAP explains its types."
             )
         text, here = DEFINITIONS[kind]
         told = self.recording()
@@ -129,8 +141,9 @@ class Bag(collections.abc.Mapping):
                 and one.get("type_hash") not in (None, here)
             ):
                 raise BagError(
-                    f"{self.path}: it was recorded by voxtouch {told.get('voxtouch', 'of an unknown version')}, whose {kind} is laid out otherwise "
-                    "than in this version: read it with the version that recorded it."
+                    f"{self.path}: it was recorded by voxtouch"
+                    f" {told.get('voxtouch', 'of an unknown version')}, whose {kind} is laid out"
+                    " otherwise than in this version: read it with the version that recorded it."
                 )
         return Definition(kind, text)
 
@@ -141,5 +154,6 @@ class Bag(collections.abc.Mapping):
             return table(self.definition(topic), times, [data for _, data in rows])
         except (struct.error, KeyError, ValueError) as error:
             raise BagError(
-                f"{self.path}: messages of {topic} are not laid out as {self.types[topic]} is ({error})"
+                f"{self.path}: messages of {topic} are not laid out as {self.types[topic]} is"
+                f" ({error})"
             ) from None

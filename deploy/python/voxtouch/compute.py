@@ -25,7 +25,8 @@ def scene_file(scene):
     if str(scene) in shipped_scenes():
         return str(SHARE / "scenes" / f"{scene}.yaml")
     raise ValueError(
-        f"'{scene}' is no file, and no scene of this name comes with voxtouch. These do: {', '.join(shipped_scenes())}"
+        f"'{scene}' is no file, and no scene of this name comes with voxtouch. These do:"
+        f" {', '.join(shipped_scenes())}"
     )
 
 
@@ -41,38 +42,42 @@ def device_word(device):
     if not shipped.is_file():
         names = ", ".join(sorted(file.stem for file in (SHARE / "devices").glob("*.yaml")))
         raise ValueError(
-            f"'{name}' is no file, and no device file of this name comes with voxtouch. These do: {names}"
+            f"'{name}' is no file, and no device file of this name comes with voxtouch. These do:"
+            f" {names}"
         )
     return str(shipped)
 
 
 def probe(scene, poses, model=None, points=False):
-    """Contact wrenches at poses, without memory: neither blend nor hold, no effects, no coupling. As `voxtouch probe`, to the bit.
+    """Contact wrenches at poses, without memory: neither blend nor hold, no effects, no coupling.
+    As `voxtouch probe`, to the bit.
 
     scene   file, or the name of a shipped scene
-    poses   n rows of qw, qx, qy, qz, x, y, z: the tool in the world [-, m]; quaternions of any norm in [1e-3, 1e3]
+    poses   n rows of qw, qx, qy, qz, x, y, z: the tool in the world [-, m]; quaternions of any norm
+            in [1e-3, 1e3]
     model   original, adapted or field; None: the scene's
     points  True adds the ids of the shell points in surface voxels
 
-    A dict: force_n and torque_nm (n x 3, world axes, torque about the tool's origin), surface_hits and interior_hits (n), coherence (n, 0 to 1: how
-    much normals agree), warnings (sentences), points (a list of n arrays, where asked for).
-    Builds the scene at each call, which takes 0.1 s to a few seconds: give it all poses at once. Other threads run meanwhile.
-    """
+    A dict: force_n and torque_nm (n x 3, world axes, torque about the tool's origin), surface_hits
+    and interior_hits (n), coherence (n, 0 to 1: how much normals agree), warnings (sentences),
+    points (a list of n arrays, where asked for). Builds the scene at each call, which takes 0.1 s
+    to a few seconds: give it all poses at once. Other threads run meanwhile."""
     return _core.probe(
         scene_file(scene), numpy.asarray(poses, dtype=float), model or "", points, READER
     )
 
 
 def build(mesh, voxel, scale=1.0, origin=None):
-    """Voxels and pointshell of a mesh (OBJ, STL, PLY, glTF/GLB, COLLADA). As `voxtouch build`, to the bit.
+    """Voxels and pointshell of a mesh (OBJ, STL, PLY, glTF/GLB, COLLADA). As `voxtouch build`, to
+    the bit.
 
     voxel   edge of a voxel [m]
     scale   metres for one unit of the file, such as 0.001 for millimetres
     origin  x, y, z of the grid [m]; None: clear of the mesh's faces
 
-    A dict: surface and interior (n x 3 voxel indices i, j, k), points_m, normals (unit, into the solid) and areas_m2 of the shell, a point for each
-    surface voxel in their order by (i, j, k); voxel_m, origin_m, closed (whether the mesh has an inside), warnings (sentences).
-    """
+    A dict: surface and interior (n x 3 voxel indices i, j, k), points_m, normals (unit, into the
+    solid) and areas_m2 of the shell, a point for each surface voxel in their order by (i, j, k);
+    voxel_m, origin_m, closed (whether the mesh has an inside), warnings (sentences)."""
     return _core.build(
         str(mesh),
         float(voxel),
@@ -93,13 +98,17 @@ def design(
     held=False,
     damping=True,
 ):
-    """The virtual coupling that fits a device, the hands that may hold it and a contact: the dict that `voxtouch design --json` prints.
+    """The virtual coupling that fits a device, the hands that may hold it and a contact: the dict
+    that `voxtouch design --json` prints.
 
-    device  sim-phantom, sim-lwr, phantom, lwr, fr3, a device file (.yaml), or sim:NAME of a shipped one
-    scene   file or shipped name, whose contact and wishes are met; None: whatever the device can show, or stiffness_n_per_m [N/m, at the hand]
+    device  sim-phantom, sim-lwr, phantom, lwr, fr3, a device file (.yaml), or sim:NAME of a shipped
+            one
+    scene   file or shipped name, whose contact and wishes are met; None: whatever the device can
+            show, or stiffness_n_per_m [N/m, at the hand]
     hand    pen, arm or any_passive; None: the scene's, else how the device is held
     kind    auto, shaping_filter, spring_damper or direct
-    cutoff_hz, gain_margin  wished cut-off of the filter [Hz], and how much stiffer the worst case may get before it is unstable [-]
+    cutoff_hz, gain_margin  wished cut-off of the filter [Hz], and how much stiffer the worst case
+                            may get before it is unstable [-]
     held    somebody always holds the device;  damping  injected damping may be used
 
     "status" says whether anything holds; figures are at the hand.

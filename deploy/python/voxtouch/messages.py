@@ -14,13 +14,16 @@ SCALARS = {
     **{f"{u}int{8 * n}": f"<{'u' if u else 'i'}{n}" for u in ("", "u") for n in (1, 2, 4, 8)},
 }
 FIELD = re.compile(
-    r"^(?P<type>[\w/]+)(?:<=\d+)?(?P<array>\[(?:<=)?(?P<size>\d*)\])?\s+(?P<name>\w+)\s*(?P<constant>=)?"
+    r"^(?P<type>[\w/]+)(?:<=\d+)?(?P<array>\[(?:<=)?(?P<size>\d*)\])?"
+    r"\s+(?P<name>\w+)\s*(?P<constant>=)?"
 )
 SEPARATOR = "=" * 80
 
 
 class Definition:
-    """A type and those that it uses: `fields` maps a type's name to [(type, None, "fixed" or "list", count, field name)]."""
+    """A type and those that it uses: `fields` maps a type's name to [(type, None, "fixed" or
+    "list", count, field name)].
+    """
 
     def __init__(self, name, text):
         self.name, self.fields = name, {}
@@ -44,9 +47,11 @@ class Definition:
             kind = (
                 kind
                 if "/msg/" in kind
-                else kind.replace("/", "/msg/")
-                if "/" in kind
-                else f"{owner.split('/')[0]}/msg/{kind}"
+                else (
+                    kind.replace("/", "/msg/")
+                    if "/" in kind
+                    else f"{owner.split('/')[0]}/msg/{kind}"
+                )
             )
         fixed = match["array"] and match["size"] and "<=" not in match["array"]
         return (
@@ -58,7 +63,9 @@ class Definition:
 
     @functools.cache
     def layout(self, name=None, start=0):
-        """(dtype, size) of a type of fixed size that begins at `start` of a message, padding as CDR has it; None where it has texts or lists."""
+        """(dtype, size) of a type of fixed size that begins at `start` of a message, padding as CDR
+        has it; None where it has texts or lists.
+        """
         names, formats, offsets, at = [], [], [], start
         for kind, array, count, field in self.fields[name or self.name]:
             if array == "list" or kind in ("string", "wstring"):
@@ -168,9 +175,9 @@ class Decoder:
 
 
 def table(definition, times, messages):
-    """A structured array: bag_time_ns [ns], then the message's fields. Messages of fixed size become nested numbers, without copies one by one; of others
-    each text, list and inner message is a Python object: str, array or list, dict. struct.error where a message is not laid out so.
-    """
+    """A structured array: bag_time_ns [ns], then the message's fields. Messages of fixed size
+    become nested numbers, without copies one by one; of others each text, list and inner message is
+    a Python object: str, array or list, dict. struct.error where a message is not laid out so."""
     fields = definition.fields[definition.name]
     layout = definition.layout()
     if layout is not None:

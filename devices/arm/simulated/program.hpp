@@ -8,12 +8,17 @@
 #include <csignal>
 #include <cstdio>
 #include <exception>
+#include <numbers>
+#include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "core/types/version.hpp"
-#include "devices/arm/simulated/faults.hpp"
-#include "devices/operator/hand.hpp"
+#include "devices/arm/simulated/network_loop.hpp"
+#include "devices/arm/simulated/simulated_arm.hpp"
+#include "devices/arm/simulated/start_posture.hpp"
+#include "devices/operator/hand_file.hpp"
 
 namespace voxtouch::arm_sim {
 
@@ -21,6 +26,8 @@ struct ProgramOptions {
   std::vector<double> tool_m;
   std::vector<std::string> faults;
   std::string hand_file;
+  std::vector<double> posture_deg;
+  std::optional<std::uint64_t> seed;
 
   /// The tool's frame in the flange's: its axes.
   Pose tool() const {
@@ -39,17 +46,26 @@ struct ProgramOptions {
 };
 
 /// The options that every controller has.
-inline void declare(CLI::App& app, ProgramOptions& o, bool& virtual_time, double& patience_s,
+inline void declare(CLI::App& app, ProgramOptions& o, NetworkConfig& network, bool& virtual_time,
                     const ControllerFaults& known) {
+  app.add_option("--address", network.address, "Own address")->capture_default_str();
+  app.add_option("--port", network.port, "Own port; 0: any free one")->capture_default_str();
   app.add_flag("--virtual-time", virtual_time,
                "Time moves on with each answer of the remote side, not with the clock");
-  app.add_option("--patience", patience_s, "Virtual time: seconds to wait for an answer")
+  app.add_option("--patience", network.patience_s, "Virtual time: seconds to wait for an answer")
       ->capture_default_str()
+      ->check(CLI::PositiveNumber);
+  app.add_option("--duration", network.duration_s,
+                 "Seconds of the controller's time, then end; default: until SIGTERM")
       ->check(CLI::PositiveNumber);
   app.add_option("--hand", o.hand_file,
                  "YAML file with motion and grip of the operator (keys: "
                  "devices/operator/hand_file.hpp); else nobody holds the arm");
   app.add_option("--tool", o.tool_m, "Tool's origin in the flange's frame, x y z [m]")->expected(3);
+  app.add_option("--posture-deg", o.posture_deg,
+                 "Joints from the base on to start at, or near with --hand")
+      ->expected(7);
+  app.add_option("--seed", o.seed, "Of noise and faults; default: the hand file's, or 0");
   app.add_option("--fault", o.faults,
                  "KIND@START[:DURATION[:VALUE]], seconds; many may be given. Kinds: " +
                      std::string(known.kinds));
@@ -59,13 +75,37 @@ inline void declare(CLI::App& app, ProgramOptions& o, bool& virtual_time, double
 /// forearm's lever; assumed.
 inline constexpr hand::ToolDrag kDrag{1.0, 0.5};
 
-/// No hand: nobody holds the tool that rests at `place_m`.
-inline hand::Hand nobody(const Vec3& place_m, double substep_s) {
-  sim::OperatorConfig released;
-  released.released = true;
-  Motion rest;
-  rest.path = {place_m};
-  return hand::Hand(released, rest, substep_s);
+/// The operator of the hand file, and in `config` the posture that the arm has for it and the seed;
+/// without a file nobody holds the tool. Throws std::runtime_error: the file cannot be read, or the
+/// arm cannot reach where the motion starts.
+template <class Arm>
+hand::Hand make_hand(const ProgramOptions& o, const Arm& arm, ArmConfig& config) {
+  hand::HandFile file;
+  if (!o.hand_file.empty())
+    file = hand::read_hand(o.hand_file);
+  if (!file.posture_rad.empty() && file.posture_rad.size() != 7)
+    throw std::runtime_error(
+        fmt::format("{}: posture_rad needs 7 numbers for this arm", o.hand_file));
+  if (!file.posture_rad.empty())
+    config.start_rad = Eigen::Map<const arm::Joints>(file.posture_rad.data());
+  if (!o.posture_deg.empty())
+    config.start_rad =
+        Eigen::Map<const arm::Joints>(o.posture_deg.data()) * (std::numbers::pi / 180.0);
+  config.seed = o.seed.value_or(file.seed);
+  if (o.hand_file.empty()) {
+    file.hand.released = true;
+    file.motion.path = {arm.at(config.start_rad).pose_BT.position};
+    return hand::Hand(file.hand, file.motion, kSubstep);
+  }
+  hand::Hand hand(file.hand, file.motion, kSubstep, config.seed, kDrag);
+  const auto reach = [&arm](const arm::Joints& q) {
+    const auto state = arm.at(q);
+    return Reach{state.pose_BT, state.jacobian};
+  };
+  config.start_rad =
+      start_posture(reach, {file.motion.path.front(), file.motion.orientation.normalized()},
+                    config.start_rad, config.plant.lowest_rad, config.plant.highest_rad);
+  return hand;
 }
 
 /// For the counts that a program says at its end.
@@ -77,8 +117,16 @@ std::string line_text(const LineCounts& l, std::uint64_t send_errors) {
       l.lost, l.delayed, l.reordered, l.duplicated, l.answers_lost, send_errors);
 }
 
-inline constexpr const char* kDivergedSentence =
-    "the arm's mechanics have left the numbers: soften the hand or the gains";
+/// Throws std::runtime_error where a run did not end as it was told to.
+inline void require_good(Ending ending, double patience_s) {
+  if (ending == Ending::kNoAnswer)
+    throw std::runtime_error(fmt::format(
+        "no answer came within {} s: is the device's program running, and does it answer?",
+        patience_s));
+  if (ending == Ending::kDiverged)
+    throw std::runtime_error(
+        "the arm's mechanics have left the numbers: soften the hand or the gains");
+}
 
 /// Parses the command line, sets its flag at SIGINT, SIGTERM and SIGHUP, and runs `run(stop)`; the
 /// program's exit status. What `run` throws is said on stderr.

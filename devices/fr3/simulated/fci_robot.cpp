@@ -21,11 +21,6 @@ using fr3::fci::RobotMode;
 constexpr Errors bit(std::size_t error) { return Errors{1} << error; }
 constexpr Errors kJointLimit = bit(0), kJointSpeed = bit(3), kCartesianReflex = bit(7);
 
-void require(bool good, const char* field, const char* rule) {
-  if (!good)
-    throw std::runtime_error(fmt::format("simulated robot: {} has to be {}", field, rule));
-}
-
 const RobotConfig& checked(const RobotConfig& config) {
   config.validate();
   return config;
@@ -34,35 +29,23 @@ const RobotConfig& checked(const RobotConfig& config) {
 }  // namespace
 
 void RobotConfig::validate() const {
-  require(fr3::fci::dialect_of(version) != nullptr, "version", "one of 10, 9, 6, 5");
-  require(plant.pose_FT.finite(), "the tool", "finite");
-  require(start_rad.allFinite() && (start_rad.array() <= plant.highest_rad.array()).all() &&
-              (start_rad.array() >= plant.lowest_rad.array()).all(),
-          "start_rad", "within the joints' limits");
-  require(torque_lag_s >= 0.0 && torque_lag_s < 1.0, "torque_lag_s", "in [0, 1)");
-  require(torque_delay_ticks >= 0 && torque_delay_ticks < 8, "torque_delay_ticks", "in [0, 7]");
+  ArmConfig::validate();
+  arm_sim::require(fr3::fci::dialect_of(version) != nullptr, "version", "one of 3 to 10");
 }
 
 FciRobot::FciRobot(const RobotConfig& config, hand::Hand hand, FaultSchedule faults)
-    : config_(checked(config)),
+    : SimulatedArm(checked(config), std::move(hand), std::move(faults)),
+      config_(config),
       dialect_(fr3::fci::dialect_of(config.version)),
-      plant_(config.plant, config.start_rad),
-      hand_(std::move(hand)),
-      faults_(std::move(faults)),
-      held_rad_(config.start_rad) {
-  line_.fill(arm::Joints::Zero());
-}
+      held_rad_(config.start_rad) {}
 
 const fr3::fci::State& FciRobot::measure() noexcept {
   watch_people();
   pending_.reset();
   not_finite_ = false;
-  const double step = config_.angle_resolution_rad;
   fr3::fci::State& s = state_;
   s.message_id = ticks_ + 1;
-  s.q = plant_.q();
-  if (step > 0.0)
-    s.q = s.q.unaryExpr([step](double x) { return std::round(x / step) * step; });
+  s.q = measured_rad();
   s.dq = plant_.rate();
   s.tau = plant_.sensed_torque();
   s.tau_d = commanded_;
@@ -135,8 +118,7 @@ Outcome FciRobot::request(Request request, const fr3::fci::Received& body) noexc
       state_.generator_mode = dialect_->generator_mode;
       state_.reflex = 0;
       commanded_.setZero();
-      torque_.setZero();
-      line_.fill(arm::Joints::Zero());
+      drop_torque();
       window_.fill(false);
       lost_in_a_row_ = 0;
       armed_ = false;
@@ -166,8 +148,7 @@ void FciRobot::leave(RobotMode to, Outcome how) noexcept {
   state_.generator_mode = 0;
   held_rad_ = plant_.q();
   commanded_.setZero();
-  torque_.setZero();
-  line_.fill(arm::Joints::Zero());
+  drop_torque();
 }
 
 void FciRobot::reflex(Errors errors) noexcept {
@@ -234,30 +215,16 @@ void FciRobot::judge_motion() noexcept {
 }
 
 void FciRobot::tick() noexcept {
-  const auto delay = static_cast<std::size_t>(config_.torque_delay_ticks);
-  line_[next_] = commanded_;
-  delayed_ = line_[(next_ + line_.size() - delay) % line_.size()];
-  next_ = (next_ + 1) % line_.size();
-  // Pade(1,1) of 1 - exp(-dt / lag): no library function.
-  const double follow = std::min(1.0, kSubstep / (config_.torque_lag_s + 0.5 * kSubstep));
-  const arm_sim::LawParameters laws;
-  felt_.setZero();
-  for (int i = 0; i < kSubsteps; ++i) {
-    const bool braked = state_.mode == RobotMode::kUserStopped || state_.mode == RobotMode::kOther;
-    arm::Joints drive = arm::Joints::Zero();
-    if (in_motion()) {
-      torque_ += follow * (delayed_ - torque_);
-      felt_ = drive = torque_;
-      if (config_.compensates_coriolis)
-        drive += plant_.terms().coriolis;
-    } else if (!braked) {
-      drive = arm_sim::position_law(laws, plant_.terms(), plant_.q(), plant_.rate(), held_rad_);
-    }
-    const hand::HandAction hand =
-        hand_holds_ || !config_.hand_waits ? hand_.step() : hand::HandAction{};
-    plant_.step(drive, braked ? arm_sim::Drives::kBraked : arm_sim::Drives::kTorque, hand,
-                kSubstep);
-  }
+  const bool braked = state_.mode == RobotMode::kUserStopped || state_.mode == RobotMode::kOther;
+  SimulatedArm::tick(
+      commanded_, in_motion(), braked, [this](const arm::Joints& torque) -> arm::Joints {
+        if (!in_motion())
+          return arm_sim::position_law(config_.laws, plant_.terms(), plant_.q(), plant_.rate(),
+                                       held_rad_);
+        return config_.laws.compensates_coriolis ? arm::Joints(torque + plant_.terms().coriolis)
+                                                 : torque;
+      });
+  felt_ = in_motion() ? torque_ : arm::Joints(arm::Joints::Zero());
 }
 
 void FciRobot::advance() noexcept {

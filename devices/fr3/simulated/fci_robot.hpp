@@ -5,22 +5,17 @@
 #include <optional>
 #include <span>
 
-#include "devices/arm/simulated/control_laws.hpp"
-#include "devices/arm/simulated/faults.hpp"
+#include "devices/arm/simulated/simulated_arm.hpp"
 #include "devices/fr3/fci_codec.hpp"
 #include "devices/fr3/simulated/fr3_plant.hpp"
 
 namespace voxtouch::fr3_sim {
 
-using arm_sim::Fault, arm_sim::FaultKind, arm_sim::FaultSchedule;
+using arm_sim::Fault, arm_sim::FaultKind, arm_sim::FaultSchedule, arm_sim::kSubstep, arm_sim::kTick;
 inline constexpr arm_sim::ControllerFaults kFaults{
     "loss answer_loss late jitter reorder duplicate nan user_stop guiding reflex not_ready silent "
     "closed",
     7.0};
-
-inline constexpr double kTick = 1e-3;  ///< [s]
-inline constexpr int kSubsteps = 4;
-inline constexpr double kSubstep = kTick / kSubsteps;
 
 /// What makes the robot stop itself.
 struct Limits {
@@ -30,18 +25,16 @@ struct Limits {
   int lost_in_a_row = 20;       ///< commands, as the maker's manual says
 };
 
-struct RobotConfig {
+struct RobotConfig : arm_sim::ArmConfig {
+  RobotConfig() {
+    plant = fr3_plant();
+    start_rad = fr3::fr3_rest_posture();
+    torque_lag_s = 0.0027;  // 60 Hz
+    angle_resolution_rad = 1e-5;
+  }
   std::uint16_t version = fr3::fci::kNewestVersion;  ///< of the server
-  arm_sim::PlantParameters plant = fr3_plant();
   Vec3 ee_in_flange = Vec3::Zero();
-  arm::Joints start_rad = fr3::fr3_rest_posture();
   Limits limits;
-  double torque_lag_s = 0.0027;  ///< first-order lag of the torque loop, 60 Hz; assumed
-  int torque_delay_ticks = 1;    ///< beside the millisecond that a command waits; assumed
-  bool compensates_coriolis = true;
-  double angle_resolution_rad = 1e-5;  ///< assumed
-  bool hand_waits = true;  ///< the hand takes the tool, and its clock starts, with the first motion
-  std::uint64_t seed = 0;
 
   /// Throws std::runtime_error that names field and rule.
   void validate() const;
@@ -57,7 +50,7 @@ struct RobotCounts {
 /// One millisecond: `measure`, any number of `receive`, `advance`. A command that comes between
 /// acts from the next millisecond on; where none does, the last one goes on. Time is a count: the
 /// same seed and calls give the same bits. Real-time safe after construction.
-class FciRobot {
+class FciRobot final : public arm_sim::SimulatedArm {
  public:
   /// Throws std::runtime_error where the configuration, the hand or the motion cannot be simulated.
   FciRobot(const RobotConfig& config, hand::Hand hand, FaultSchedule faults = FaultSchedule());
@@ -80,12 +73,9 @@ class FciRobot {
   bool in_motion() const noexcept { return state_.mode == fr3::fci::RobotMode::kMove; }
   const RobotCounts& counts() const noexcept { return counts_; }
   const RobotConfig& config() const noexcept { return config_; }
-  const arm_sim::ArmPlant& plant() const noexcept { return plant_; }
-  bool finite() const noexcept { return plant_.q().allFinite() && plant_.rate().allFinite(); }
   /// Force and torque that the drives give at the tool beyond carrying and holding the arm, over
   /// the last millisecond, in the base.
   Wrench applied() const noexcept;
-  const FaultSchedule& faults() const noexcept { return faults_; }
 
  private:
   void watch_people() noexcept;
@@ -97,22 +87,15 @@ class FciRobot {
 
   RobotConfig config_;
   const fr3::fci::Dialect* dialect_;
-  arm_sim::ArmPlant plant_;
-  hand::Hand hand_;
-  FaultSchedule faults_;
   std::uint64_t ticks_ = 0;
   fr3::fci::State state_;
   arm::Joints held_rad_;  // what the robot's own controller holds
-  arm::Joints commanded_ = arm::Joints::Zero(), delayed_ = arm::Joints::Zero(),
-              torque_ = arm::Joints::Zero();
+  arm::Joints commanded_ = arm::Joints::Zero();
   arm::Joints felt_ =
       arm::Joints::Zero();  // the last of the torques that pushed over the last millisecond
-  std::array<arm::Joints, 8> line_;  // torques on their way
-  std::size_t next_ = 0;
   std::optional<fr3::fci::Command> pending_;
   bool not_finite_ = false;
   bool armed_ = false;  // the remote side has begun to answer
-  bool hand_holds_ = false;
   bool reflex_done_ = false;
   int lost_in_a_row_ = 0;
   std::array<bool, 100> window_{};  // of the last milliseconds of a motion: answered in time

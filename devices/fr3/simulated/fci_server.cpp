@@ -11,35 +11,24 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <chrono>
-#include <cmath>
 #include <cstring>
 #include <ctime>
+#include <thread>
 #include <utility>
 
 namespace voxtouch::fr3_sim {
 namespace {
 
-using Clock = std::chrono::steady_clock;
 using fr3::fci::Outcome;
 using fr3::fci::Request;
+using std::chrono::nanoseconds;
 
-constexpr std::int64_t kMillisecond = 1'000'000;
-constexpr std::int64_t kPollPeriod =
-    50 * kMillisecond;  // a stop is noticed after this, at the latest
-
-std::int64_t now_ns() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(Clock::now().time_since_epoch())
-      .count();
-}
+constexpr nanoseconds kMillisecond = std::chrono::milliseconds(1);
 
 }  // namespace
 
 FciServer::FciServer(const ServerConfig& config, FciRobot& robot, Line line)
-    : config_(config),
-      robot_(robot),
-      line_(std::move(line)),
-      socket_(config.address, 0) {
+    : NetworkLoop(config, 0, kTick, config.virtual_time, robot, std::move(line)) {
   listener_ = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   const int on = 1;
   setsockopt(listener_, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
@@ -71,7 +60,7 @@ void FciServer::close_connection() noexcept {
   client_ = -1;
   remote_ = {};
   motion_.reset();
-  robot_.abandoned();
+  controller_.abandoned();
 }
 
 void FciServer::accept_clients() noexcept {
@@ -91,7 +80,7 @@ void FciServer::accept_clients() noexcept {
     client_ = file;
     remote_ = {ntohl(from.sin_addr.s_addr), 0};
     reader_ = std::make_unique<fr3::fci::StreamReader>();
-    ++counts_.connections;
+    connected_once_ = true;
   }
 }
 
@@ -108,7 +97,7 @@ void FciServer::read_channel() noexcept {
 }
 
 void FciServer::read_client() noexcept {
-  if (robot_.faults().active(FaultKind::kClosed, robot_.time_s())) {
+  if (controller_.faults().active(FaultKind::kClosed, controller_.time_s())) {
     if (!std::exchange(closed_done_, true))
       close_connection();
   }
@@ -129,7 +118,7 @@ void FciServer::read_client() noexcept {
 }
 
 void FciServer::handle(const fr3::fci::Received& message) noexcept {
-  const fr3::fci::Dialect& dialect = robot_.dialect();
+  const fr3::fci::Dialect& dialect = controller_.dialect();
   const auto request = fr3::fci::request_of(dialect, message.command);
   if (!request)
     return;
@@ -144,154 +133,88 @@ void FciServer::handle(const fr3::fci::Received& message) noexcept {
     remote_.port = port;
     return;
   }
-  const Outcome outcome = robot_.request(*request, message);
+  const Outcome outcome = controller_.request(*request, message);
   if (*request == Request::kMove && outcome == Outcome::kStarted)
     motion_ = message.id;
   send_message(fr3::fci::answer(dialect, *request, message.id, outcome));
-  if (const auto ended = robot_.motion_ended(); ended && motion_) {
-    send_message(fr3::fci::answer(dialect, Request::kMove, *motion_, *ended));
-    motion_.reset();
-  }
+  answer_ended_motion();
 }
 
-/// What leaves before `until_s` leaves now. False: nothing did.
-bool FciServer::send_due(double until_s) noexcept {
-  bool sent = false;
-  while (const Line::Packet* packet = line_.take(until_s)) {
-    std::array<std::byte, fr3::fci::kMaxStateBytes> bytes;
-    const std::size_t size = fr3::fci::encode(robot_.dialect(), packet->msr, bytes);
-    ++(socket_.send(std::span(bytes).first(size), remote_) ? counts_.sent : counts_.send_errors);
-    newest_ = std::max(newest_.value_or(0), packet->msr.message_id);
-    sent = true;
-  }
-  return sent;
+void FciServer::answer_ended_motion() noexcept {
+  const auto ended = controller_.motion_ended();
+  if (!ended || !motion_)
+    return;
+  send_message(fr3::fci::answer(controller_.dialect(), Request::kMove, *motion_, *ended));
+  motion_.reset();
 }
 
-/// True: the command that names `awaited` was among them.
-bool FciServer::take_commands(std::optional<std::uint64_t> awaited) noexcept {
-  std::array<std::byte, 2048> buffer;
-  bool found = false;
-  while (const auto datagram = socket_.receive(buffer)) {
-    if (datagram->from != remote_) {
-      ++counts_.foreign;
-      continue;
-    }
-    ++counts_.received;
-    const double now = robot_.time_s();
-    if (line_.silent(now))
-      continue;
-    const std::size_t size = std::min(datagram->size, buffer.size());
-    std::uint64_t id = 0;
-    if (size >= sizeof id)
-      std::memcpy(&id, buffer.data(), sizeof id);
-    found = found || (awaited && id == *awaited);
-    if (!line_.loses_answer(now))
-      robot_.receive(std::span(buffer).first(size));
-  }
-  return found;
+std::span<const std::byte> FciServer::encode(const fr3::fci::State& state) noexcept {
+  return std::span(bytes_).first(fr3::fci::encode(controller_.dialect(), state, bytes_));
 }
 
-void FciServer::wait_for_input(std::int64_t ns) noexcept {
-  std::array<pollfd, 2> files{{{listener_, POLLIN, 0}, {client_, POLLIN, 0}}};
+std::optional<std::uint64_t> FciServer::answered(
+    std::span<const std::byte> datagram) const noexcept {
+  std::uint64_t id = 0;
+  if (datagram.size() < sizeof id)
+    return std::nullopt;
+  std::memcpy(&id, datagram.data(), sizeof id);
+  return id;
+}
+
+void FciServer::wait_for_input(nanoseconds most) noexcept {
   // The UDP socket waits for itself; the channel is looked at often enough beside it.
-  if (serving()) {
-    socket_.wait(std::chrono::nanoseconds(std::min(ns, kMillisecond)));
-  } else {
-    const timespec limit{ns / 1'000'000'000, ns % 1'000'000'000};
-    ppoll(files.data(), client_ >= 0 ? 2 : 1, &limit, nullptr);
-  }
+  if (serving())
+    return void(socket_.wait(std::min(most, kMillisecond)));
+  std::array<pollfd, 2> files{{{listener_, POLLIN, 0}, {client_, POLLIN, 0}}};
+  const timespec limit{0, most.count()};
+  ppoll(files.data(), client_ >= 0 ? 2 : 1, &limit, nullptr);
 }
 
 bool FciServer::virtual_period(const std::atomic<bool>& stop, Ending& ending) {
   while (!serving()) {
     if (stop.load(std::memory_order_relaxed))
       return false;
-    if (client_ < 0 && counts_.connections >
-                           0) {  // after the last one has gone the arm's time goes on by the clock
-      const timespec pause{0, kMillisecond};
-      nanosleep(&pause, nullptr);
+    if (client_ < 0 &&
+        connected_once_) {  // after the last one has gone the arm's time goes on by the clock
+      std::this_thread::sleep_for(kMillisecond);
       read_channel();
       if (client_ < 0)
-        return robot_.measure(), true;
+        return controller_.measure(), true;
       continue;
     }
-    wait_for_input(kPollPeriod);
+    wait_for_input(arm_sim::kPollPeriod);
     read_channel();
   }
-  const double now = robot_.time_s(), until = now + kTick * (1.0 - 1e-6);
+  const double now = controller_.time_s(), until = now + kTick * (1.0 - 1e-6);
   const bool silent = line_.silent(now);
-  const fr3::fci::State& state = robot_.measure();
+  const fr3::fci::State& state = controller_.measure();
   if (silent) {
-    const timespec pause{0, kMillisecond};
-    nanosleep(&pause, nullptr);
-    take_commands(std::nullopt);
+    std::this_thread::sleep_for(kMillisecond);
+    drain();
     read_channel();
     return true;
   }
   line_.put(state, now);
-  if (!send_due(until))
+  bool sent = false;
+  send_due(until, [&](const Line::Packet& packet) {
+    newest_ = std::max(newest_.value_or(0), packet.msr.message_id);
+    sent = true;
+  });
+  if (!sent)
     return read_channel(), true;
-  const auto patience = Clock::now() + std::chrono::duration<double>(config_.patience_s);
-  while (serving() && !take_commands(newest_)) {
+  const auto patience =
+      std::chrono::steady_clock::now() + std::chrono::duration<double>(config_.patience_s);
+  while (serving() && !drain(newest_)) {
     if (stop.load(std::memory_order_relaxed))
       return false;
-    if (Clock::now() > patience)
+    if (std::chrono::steady_clock::now() > patience)
       return ending = Ending::kNoAnswer, false;
     read_channel();
     if (serving())
-      wait_for_input(kPollPeriod);
+      wait_for_input(arm_sim::kPollPeriod);
   }
   read_channel();  // what was asked for before the command was sent
   return true;
-}
-
-void FciServer::real_period(std::int64_t deadline_ns) {
-  read_channel();
-  const double now = robot_.time_s();
-  const std::int64_t start_ns = now_ns();
-  const fr3::fci::State& state = robot_.measure();
-  if (serving() && !line_.silent(now))
-    line_.put(state, now);
-  for (;;) {
-    const std::int64_t at_ns = now_ns();
-    const double at_s = now + 1e-9 * static_cast<double>(at_ns - start_ns);
-    if (serving() && !line_.silent(now))
-      send_due(at_s + 1e-9);
-    take_commands(std::nullopt);
-    if (at_ns >= deadline_ns)
-      return;
-    const double due_s = std::max(line_.next_due_s() - at_s, 0.0);
-    const std::int64_t to_due = due_s < 1.0 ? std::llround(1e9 * due_s) : kMillisecond;
-    socket_.wait(std::chrono::nanoseconds(std::min(deadline_ns - at_ns, to_due)));
-  }
-}
-
-Ending FciServer::run(const std::atomic<bool>& stop) {
-  std::int64_t deadline_ns = now_ns();
-  Ending ending = Ending::kStopped;
-  while (!stop.load(std::memory_order_relaxed)) {
-    if (config_.virtual_time) {
-      if (!virtual_period(stop, ending))
-        break;
-    } else {
-      deadline_ns += kMillisecond;
-      if (now_ns() > deadline_ns) {  // a whole period late: the clock waits rather than hurry after
-        ++counts_.overruns;
-        deadline_ns = now_ns() + kMillisecond;
-      }
-      real_period(deadline_ns);
-    }
-    robot_.advance();
-    if (const auto ended = robot_.motion_ended(); ended && motion_) {
-      send_message(fr3::fci::answer(robot_.dialect(), Request::kMove, *motion_, *ended));
-      motion_.reset();
-    }
-    if (!robot_.finite())
-      return Ending::kDiverged;
-    if (after_period)
-      after_period(robot_);
-  }
-  return ending;
 }
 
 }  // namespace voxtouch::fr3_sim

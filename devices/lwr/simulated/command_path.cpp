@@ -3,18 +3,13 @@
 #include <algorithm>
 
 namespace voxtouch::lwr_sim {
-CommandPath::CommandPath(int ticks_per_period, std::size_t delay_ticks) noexcept
-    : ticks_(std::max(ticks_per_period, 1)),
-      delay_(std::min(delay_ticks, kMaxDelay)) {
-  line_.fill(lwr::LwrJoints::Zero());
-}
+CommandPath::CommandPath(int ticks_per_period) noexcept : ticks_(std::max(ticks_per_period, 1)) {}
 
 void CommandPath::start(const Setpoint& start) noexcept {
   from_ = to_ = start;
   done_ = ticks_;
   misses_ = 0;
   position_step_.setZero();
-  line_.fill(lwr::LwrJoints::Zero());
 }
 
 void CommandPath::begin(const Setpoint& wanted) noexcept {
@@ -44,9 +39,6 @@ Setpoint CommandPath::tick() noexcept {
     now.position = from_.position + share * (to_.position - from_.position);
     now.torque = from_.torque + share * (to_.torque - from_.torque);
   }
-  line_[next_] = now.torque;
-  now.torque = line_[(next_ + line_.size() - delay_) % line_.size()];
-  next_ = (next_ + 1) % line_.size();
   return now;
 }
 

@@ -10,13 +10,9 @@
 namespace voxtouch::lwr_sim {
 namespace {
 
+using arm_sim::require;
 using lwr::fri::Control;
 using lwr::fri::State;
-
-void require(bool good, const char* field, const char* rule) {
-  if (!good)
-    throw std::runtime_error(fmt::format("simulated controller: {} has to be {}", field, rule));
-}
 
 const ControllerConfig& checked(const ControllerConfig& config) {
   config.validate();
@@ -28,25 +24,19 @@ int ticks_of(double period_s) { return static_cast<int>(std::lround(period_s / k
 }  // namespace
 
 void ControllerConfig::validate() const {
+  ArmConfig::validate();
   const int ticks = ticks_of(period_s);
   require(ticks >= 1 && ticks <= 100 && std::abs(period_s - ticks * kTick) < 1e-9, "period_s",
           "1 to 100 whole milliseconds");
-  require(plant.pose_FT.finite(), "plant.tool_in_flange", "finite");
-  require(start_rad.allFinite() && (start_rad.array() <= plant.highest_rad.array()).all() &&
-              (start_rad.array() >= plant.lowest_rad.array()).all(),
-          "start_rad", "within the joints' limits");
-  require(overlay_lag_s >= 0.0 && overlay_lag_s < 1.0, "overlay_lag_s", "in [0, 1)");
   require(torque_noise_nm >= 0.0 && torque_noise_nm < 100.0, "torque_noise_nm", "in [0, 100)");
 }
 
 FriController::FriController(const ControllerConfig& config, hand::Hand hand, FaultSchedule faults)
-    : config_(checked(config)),
+    : SimulatedArm(checked(config), std::move(hand), std::move(faults)),
+      config_(config),
       ticks_(ticks_of(config.period_s)),
-      faults_(std::move(faults)),
-      plant_(config.plant, config.start_rad),
-      hand_(std::move(hand)),
       script_(config.script_pause_s, config.first_start_keeps_strategy),
-      path_(ticks_, static_cast<std::size_t>(config.overlay_delay_ticks)),
+      path_(ticks_),
       impedance_(config.laws),
       random_(config.seed),
       commanded_rad_(config.start_rad),
@@ -107,8 +97,8 @@ std::optional<Event> FriController::take_event() noexcept {
 
 void FriController::command_here() noexcept {
   commanded_rad_ = plant_.q();
-  overlay_.setZero();
-  applied_.setZero();
+  drop_torque();
+  drive_.setZero();
   path_.start(resting());
 }
 
@@ -201,31 +191,21 @@ FriController::Verdict FriController::receive(std::span<const std::byte> datagra
 }
 
 lwr::LwrJoints FriController::law(const Setpoint& now,
-                                  const ArmDynamics::Terms& terms) const noexcept {
+                                  const lwr::LwrJoints& torque) const noexcept {
+  const ArmDynamics::Terms terms = plant_.terms();
   if (state_ != State::kCmd)
     return position_law(config_.laws, terms, plant_.q(), plant_.rate(), commanded_rad_);
   if (script_.control() == Control::kPosition)
     return position_law(config_.laws, terms, plant_.q(), plant_.rate(), now.position);
-  return impedance_.torque(terms, plant_.q(), plant_.rate(), now) + overlay_;
+  return impedance_.torque(terms, plant_.q(), plant_.rate(), now) + torque;
 }
 
 void FriController::tick() noexcept {
   const Setpoint now = path_.tick();
-  ArmDynamics::Terms terms = plant_.terms();
   if (state_ == State::kCmd)
-    impedance_.prepare(terms, now);
-  // Pade(1,1) of 1 - exp(-dt / lag): no library function.
-  const double follow = std::min(1.0, kSubstep / (config_.overlay_lag_s + 0.5 * kSubstep));
-  for (int i = 0; i < kSubsteps; ++i) {
-    if (i)
-      terms = plant_.terms();
-    if (state_ == State::kCmd)
-      overlay_ += follow * (now.torque - overlay_);
-    applied_ = braked_ ? lwr::LwrJoints(lwr::LwrJoints::Zero()) : law(now, terms);
-    const hand::HandAction hand =
-        starts_ || !config_.hand_waits ? hand_.step() : hand::HandAction{};
-    plant_.step(applied_, braked_ ? Drives::kBraked : Drives::kTorque, hand, kSubstep);
-  }
+    impedance_.prepare(plant_.terms(), now);
+  SimulatedArm::tick(now.torque, state_ == State::kCmd, braked_,
+                     [&](const lwr::LwrJoints& torque) { return law(now, torque); });
 }
 
 void FriController::advance() noexcept {
@@ -316,7 +296,8 @@ void FriController::start() noexcept {
   braked_ = false;
   error_ = warning_ = 0;
   flags_ = answer_.command.cmd_flags;
-  overlay_.setZero();
+  hand_holds_ = true;
+  drop_torque();
   path_.start(resting());
   note(from, {});
 }
@@ -356,10 +337,7 @@ void FriController::fill_robot() noexcept {
 
 void FriController::fill_measured(const ArmDynamics::Terms& terms) noexcept {
   lwr::fri::Measured& d = msr_.data;
-  const double step = config_.position_resolution_rad;
-  lwr::LwrJoints q = plant_.q();
-  if (step > 0.0)
-    q = q.unaryExpr([step](double x) { return std::round(x / step) * step; });
+  const lwr::LwrJoints q = measured_rad();
   const ArmDynamics& dynamics = plant_.dynamics();
   d.jnt_pos = lwr::fri::to_wire(q);
   d.cart_pos = lwr::fri::to_wire(dynamics.at(q, lwr::LwrJoints::Zero()).tool);
@@ -396,7 +374,7 @@ TraceRow FriController::row() const noexcept {
   row.tip_m = terms.tool.position;
   row.velocity_m_s = terms.twist.linear;
   if (!braked_)
-    row.applied = tool_wrench(terms, applied_);
+    row.applied = tool_wrench(terms, drive_);
   row.hand = plant_.hand_wrench();
   row.target_m = hand_.target();
   return row;

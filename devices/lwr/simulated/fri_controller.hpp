@@ -7,7 +7,7 @@
 #include <random>
 #include <span>
 
-#include "devices/arm/simulated/faults.hpp"
+#include "devices/arm/simulated/simulated_arm.hpp"
 #include "devices/lwr/fri_codec.hpp"
 #include "devices/lwr/simulated/command_path.hpp"
 #include "devices/lwr/simulated/krl_script.hpp"
@@ -17,37 +17,27 @@
 
 namespace voxtouch::lwr_sim {
 
-using arm_sim::Fault, arm_sim::FaultKind, arm_sim::FaultSchedule;
+using arm_sim::Fault, arm_sim::FaultKind, arm_sim::FaultSchedule, arm_sim::kSubstep, arm_sim::kTick;
 inline constexpr arm_sim::ControllerFaults kFaults{
     "loss answer_loss late jitter reorder duplicate nan drives_off drive_error estop quality "
     "silent",
     8.0};
 
-inline constexpr double kTick = 1e-3;  ///< [s] the controller's fine cycle
-inline constexpr int kSubsteps = 4;    ///< torque loop and mechanics in one tick
-inline constexpr double kSubstep = kTick / kSubsteps;
-
-struct ControllerConfig {
+struct ControllerConfig : arm_sim::ArmConfig {
+  ControllerConfig() {
+    plant = lwr_plant();
+    start_rad = lwr::lwr_rest_posture();
+  }
   double period_s = 0.001;     ///< argument of friOpen: 1 to 100 ms, whole milliseconds
   double safety_limits = 1.0;  ///< argument of friStart: share of the joints' speed, in (0, 1]
-  PlantParameters plant = lwr_plant();
-  lwr::LwrJoints start_rad = lwr::lwr_rest_posture();
   SafetyRules safety;
-  LawParameters laws;
-  int overlay_delay_ticks =
-      1;  ///< of overlaid torques beside the period that an answer waits; assumed
-  double overlay_lag_s = 0.003;           ///< first-order lag of them, by the torque loop; assumed
-  double torque_noise_nm = 0.05;          ///< standard deviation of each torque sensor; assumed
-  double position_resolution_rad = 2e-5;  ///< of the measured positions; assumed
+  double torque_noise_nm = 0.05;  ///< standard deviation of each torque sensor; assumed
   lwr::LwrJoints krl_stiffness_nm_per_rad =
       lwr::LwrJoints::Constant(1000.0);  ///< where no flag brings one, as in published programs;
   double krl_damping = 0.7;              ///< likewise
   double script_pause_s = 0.05;          ///< of the KRL program's loop, as in a published one
   bool first_start_keeps_strategy = false;
-  bool hand_waits =
-      true;  ///< the hand takes the tool, and its clock starts, with the first command mode
   bool virtual_time = false;  ///< announced in $FRI_TO_INT[16]
-  std::uint64_t seed = 0;
 
   /// Throws std::runtime_error that names field and rule.
   void validate() const;
@@ -88,7 +78,7 @@ struct TraceRow {
 /// from the next period on. Time is a count of periods; there is no clock, so the same seed and
 /// answers give the same bits. State OFF stands before the first measurement and after `close`.
 /// Real-time safe after construction.
-class FriController {
+class FriController final : public arm_sim::SimulatedArm {
  public:
   /// Throws std::runtime_error where the configuration, the hand or the motion cannot be simulated.
   FriController(const ControllerConfig& config, hand::Hand hand,
@@ -119,13 +109,10 @@ class FriController {
   lwr::fri::Quality quality() const noexcept;
   bool braked() const noexcept { return braked_; }
   const AnswerCounts& counts() const noexcept { return counts_; }
-  const ArmPlant& plant() const noexcept { return plant_; }
   const LinkQuality& link() const noexcept { return link_; }
   const ControllerConfig& config() const noexcept { return config_; }
   std::uint64_t starts() const noexcept { return starts_; }
   std::uint64_t drops() const noexcept { return drops_; }  ///< times command mode ended unasked
-  /// The arm's mechanics have left the numbers: the simulation is of no more use.
-  bool finite() const noexcept { return plant_.q().allFinite() && plant_.rate().allFinite(); }
   TraceRow row() const noexcept;
   /// What happened since the last call, oldest first; refused starts among it (from == to).
   std::optional<Event> take_event() noexcept;
@@ -133,7 +120,7 @@ class FriController {
  private:
   void watch_power() noexcept;
   void tick() noexcept;
-  lwr::LwrJoints law(const Setpoint& now, const ArmDynamics::Terms& terms) const noexcept;
+  lwr::LwrJoints law(const Setpoint& now, const lwr::LwrJoints& torque) const noexcept;
   void apply_answer() noexcept;
   void judge_answer() noexcept;
   void judge_motion() noexcept;
@@ -151,9 +138,6 @@ class FriController {
 
   ControllerConfig config_;
   int ticks_;
-  FaultSchedule faults_;
-  ArmPlant plant_;
-  hand::Hand hand_;
   LinkQuality link_;
   KrlScript script_;
   CommandPath path_;
@@ -165,10 +149,6 @@ class FriController {
   bool braked_ = false;
   std::uint16_t error_ = 0, broken_ = 0, warning_ = 0, power_ = lwr::fri::kAllDrives;
   lwr::LwrJoints commanded_rad_;  // the KRL side's commanded position
-  lwr::LwrJoints overlay_ =
-      lwr::LwrJoints::Zero();  // torque of the remote side as the joints feel it
-  lwr::LwrJoints applied_ =
-      lwr::LwrJoints::Zero();  // drive torque beyond gravity in the last substep
 
   lwr::fri::MsrPacket msr_;
   lwr::fri::CmdPacket answer_{}, pending_{};

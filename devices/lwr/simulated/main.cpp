@@ -1,14 +1,11 @@
 // voxtouch_fri_controller: the robot controller with its arm and an operator, simulated, behind the
 // real protocol on UDP.
 #include <memory>
-#include <numbers>
 
 #include "core/types/number.hpp"
 #include "devices/arm/simulated/program.hpp"
-#include "devices/arm/simulated/start_posture.hpp"
 #include "devices/lwr/simulated/session.hpp"
 #include "devices/lwr/simulated/trace.hpp"
-#include "devices/operator/hand_file.hpp"
 
 namespace {
 
@@ -20,27 +17,16 @@ struct Options : arm_sim::ProgramOptions {
   SessionConfig session;
   ControllerConfig controller;
   int period_ms = 1;
-  double duration_s = 0.0;
   double torque_feedback_gain = 4.0;
-  std::vector<double> posture_deg;
   std::string trace_file;
-  std::optional<std::uint64_t> seed;
 };
 
 void declare(CLI::App& app, Options& o) {
   app.add_option("--remote", o.remote, "Where measurements go, ADDRESS:PORT")
       ->capture_default_str();
-  app.add_option("--address", o.session.address, "Own address")->capture_default_str();
-  app.add_option("--port", o.session.port, "Own port; 0: any free one")->capture_default_str();
   app.add_option("--period-ms", o.period_ms, "Period of measurements, 1 to 100 ms")
       ->capture_default_str();
-  arm_sim::declare(app, o, o.controller.virtual_time, o.session.patience_s, kFaults);
-  app.add_option("--duration", o.duration_s,
-                 "Seconds of the controller's time, then end; 0: until SIGTERM");
-  app.add_option("--posture-deg", o.posture_deg,
-                 "Joints A1 A2 E1 A3 A4 A5 A6 to start at, or near with --hand")
-      ->expected(7);
-  app.add_option("--seed", o.seed, "Of noise and faults; default: the hand file's, or 0");
+  arm_sim::declare(app, o, o.session, o.controller.virtual_time, kFaults);
   app.add_option("--trace", o.trace_file, "CSV of every period");
   app.add_option("--torque-feedback-gain", o.torque_feedback_gain,
                  "Divides rotors' inertia and friction")
@@ -58,40 +44,6 @@ void set_remote(Options& o) {
   o.session.remote_port = *port;
 }
 
-lwr::LwrJoints posture(const Options& o, const std::vector<double>& from_file) {
-  lwr::LwrJoints q = lwr::lwr_rest_posture();
-  if (!from_file.empty() && from_file.size() != 7)
-    throw std::runtime_error(
-        fmt::format("{}: posture_rad needs 7 numbers for this arm", o.hand_file));
-  if (!from_file.empty())
-    q = Eigen::Map<const lwr::LwrJoints>(from_file.data());
-  if (!o.posture_deg.empty())
-    q = Eigen::Map<const lwr::LwrJoints>(o.posture_deg.data()) * (std::numbers::pi / 180.0);
-  return q;
-}
-
-hand::Hand make_hand(Options& o) {
-  ControllerConfig& c = o.controller;
-  const lwr::LwrArm arm(c.plant.pose_FT);
-  if (o.hand_file.empty()) {
-    c.start_rad = posture(o, {});
-    c.seed = o.seed.value_or(0);
-    return arm_sim::nobody(arm.tool(c.start_rad).position, kSubstep);
-  }
-  const hand::HandFile file = hand::read_hand(o.hand_file);
-  c.seed = o.seed.value_or(file.seed);
-  hand::Hand hand(file.hand, file.motion, kSubstep, c.seed, arm_sim::kDrag);
-  const auto reach = [&arm](const lwr::LwrJoints& q) {
-    const lwr::LwrArm::State state = arm.at(q);
-    return arm_sim::Reach{state.pose_BT, state.jacobian};
-  };
-  const lwr::LwrJoints limit = lwr::lwr_limits().position_rad;
-  c.start_rad = arm_sim::start_posture(
-      reach, {file.motion.path.front(), file.motion.orientation.normalized()},
-      posture(o, file.posture_rad), -limit, limit);
-  return hand;
-}
-
 void tell(FriController& controller) {
   while (const auto event = controller.take_event()) {
     const std::string why = event->why ? fmt::format(": {}", sentence_of(event->why.reason)) : "";
@@ -105,7 +57,7 @@ void tell(FriController& controller) {
 
 void tell_counts(const Session& session, const FriController& controller) {
   const AnswerCounts& a = controller.counts();
-  const SessionCounts& s = session.counts();
+  const arm_sim::NetworkCounts& s = session.counts();
   fmt::print(stderr,
              "{:.3f} s simulated: {} periods, {} sent, {} received, {} answers in time, {} missed; "
              "{} starts, {} "
@@ -125,10 +77,8 @@ void run(Options& o, const std::atomic<bool>& stop) {
   o.controller.period_s = 1e-3 * o.period_ms;
   o.controller.plant = lwr_plant(o.torque_feedback_gain);
   o.controller.plant.pose_FT = o.tool();
-  if (o.duration_s > 0.0)
-    o.session.duration_s = o.duration_s;
   const FaultSchedule schedule = o.schedule(kFaults);
-  hand::Hand hand = make_hand(o);
+  hand::Hand hand = arm_sim::make_hand(o, lwr::LwrArm(o.tool()), o.controller);
   FriController controller(o.controller, std::move(hand), schedule);
   std::unique_ptr<Trace> trace;
   if (!o.trace_file.empty())
@@ -147,12 +97,7 @@ void run(Options& o, const std::atomic<bool>& stop) {
   if (trace)
     trace->finish();
   tell_counts(session, controller);
-  if (ending == Ending::kNoAnswer)
-    throw std::runtime_error(fmt::format(
-        "no answer from {} within {} s: is the device's program running, and does it answer?",
-        o.remote, o.session.patience_s));
-  if (ending == Ending::kDiverged)
-    throw std::runtime_error(arm_sim::kDivergedSentence);
+  arm_sim::require_good(ending, o.session.patience_s);
 }
 
 }  // namespace

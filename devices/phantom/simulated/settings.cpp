@@ -17,22 +17,28 @@ struct Number {
   double& (*of)(Settings&);
 };
 
-// clang-format off
 constexpr std::array kNumbers{
     Number{"coulomb_nm", 0.0, 10.0, [](Settings& s) -> double& { return s.plant.coulomb_nm; }},
-    Number{"viscous_nms_per_rad", 0.0, 1.0, [](Settings& s) -> double& { return s.plant.viscous_nms_per_rad; }},
-    Number{"gravity_m_per_s2", 0.0, 100.0, [](Settings& s) -> double& { return s.plant.gravity_m_per_s2; }},
-    Number{"hand_bandwidth_hz", 0.01, 1e3, [](Settings& s) -> double& { return s.hand_bandwidth_hz; }},
+    Number{"viscous_nms_per_rad", 0.0, 1.0,
+           [](Settings& s) -> double& { return s.plant.viscous_nms_per_rad; }},
+    Number{"gravity_m_per_s2", 0.0, 100.0,
+           [](Settings& s) -> double& { return s.plant.gravity_m_per_s2; }},
+    Number{"hand_bandwidth_hz", 0.01, 1e3,
+           [](Settings& s) -> double& { return s.hand_bandwidth_hz; }},
     Number{"resolution_m", 1e-9, 0.01, [](Settings& s) -> double& { return s.resolution_m; }},
-    Number{"gimbal_resolution_rad", 1e-9, 0.1, [](Settings& s) -> double& { return s.gimbal_resolution_rad; }},
-    Number{"velocity_filter_hz", 0.1, 1e6, [](Settings& s) -> double& { return s.velocity_filter_hz; }},
+    Number{"gimbal_resolution_rad", 1e-9, 0.1,
+           [](Settings& s) -> double& { return s.gimbal_resolution_rad; }},
+    Number{"velocity_filter_hz", 0.1, 1e6,
+           [](Settings& s) -> double& { return s.velocity_filter_hz; }},
     Number{"thermal_time_s", 0.01, 1e9, [](Settings& s) -> double& { return s.thermal_time_s; }},
     Number{"watchdog_s", 0.0, 1e3, [](Settings& s) -> double& { return s.watchdog_s; }},
-    Number{"reset_error_turret_rad", -1.0, 1.0, [](Settings& s) -> double& { return s.reset_error_rad[0]; }},
-    Number{"reset_error_thigh_rad", -1.0, 1.0, [](Settings& s) -> double& { return s.reset_error_rad[1]; }},
-    Number{"reset_error_shin_rad", -1.0, 1.0, [](Settings& s) -> double& { return s.reset_error_rad[2]; }},
+    Number{"reset_error_turret_rad", -1.0, 1.0,
+           [](Settings& s) -> double& { return s.reset_error_rad[0]; }},
+    Number{"reset_error_thigh_rad", -1.0, 1.0,
+           [](Settings& s) -> double& { return s.reset_error_rad[1]; }},
+    Number{"reset_error_shin_rad", -1.0, 1.0,
+           [](Settings& s) -> double& { return s.reset_error_rad[2]; }},
 };
-// clang-format on
 
 template <class T>
 T number(std::string_view text, std::string_view whole) {

@@ -35,73 +35,6 @@ struct AccuracyVerb {
   bool json = false;
 };
 
-constexpr const char* kAccuracyDescription =
-    "What accuracy costs in time: every contact model at every voxel size and shell density asked "
-    "for, measured on "
-    "the\n"
-    "same random contacts of the scene against the reference (closed forms or the exact mesh), "
-    "with the time of a "
-    "frame.\n"
-    "A table, one sentence of advice, and on demand JSON, CSV and a picture.";
-
-constexpr const char* kFooter =
-    "How it is measured: the tool is brought into contact with the wall in --contacts random "
-    "places and attitudes, "
-    "each\n"
-    "--depth-edges voxel edges deep, and the force of each setting is held beside the reference's. "
-    "A virtual tool is pressed\n"
-    "with the hand 5 edges deep, and held beside the exact ball that is drawn to the same hand; it "
-    "has no onset.\n"
-    "\n"
-    "What the figures mean\n"
-    "  missed     contacts that the reference feels and the setting does not. They count in all "
-    "that follows\n"
-    "  direction  angle between the force and the true one [deg], a missed contact being 180 off: "
-    "mean, which settings are\n"
-    "             ranked by, median and 95th percentile. A person feels it as a wall that is "
-    "tilted or that grates when slid over\n"
-    "  force      mean size of the force over the true one's: 1 without bias, 0 for a missed "
-    "contact\n"
-    "  noise      scatter (standard deviation over mean) of the same: a wall that ripples\n"
-    "  torque     error of the torque over the force: by how much the force seems to act beside "
-    "its true line [mm]\n"
-    "  onset      gap at which the force begins: > 0 before the wall is touched, < 0 inside it "
-    "[mm]\n"
-    "  time       CPU time of one frame [us]; a 1 kHz loop has 1000 for everything. Of a virtual "
-    "tool: over the frames of a hand that\n"
-    "             slides 1/40 e sideways each (50 mm/s at e = 2 mm and 1 kHz), with the queries "
-    "that these make\n"
-    "  memory     voxmap, pointshell, distance field; build: CPU time from the meshes to the first "
-    "frame [s]\n"
-    "\n"
-    "Spread: 60 of the contacts once more, pressed in slowly to 1/4 to 4 e, and with the grid "
-    "moved by four random shares of a voxel.\n"
-    "Intervals of medians are those between sorted values that the binomial distribution gives 95 "
-    "%.\n"
-    "\n"
-    "Where to look: rows marked * are on the Pareto front, all others are beaten by one of them in "
-    "time and in "
-    "direction.\n"
-    "Settings that point within 0.001 deg count as equal. Times are of this machine and of what "
-    "else runs on it: "
-    "compare\n"
-    "their ratios. Halving e makes about four times the points.\n"
-    "\n"
-    "Exit status 0; 1 where the wish is not met by any setting or nothing could be measured.\n"
-    "\n"
-    "Examples\n"
-    "  voxtouch accuracy deploy/scenes/cup.yaml --plot accuracy.png             what there is to "
-    "choose from\n"
-    "  voxtouch accuracy deploy/scenes/cup.yaml --want-direction-deg 1          the cheapest that "
-    "points within 1 deg\n"
-    "  voxtouch accuracy deploy/scenes/cup.yaml --within-us 200                 the most accurate "
-    "within 200 us\n"
-    "  voxtouch accuracy deploy/scenes/cup.yaml --models field --budgets 1,0.5,0.25   what leaving "
-    "out points costs, and saves\n"
-    "  voxtouch accuracy deploy/scenes/plane.yaml --models adapted,field --voxel-sizes 0.004,0.002 "
-    "--shell-densities "
-    "1,2";
-
 /// Tells at once, then each second: what is being done, and how long the rest takes where the
 /// processor is shared as so far.
 std::function<void(const std::string&, double, double)> tell_time_left() {
@@ -198,8 +131,7 @@ void add_goals(CLI::App& verb, accuracy::AccuracyGoal& goal) {
 
 void add_accuracy(CLI::App& app, Action& action) {
   auto o = std::make_shared<AccuracyVerb>();
-  CLI::App* verb = app.add_subcommand("accuracy", kAccuracyDescription);
-  verb->footer(kFooter);
+  CLI::App* verb = app.add_subcommand("accuracy");
   verb->add_option("SCENE", o->scene,
                    "Scene file (YAML), or the name of one that comes with voxtouch")
       ->required()
@@ -216,11 +148,6 @@ void add_accuracy(CLI::App& app, Action& action) {
            "The shell is made with voxels of e / density, so 2 makes about four times the points; "
            "default: 1")
       ->check(runtime::require_positive);
-  add_list(*verb, "--budgets", o->choice.budgets,
-           "Shares of the shell's points that a frame may test, as under a scene's budget_us; "
-           "default: 1, all of them. A virtual tool leaves out none")
-      ->check(runtime::require_positive)
-      ->check(CLI::Range(1e-6, 1.0));
   verb->add_option("--contacts", o->contacts, "Contact poses, the same for every setting")
       ->capture_default_str()
       ->check(CLI::Range(1, 1'000'000));

@@ -59,8 +59,7 @@ std::vector<accuracy::AccuracySetting> settings_of(const AccuracyChoice& choice,
   const std::vector<contact::PointWeights> weights = weights_of(choice);
   const std::vector<double> voxels =
       each_once(choice.voxel_sizes_m, {2.0 * scene_voxel_m, scene_voxel_m, 0.5 * scene_voxel_m});
-  const std::vector<double> densities = each_once(choice.shell_densities, {1.0}),
-                            budgets = each_once(choice.budgets, {1.0});
+  const std::vector<double> densities = each_once(choice.shell_densities, {1.0});
   const bool area =
       std::find(weights.begin(), weights.end(), contact::PointWeights::kArea) != weights.end();
   std::vector<accuracy::AccuracySetting> out;
@@ -76,12 +75,10 @@ std::vector<accuracy::AccuracySetting> settings_of(const AccuracyChoice& choice,
         continue;
       for (const double voxel : voxels)
         for (const double density : densities)
-          for (const double budget : budgets)
-            out.push_back({.model = model,
-                           .weights = weight,
-                           .voxel_m = voxel,
-                           .shell_voxel_m = voxel / density,
-                           .budget = budget});
+          out.push_back({.model = model,
+                         .weights = weight,
+                         .voxel_m = voxel,
+                         .shell_voxel_m = voxel / density});
     }
   }
   // One row of it where nothing is said: at the scene's own voxels.
@@ -99,6 +96,19 @@ std::vector<accuracy::AccuracySetting> settings_of(const AccuracyChoice& choice,
                     "models, voxel sizes or densities",
                     out.size(), kMaxSettings));
   return out;
+}
+
+std::string_view weights_word(contact::PointWeights weights) noexcept {
+  return weights == contact::PointWeights::kArea ? "area" : "one";
+}
+
+std::string describe(const accuracy::AccuracySetting& s) {
+  std::string text = s.virtual_tool ? fmt::format("virtual tool, e = {:.4g} mm", s.voxel_m * 1e3)
+                                    : fmt::format("{}/{}, e = {:.4g} mm", contact::name_of(s.model),
+                                                  weights_word(s.weights), s.voxel_m * 1e3);
+  if (s.shell_voxel_m != s.voxel_m)
+    text += fmt::format(", shell {:.4g} mm", s.shell_voxel_m * 1e3);
+  return text;
 }
 
 }  // namespace voxtouch::cli

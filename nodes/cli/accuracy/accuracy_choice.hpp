@@ -1,6 +1,7 @@
 #pragma once
 /// From the words of `voxtouch accuracy` to the settings that are measured.
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/accuracy/accuracy.hpp"
@@ -15,8 +16,6 @@ struct AccuracyChoice {
       {};  ///< e; default: twice the scene's, the scene's, half of it
   std::vector<double> shell_densities =
       {};  ///< e / voxel edge that the shell is made with; default 1
-  std::vector<double> budgets =
-      {};  ///< share of the shell's points that a frame may test; default 1, all of them
 };
 
 /// Most settings of one run: more is a slip of the pen, and would take hours.
@@ -30,5 +29,10 @@ inline constexpr std::size_t kMaxSettings = 500;
 /// option.
 std::vector<accuracy::AccuracySetting> settings_of(const AccuracyChoice& choice,
                                                    double scene_voxel_m);
+
+/// "one", "area".
+std::string_view weights_word(contact::PointWeights weights) noexcept;
+/// "adapted/area, e = 1 mm, shell 0.5 mm": the name of a setting in tables.
+std::string describe(const accuracy::AccuracySetting& setting);
 
 }  // namespace voxtouch::cli

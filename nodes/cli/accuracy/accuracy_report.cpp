@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/accuracy/tool_row.hpp"
+#include "nodes/cli/accuracy/accuracy_choice.hpp"
 
 namespace voxtouch::cli {
 namespace {
@@ -53,7 +54,7 @@ std::string table_row(const AccuracyReport& report, std::size_t index) {
   const accuracy::AccuracyRow& r = report.rows[index];
   std::string text =
       fmt::format("  {}{} {:<7} {:>7.4g} {:>6.4g}", on_front(report, index) ? '*' : ' ',
-                  report.advice.row == index ? '>' : ' ', accuracy::weights_word(r.setting.weights),
+                  report.advice.row == index ? '>' : ' ', weights_word(r.setting.weights),
                   r.setting.voxel_m * 1e3, r.setting.shell_voxel_m * 1e3);
   if (const std::string why = no_figures(r); !why.empty())
     return text + fmt::format("  {}{}\n", r.refused.empty() ? "" : "refused: ", why);
@@ -118,7 +119,7 @@ std::string depth_table(const AccuracyReport& report) {
   for (const accuracy::AccuracyRow& r : report.rows) {
     if (r.depths.empty() || !no_figures(r).empty())
       continue;
-    text += fmt::format("    {:<38}", accuracy::describe(r.setting));
+    text += fmt::format("    {:<38}", describe(r.setting));
     for (const accuracy::DepthFigures& d : r.depths)
       text += fmt::format(" {:>7}", cell(d.direction_mean_deg));
     text += "  ";
@@ -139,37 +140,12 @@ std::string phase_table(const AccuracyReport& report) {
     if (!no_figures(r).empty())
       continue;
     text += fmt::format("    {:<38} {:>15} {:>15} {:>15}  {:>15} {:>15} {:>16} {:>15}\n",
-                        accuracy::describe(r.setting), cells(r.phases.missed_share, 100.0),
+                        describe(r.setting), cells(r.phases.missed_share, 100.0),
                         cells(r.phases.direction_mean_deg, 1.0), cells(r.phases.force_ratio, 1.0),
                         cells(r.direction_median_95, 1.0), cells(r.torque_error_95, 1e3),
                         cells(r.onset_error_95, 1e3), cells(r.median_us_95, 1.0));
   }
   return text;
-}
-
-/// What leaving out points costs and saves, where settings differ in nothing else.
-std::string budget_table(const AccuracyReport& report) {
-  std::string text;
-  for (const accuracy::AccuracyRow& r : report.rows) {
-    if (r.setting.budget >= 1.0 || !no_figures(r).empty())
-      continue;
-    const auto whole = std::find_if(
-        report.rows.begin(), report.rows.end(), [&](const accuracy::AccuracyRow& other) {
-          accuracy::AccuracySetting same = other.setting;
-          same.budget = r.setting.budget;
-          return other.setting.budget >= 1.0 && no_figures(other).empty() && same == r.setting;
-        });
-    const bool known = whole != report.rows.end() && whole->median_us > 0.0;
-    text += fmt::format("    {:<48} {:>14} {:>14} {:>14} {:>14}\n", accuracy::describe(r.setting),
-                        cell(r.left_out_depth_m * 1e3), cell(r.direction_mean_deg),
-                        known ? cell(r.direction_mean_deg - whole->direction_mean_deg) : "-",
-                        known ? cell(r.median_us / whole->median_us) : "-");
-  }
-  if (text.empty())
-    return text;
-  return fmt::format("  Under a budget\n    {:<48} {:>14} {:>14} {:>14} {:>14}\n", "",
-                     "deeper [mm]", "dir., mean", "more [deg]", "time /all") +
-         text + '\n';
 }
 
 /// What was timed for a virtual tool, where one was.
@@ -184,6 +160,27 @@ std::string slides_text(const AccuracyReport& report) {
       "  Those of a virtual tool: of a hand that slides {:g} e a frame sideways, 5 e deep; {} "
       "queries a frame on average. Pushed straight on it makes none.\n",
       accuracy::kSlideEdges, queries);
+}
+
+std::string chosen_text(const AccuracyReport& r) {
+  const accuracy::AccuracyAdvice& advice = r.advice;
+  if (advice.refused_tool)
+    return fmt::format("none; the scene renders a virtual tool, which was refused: {}",
+                       r.rows[*advice.refused_tool].refused);
+  if (advice.front.empty())
+    return fmt::format("none; each of the {} settings was refused or has no contact",
+                       r.rows.size());
+  if (!advice.row)
+    return advice.met.has_value() ? "none; no setting has the figure that is limited"
+                                  : "none; the Pareto front has no knee";
+  const accuracy::AccuracyRow& row = r.rows[*advice.row];
+  const char* why = advice.knee == advice.row ? ", the knee of the Pareto front"
+                                              : ", the fastest and most accurate";
+  if (advice.met)
+    why = *advice.met ? ", which meets the limit"
+                      : ", the nearest to the limit, which no setting meets";
+  return fmt::format("{}, {} us a frame, {} deg off{}", describe(row.setting), cell(row.median_us),
+                     cell(row.direction_mean_deg), why);
 }
 
 std::string load_text(const AccuracyReport& r) {
@@ -275,16 +272,13 @@ nlohmann::ordered_json row_json(const AccuracyReport& report, std::size_t index)
   const bool built = r.refused.empty();
   nlohmann::ordered_json j{
       {"model", model_word(r.setting)},
-      {"weights", accuracy::weights_word(r.setting.weights)},
+      {"weights", weights_word(r.setting.weights)},
       {"voxel_m", r.setting.voxel_m},
       {"shell_voxel_m", r.setting.shell_voxel_m},
       {"shell_points", built ? nlohmann::ordered_json(r.shell_points) : nlohmann::ordered_json()},
       {"bytes", built ? nlohmann::ordered_json(r.bytes) : nlohmann::ordered_json()},
       {"contacts", r.contacts},
-      {"missed", r.missed},
-      {"budget", r.setting.budget},
-      {"left_out_depth_m",
-       no_figures(r).empty() ? number_or_null(r.left_out_depth_m) : nlohmann::ordered_json()}};
+      {"missed", r.missed}};
   for (const Entry& f : figures(r))
     j[f.key] = number_or_null(f.value);
   j.update(spread_json(r));
@@ -305,20 +299,21 @@ std::string csv_quoted(const std::string& text) {
 
 std::string to_text(const AccuracyReport& r) {
   std::string text = fmt::format(
-      "\n  What accuracy costs: scene {}, {} contacts, each {} e deep, seed {}\n\n{}\n{}{}{}\n",
-      r.scene, r.contacts, r.depth_edges, r.seed, table(r), budget_table(r), depth_table(r),
+      "\n  What accuracy costs: scene {}, {} contacts, each {} e deep, seed {}\n\n{}\n  Chosen: "
+      "{}\n\n{}{}\n",
+      r.scene, r.contacts, r.depth_edges, r.seed, table(r), chosen_text(r), depth_table(r),
       phase_table(r));
   text +=
       "  *  on the Pareto front: no other setting is both faster and closer in direction, a missed "
       "contact being 180 deg off";
   if (r.advice.row)
-    text += ";  > the one that the advice names";
+    text += ";  > chosen";
   text += fmt::format(
       "\n  Times: CPU time of one frame, median, 95th percentile and worst, on {} ({} CPUs, {}; "
       "{}, {}).\n"
-      "{}  Other work on the machine moves them: compare their ratios.\n\n  {}\n",
+      "{}  Other work on the machine moves them: compare their ratios.\n",
       r.machine.processor, r.machine.cpus, load_text(r), r.machine.compiler, r.machine.flags,
-      slides_text(r), r.advice.sentence);
+      slides_text(r));
   return text;
 }
 
@@ -350,7 +345,7 @@ nlohmann::ordered_json to_json(const AccuracyReport& r) {
   j["rows"] = nlohmann::ordered_json::array();
   for (std::size_t i = 0; i < r.rows.size(); ++i)
     j["rows"].push_back(row_json(r, i));
-  j["advice"] = {{"sentence", r.advice.sentence},
+  j["advice"] = {{"sentence", chosen_text(r)},
                  {"row", given(r.advice.row)},
                  {"met", given(r.advice.met)},
                  {"front", r.advice.front},
@@ -361,7 +356,6 @@ nlohmann::ordered_json to_json(const AccuracyReport& r) {
 std::string to_csv(const AccuracyReport& report) {
   std::string text = "model,weights,voxel_m,shell_voxel_m,shell_points,bytes,contacts,missed";
   const std::vector<double> depths = depths_of(report);
-  text += ",budget,left_out_depth_m";
   for (const Entry& f : figures({}))
     text += fmt::format(",{}", f.key);
   for (const EntryPair& f : median_intervals({}))
@@ -380,14 +374,11 @@ std::string to_csv(const AccuracyReport& report) {
     const auto add = [&text](double value) {
       text += std::isfinite(value) ? fmt::format(",{}", value) : std::string(",");
     };
-    text +=
-        fmt::format("{},{},{},{}", model_word(r.setting), accuracy::weights_word(r.setting.weights),
-                    r.setting.voxel_m, r.setting.shell_voxel_m);
+    text += fmt::format("{},{},{},{}", model_word(r.setting), weights_word(r.setting.weights),
+                        r.setting.voxel_m, r.setting.shell_voxel_m);
     text += r.refused.empty()
                 ? fmt::format(",{},{},{},{}", r.shell_points, r.bytes, r.contacts, r.missed)
                 : std::string(",,,0,0");
-    add(r.setting.budget),
-        add(no_figures(r).empty() ? r.left_out_depth_m : std::numeric_limits<double>::quiet_NaN());
     for (const Entry& f : figures(r))
       add(f.value);
     for (const EntryPair& f : median_intervals(r))

@@ -24,7 +24,7 @@ struct AccuracyReport {
   double load_before = -1.0, load_after = -1.0;  ///< load average of a minute; negative: not known
 };
 
-/// A table grouped by model, the conditions, the advice.
+/// A table grouped by model, the chosen setting in one line, spreads, the conditions.
 std::string to_text(const AccuracyReport& report);
 /// Figures of a row that was refused or never met the wall are null, as is what is not finite.
 nlohmann::ordered_json to_json(const AccuracyReport& report);

@@ -21,7 +21,6 @@ struct DesignVerbOptions : DesignInput {
   std::string device = "sim-phantom";
   std::filesystem::path plot, csv;
   bool json = false;
-  scene_build::CacheOptions cache;
 };
 
 int design(const DesignVerbOptions& o) {
@@ -34,7 +33,7 @@ int design(const DesignVerbOptions& o) {
   if (!o.scene.empty())
     log::tell("building {} to count its points\n", o.scene.stem().string());
   const DesignReport report = work_out(o, device, [&](const scene::Scene& scene) {
-    return scene_build::build_here(scene, {.who = "design", .cache = o.cache});
+    return scene_build::build_here(scene, {.who = "design"});
   });
   const std::string json = to_json(report).dump(2);
   log::print_result("{}", o.json ? json + "\n" : to_text(report));
@@ -51,33 +50,27 @@ int design(const DesignVerbOptions& o) {
 
 void add_design(CLI::App& app, Action& action) {
   auto o = std::make_shared<DesignVerbOptions>();
-  CLI::App* verb = app.add_subcommand(
-      "design",
-      "The virtual coupling that fits a device, the hands that may hold it and the contact, with "
-      "its margins; or what it would\n"
-      "take. All figures are at the hand. Exit status 1 where nothing holds.\n"
-      "Try: voxtouch design --device sim-phantom --scene deploy/scenes/cup.yaml --plot region.png");
+  CLI::App* verb = app.add_subcommand("design");
   verb->add_option("--device", o->device,
                    "A device by name, or a file that describes one (deploy/devices/*.yaml)")
       ->capture_default_str();
-  verb->add_option(
-          "--scene", o->scene,
-          "Scene whose contact and wishes are to be met; default: whatever the device can show")
+  verb->add_option("--scene", o->scene,
+                   "Scene to design for; default: the stiffest contact that the device can display")
       ->transform(runtime::scene_argument());
-  scene_build::add_cache_options(*verb, o->cache);
   verb->add_option("--hand", o->hand,
                    "pen, arm or any_passive; default: the scene's, else how the device is held")
       ->check(CLI::IsMember({"pen", "arm", "any_passive"}));
-  verb->add_flag("--held", o->held,
-                 "Somebody always holds the device: nobody letting go is not among the cases");
+  verb->add_flag("--held", o->held, "The device is always held: leaves out the released cases");
   verb->add_option("--kind", o->kind, "auto, shaping_filter, spring_damper or direct")
       ->capture_default_str()
       ->check(CLI::IsMember({"auto", "shaping_filter", "spring_damper", "direct"}));
-  verb->add_option("--cutoff-hz", o->cutoff_hz, "Wished cut-off of the shaping filter, w0 / (2 pi)")
+  verb->add_option("--cutoff-hz", o->cutoff_hz,
+                   "Requested cut-off of the shaping filter, w0 / (2 pi) [Hz]")
       ->capture_default_str()
       ->check(runtime::require_positive);
-  verb->add_option("--gain-margin", o->gain_margin,
-                   "How much stiffer the worst case may get before it is unstable")
+  verb->add_option(
+          "--gain-margin", o->gain_margin,
+          "Stiffness at the stability limit over the displayed stiffness, in the worst case")
       ->capture_default_str()
       ->check(runtime::require_positive)  // which refuses nan
       ->check(CLI::Range(1.0, 100.0));

@@ -18,8 +18,8 @@ std::string hand_text(const coupling::design::OperatorRange& hand, const std::st
                      h.stiffness_max, h.may_release ? ", or nobody" : ", always held");
 }
 
-/// The problem without a scene: whatever the device can show, or the stiffness given, in one
-/// contact that may be capped.
+}  // namespace
+
 coupling::design::DesignProblem problem_for_device(const DesignInput& input,
                                                    const coupling::design::DeviceModel& device) {
   scene::Scene scene;
@@ -31,6 +31,8 @@ coupling::design::DesignProblem problem_for_device(const DesignInput& input,
   return fitting::design_problem(scene, device, {0.01 * most, most},
                                  {0.01 * most_rotation, most_rotation});
 }
+
+namespace {
 
 /// What the command line says goes over what the scene says.
 void apply(const DesignInput& input, const coupling::design::DeviceModel& device,
@@ -57,10 +59,17 @@ void apply(const DesignInput& input, const coupling::design::DeviceModel& device
     problem.goals.allow_injected_damping = false;
 }
 
+/// What of a scene its force preview needs.
+struct PreviewInput {
+  scene::Scene scene;
+  rendering::StiffnessBounds bounds;
+  double tool_reach_m = 0.0;
+};
+
 /// The problem that the command line and its scene pose, and the words for it: without what is
 /// found.
 DesignReport problem_of(const DesignInput& input, const coupling::design::DeviceModel& device,
-                        const BuildScene& build) {
+                        const BuildScene& build, std::optional<PreviewInput>& preview) {
   DesignReport out;
   out.device = device.name;
   std::string hand = std::string(coupling::design::name_of(device.grip));
@@ -74,6 +83,7 @@ DesignReport problem_of(const DesignInput& input, const coupling::design::Device
     const rendering::Plan& plan = built->plan();
     out.problem =
         fitting::design_problem(scene, device, plan.contact_n_per_m, plan.contact_nm_per_rad);
+    preview = {scene, {plan.contact_n_per_m, plan.contact_nm_per_rad}, plan.tool_reach_m};
     if (scene.design)
       hand = std::string(scene::name_of(scene.design->hand));
     const bool spring = rendering::is_spring({plan.contact_n_per_m, plan.contact_nm_per_rad});
@@ -100,12 +110,27 @@ DesignReport problem_of(const DesignInput& input, const coupling::design::Device
   return out;
 }
 
+std::optional<fitting::ForcePreview> preview_of(const PreviewInput& input,
+                                                const coupling::design::DeviceModel& device,
+                                                const coupling::design::Design& design) {
+  fitting::FittedCoupling fitted;
+  fitted.spec = fitting::spec_W(design, input.scene), fitted.design = design,
+  fitted.designed = true;
+  if (design.status == coupling::design::DesignStatus::kInfeasible)
+    return std::nullopt;
+  return fitting::force_preview(fitted, input.scene, device, input.bounds, input.tool_reach_m);
+}
+
 }  // namespace
 
 DesignReport work_out(const DesignInput& input, const coupling::design::DeviceModel& device,
                       const BuildScene& build) {
-  DesignReport report = problem_of(input, device, build);
+  std::optional<PreviewInput> preview;
+  DesignReport report = problem_of(input, device, build, preview);
   report.design = coupling::design::design_coupling(report.problem);
+  if (preview)
+    report.preview = preview_of(*preview, device, report.design);
+  report.certificate = coupling::design::certify_contacts(report.problem, report.design);
   report.paper = judge_paper_recipe(report.problem);
   report.region = region_round(report.problem, report.design);
   report.law = region_of_law(report.problem, report.design);

@@ -26,6 +26,11 @@ struct DesignInput {
   bool no_velocity_windows = false;
 };
 
+/// The problem without a scene: whatever the device can show, or the stiffness given, in one
+/// contact that may be capped.
+coupling::design::DesignProblem problem_for_device(const DesignInput& input,
+                                                   const coupling::design::DeviceModel& device);
+
 /// How a scene is built.
 using BuildScene = std::function<std::unique_ptr<rendering::BuiltScene>(const scene::Scene&)>;
 

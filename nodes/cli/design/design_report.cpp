@@ -12,6 +12,8 @@
 #include "core/coupling/design/design_axis.hpp"
 #include "core/coupling/design/design_cases.hpp"
 #include "core/coupling/design/status_words.hpp"
+#include "nodes/cli/design/certificate_report.hpp"
+#include "nodes/cli/force_line.hpp"
 
 namespace voxtouch::cli {
 namespace {
@@ -268,8 +270,13 @@ std::string to_text(const DesignReport& r) {
   row("contact", r.contact);
   row("coupling", coupling_lines(d));
   row("stiffness", axis_lines(d.translation, "N/m"));
+  if (r.preview)
+    if (const std::string line = contact_line(*r.preview, r.device); !line.empty())
+      row("at the tool", line);
   if (r.problem.device.gives_torque)
     row("rotation", axis_lines(d.rotation, "Nm/rad"));
+  if (const std::string line = certificate_line(r.certificate); !line.empty())
+    row("certificate", line);
   row("damping", damping_lines(r));
   row("encoder", d.translation.limit_cycle_bound > 0
                      ? fmt::format("its steps may leave up to {:.3g} mm peak to peak",
@@ -280,7 +287,8 @@ std::string to_text(const DesignReport& r) {
                                 "faster goes deeper, and is held there",
                                 d.max_approach_m_per_s, r.problem.goals.force_layer_depth_m * 1e3));
   row("paper's way", paper_line(r.paper));
-  return text + list("What limits:", d.reasons) + list("What would help:", d.remedies);
+  return text + list("What limits:", d.reasons) +
+         list("What the certificate leaves out:", certificate_gaps(r.certificate));
 }
 
 nlohmann::ordered_json to_json(const DesignReport& r) {
@@ -309,6 +317,11 @@ nlohmann::ordered_json to_json(const DesignReport& r) {
     j["coupling"]["stiffness_cap_n_per_m"] = s.stiffness_cap_n_per_m;
   if (std::isfinite(s.stiffness_cap_nm_per_rad))
     j["coupling"]["stiffness_cap_nm_per_rad"] = s.stiffness_cap_nm_per_rad;
+  j["at_the_tool"] = nullptr;
+  if (r.preview)
+    j["at_the_tool"] = {{"reach_m", r.preview->reach_m},
+                        {"along_n_per_m", r.preview->stiffness_n_per_m},
+                        {"across_n_per_m", r.preview->across_n_per_m()}};
   j["lag_s"] = r.design.lag_s;
   j["max_approach_m_per_s"] = r.design.max_approach_m_per_s;
   j["translation"] = axis_json(r.design.translation);
@@ -336,8 +349,8 @@ nlohmann::ordered_json to_json(const DesignReport& r) {
   };
   verdict("released", r.paper.critical_released);
   verdict("held", r.paper.critical_held);
+  j["certificate"] = certificate_json(r.certificate);
   j["reasons"] = r.design.reasons;
-  j["remedies"] = r.design.remedies;
   j["region"] = region_json(r);
   return j;
 }

@@ -1,13 +1,16 @@
 #pragma once
 /// A designed coupling for a person, for a machine (and voxtouch_plot, which draws it), and its
 /// stable region for a spreadsheet.
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "core/coupling/design/absolute_stability.hpp"
 #include "core/coupling/design/designer.hpp"
 #include "core/coupling/design/stable_region.hpp"
+#include "core/fitting/force_preview.hpp"
 
 namespace voxtouch::cli {
 
@@ -42,10 +45,12 @@ LawRegion region_of_law(const coupling::design::DesignProblem& problem,
 struct DesignReport {
   coupling::design::DesignProblem problem;
   coupling::design::Design design;
+  coupling::design::ContactCertificate certificate;
   PaperRecipe paper;
   coupling::design::StableRegion region;  ///< of the chosen damping, over the cut-off
   LawRegion law;                          ///< of the law that was chosen, where that is no filter
-  std::string device, hand, contact;      ///< where the numbers come from, for a person
+  std::optional<fitting::ForcePreview> preview;  ///< of a scene on the device
+  std::string device, hand, contact;             ///< where the numbers come from, for a person
 };
 
 /// For a person; and for a machine, where what is not finite is null.

@@ -3,6 +3,9 @@
 #include <cstring>
 #include <fstream>
 #include <memory>
+#include <optional>
+#include <set>
+#include <string>
 #include <thread>
 
 #include <fmt/format.h>
@@ -10,12 +13,17 @@
 
 #include <dds/version.h>
 
+#include "core/types/program_folder.hpp"
+#include "nodes/bus/exchange.hpp"
 #include "nodes/bus/participant.hpp"
+#include "nodes/cli/child_program.hpp"
 #include "nodes/cli/doctor/doctor_checks.hpp"
 #include "nodes/cli/doctor/machine_checks.hpp"
 #include "nodes/cli/verbs.hpp"
 #include "nodes/log/tell.hpp"
+#include "nodes/runtime/node_registry.hpp"
 #include "nodes/runtime/options.hpp"
+#include "nodes/runtime/signals.hpp"
 
 namespace voxtouch::cli {
 namespace {
@@ -34,7 +42,7 @@ void each_announced(dds_entity_t reader, F&& f) {
   dds_sample_info_t info;
   while (dds_take(reader, lent, &info, 1, 1) == 1) {
     const T& one = *static_cast<const T*>(lent[0]);
-    if (info.valid_data) {
+    if (info.valid_data && info.instance_state == DDS_ALIVE_INSTANCE_STATE) {
       void* data = nullptr;
       f(one, text_of(one.qos, &data));
       dds_free(data);
@@ -45,9 +53,7 @@ void each_announced(dds_entity_t reader, F&& f) {
 
 /// Who else is on the domain: joins it for 2 s.
 std::vector<Finding> check_neighbours(const runtime::NodeOptions& o) {
-  bus::ParticipantOptions options = o.participant("doctor");
-  options.node.name.clear();  // it comes and goes: nothing for the graph
-  const bus::Participant own(options);
+  const bus::Participant own(o.participant("doctor"));
   const bus::Entity participants(
       dds_create_reader(own.get(), DDS_BUILTIN_TOPIC_DCPSPARTICIPANT, nullptr, nullptr),
       "participants could not be asked for");
@@ -56,8 +62,15 @@ std::vector<Finding> check_neighbours(const runtime::NodeOptions& o) {
       "readers could not be asked for");
   std::this_thread::sleep_for(std::chrono::seconds(2));
   std::size_t ros = 0, others = 0;
+  std::set<std::string>
+      own_nodes;  // their readers of the graph say nothing about the ROS 2 that is here
+  const auto key_of = [](const dds_guid_t& key) {
+    return std::string(reinterpret_cast<const char*>(key.v), sizeof key.v);
+  };
   each_announced<dds_builtintopic_participant_t>(
       participants.get(), [&](const auto& one, std::string_view user_data) {
+        if (user_data.contains("voxtouch="))
+          own_nodes.insert(key_of(one.key));
         if (std::memcmp(one.key.v, own.guid().data(), own.guid().size()) == 0)
           return;
         ++(user_data.starts_with("enclave=") || user_data.contains(";enclave=") ? ros : others);
@@ -65,7 +78,8 @@ std::vector<Finding> check_neighbours(const runtime::NodeOptions& o) {
   bool humble = false, iron = false;  // a reader of the graph has its type's hash from Iron on
   each_announced<dds_builtintopic_endpoint_t>(
       readers.get(), [&](const auto& one, std::string_view user_data) {
-        if (std::string_view(one.topic_name) == "ros_discovery_info")
+        if (std::string_view(one.topic_name) == "ros_discovery_info" &&
+            !own_nodes.contains(key_of(one.participant_key)))
           (user_data.contains("typehash=") ? iron : humble) = true;
       });
   std::vector<Finding> findings{
@@ -85,6 +99,55 @@ std::vector<Finding> check_neighbours(const runtime::NodeOptions& o) {
                         "a ROS 2 later than Humble is on the domain: start without --ros humble, "
                         "or it does not see the ring's nodes"});
   return findings;
+}
+
+constexpr char kEchoRig[] = "voxtouch_doctor", kEcho[] = "echo";
+
+/// The other process of an exchange: writes a status for 1.5 s.
+int echo(const runtime::NodeOptions& o) {
+  runtime::catch_signals();
+  const bus::Participant own(o.participant(kEcho));
+  runtime::StatusWriter writer(own, kEcho, kEchoRig);
+  for (int n = 0; n < 15 && !runtime::stop_requested().load(); ++n) {
+    writer.publish({}, false);
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+  return 0;
+}
+
+/// A second process writes a status on the domain, and this one reads it.
+Finding check_exchange(const runtime::NodeOptions& o) {
+  const bus::Participant own(o.participant("doctor"));
+  runtime::NodeRegistry registry(own, kEchoRig);
+  std::vector<std::string> words{(program_folder() / "voxtouch").string(),
+                                 "doctor",
+                                 "--echo",
+                                 "--domain",
+                                 fmt::to_string(o.domain),
+                                 "--interface",
+                                 o.network_interface};
+  for (const std::string& peer : o.discovery_peers)
+    words.insert(words.end(), {"--discovery-peer", peer});
+  constexpr std::chrono::seconds kPatience{10};
+  const auto begun = std::chrono::steady_clock::now();
+  std::optional<double> took_s;
+  const auto ended = run_program(
+      {.words = words, .patience = kPatience, .listen = [&](std::string_view) {
+         registry.update();
+         if (!took_s && registry.find(kEcho))
+           took_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+       }});
+  if (took_s)
+    return {Health::kGood,
+            fmt::format("a message passed from one process to another over DDS after {:.2f} s",
+                        *took_s)};
+  if (ended && ended->status != 0)
+    return {Health::kBad,
+            fmt::format("a second process could not join domain {}: {}", o.domain, ended->said)};
+  const char* const uri = std::getenv("CYCLONEDDS_URI");
+  return {Health::kBad,
+          fmt::format("two processes of this machine do not receive each other over DDS: {}",
+                      bus::deafness_cause(o.network_interface, o.domain, uri ? uri : ""))};
 }
 
 int doctor(const runtime::NodeOptions& o) {
@@ -110,6 +173,8 @@ int doctor(const runtime::NodeOptions& o) {
   say({check_governors()});
   say(check_link(o.network_interface));
   say(check_devices());
+  if (!is_bad && o.security.empty())
+    say({check_exchange(o)});  // keys are for the topics of their rig
   if (is_bad)
     return 1;
   say(check_neighbours(o));
@@ -124,16 +189,13 @@ int doctor(const runtime::NodeOptions& o) {
 
 void add_doctor(CLI::App& app, Action& action) {
   auto o = std::make_shared<runtime::NodeOptions>();
-  CLI::App* verb =
-      app.add_subcommand("doctor",
-                         "Checks what a ring needs of this machine: kernel, real-time rights and "
-                         "limits, CPU governor, network cards\n"
-                         "and multicast, ports, buffers, haptic devices on USB, and who\n"
-                         "else is on the domain. Prints the environment for a ROS 2 tool that does "
-                         "not find the ring. Takes 2 s; exit status 1\n"
-                         "where a ring cannot run.");
+  CLI::App* verb = app.add_subcommand("doctor");
   runtime::add_rig_options(*verb, *o);
-  verb->callback([o, &action] { action = [o] { return doctor(*o); }; });
+  auto is_echo = std::make_shared<bool>(false);
+  verb->add_flag("--echo", *is_echo, "The second process of the exchange")->group("");
+  verb->callback([o, is_echo, &action] {
+    action = [o, is_echo] { return *is_echo ? echo(*o) : doctor(*o); };
+  });
 }
 
 }  // namespace voxtouch::cli

@@ -1,10 +1,5 @@
 #include "nodes/cli/doctor/doctor_checks.hpp"
 
-#include <arpa/inet.h>
-#include <poll.h>
-#include <sys/socket.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <charconv>
 #include <fstream>
@@ -12,54 +7,11 @@
 
 #include <fmt/format.h>
 
+#include "nodes/bus/exchange.hpp"
 #include "nodes/runtime/realtime.hpp"
 
 namespace voxtouch::cli {
 namespace {
-
-/// A UDP socket that is closed when it goes.
-class Socket {
- public:
-  Socket() : fd_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {}
-  Socket(const Socket&) = delete;
-  Socket& operator=(const Socket&) = delete;
-  ~Socket() {
-    if (fd_ >= 0)
-      close(fd_);
-  }
-  template <class T>
-  bool set(int option, const T& value) const {
-    return setsockopt(fd_, IPPROTO_IP, option, &value, sizeof value) == 0;
-  }
-  int fd() const noexcept { return fd_; }
-
- private:
-  int fd_;
-};
-
-/// Whether a datagram to DDS's group over this card comes back, as those of other processes of this
-/// machine must.
-bool multicast_returns(const bus::Card& card) {
-  const Socket receiver, sender;
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  socklen_t size = sizeof address;
-  auto* const plain = reinterpret_cast<sockaddr*>(&address);
-  ip_mreq group{};
-  group.imr_interface.s_addr = card.address;
-  inet_pton(AF_INET, "239.255.0.1", &group.imr_multiaddr);
-  const in_addr from = group.imr_interface;
-  const unsigned char hops = 0;
-  if (bind(receiver.fd(), plain, size) != 0 || getsockname(receiver.fd(), plain, &size) != 0 ||
-      !receiver.set(IP_ADD_MEMBERSHIP, group) || !sender.set(IP_MULTICAST_IF, from) ||
-      !sender.set(IP_MULTICAST_TTL, hops))
-    return false;
-  address.sin_addr = group.imr_multiaddr;
-  if (sendto(sender.fd(), "?", 1, 0, plain, size) != 1)
-    return false;
-  pollfd waiting{receiver.fd(), POLLIN, 0};
-  return poll(&waiting, 1, 200) == 1;
-}
 
 long number_in(const char* file) {
   long number = 0;
@@ -86,7 +38,7 @@ std::vector<Finding> check_cards(std::string_view interface_name,
            fmt::format("card {} is not used ({}): a ROS 2 tool that listens there alone does not "
                        "find the ring",
                        name, card.is_multicast ? "DDS takes four" : "it does no multicast")});
-    else if (!multicast_returns(card))
+    else if (!bus::multicast_returns(card))
       findings.push_back(
           {is_host ? Health::kBad : Health::kMind,
            fmt::format("card {}: multicast does not come back to this machine; a firewall may drop "

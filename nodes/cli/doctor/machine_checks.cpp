@@ -45,9 +45,10 @@ struct UsbDevice {
   const char* product;  ///< empty: any of this vendor
   const char* name;
 };
-/// 2988 stands in public drivers of the Touch, 0403:cb48 in those of the Falcon; 1451 is from
-/// memory.
+/// 2988 and, of older devices, 0301:2988 stand in public drivers of the Touch, 0403:cb48 in those
+/// of the Falcon; 1451 is from memory.
 constexpr std::array kKnown{UsbDevice{"2988", "", "a 3D Systems Touch"},
+                            UsbDevice{"0301", "2988", "a 3D Systems Touch"},
                             UsbDevice{"0403", "cb48", "a Novint Falcon"},
                             UsbDevice{"1451", "", "a Force Dimension device"}};
 

@@ -2,11 +2,12 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "core/felt/felt.hpp"
 #include "core/fitting/device_check.hpp"
 #include "core/fitting/fit_coupling.hpp"
+#include "core/fitting/force_preview.hpp"
 #include "core/rendering/build.hpp"
 #include "core/scene/scene_file.hpp"
+#include "nodes/cli/force_line.hpp"
 #include "nodes/cli/known_device.hpp"
 #include "nodes/cli/machine.hpp"
 #include "nodes/cli/plan/plan_report.hpp"
@@ -18,34 +19,22 @@
 namespace voxtouch::cli {
 namespace {
 
-constexpr const char* kPlanDescription =
-    "What a scene calls for: which parts are built for it and why, what they weigh in memory, what "
-    "they are expected "
-    "to take "
-    "in a\n"
-    "frame and what they take here; which topics and nodes stand round it; what is left out and "
-    "why.\n"
-    "Exit status 1 where the device named cannot run it.\n"
-    "Try: voxtouch plan deploy/scenes/cup.yaml --device sim-phantom";
-
 struct PlanVerb {
   std::filesystem::path scene;
   std::string device, model;
   int frames = 1000;
   bool json = false, no_measure = false;
-  scene_build::CacheOptions cache;
 };
 
 /// The coupling on this device goes to `fitted`, where there is one that may run.
-DeviceVerdict judge(const PlanVerb& o, const scene::Scene& scene, rendering::BuiltScene& built,
+DeviceVerdict judge(const PlanVerb& o, const scene::Scene& scene,
+                    const rendering::BuiltScene& built,
                     std::optional<coupling::CouplingSpec>& fitted) {
   const rendering::Plan& plan = built.plan();
   const coupling::design::DeviceModel device = find_device(o.device);
   DeviceVerdict out{.device = o.device, .errors = {}, .notes = {}};
   if (!device.gives_torque)
-    out.notes.push_back(
-        "It gives no torque: the contact's torque about the tool's origin is computed, and not "
-        "felt.");
+    out.notes.emplace_back(kTurnsAreHeld);
   const fitting::FittedCoupling fit =
       fitting::fit_coupling(scene, device, plan.contact_n_per_m, plan.contact_nm_per_rad);
   if (!fit.refusal.empty()) {
@@ -63,8 +52,9 @@ DeviceVerdict judge(const PlanVerb& o, const scene::Scene& scene, rendering::Bui
     if (!all.fits())
       out.notes.push_back("Where all points push together: " + all.errors.front());
   }
-  if (std::string felt = felt::felt_sentence(fit, scene, device, built); !felt.empty())
-    out.notes.push_back(std::move(felt));
+  const rendering::StiffnessBounds bounds{plan.contact_n_per_m, plan.contact_nm_per_rad};
+  if (const auto preview = fitting::force_preview(fit, scene, device, bounds, plan.tool_reach_m))
+    out.notes.push_back(force_line(*preview, device.name));
   fitted = scene.design ? fit.spec : scene.coupling;
   return out;
 }
@@ -79,7 +69,7 @@ PlanReport make_report(const PlanVerb& o) {
     scene.contact.model = o.model;
   log::tell("building {}\n", scene.name);
   const std::unique_ptr<rendering::BuiltScene> built =
-      scene_build::build_here(scene, {.who = "plan", .cache = o.cache});
+      scene_build::build_here(scene, {.who = "plan"});
   PlanReport report;
   report.plan = built->plan();
   for (rendering::PlanPart& part : rendering_node::ring_parts(scene))
@@ -112,7 +102,7 @@ int run(const PlanVerb& o) {
 
 void add_plan(CLI::App& app, Action& action) {
   auto o = std::make_shared<PlanVerb>();
-  CLI::App* verb = app.add_subcommand("plan", kPlanDescription);
+  CLI::App* verb = app.add_subcommand("plan");
   verb->add_option("SCENE", o->scene,
                    "Scene file (YAML), or the name of one that comes with voxtouch")
       ->required()
@@ -127,7 +117,6 @@ void add_plan(CLI::App& app, Action& action) {
       ->check(CLI::Range(1, 1'000'000));
   verb->add_flag("--no-measure", o->no_measure,
                  "Only what is expected, which is the same on every machine");
-  scene_build::add_cache_options(*verb, o->cache);
   verb->add_flag("--json", o->json, "One JSON object on stdout; all else goes to stderr");
   verb->callback([o, &action] { action = [o] { return run(*o); }; });
 }

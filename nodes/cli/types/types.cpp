@@ -127,11 +127,7 @@ int write_types(const std::filesystem::path& folder) {
 
 void add_types(CLI::App& app, Action& action) {
   const auto folder = std::make_shared<std::filesystem::path>();
-  CLI::App* verb = app.add_subcommand(
-      "types",
-      "Writes all message types and the table of topics for programs in other languages: "
-      "voxtouch announces no types on\n"
-      "the network, so that tools which look types up there find none.");
+  CLI::App* verb = app.add_subcommand("types");
   verb->add_option("--python", *folder,
                    "writes DIR/voxtouch_types, a Python package for cyclonedds 11 of PyPI")
       ->type_name("DIR")

@@ -6,6 +6,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
@@ -17,7 +18,6 @@
 
 #include "core/types/program_folder.hpp"
 #include "nodes/log/tell.hpp"
-#include "nodes/runtime/held_start.hpp"
 #include "nodes/runtime/realtime.hpp"
 
 extern char** environ;
@@ -30,16 +30,13 @@ constexpr std::chrono::milliseconds kStopTimeout{8'000};
 class ChildProcess final : public RunningNode {
  public:
   ChildProcess(std::string name, const std::filesystem::path& program,
-               const std::vector<std::string>& arguments, runtime::Starter starter,
+               const std::vector<std::string>& arguments,
                std::chrono::milliseconds patience = kStopTimeout)
       : name_(std::move(name)),
-        patience_(patience),
-        starter_(std::move(starter)) {
+        patience_(patience) {
     std::vector<std::string> texts = {program.string()};
     texts.insert(texts.end(), arguments.begin(), arguments.end());
     texts.insert(texts.end(), {"--with-parent", fmt::to_string(getpid())});
-    if (starter_.input() >= 0)
-      texts.push_back("--held");
     std::vector<char*> argv;
     for (std::string& text : texts)
       argv.push_back(text.data());
@@ -57,15 +54,11 @@ class ChildProcess final : public RunningNode {
     posix_spawn_file_actions_t actions;
     posix_spawn_file_actions_init(&actions);
     posix_spawn_file_actions_adddup2(&actions, STDERR_FILENO, STDOUT_FILENO);
-    if (starter_.input() >= 0)
-      posix_spawn_file_actions_adddup2(&actions, starter_.input(), STDIN_FILENO);
-    else
-      posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", 0, 0);
+    posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", 0, 0);
     const int error =
         posix_spawn(&pid_, program.c_str(), &actions, &attributes, argv.data(), environ);
     posix_spawn_file_actions_destroy(&actions);
     posix_spawnattr_destroy(&attributes);
-    starter_.close_input();
     if (error != 0)
       throw std::runtime_error(
           fmt::format("{} could not be started ({}); it should stand beside voxtouch",
@@ -80,7 +73,6 @@ class ChildProcess final : public RunningNode {
     if (!status_)
       ::kill(pid_, SIGTERM);
   }
-  void let_begin() override { starter_.let_begin(); }
   std::optional<int> ended() override {
     int raw = 0;
     if (!status_ && waitpid(pid_, &raw, WNOHANG) == pid_)
@@ -93,7 +85,6 @@ class ChildProcess final : public RunningNode {
   void kill() override { ::kill(pid_, SIGKILL); }
   std::string name_;
   std::chrono::milliseconds patience_;
-  runtime::Starter starter_;
   pid_t pid_ = 0;
   std::optional<int> status_;
 };
@@ -104,6 +95,8 @@ class ThreadOfThisProcess final : public RunningNode {
   ThreadOfThisProcess(std::string name, runtime::NodeOptions& options, Run run)
       : name_(std::move(name)),
         thread_([this, &options, run = std::move(run)] {
+          if (stop_.load())
+            return status_.store(0, std::memory_order_release);
           int status = 1;
           try {
             options.warnings = runtime::enter_realtime(options.scheduling());
@@ -114,7 +107,7 @@ class ThreadOfThisProcess final : public RunningNode {
           status_.store(status, std::memory_order_release);
         }) {}
   ~ThreadOfThisProcess() override {
-    stop_.store(true);
+    request_stop();
     join(kStopTimeout);
     if (!ended()) {
       // A thread cannot be ended by force, and nothing may be destroyed under it: the process goes
@@ -158,17 +151,13 @@ std::vector<std::string> device_arguments(const device_node::Options& o) {
 
 std::vector<std::string> coupling_arguments(const coupling_node::Options& o) {
   std::vector<std::string> a = runtime::to_arguments(o, true);
-  runtime::append_arguments(o.standby, a);
   if (!o.fault_records.empty())
     a.insert(a.end(), {"--fault-records", o.fault_records.string()});
   return a;
 }
 
 std::vector<std::string> rendering_arguments(const rendering_node::Options& o) {
-  std::vector<std::string> a = runtime::to_arguments(o, true);
-  runtime::append_arguments(o.standby, a);
-  scene_build::append_arguments(o.cache, a);
-  return a;
+  return runtime::to_arguments(o, true);
 }
 
 std::vector<std::string> logger_arguments(const logger::Options& o) {
@@ -203,8 +192,7 @@ int RunningNode::join(std::chrono::milliseconds patience) {
   return *ended();
 }
 
-std::unique_ptr<RunningNode> start_page(const runtime::NodeOptions& o,
-                                        const scene_build::CacheOptions& cache) {
+std::unique_ptr<RunningNode> start_page(const runtime::NodeOptions& o) {
   constexpr std::chrono::milliseconds kPatience{2'000};
   std::vector<std::string> arguments = {"view",        o.scene.string(),   "--rig",
                                         o.rig,         "--domain",         fmt::to_string(o.domain),
@@ -215,62 +203,61 @@ std::unique_ptr<RunningNode> start_page(const runtime::NodeOptions& o,
     arguments.insert(arguments.end(), {"--security", o.security.string()});
   if (o.ros == bus::RosGraph::kHumble)
     arguments.insert(arguments.end(), {"--ros", "humble"});
-  scene_build::append_arguments(cache, arguments);
   return std::make_unique<ChildProcess>("view", program_folder() / "voxtouch", arguments,
-                                        runtime::Starter(), kPatience);
+                                        kPatience);
+}
+
+namespace {
+
+/// How each node is started: what its process gets, and what its thread runs.
+struct NodeStart {
+  std::string_view name;
+  runtime::NodeOptions& (*options)(LauncherOptions& o);
+  std::vector<std::string> (*arguments)(const LauncherOptions& o);
+  int (*run)(LauncherOptions& o, const std::atomic<bool>& stop);
+};
+
+using StopFlag = const std::atomic<bool>&;
+constexpr NodeStart kNodes[] = {
+    {"logger", [](LauncherOptions& o) -> runtime::NodeOptions& { return o.logger; },
+     [](const LauncherOptions& o) { return logger_arguments(o.logger); },
+     [](LauncherOptions& o, StopFlag stop) { return logger::run(o.logger, stop); }},
+    {"validator", [](LauncherOptions& o) -> runtime::NodeOptions& { return o.validator; },
+     [](const LauncherOptions& o) { return validator_arguments(o.validator); },
+     [](LauncherOptions& o, StopFlag stop) { return validator::run(o.validator, stop); }},
+    {"coupling", [](LauncherOptions& o) -> runtime::NodeOptions& { return o.coupling; },
+     [](const LauncherOptions& o) { return coupling_arguments(o.coupling); },
+     [](LauncherOptions& o, StopFlag stop) { return coupling_node::run(o.coupling, stop); }},
+    {"rendering", [](LauncherOptions& o) -> runtime::NodeOptions& { return o.rendering; },
+     [](const LauncherOptions& o) { return rendering_arguments(o.rendering); },
+     [](LauncherOptions& o, StopFlag stop) { return rendering_node::run(o.rendering, stop); }},
+    {"device", [](LauncherOptions& o) -> runtime::NodeOptions& { return o.device; },
+     [](const LauncherOptions& o) { return device_arguments(o.device); },
+     [](LauncherOptions& o, StopFlag stop) { return device_node::run(o.device, stop); }},
+};
+
+}  // namespace
+
+std::unique_ptr<RunningNode> start_node(LauncherOptions& o, const std::string& name) {
+  const NodeStart& node = *std::ranges::find(kNodes, name, &NodeStart::name);
+  if (!o.one_process)
+    return std::make_unique<ChildProcess>(name, program_folder() / ("voxtouch_" + name),
+                                          node.arguments(o));
+  return std::make_unique<ThreadOfThisProcess>(
+      name, node.options(o), [&o, run = node.run](StopFlag stop) { return run(o, stop); });
 }
 
 std::vector<std::unique_ptr<RunningNode>> launch(LauncherOptions& o) {
-  std::vector<std::unique_ptr<RunningNode>> nodes;
-  const auto start = [&](const std::string& name, runtime::NodeOptions& options, auto arguments,
-                         ThreadOfThisProcess::Run run) {
-    if (o.one_process)
-      nodes.push_back(std::make_unique<ThreadOfThisProcess>(name, options, std::move(run)));
-    else
-      nodes.push_back(std::make_unique<ChildProcess>(name, program_folder() / ("voxtouch_" + name),
-                                                     arguments(), runtime::Starter::make()));
-  };
-  const auto start_standby = [&](const std::string& role,
-                                 const std::vector<std::string>& arguments) {
-    nodes.push_back(std::make_unique<ChildProcess>(runtime::standby_of(role),
-                                                   program_folder() / ("voxtouch_" + role),
-                                                   arguments, runtime::Starter::make()));
-  };
-  using Stop = const std::atomic<bool>&;
   // Device, rendering and coupling take turns: on one processor a sample need not wake another to
   // go on.
   if (o.one_process && !o.device.realtime.cpu)
     o.device.realtime.loop_cpu = o.rendering.realtime.loop_cpu = o.coupling.realtime.loop_cpu =
         sched_getcpu();
   o.logger.realtime.mode = o.validator.realtime.mode = runtime::Realtime::kOff;  // taps
-  // What is recorded is recorded from its first sample on. In lockstep `up` has said who takes
-  // part.
-  for (runtime::NodeOptions* one : std::initializer_list<runtime::NodeOptions*>{
-           &o.device, &o.rendering, &o.coupling,
-           o.rendering_standby ? &*o.rendering_standby : nullptr,
-           o.coupling_standby ? &*o.coupling_standby : nullptr})
-    if (one != nullptr && o.record && !one->lockstep)
-      one->peers = {"logger"};
-  if (o.record)
-    start(
-        "logger", o.logger, [&] { return logger_arguments(o.logger); },
-        [&o](Stop stop) { return logger::run(o.logger, stop); });
-  start(
-      "validator", o.validator, [&] { return validator_arguments(o.validator); },
-      [&o](Stop stop) { return validator::run(o.validator, stop); });
-  start(
-      "coupling", o.coupling, [&] { return coupling_arguments(o.coupling); },
-      [&o](Stop stop) { return coupling_node::run(o.coupling, stop); });
-  start(
-      "rendering", o.rendering, [&] { return rendering_arguments(o.rendering); },
-      [&o](Stop stop) { return rendering_node::run(o.rendering, stop); });
-  if (o.coupling_standby)
-    start_standby("coupling", coupling_arguments(*o.coupling_standby));
-  if (o.rendering_standby)
-    start_standby("rendering", rendering_arguments(*o.rendering_standby));
-  start(
-      "device", o.device, [&] { return device_arguments(o.device); },
-      [&o](Stop stop) { return device_node::run(o.device, stop); });
+  std::vector<std::unique_ptr<RunningNode>> nodes;
+  for (const NodeStart& node : kNodes)
+    if (node.name != "device" && (o.record || node.name != "logger"))
+      nodes.push_back(start_node(o, std::string(node.name)));
   return nodes;
 }
 

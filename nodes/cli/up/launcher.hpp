@@ -23,8 +23,6 @@ class RunningNode {
   /// Asks it to end in order (SIGTERM, or its flag); does not wait, and does nothing to one that
   /// has ended.
   virtual void request_stop() = 0;
-  /// One that was started held joins the rig now.
-  virtual void let_begin() {}
   /// Exit status once it has ended (128 + signal number if one ended it); does not wait.
   virtual std::optional<int> ended() = 0;
   /// Waits; ends it by force if it has not gone by then. Returns the exit status.
@@ -41,24 +39,21 @@ struct LauncherOptions {
   device_node::Options device;
   rendering_node::Options rendering;
   coupling_node::Options coupling;
-  std::optional<rendering_node::Options> rendering_standby;  ///< none: nobody stands by
-  std::optional<coupling_node::Options> coupling_standby;    ///< likewise
   logger::Options logger;
   validator::Options validator;
   bool record = true;
   bool one_process = false;
 };
 
-/// Starts logger, validator, coupling, rendering, their standbys, device. Order does not matter to
-/// them; this is the order of the returned list. Processes are held (nodes/runtime/held_start.hpp)
-/// until `let_begin`; threads join the rig at once. `options` must outlive the members. Throws
-/// std::runtime_error if a program cannot be started.
+/// Starts logger, validator, coupling and rendering: all but the device. `options` must outlive the
+/// members. Throws std::runtime_error if a program cannot be started.
 std::vector<std::unique_ptr<RunningNode>> launch(LauncherOptions& options);
+/// Starts one node, by its name, with `options` as `launch` left them. Throws as that.
+std::unique_ptr<RunningNode> start_node(LauncherOptions& options, const std::string& name);
 
 /// The page of `up --view`: `voxtouch view` as a process of its own, whose end the ring does not
 /// notice. Shows the ring of `options` and the meshes of its scene, and tells its address on
 /// stderr. Throws std::runtime_error where it cannot be started.
-std::unique_ptr<RunningNode> start_page(const runtime::NodeOptions& options,
-                                        const scene_build::CacheOptions& cache);
+std::unique_ptr<RunningNode> start_page(const runtime::NodeOptions& options);
 
 }  // namespace voxtouch::cli

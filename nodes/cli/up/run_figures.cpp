@@ -1,8 +1,7 @@
 #include <algorithm>
 #include <map>
 
-#include "nodes/cli/up/summary.hpp"
-#include "nodes/runtime/standby_options.hpp"
+#include "nodes/cli/up/run_record.hpp"
 #include "qos/topics.hpp"
 
 namespace voxtouch::cli {
@@ -17,27 +16,14 @@ std::optional<double> find(const Reports& reports, const std::string& node,
 /// Of one stream: what its writer says that it sent, and the logger that it recorded.
 RunFigures::Stream stream(const Reports& r, const qos::Topic& topic) {
   const std::string sender = qos::names_of(topic.writers).front(), key = qos::figure_name(topic);
-  // What a standby sent follows on what the first one did.
   return {std::string(topic.path), find(r, "logger", key + "_first"),
           number(r, sender, "first_sample"), number(r, "logger", key + "_recorded"),
-          number(r, sender, "samples") + number(r, runtime::standby_of(sender), "samples")};
-}
-
-/// Of two couplings that have both acted, the one that gave away more energy.
-std::string worse_coupling(const Reports& r) {
-  const std::string standby = runtime::standby_of("coupling");
-  const auto lowest_j = [&](const std::string& node) {
-    return std::min(number(r, node, "lowest_energy_j"),
-                    number(r, node, "lowest_energy_rotation_j"));
-  };
-  return number(r, standby, "took_over") > 0 && lowest_j(standby) < lowest_j("coupling")
-             ? standby
-             : "coupling";
+          number(r, sender, "samples")};
 }
 
 /// The longest time for which a node, or its loop, gave no sign of life; and who was silent for as
 /// long as counts as hanging, the longest first.
-void add_silence(const RunSummary& s, RunFigures& f) {
+void add_silence(const RunRecord& s, RunFigures& f) {
   std::map<std::string, double> silent = s.silence_s;
   for (const auto& [node, report] : s.reports)
     silent[node] =
@@ -54,7 +40,7 @@ void add_silence(const RunSummary& s, RunFigures& f) {
 
 }  // namespace
 
-RunFigures figures_of(const RunSummary& s) {
+RunFigures figures_of(const RunRecord& s) {
   const Reports& r = s.reports;
   RunFigures f;
   f.lockstep = s.mode == "lockstep";
@@ -68,18 +54,24 @@ RunFigures figures_of(const RunSummary& s) {
   f.clamped = number(r, "device", "clamped");
   f.missed = number(r, "rendering", "missed_samples");
   f.passing = number(r, "rendering", "passing_samples");
-  const std::string coupling = worse_coupling(r);
-  f.lowest_energy_j = number(r, coupling, "lowest_energy_j");
-  f.energy_bound_j = number(r, coupling, "energy_bound_j");
-  f.lowest_energy_rotation_j = number(r, coupling, "lowest_energy_rotation_j");
-  f.energy_bound_rotation_j = number(r, coupling, "energy_bound_rotation_j");
+  f.unplaced = number(r, "rendering", "unplaced_samples");
+  f.slewed = number(r, "device", "slewed");
+  f.swing_s = number(r, "coupling", "swing_s"), f.swing_hz = number(r, "coupling", "swing_hz");
+  f.swing_m = number(r, "coupling", "swing_m"), f.swing_n = number(r, "coupling", "swing_n");
   f.validate_every = s.validate_every;
   f.first_judged = find(r, "validator", "first_checked");
   f.judged = number(r, "validator", "checked"), f.excused = number(r, "validator", "excused");
+  f.decided = number(r, "validator", "compared");
   f.recording = !s.bag.empty();
   f.streams = {stream(r, qos::kDeviceState), stream(r, qos::kContactState),
                stream(r, qos::kForceCommand)};
   add_silence(s, f);
+  f.force_losses = number(r, "device", "force_losses");
+  f.force_lost_s = number(r, "device", "force_lost_s"),
+  f.longest_loss_s = number(r, "device", "longest_force_loss_s");
+  f.restarts = static_cast<double>(s.restarts.size());
+  for (const Restart& restart : s.restarts)
+    f.restarted += (f.restarted.empty() ? "" : ", ") + restart.node;
   return f;
 }
 

@@ -20,13 +20,24 @@ std::filesystem::path recordings_folder() {
   return std::filesystem::absolute("recordings");
 }
 
-std::filesystem::path default_bag(const std::string& scene) {
+std::filesystem::path default_bag(const std::string& scene, const runtime::NodeOptions& node) {
   const std::time_t now = std::time(nullptr);
   std::tm local{};
   localtime_r(&now, &local);
   char stamp[32];
   std::strftime(stamp, sizeof stamp, "%Y%m%d-%H%M%S", &local);
-  return recordings_folder() / (scene + "-" + stamp);
+  // Rings that run at the same time differ in rig or domain; runs within one second get a number.
+  const runtime::NodeOptions usual;
+  std::string name = scene + "-" + stamp;
+  if (node.rig != usual.rig)
+    name += "-" + node.rig;
+  if (node.domain != usual.domain)
+    name += "-domain" + std::to_string(node.domain);
+  std::filesystem::path folder = recordings_folder() / name;
+  std::error_code ignored;
+  for (int number = 2; std::filesystem::exists(folder, ignored); ++number)
+    folder = recordings_folder() / (name + "-" + std::to_string(number));
+  return folder;
 }
 
 std::filesystem::path faults_beside(const std::filesystem::path& bag) {

@@ -11,7 +11,7 @@ namespace voxtouch::cli {
 /// base directories have it.
 std::filesystem::path recordings_folder();
 /// A folder there for a bag of this scene that begins now.
-std::filesystem::path default_bag(const std::string& scene);
+std::filesystem::path default_bag(const std::string& scene, const runtime::NodeOptions& node);
 /// Where device and coupling keep what they saw before a fault; made with the first one.
 std::filesystem::path faults_beside(const std::filesystem::path& bag);
 

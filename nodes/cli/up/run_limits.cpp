@@ -31,22 +31,32 @@ constexpr Limit kLimits[] = {
     {"missed_samples", "samples", false, 0.0, true,
      "the number of samples in which the tool may have passed something unseen",
      "it moved more than half a voxel a sample beside the scene: a slower hand, larger voxels, or "
-     "contact: {rendering: virtual_tool}, which passes no wall"},
+     "contact: {rendering: virtual_tool}"},
     {"passing_samples", "samples", false, 0.0, true,
-     "the number of samples in which the middle of the tool was in what it touched, with nothing "
-     "that holds it,",
-     "it has passed a wall or gone into a body: contact: {rendering: virtual_tool}, which passes "
-     "no wall, or rendering: penalty, which holds depths; model_alone is "
-     "the paper's law, and where its walls are passed is what it shows"},
-    {"energy_debt", "1", false, 1.0, true,
-     "the energy that the coupling gave away, over what its observer may show of a sound contact,",
-     "the contact was not passive: less stiffness or gain, or let the coupling be designed "
-     "(coupling: {design: auto})"},
+     "the number of samples in which the tool passed a wall, or its middle was in what it touched "
+     "with nothing that holds it,",
+     "smaller voxels (voxtouch plan has the wall and the tool that they hold), or contact: "
+     "{rendering: virtual_tool}, or rendering: penalty, which holds depths; "
+     "model_alone is the paper's law, and where its walls are passed is what it shows"},
+    {"slewed_samples", "samples", false, 0.0, true,
+     "the number of samples in which the guard's slew limit acted",
+     "no certified loop asks for such a step of force: let the coupling be designed (coupling: "
+     "{design: auto})"},
+    {"swing_s", "s", false, 0.0, true, "the time for which the device swung by itself",
+     "force and tool went to and fro without the hand's work: less stiffness or gain, or let the "
+     "coupling be designed (coupling: {design: auto})"},
+    {"unplaced_share", "1", false, 0.01, true, "the ratio of samples without a virtual tool",
+     "without one no wall holds the hand: begin the motion outside of what it touches, or start "
+     "the ring before the hand touches"},
     {"first_validation_s", "s", false, 5.0, true, "the time to the first validated sample",
      "what came before it was not checked"},
     {"validated_share", "1", true, 0.9, true,
      "the share of due samples validated, from the first on,",
      "the validator did not keep up: a larger --validate-every asks for less"},
+    {"decided_share", "1", true, 0.5, true,
+     "the ratio of validated samples that the validator could decide",
+     "the run is hardly checked: declare the tool's and the meshes' shapes (parts), or accept it "
+     "with --limit decided_share=0"},
     {"first_recorded_s", "s", false, 3.0, true, "the time to the first recorded sample",
      "what came before it is not in the bag"},
     {"recorded_share", "1", true, 0.99, true,
@@ -54,6 +64,12 @@ constexpr Limit kLimits[] = {
      "the logger did not keep up: a faster disk, or --no-record"},
     {"silence_s", "s", false, 0.4, false, "the longest time without a sign of life of a node",
      "a node that hangs leaves the others without what it should tell them"},
+    {"force_losses", "times", false, 0.0, false, "the number of times that force was lost",
+     "no command came, or the device's process stood still; see the fault records and what else "
+     "the machine does"},
+    {"restarts", "restarts", false, 0.0, false,
+     "the number of nodes that died and were started again",
+     "force was zero until each was ready again; --limit restarts=N accepts N of them"},
 };
 
 struct Measured {
@@ -76,14 +92,11 @@ double due(const RunFigures& run) {
   return std::ceil(run.samples / every) - std::ceil(first / every);
 }
 
-Measured energy_debt(const RunFigures& run) {
-  const auto debt = [](double lowest_j, double bound_j) {
-    return lowest_j < 0.0 ? (bound_j > 0.0 ? -lowest_j / bound_j : kNever) : 0.0;
-  };
-  const double translation = debt(run.lowest_energy_j, run.energy_bound_j),
-               rotation = debt(run.lowest_energy_rotation_j, run.energy_bound_rotation_j);
-  return rotation > translation ? Measured{rotation, "rotation"}
-                                : Measured{translation, "translation"};
+Measured swing(const RunFigures& run) {
+  if (!(run.swing_s > 0.0))
+    return {run.swing_s, ""};
+  return {run.swing_s, fmt::format("{:.3g} Hz, {:.3g} mm and {:.3g} N from peak to peak",
+                                   run.swing_hz, 1e3 * run.swing_m, run.swing_n)};
 }
 
 /// Samples that were sent before the first one in the bag.
@@ -126,14 +139,27 @@ Measured measure(std::string_view name, const RunFigures& run) {
     return {run.missed, ""};
   if (name == "passing_samples")
     return {run.passing, ""};
-  if (name == "energy_debt")
-    return energy_debt(run);
+  if (name == "slewed_samples")
+    return {run.slewed, ""};
+  if (name == "swing_s")
+    return swing(run);
   if (name == "first_validation_s")
     return {due(run) > 0.0 ? seconds_to(run, run.first_judged) : 0.0, ""};
   if (name == "validated_share")
     return {share(run.judged, due(run) - run.excused), ""};
+  if (name == "unplaced_share")
+    return {run.unplaced / run.samples, ""};
+  if (name == "decided_share")
+    return {share(run.decided, run.judged), ""};
   if (name == "silence_s")
     return {run.silence_s, run.silent};
+  if (name == "force_losses")
+    return {run.force_losses, run.force_losses > 0.0
+                                  ? fmt::format("{:.3g} s in all, the longest {:.3g} s",
+                                                run.force_lost_s, run.longest_loss_s)
+                                  : ""};
+  if (name == "restarts")
+    return {run.restarts, run.restarted};
   if (!run.recording)
     return {};
   return name == "first_recorded_s" ? first_recorded(run) : recorded_share(run);
@@ -145,12 +171,12 @@ const Limit* find(std::string_view name) {
   return found == std::end(kLimits) ? nullptr : &*found;
 }
 
+}  // namespace
+
 std::string with_unit(double value, std::string_view unit) {
   const std::string number = std::isinf(value) ? "without end" : fmt::format("{:.4g}", value);
   return unit == "1" || std::isinf(value) ? number : fmt::format("{} {}", number, unit);
 }
-
-}  // namespace
 
 std::string choose_limit(const std::string& text, ChosenLimits& chosen) {
   const std::size_t sign = text.find('=');
@@ -184,17 +210,11 @@ std::vector<Judged> judge_figures(const RunFigures& run, const ChosenLimits& cho
     Judged judged{&limit, other == chosen.end() ? limit.value : other->second, std::nullopt, true,
                   ""};
     const bool applies = run.samples > 0.0 && (limit.in_lockstep || !run.lockstep);
-    const Measured measured = applies ? measure(limit.name, run) : Measured{};
-    judged.measured = measured.value;
+    Measured measured = applies ? measure(limit.name, run) : Measured{};
+    judged.measured = measured.value, judged.of = std::move(measured.of);
     if (measured.value)
       judged.met =
           limit.at_least ? *measured.value >= judged.bound : *measured.value <= judged.bound;
-    if (!judged.met)
-      judged.sentence = fmt::format("{} is {}{}, {} than the {} that a good run has: {}",
-                                    limit.what, with_unit(*measured.value, limit.unit),
-                                    measured.of.empty() ? "" : " (" + measured.of + ")",
-                                    limit.at_least ? "less" : "more",
-                                    with_unit(judged.bound, limit.unit), limit.means);
     all.push_back(std::move(judged));
   }
   return all;

@@ -1,6 +1,5 @@
 #pragma once
-/// When a run was a good one: what is measured of it, the bounds, and the sentence where it is not
-/// met. Pure.
+/// The limits of a run: what is measured, and the bounds. Pure.
 #include <map>
 #include <optional>
 #include <string>
@@ -16,8 +15,8 @@ struct Limit {
   bool at_least;           ///< else at most
   double value;            ///< unless --limit says another
   bool in_lockstep;        ///< judged there too; what hangs on a clock is not
-  std::string_view what;   ///< subject of the sentence: "the share of ..."
-  std::string_view means;  ///< what is wrong where it is not met, and what to do
+  std::string_view what;   ///< subject of the sentence: "the ratio of ..."
+  std::string_view means;  ///< what follows if it is not met, and what to do
 };
 
 /// Bounds that were chosen instead of the defaults, by name.
@@ -37,16 +36,18 @@ struct RunFigures {
       first_answered;  ///< number of the first sample that was answered; absent: none was
   double answered = 0.0;
   double overruns = 0.0, deadline_misses = 0.0, clamped = 0.0;
-  double missed = 0.0;   ///< samples in which a contact may have been missed
-  double passing = 0.0;  ///< samples in which the tool's middle was in what it touched, with a
-                         ///< contact model alone
-  /// Below zero: what the coupling gave more than it took; and as much as its observer may show of
-  /// a sound contact [J].
-  double lowest_energy_j = 0.0, energy_bound_j = 0.0, lowest_energy_rotation_j = 0.0,
-         energy_bound_rotation_j = 0.0;
+  double missed = 0.0;    ///< samples in which a contact may have been missed
+  double passing = 0.0;   ///< samples in which the tool's middle was in what it touched, with a
+                          ///< contact model alone
+  double unplaced = 0.0;  ///< samples without a virtual tool, of a scene that has one
+  double slewed = 0.0;    ///< samples in which the guard's slew limit acted
+  double swing_s = 0.0, swing_hz = 0.0, swing_m = 0.0,
+         swing_n = 0.0;  ///< time for which the device swung by itself, and the largest of it
   double validate_every = 1.0;
   std::optional<double> first_judged;  ///< likewise, of the validator
-  double judged = 0.0, excused = 0.0;  ///< samples; excused: due, but of a kind that is not judged
+  double judged = 0.0, decided = 0.0,
+         excused = 0.0;  ///< samples; decided: compared with the reference; excused: due, but of a
+                         ///< kind that is not judged
   struct Stream {
     std::string name;
     std::optional<double> first;  ///< number of the first sample in the bag
@@ -57,6 +58,10 @@ struct RunFigures {
   std::vector<Stream> streams;
   double silence_s = 0.0;  ///< longest time for which a node gave no sign of life
   std::string silent;      ///< which, and who else hung
+  double force_losses = 0.0, force_lost_s = 0.0,
+         longest_loss_s = 0.0;  ///< times that force was lost, and for how long
+  double restarts = 0.0;        ///< nodes that died and were started again
+  std::string restarted;        ///< which
 };
 
 /// One limit compared with one run.
@@ -65,8 +70,10 @@ struct Judged {
   double bound = 0.0;              ///< the chosen one, else the default
   std::optional<double> measured;  ///< absent: not judged in this run
   bool met = true;
-  std::string sentence;  ///< where it is not met
+  std::string of{};  ///< which node, stream or amount was measured
 };
+/// "0.2 s", "0.95", "without end".
+std::string with_unit(double value, std::string_view unit);
 /// Every limit, in the table's order. A run without a sample is not judged.
 std::vector<Judged> judge_figures(const RunFigures& run, const ChosenLimits& chosen);
 

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/coupling/design/status_words.hpp"
+#include "nodes/cli/up/verdict_text.hpp"
 
 namespace voxtouch::cli {
 
@@ -20,20 +21,14 @@ std::string word(const Reports& reports, const std::string& node, const std::str
   return value == report->second.values.end() ? "" : value->second;
 }
 
-bool has_virtual_tool(const RunSummary& summary) {
-  return number(summary.reports, "rendering", "spring_n_per_m") > 0.0;
+bool has_virtual_tool(const RunRecord& run) {
+  return number(run.reports, "rendering", "spring_n_per_m") > 0.0;
 }
 
 namespace {
 
 std::uint64_t count(const Reports& reports, const std::string& node, const std::string& name) {
   return runtime::as_count(number(reports, node, name));
-}
-
-/// A scene with a time budget has run.
-bool has_budget(const RunSummary& summary) {
-  const auto report = summary.reports.find("rendering");
-  return report != summary.reports.end() && report->second.figures.contains("over_budget_samples");
 }
 
 using Names = std::initializer_list<const char*>;
@@ -58,15 +53,14 @@ nlohmann::ordered_json coupling_json(const Reports& r) {
   j["critical_stiffness_n_per_m"] = number(r, "coupling", "design_critical_n_per_m");
   j["gain_margin"] = number(r, "coupling", "design_gain_margin");
   j["worst_case"] = word(r, "coupling", "design_worst_case");
-  add_counts(j, r, "coupling",
-             {"designs", "capped_samples", "bounded_samples", "passivity_samples"});
+  add_counts(j, r, "coupling", {"designs", "capped_samples", "bounded_samples", "swings"});
   add_numbers(j, r, "coupling",
-              {"passivity_most_damping_ns_per_m", "lowest_energy_j", "lowest_energy_rotation_j",
-               "energy_bound_j", "energy_bound_rotation_j"});
+              {"swing_hz", "swing_m", "swing_n", "swing_s", "lowest_energy_j",
+               "lowest_energy_rotation_j", "energy_bound_j", "energy_bound_rotation_j"});
   return j;
 }
 
-/// Figures of what not every scene has: a virtual tool, a wrench from outside, a time budget.
+/// Figures of what not every scene has: a virtual tool, a wrench from outside.
 void add_what_the_scene_has(nlohmann::ordered_json& j, const RunSummary& s) {
   const Reports& r = s.reports;
   if (has_virtual_tool(s)) {
@@ -83,15 +77,10 @@ void add_what_the_scene_has(nlohmann::ordered_json& j, const RunSummary& s) {
                 "external_wrong_frame", "external_late"});
     add_numbers(j["external"], r, "rendering", {"external_given_j"});
   }
-  if (has_budget(s)) {
-    add_counts(j["budget"], r, "rendering",
-               {"left_out_samples", "over_budget_samples", "cut_short_samples"});
-    add_numbers(j["budget"], r, "rendering", {"most_left_out_depth_m"});
-  }
 }
 
 void add_recording(nlohmann::ordered_json& j, const Reports& r) {
-  add_counts(j, r, "logger", {"written", "dropped", "refused_records"});
+  add_counts(j, r, "logger", {"written", "dropped", "refused_records", "left_out_messages"});
   for (const char* stream : {"device_state", "rendering_contact", "coupling_command"})
     j["streams"][stream] = {{"recorded", count(r, "logger", stream + std::string("_recorded"))},
                             {"gaps", count(r, "logger", stream + std::string("_gaps"))}};
@@ -102,7 +91,8 @@ void add_recording(nlohmann::ordered_json& j, const Reports& r) {
 nlohmann::ordered_json to_json(const RunSummary& s) {
   const Reports& r = s.reports;
   nlohmann::ordered_json j;
-  j["ok"] = s.problems.empty();
+  j["ok"] = s.verdict.passed();
+  j["verdict"] = verdict_line(s, s.verdict);
   j["scene"] = s.scene;
   j["device"] = s.device;
   j["motion"] = s.motion;
@@ -118,24 +108,28 @@ nlohmann::ordered_json to_json(const RunSummary& s) {
              {"contact_samples", "held_samples", "saturated_samples", "fast_samples",
               "missed_samples", "passing_samples"});
   add_what_the_scene_has(j, s);
-  add_counts(j, r, "device", {"zero_force_samples", "interruptions"});
+  add_counts(j, r, "device", {"zero_force_samples", "interruptions", "force_losses"});
+  add_numbers(j, r, "device", {"force_lost_s"});
   j["max_force_n"] = number(r, "device", "max_force_n");
   j["coupling"] = coupling_json(r);
-  add_counts(j["guard"], r, "device", {"refused", "refused_late", "clamped"});
+  add_counts(j["guard"], r, "device", {"refused", "refused_late", "clamped", "slewed"});
   add_counts(j["validator"], r, "validator",
              {"checked", "decided", "agree", "in_band", "disagree"});
   add_recording(j["recording"], r);
-  for (const Judged& judged : s.judged)
+  for (const Judged& judged : s.verdict.limits)
     j["limits"][std::string(judged.limit->name)] = {
         {"value", judged.measured ? nlohmann::ordered_json(*judged.measured) : nullptr},
         {judged.limit->at_least ? "at_least" : "at_most", judged.bound},
         {"unit", judged.limit->unit},
         {"met", judged.met}};
-  for (const auto& [name, times] : s.takeovers)
-    j["takeovers"][name] = {{"times", times}, {"last_sample", count(r, name, "took_over_at")}};
+  for (const Restart& restart : s.restarts)
+    j["restarts"].push_back({{"node", restart.node},
+                             {"ended_by", restart.how},
+                             {"after_samples", runtime::as_count(restart.at_sample)},
+                             {"started_again", restart.is_done}});
   j["bag"] = s.bag.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(s.bag);
-  j["problems"] = s.problems;
-  j["notes"] = s.notes;
+  j["problems"] = problems_of(s, s.verdict);
+  j["notes"] = notes_of(s, s.verdict);
   return j;
 }
 
@@ -144,13 +138,11 @@ namespace {
 std::string figures(const RunSummary& s) {
   const Reports& r = s.reports;
   std::string text = fmt::format(
-      "\n  device      {} samples at {:.1f} Hz, {} overruns, largest force {:.2f} N\n"
+      "  device      {} samples at {:.1f} Hz, {} overruns, largest force {:.2f} N\n"
       "  ring        {} answered, latency p50 {:.0f} us, p99 {:.0f} us, max {:.0f} us, {} "
       "deadlines missed\n"
       "  contact     {} samples with force, {} held, {} faster than half a voxel a sample\n"
-      "  coupling    {}, {}: {:.4g} N/m of certified stiffness, margin {:.3g}; capped in {} "
-      "samples, passivity "
-      "controller in {}\n"
+      "  coupling    {}, {}: {:.4g} N/m of certified stiffness, margin {:.3g}; swung for {:.3g} s\n"
       "  guard       {} commands refused, {} of them as too late, {} clamped\n"
       "  validator   {} checked: {} decided, {} agree, {} in band, {} disagree\n",
       count(r, "device", "samples"), number(r, "device", "rate_hz"), count(r, "device", "overruns"),
@@ -160,12 +152,11 @@ std::string figures(const RunSummary& s) {
       count(r, "rendering", "contact_samples"), count(r, "rendering", "held_samples"),
       count(r, "rendering", "fast_samples"), word(r, "coupling", "design_kind"),
       word(r, "coupling", "design_status"), number(r, "coupling", "design_shown_n_per_m"),
-      number(r, "coupling", "design_gain_margin"), count(r, "coupling", "capped_samples"),
-      count(r, "coupling", "passivity_samples"), count(r, "device", "refused"),
-      count(r, "device", "refused_late"), count(r, "device", "clamped"),
-      count(r, "validator", "checked"), count(r, "validator", "decided"),
-      count(r, "validator", "agree"), count(r, "validator", "in_band"),
-      count(r, "validator", "disagree"));
+      number(r, "coupling", "design_gain_margin"), number(r, "coupling", "swing_s"),
+      count(r, "device", "refused"), count(r, "device", "refused_late"),
+      count(r, "device", "clamped"), count(r, "validator", "checked"),
+      count(r, "validator", "decided"), count(r, "validator", "agree"),
+      count(r, "validator", "in_band"), count(r, "validator", "disagree"));
   if (const std::string_view means =
           coupling::design::sentence_of(word(r, "coupling", "design_status"));
       !means.empty())
@@ -180,13 +171,6 @@ std::string figures(const RunSummary& s) {
         1e3 * number(r, "rendering", "most_residual_m"),
         count(r, "rendering", "samples_at_most_queries"), count(r, "rendering", "lag_samples"),
         count(r, "rendering", "unplaced_samples"));
-  if (has_budget(s))
-    text += fmt::format(
-        "  budget      {} samples left out points, at most {:.3g} mm deeper than those tested; {} "
-        "cut short; {} over the time by a tenth\n",
-        count(r, "rendering", "left_out_samples"),
-        1e3 * number(r, "rendering", "most_left_out_depth_m"),
-        count(r, "rendering", "cut_short_samples"), count(r, "rendering", "over_budget_samples"));
   if (!s.bag.empty())
     text += fmt::format("  bag         {} ({} messages, {} dropped)\n", s.bag,
                         count(r, "logger", "written"), count(r, "logger", "dropped"));
@@ -196,12 +180,13 @@ std::string figures(const RunSummary& s) {
 }  // namespace
 
 std::string to_text(const RunSummary& s) {
-  std::string text = count(s.reports, "device", "samples") > 0 ? figures(s) : "\n";
-  for (const std::string& note : s.notes)
-    text += "  NOTE        " + note + "\n";
-  for (const std::string& problem : s.problems)
+  std::string text = "\n  " + verdict_line(s, s.verdict) + "\n";
+  for (const std::string& problem : problems_of(s, s.verdict))
     text += "  PROBLEM     " + problem + "\n";
-  text += s.problems.empty() ? "  All is well.\n" : "";
+  if (count(s.reports, "device", "samples") > 0)
+    text += figures(s);
+  for (const std::string& note : notes_of(s, s.verdict))
+    text += "  NOTE        " + note + "\n";
   return text;
 }
 
@@ -214,13 +199,15 @@ std::string status_line(const Reports& r, const std::vector<std::string>& nodes)
   for (const std::string& node : nodes)
     if (const auto report = r.find(node); report == r.end())
       add(silent, node);
-    else if (report->second.session_id == 0)
+    else if (device == r.end() ? report->second.state == runtime::NodeState::kStarting
+                               : report->second.session_id == 0)
       add(unready, node);
   const std::string& waiting =
       silent.empty() ? unready : silent;  // who is there waits for who has said nothing
   const bool starts = device == r.end() || device->second.state == runtime::NodeState::kStarting;
   if (starts || (!waiting.empty() && count(r, "device", "samples") == 0))
-    return "starting: waiting for " + waiting;  // in lockstep a ready device waits too
+    return "starting: waiting for " +
+           (waiting.empty() ? "the device" : waiting);  // in lockstep a ready device waits too
   return fmt::format(
       "{:>7} samples  force {:6.2f} N at most  answered {:5.1f} %  latency p50 {:>4.0f} us p99 "
       "{:>5.0f} us  overruns {}  "

@@ -10,13 +10,12 @@
 #include "devices/settings.hpp"
 #include "nodes/cli/up/ring_run.hpp"
 #include "nodes/cli/up/run_files.hpp"
-#include "nodes/cli/up/start_warnings.hpp"
+#include "nodes/cli/up/start_report.hpp"
 #include "nodes/cli/up/up_checks.hpp"
 #include "nodes/cli/verbs.hpp"
 #include "nodes/log/tell.hpp"
 #include "nodes/runtime/scene_argument.hpp"
 #include "nodes/runtime/signals.hpp"
-#include "nodes/runtime/standby.hpp"
 
 namespace voxtouch::cli {
 namespace {
@@ -32,41 +31,37 @@ void require_all_keys(const UpOptions& options) {
       options.node.require_keys(role);
 }
 
-/// What takes over is another process, by the clock.
-void require_room_for_standby(const UpOptions& options) {
-  if (!options.standby)
+/// What is started again is a process, and the device goes on meanwhile.
+void check_restarts(const UpOptions& options) {
+  if (options.restarts == 0)
     return;
-  (void)runtime::in_mode({.is_standby = true}, options.node.lockstep);
-  if (options.ring.one_process)
+  if (options.node.lockstep)
     throw std::runtime_error(
-        "--standby starts a second rendering and coupling to go on where the first is lost. Start "
-        "without --one-process");
+        "--restart is for real time: in lockstep a node that is lost ends the run. Start without "
+        "--lockstep");
+  if (options.ring.one_process)
+    throw std::runtime_error("--restart starts a process again. Start without --one-process");
 }
 
 RunSummary run_up(const UpOptions& options) {
-  require_room_for_standby(options);
+  check_restarts(options);
   require_all_keys(options);
   runtime::catch_signals();
   signal(SIGCHLD, [](int) {});  // is not to be ignored by `usleep`
   const scene::Scene scene = scene::load_scene(options.node.scene);
   std::unique_ptr<RunningNode> page;
-  RingRun run(options, scene);  // first, for it looks who else is there
-  if (options.view)
-    page = start_page(
-        options.node,
-        options.ring.rendering.cache);  // what takes long to build can be looked at meanwhile
-  run.announce_start();
-  const device_node::Options& device = options.ring.device;
   std::vector<std::string> warnings = scene.warnings;
-  const std::vector<std::string> notes =
-      check_before_start(scene,
-                         {device.device, devices::parse_settings(device.settings), device.motion,
-                          options.no_record ? "" : options.ring.logger.bag, device.network_delay_ms,
-                          options.node.lockstep, options.ring.rendering.cache},
-                         warnings);
   std::ranges::copy(warnings_of_machine(options.node.scheduling()), std::back_inserter(warnings));
-  for (const std::string& line : few_warnings(warnings, options.node.scene.string()))
-    log::tell("{}\n", line);
+  RingRun run(options, scene,
+              {std::move(warnings), options.node.scene.string(),
+               options.ring.device.device});  // first: others can answer its claim meanwhile
+  if (options.view)
+    page = start_page(options.node);  // what takes long to build can be looked at meanwhile
+  const device_node::Options& device = options.ring.device;
+  const std::vector<std::string> notes =
+      check_before_start(scene, {device.device, devices::parse_settings(device.settings),
+                                 device.motion, options.no_record ? "" : options.ring.logger.bag,
+                                 device.network_delay_ms, options.node.lockstep});
   for (const std::string& note : notes)
     log::tell("note: {}\n", note);
   return run.go();
@@ -81,16 +76,14 @@ int up(const UpOptions& options) {
     log::finish_results();  // nobody waits for the summary while a page is drawn
     report_on(summary);
   }
-  return summary.problems.empty() ? 0 : 1;
+  return summary.verdict.passed() ? 0 : 1;
 }
 
 }  // namespace
 
 void add_up(CLI::App& app, Action& action) {
   auto options = std::make_shared<UpOptions>();
-  CLI::App* verb = app.add_subcommand("up",
-                                      "Start the whole ring (device, rendering, coupling, logger, "
-                                      "validator), watch it, stop it on Ctrl-C, sum it up");
+  CLI::App* verb = app.add_subcommand("up");
   verb->add_option("SCENE", options->node.scene,
                    fmt::format("Scene file (YAML), or the name of one that comes with voxtouch: {}",
                                fmt::join(runtime::shipped_scenes(), ", ")))
@@ -100,11 +93,11 @@ void add_up(CLI::App& app, Action& action) {
   verb->remove_option(verb->get_option("--peers"));
   device_node::add_device_options(*verb, options->ring.device);
   verb->add_option("--record", options->ring.logger.bag,
-                   "Folder for the bag; it must not exist (default: " +
+                   "Folder of the recording; it must not exist (default: " +
                        (recordings_folder() / "<scene>-<time>").string() + ")");
   logger::add_format_options(*verb, options->ring.logger.format);
   verb->add_option("--topic", options->ring.logger.topics,
-                   "Record this DDS topic as well (its type has to be compiled in), such as rt/tf")
+                   "Records a further DDS topic of a compiled-in type, such as rt/tf")
       ->check(runtime::check_topic);
   verb->add_option("--validate-every", options->ring.validator.every,
                    "The validator checks every n-th sample")
@@ -117,23 +110,19 @@ void add_up(CLI::App& app, Action& action) {
   };
   verb->add_option_function<std::vector<std::string>>(
           "--limit", choose_limits,
-          "NAME=VALUE: a run is a good one, and the exit status 0, only within limits; this sets "
-          "one of "
-          "them (0 or inf lifts it), and may be given more than once. Defaults: " +
+          "NAME=VALUE: sets a limit of the verdict; 0 or inf lifts it; repeatable. Defaults: " +
               describe_limits())
       ->allow_extra_args(false);
-  verb->add_flag("--no-record", options->no_record, "No logger, no bag");
-  verb->add_flag("--no-report", options->no_report,
-                 "No report.html beside the bag: see voxtouch report --help");
+  verb->add_flag("--no-record", options->no_record, "No logger and no recording");
+  verb->add_flag("--no-report", options->no_report, "Writes no report.html");
   verb->add_flag("--one-process", options->ring.one_process,
-                 "All nodes in this process; still over DDS");
-  verb->add_flag("--standby", options->standby,
-                 "A second rendering and a second coupling stand by, and take over where the first "
-                 "leaves samples without an answer");
-  scene_build::add_cache_options(*verb, options->ring.rendering.cache);
-  verb->add_flag(
-      "--view", options->view,
-      "Serves a page that shows the ring, and tells its address: see voxtouch view --help");
+                 "All nodes in one process; still over DDS");
+  verb->add_option("--restart", options->restarts,
+                   "Restarts a rendering, coupling, validator or logger that died, at most N times")
+      ->option_text("N")
+      ->check(runtime::require_whole);
+  verb->add_flag("--view", options->view,
+                 "Serves a page that shows the ring, and prints its address");
   verb->add_flag("--json", options->json,
                  "Summary as one JSON object on stdout; all else goes to stderr");
   verb->callback([options, &action] { action = [options] { return up(*options); }; });

@@ -6,8 +6,6 @@
 
 #include "core/scene/scene.hpp"
 #include "devices/device_options.hpp"
-#include "nodes/cli/up/summary.hpp"
-#include "nodes/scene_build/cache_options.hpp"
 
 namespace voxtouch::cli {
 
@@ -18,17 +16,16 @@ struct Plans {
   std::filesystem::path bag;  ///< empty: none
   double network_delay_ms = 0.0;
   bool lockstep = false;
-  scene_build::CacheOptions cache = {};
 };
 
-/// Throws std::runtime_error, a sentence: unknown device, device option or motion, a scene that
-/// cannot be built, a device that the coupling node would command no force for with this scene, a
-/// bag folder that exists or could not be made. Returns what a user may want to know, as sentences;
-/// warnings of the scene as it is built go to `warnings`. Takes as long as the scene is built for.
-std::vector<std::string> check_before_start(const scene::Scene& scene, const Plans& plans,
-                                            std::vector<std::string>& warnings);
+/// Throws std::runtime_error, a sentence: unknown device, device option or motion, a device that
+/// the coupling node would command no force for whatever the scene is built to, a bag folder that
+/// exists or could not be made. Returns what a user may want to know, as sentences.
+std::vector<std::string> check_before_start(const scene::Scene& scene, const Plans& plans);
 
-/// Sorts what the nodes have reported into problems and notes.
-void judge(RunSummary& summary);
+/// The sentence for a scene and a device of which rendering or coupling said `why` no force may be
+/// commanded.
+std::string does_not_go_with(const std::filesystem::path& scene, const std::string& device,
+                             const std::string& why);
 
 }  // namespace voxtouch::cli

@@ -1,6 +1,6 @@
 'use strict';
 // Strip charts of the last ten seconds and the histogram of latencies. A row is what Picture::row_json (nodes/view/picture.cpp) writes:
-// [s, returned x, y, z, size, contact force, depth, energy, added damping].
+// [s, returned x, y, z, size, contact force, depth, energy, force of injected damping].
 (function () {
   const SHOWN_S = 10, KEPT_S = 30, GAP_S = 0.05;
   const fixed = (v, digits) => v.toFixed(digits).replace(/^-(0\.?0*)$/, '$1');
@@ -10,7 +10,7 @@
     {name: 'Size of force', unit: 'N', digits: 2, series: [['returned', 4, '--returned', null], ['contact', 5, '--contact', [7, 3]]]},
     {name: 'Depth', unit: 'mm', digits: 2, series: [['deepest point', 6, '--depth', null]]},
     {name: 'Energy', unit: 'mJ', digits: 1, series: [['from hand', 7, '--energy', null]],
-     second: ['damping', 8, '--y', [2, 2], 'Ns/m (right)', 2]},
+     second: ['injected damping', 8, '--y', [2, 2], 'N (right)', 2]},
   ];
 
   function swatch(colorName, pattern) {

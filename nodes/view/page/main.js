@@ -4,7 +4,7 @@
   const $ = id => document.getElementById(id);
   const query = new URLSearchParams(location.search), token = query.get('token') || '';  // &smooth: for pictures, also where that takes long
   const state = window.voxtouch = {frame: null, facts: null, scene: null, frames: 0, pictures: 0, connected: false};
-  let socket = null, paused = false, frameAt = 0, firstFacts = true, retry = 250, waiting = null, chartsDirty = false, chartsAt = 0, histogramAt = 0;
+  let socket = null, refusal = '', paused = false, frameAt = 0, firstFacts = true, retry = 250, waiting = null, chartsDirty = false, chartsAt = 0, histogramAt = 0;
 
   const theme = localStorage.getItem('voxtouch-theme') || (matchMedia('(prefers-color-scheme: dark)').matches ? 'dark' : 'light');
   document.documentElement.dataset.theme = theme;
@@ -25,8 +25,11 @@
 
   function connect() {
     socket = new WebSocket(`ws://${location.host}/ring?token=${encodeURIComponent(token)}`, 'voxtouch-view');
-    socket.onopen = () => { state.connected = true, retry = 250, firstFacts = true; pill(); if (cut.axis) askSlice(); };
-    socket.onmessage = event => take(JSON.parse(event.data));
+    socket.onopen = () => { state.connected = true, firstFacts = true, refusal = ''; pill(); if (cut.axis) askSlice(); };
+    socket.onmessage = event => {
+      take(JSON.parse(event.data));
+      if (!refusal) retry = 250;
+    };
     socket.onclose = () => {
       state.connected = false;
       pill();
@@ -42,6 +45,7 @@
     else if (message.type === 'past') takePast(message);
     else if (message.type === 'answer') effects.answered(message);
     else if (message.type === 'slice') takeSlice(message);
+    else if (message.type === 'refused') refusal = message.sentence;
   }
 
   function takeScene(scene) {
@@ -127,6 +131,7 @@
   function note() {
     if (!scene3d) return;
     const notes = state.scene ? state.scene.notes.slice() : [];
+    if (state.facts && state.facts.bag_note) notes.unshift(state.facts.bag_note);
     if (state.facts && state.facts.scene_note) notes.push(state.facts.scene_note);
     $('note').textContent = notes.join(' ');
   }
@@ -135,7 +140,7 @@
 
   function pill() {
     const say = (word, text) => { $('pill').dataset.state = word, $('pill').textContent = text; };
-    if (!state.connected) return say('bad', 'no server: trying again');
+    if (!state.connected) return say('bad', refusal || 'no server: trying again');
     document.body.classList.remove('stale');
     if (isBag()) {
       const {playing, speed, verdict} = state.facts.bag;

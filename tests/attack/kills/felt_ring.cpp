@@ -26,19 +26,20 @@ bool wait_until(const std::function<bool()>& holds, std::chrono::milliseconds pa
 }
 
 FeltRing::FeltRing(const FeltRingOptions& ask) : ask_(ask) {
-  std::vector<std::string> words{VOXTOUCH_BIN "/voxtouch",
-                                 "up",
-                                 test::shipped_scene(ask.scene),
-                                 "--json",
-                                 "--no-report",
-                                 "--domain",
-                                 std::to_string(ask.domain),
-                                 "--rig",
-                                 ask.rig,
-                                 "--motion",
-                                 ask.motion,
-                                 "--record",
-                                 bag().string()};
+  std::vector<std::string> words{
+      VOXTOUCH_BIN "/voxtouch",
+      "up",
+      ask.scene.contains('/') ? ask.scene : test::shipped_scene(ask.scene),
+      "--json",
+      "--no-report",
+      "--domain",
+      std::to_string(ask.domain),
+      "--rig",
+      ask.rig,
+      "--motion",
+      ask.motion,
+      "--record",
+      bag().string()};
   words.insert(words.end(), ask.more.begin(), ask.more.end());
   if (!ask.keys.empty())
     words.insert(words.end(), {"--security", ask.keys.string()});

@@ -21,7 +21,7 @@ namespace voxtouch::attack {
 bool wait_until(const std::function<bool()>& holds, std::chrono::milliseconds patience);
 
 struct FeltRingOptions {
-  std::string scene, motion;  ///< shipped ones
+  std::string scene, motion;  ///< shipped ones; or the path of a scene file
   std::string rig = "haptic";
   std::uint32_t domain = 0;
   std::vector<std::string> more = {};  ///< options of `up`

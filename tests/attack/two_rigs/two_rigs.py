@@ -1,19 +1,22 @@
 #!/usr/bin/env python3
-"""Two rigs on one host: on one DDS domain by their names, or on two domains. None may disturb the other.
+"""Two rigs on one host: on one DDS domain by their names, or on two domains. None may disturb the
+other.
 
     tests/attack/two_rigs/two_rigs.py                       # ten minutes, both forms
     tests/attack/two_rigs/two_rigs.py --duration 8          # what the test runs
 
-Both feel the cup. In the middle the rendering of the left one is killed. Then the left one has to end with 1 and say so, while the right
-one goes on: its bag holds one session, no command of anybody else, no sample at which force was lost, and no message on its topics that
-came from the left one. Its own verdict has to follow from its own figures: what it names as a problem is a figure of its own (a busy
-machine is one) and never the other rig. Exit status 1 if something did not hold.
+Both feel the cup. In the middle the rendering of the left one is killed. Then the left one has to
+end with 1 and say so, while the right one goes on: its bag holds one session, no command of anybody
+else, no sample at which force was lost, and no message on its topics that came from the left one.
+Its own verdict has to follow from its own figures: what it names as a problem is a figure of its
+own (a busy machine is one) and never the other rig. Exit status 1 if something did not hold.
 
-A virtual machine stands still now and then, and no ring answers meanwhile: after 24 ms the guard takes the force away, as it should. So one
-witness on each CPU, at a higher real-time priority than the rigs where that is allowed, wakes every millisecond and notes when it could not.
-Force is lost by one long stop or by several short ones, after each of which an answer comes too late. So force that was lost while one CPU had
-stood still for 20 of the last 80 ms, all in all, is counted apart, as the machine's.
-"""
+A virtual machine stands still now and then, and no ring answers meanwhile: after 24 ms the guard
+takes the force away, as it should. So one witness on each CPU, at a higher real-time priority than
+the rigs where that is allowed, wakes every millisecond and notes when it could not. Force is lost
+by one long stop or by several short ones, after each of which an answer comes too late. So force
+that was lost while one CPU had stood still for 20 of the last 80 ms, all in all, is counted apart,
+as the machine's. """
 import argparse
 import json
 import os
@@ -29,7 +32,8 @@ import time
 HERE = pathlib.Path(__file__).resolve().parents[3]
 FORCE_ON = 4
 LATE_S = 0.003  # a witness that wakes this late says that its CPU stood still
-STILL_S = 0.02  # a CPU that stood still this long within WINDOW_S explains a lost force: the guard waits 24 ms
+# A CPU that stood still this long within WINDOW_S explains a lost force: the guard waits 24 ms.
+STILL_S = 0.02
 WINDOW_S = 0.08  # the guard's time, and that in which the loop catches up, some 20 samples
 STATE = struct.Struct("<QQq7d6dII")  # DeviceState, as its .msg says
 
@@ -71,7 +75,7 @@ class Machine:
             time.sleep(0.001)
             now = time.time()
             if now - last > float(sys.argv[3]):
-                os.write(1, f"{sys.argv[1]} {last} {now}\\n".encode())  # in one piece: all witnesses write to one file
+                os.write(1, f"{sys.argv[1]} {last} {now}\\n".encode())  # one write: the file is shared
             last = now
         """
 
@@ -129,6 +133,8 @@ class Rig:
                 str(domain),
                 "--record",
                 self.bag,
+                "--record-format",
+                "sqlite3",
             ],
             stdout=self.told,
             stderr=self.said,
@@ -165,7 +171,10 @@ class Rig:
         for file in sorted(self.bag.glob("*.db3")):
             with sqlite3.connect(f"file:{file}?mode=ro", uri=True) as database:
                 rows = database.execute(
-                    "select timestamp, data from messages join topics on topics.id = topic_id where name = ? order by messages.id",
+                    (
+                        "select timestamp, data from messages join topics on topics.id = topic_id"
+                        " where name = ? order by messages.id"
+                    ),
                     (f"/{self.name}/device/state",),
                 )
                 for written_ns, data in rows:
@@ -204,7 +213,8 @@ def play(ask, form, domains):
         left, right = rigs
         if left.status != 1 or not any("rendering" in p for p in left.summary["problems"]):
             faults.append(
-                f"the left rig lost its rendering and ends with {left.status}: {left.summary['problems']}"
+                f"the left rig lost its rendering and ends with {left.status}:"
+                f" {left.summary['problems']}"
             )
         faults += [
             f"the right rig names the left: {p}"
@@ -213,14 +223,16 @@ def play(ask, form, domains):
         ]
         if (right.status == 0) != (not right.summary["problems"]):
             faults.append(
-                f"the right rig ends with {right.status} and these problems: {right.summary['problems']}"
+                f"the right rig ends with {right.status} and these problems:"
+                f" {right.summary['problems']}"
             )
         guard = right.summary["guard"]
         if (
             guard["refused"] > guard["refused_late"]
         ):  # late ones are the rig's own: its coupling was kept from running for a while
             faults.append(
-                f"the right guard refused {guard['refused'] - guard['refused_late']} commands that were not its coupling's or not in order"
+                f"the right guard refused {guard['refused'] - guard['refused_late']} commands that"
+                " were not its coupling's or not in order"
             )
         for rig in rigs:
             states = rig.states()
@@ -233,17 +245,23 @@ def play(ask, form, domains):
                 by_machine = sum(map(machine.stood_still_before, lost))
                 if first == len(states) or len(lost) > by_machine:
                     faults.append(
-                        f"the right rig lost its force at {len(lost) - by_machine} of {len(states) - first} samples, with the machine running: "
-                        f"its CPUs stood still for {', '.join(f'{1000 * machine.still_before(moment):.0f}' for moment in lost[:20])} ms of the "
-                        f"{1000 * WINDOW_S:.0f} before"
+                        f"the right rig lost its force at {len(lost) - by_machine} of"
+                        f" {len(states) - first} samples, with the machine running: its CPUs stood"
+                        " still for"
+                        f" {', '.join(f'{1000 * machine.still_before(moment):.0f}' for moment in lost[:20])} ms"
+                        f" of the {1000 * WINDOW_S:.0f} before"
                     )
         own = "; ".join(right.summary["problems"]) or "none"
         print(
-            f"figure: {form}: left ended with {left.status}; right ended with {right.status}, {right.summary['samples']} samples at "
-            f"{right.summary['rate_hz']:.0f} Hz, {guard['refused']} commands refused, {guard['refused_late']} of them as too late, "
-            f"{len(lost)} samples without force, {by_machine} of them while a CPU stood still for {1000 * STILL_S:.0f} of the last {1000 * WINDOW_S:.0f} ms; "
-            f"{len(machine.still)} times a CPU stood still for more than {1000 * LATE_S:.0f} ms, {sum(end - begin for _, begin, end in machine.still):.1f} s "
-            f"in all (longest {1000 * max((end - begin for _, begin, end in machine.still), default=0):.0f} ms); problems of its own: {own}"
+            f"figure: {form}: left ended with {left.status}; right ended with {right.status},"
+            f" {right.summary['samples']} samples at {right.summary['rate_hz']:.0f} Hz,"
+            f" {guard['refused']} commands refused, {guard['refused_late']} of them as too late,"
+            f" {len(lost)} samples without force, {by_machine} of them while a CPU stood still for"
+            f" {1000 * STILL_S:.0f} of the last {1000 * WINDOW_S:.0f} ms;"
+            f" {len(machine.still)} times a CPU stood still for more than {1000 * LATE_S:.0f} ms,"
+            f" {sum(end - begin for _, begin, end in machine.still):.1f} s in all (longest"
+            f" {1000 * max((end - begin for _, begin, end in machine.still), default=0):.0f} ms);"
+            f" problems of its own: {own}"
         )
     return [f"{form}: {fault}" for fault in faults]
 

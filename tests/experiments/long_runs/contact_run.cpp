@@ -8,7 +8,7 @@
 #include "core/scene/scene_file.hpp"
 #include "core/types/fnv.hpp"
 #include "tests/experiments/long_runs/long_runs.hpp"
-#include "tests/experiments/long_runs/loop_rig.hpp"
+#include "tests/support/loop_rig/loop_rig.hpp"
 
 namespace voxtouch::long_runs {
 namespace {
@@ -102,9 +102,9 @@ void judge(const LoopRig& rig, const Tenth& first, const Tenth& last, Findings& 
                   100.0 * static_cast<double>(first.touching) / static_cast<double>(first.frames),
                   mean_last, mean_first, last.most_n, first.most_n));
   out.lines.push_back(
-      fmt::format("coupling: {} samples, lowest energy {:.2g} J, controller in {}, {} capped; "
+      fmt::format("coupling: {} samples, lowest energy {:.2g} J, {} capped, swung for {:.2g} s; "
                   "guard: {} clamped, {} refused",
-                  c.samples, c.lowest_energy_j, c.controlled, c.capped,
+                  c.samples, c.lowest_energy_j, c.capped, c.swing.duration_s,
                   rig.guard().counts().clamped(), rig.guard().counts().refused()));
   const double q = rig.front().frame().object.orientation.norm();
   if (last.touching == 0)

@@ -7,8 +7,8 @@
 
 #include "core/coupling/running_coupling.hpp"
 #include "tests/experiments/long_runs/long_runs.hpp"
-#include "tests/experiments/long_runs/loop_rig.hpp"
 #include "tests/support/coupling_models/pt2.hpp"
+#include "tests/support/loop_rig/loop_rig.hpp"
 
 namespace voxtouch::long_runs {
 namespace {

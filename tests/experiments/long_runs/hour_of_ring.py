@@ -1,20 +1,24 @@
 #!/usr/bin/env python3
 """An hour of ring time in lockstep: all processes of `voxtouch up`, watched from outside.
 
-    tests/experiments/long_runs/hour_of_ring.py                     # an hour of the cup: about ten minutes
+    tests/experiments/long_runs/hour_of_ring.py                     # an hour of the cup: about ten
+                                                                    minutes
     tests/experiments/long_runs/hour_of_ring.py --hours 2           # the soak of a release
-    tests/experiments/long_runs/hour_of_ring.py --hours 24          # before a long session of a laboratory
+    tests/experiments/long_runs/hour_of_ring.py --hours 24          # before a long session of a
+                                                                    laboratory
     tests/experiments/long_runs/hour_of_ring.py --duration 20       # what the test runs
 
-Looks at resident memory and CPU time of every process of the ring once a second, and at the lines that `up` prints. Ends with 1
-if the ring did not end well, if samples are missing, if a process grew by more than --growth-kb after the first tenth, or if the
-tool touches another share of the time in the last tenth than in the first. Times are told, not judged.
+Looks at resident memory and CPU time of every process of the ring once a second, and at the lines
+that `up` prints. Ends with 1 if the ring did not end well, if samples are missing, if a process
+grew by more than --growth-kb after the first tenth, or if the tool touches another share of the
+time in the last tenth than in the first. Times are told, not judged.
 
-Resident memory grows by a few MB in steps, and then no more: each of Cyclone DDS's two receiving threads fills a buffer of 1 MB, asks
-for another, and frees the first, which the allocator keeps (seen by interposing malloc: nn_rmsg_new in recv and recvUC, one free for
-each). So each process may grow by two buffers a thread and what lies between them, 5 MB as measured; where little is received it fills
-page by page. --growth-kb leaves room for that, so a slow leak below it would pass: read the table, which tells memory after each tenth.
-"""
+Resident memory grows by a few MB in steps, and then no more: each of Cyclone DDS's two receiving
+threads fills a buffer of 1 MB, asks for another, and frees the first, which the allocator keeps
+(seen by interposing malloc: nn_rmsg_new in recv and recvUC, one free for each). So each process may
+grow by two buffers a thread and what lies between them, 5 MB as measured; where little is received
+it fills page by page. --growth-kb leaves room for that, so a slow leak below it would pass: read
+the table, which tells memory after each tenth. """
 import argparse
 import json
 import os
@@ -98,7 +102,9 @@ def look(pid):
 
 
 def places(pid):
-    """Resident memory by what it is of [kB]: the main heap; files; stack; all else (the heaps of threads, buffers, threads' stacks)."""
+    """Resident memory by what it is of [kB]: the main heap; files; stack; all else (the heaps of
+    threads, buffers, threads' stacks).
+    """
     sums = {}
     try:
         text = pathlib.Path(f"/proc/{pid}/smaps").read_text()
@@ -112,11 +118,13 @@ def places(pid):
             place = (
                 "heap"
                 if name == "[heap]"
-                else "files"
-                if name.startswith("/")
-                else "stack"
-                if name.startswith("[stack")
-                else "anonymous"
+                else (
+                    "files"
+                    if name.startswith("/")
+                    else "stack"
+                    if name.startswith("[stack")
+                    else "anonymous"
+                )
             )
         elif words[0] == "Rss:":
             sums[place] = sums.get(place, 0) + int(words[1])
@@ -124,7 +132,9 @@ def places(pid):
 
 
 class Watch:
-    """What was seen at each line of `up`: samples so far, force, contacts so far, and each process."""
+    """What was seen at each line of `up`: samples so far, force, contacts so far, and each
+    process.
+    """
 
     def __init__(self, root, samples):
         self.root, self.samples, self.rows, self.told = root, samples, [], -1
@@ -155,7 +165,9 @@ class Watch:
             )
 
     def ends(self):
-        """First and last row of the first tenth and of the last one; as much more as one line a second makes it."""
+        """First and last row of the first tenth and of the last one; as much more as one line a
+        second makes it.
+        """
         early = [r for r in self.rows if r[0] >= self.samples / 10]
         late = [r for r in self.rows if r[0] <= self.samples * 9 / 10]
         if not early or not late or early[0][0] > late[-1][0] or self.rows[0] is early[0]:
@@ -268,8 +280,9 @@ def main():
     if summary.get("validator", {}).get("disagree") != 0:
         faults.append("the validator disagrees")
     print(
-        f"{summary.get('samples')} samples, {summary.get('contact_samples')} with contact, largest force {summary.get('max_force_n')} N, "
-        f"lowest energy {summary.get('coupling', {}).get('lowest_energy_j')} J"
+        f"{summary.get('samples')} samples, {summary.get('contact_samples')} with contact, largest"
+        f" force {summary.get('max_force_n')} N, lowest energy"
+        f" {summary.get('coupling', {}).get('lowest_energy_j')} J"
     )
     faults += judge(watch, args)
     for fault in faults:

@@ -12,7 +12,7 @@
 #include "core/fitting/coupling_input.hpp"
 #include "core/scene/scene_file.hpp"
 #include "tests/experiments/long_runs/long_runs.hpp"
-#include "tests/experiments/long_runs/loop_rig.hpp"
+#include "tests/support/loop_rig/loop_rig.hpp"
 
 namespace voxtouch::long_runs {
 namespace {
@@ -171,8 +171,6 @@ coupling::CouplingSpec any_coupling(Dice& dice) {
   if (dice.chance(0.7))
     spec.injected_damping_ns_per_m = dice.log(0.1, 20),
     spec.injected_damping_nms_per_rad = dice.log(1e-4, 0.1);
-  if (dice.chance(0.7))
-    spec.passivity_damping_limit_ns_per_m = 10, spec.passivity_damping_limit_nms_per_rad = 0.05;
   return spec;
 }
 

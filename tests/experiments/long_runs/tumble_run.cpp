@@ -5,7 +5,7 @@
 
 #include "core/effects/rigid_body.hpp"
 #include "tests/experiments/long_runs/long_runs.hpp"
-#include "tests/experiments/long_runs/loop_rig.hpp"
+#include "tests/support/loop_rig/loop_rig.hpp"
 
 namespace voxtouch::long_runs {
 namespace {

@@ -3,11 +3,11 @@
 
 usage: make_report.py [--build BUILD] [--out DIR] [--quick]
 
-Runs paper_experiments (figures 2, 3, 8, 9, 11), the real ring in lockstep (figure 12), and `voxtouch accuracy` on the cup; draws
-the figures, and writes DIR/index.html, which any browser opens without a network. About a minute on two cores;
---quick: half of that, with fewer poses and shorter runs. Exit status 1 if a step failed; the page is written all the same and says which.
-Needs python3-matplotlib.
-"""
+Runs paper_experiments (figures 2, 3, 8, 9, 11), the real ring in lockstep (figure 12), and
+`voxtouch accuracy` on the cup; draws the figures, and writes DIR/index.html, which any browser
+opens without a network. About a minute on two cores; --quick: half of that, with fewer poses and
+shorter runs. Exit status 1 if a step failed; the page is written all the same and says which. Needs
+python3-matplotlib. """
 import argparse
 import base64
 import html
@@ -81,16 +81,18 @@ class Page:
 
     def write(self, conditions):
         style = (
-            "body{font:15px/1.5 sans-serif;max-width:60em;margin:2em auto;padding:0 1em;color:#222}img{max-width:100%}"
-            "table{border-collapse:collapse;margin:1em 0;font-size:13px}td,th{border:1px solid #ccc;padding:.25em .6em;"
+            "body{font:15px/1.5 sans-serif;max-width:60em;margin:2em auto;padding:0"
+            " 1em;color:#222}img{max-width:100%}"
+            "table{border-collapse:collapse;margin:1em 0;font-size:13px}td,th{border:1px solid"
+            " #ccc;padding:.25em .6em;"
             "text-align:left;vertical-align:top}caption{text-align:left;font-weight:bold;padding:.3em 0}"
             "figcaption{font-size:13px;color:#444}.failed{background:#fdd;padding:.5em}figure{margin:1.5em 0}"
         )
         top = "".join(f"<li>{html.escape(c)}</li>" for c in conditions)
         (self.out / "index.html").write_text(
-            f"<!doctype html><meta charset=utf-8><title>voxtouch: what accuracy costs</title><style>{style}</style>"
-            f"<h1>voxtouch: the paper's experiments, and what accuracy costs</h1><ul>{top}</ul>"
-            + "".join(self.parts),
+            "<!doctype html><meta charset=utf-8><title>voxtouch: what accuracy"
+            f" costs</title><style>{style}</style><h1>voxtouch: the paper's experiments, and what"
+            f" accuracy costs</h1><ul>{top}</ul>" + "".join(self.parts),
             encoding="utf-8",
         )
 
@@ -112,7 +114,7 @@ def save(figure, out, name):
     plt.close(figure)
 
 
-# ------------------------------------------------------------------------------------------------------ experiments 1 and 2
+# -------------------- experiments 1 and 2
 def row_of(data, name):
     return next(r for r in data if r["contact_model"] == name)
 
@@ -138,7 +140,10 @@ def draw_circle(data, out):
     for axis in axes[1]:
         axis.set_xlabel("across, 1st axis [%]")
     figure.suptitle(
-        "Experiment 1: where the force's arrowhead strays on a circle over a plane, in percent of the normal force (0 would be right)",
+        (
+            "Experiment 1: where the force's arrowhead strays on a circle over a plane, in percent"
+            " of the normal force (0 would be right)"
+        ),
         y=1.0,
     )
     figure.tight_layout()
@@ -159,7 +164,8 @@ def draw_cylinder(data, out):
         axis.set_ylabel("across [%]")
     axes[-1].set_xlabel("way round the cylinder [deg]")
     figure.suptitle(
-        "Experiment 2: force across the normal on the way round a cylinder, over the mean normal force"
+        "Experiment 2: force across the normal on the way round a cylinder, over the mean normal"
+        " force"
     )
     figure.tight_layout()
     save(figure, out, "figure9.png")
@@ -229,7 +235,8 @@ def draw_filter(data, out):
         fontsize=8
     ), axis.set_ylim(0, None)
     axis.set_title(
-        "Figure 11: what couplings make of the voxels' noise (sphere round a cylinder, 1 e deep, 0.1 m/s)"
+        "Figure 11: what couplings make of the voxels' noise (sphere round a cylinder, 1 e deep,"
+        " 0.1 m/s)"
     )
     save(figure, out, "figure11.png")
 
@@ -266,36 +273,49 @@ def experiments(page, build, out, quick):
             "conditions, and why it differs",
         ],
         rows,
-        "Medians over the settings; the reference implementation's settings are not known in all detail",
+        (
+            "Medians over the settings; the reference implementation's settings are not known in"
+            " all detail"
+        ),
     )
     draw_circle(data, out), draw_cylinder(data, out), draw_shells(data, out), draw_filter(data, out)
     page.heading("Experiment 1: a circle over a plane (Figure 8)")
     page.picture(
         "figure8.png",
-        "Sphere of 10 e, 0.5 e deep. Each dot is one pose on the circle. The paper has the first two columns. Along the grid what "
-        "is left of the adapted force is a constant; field has less everywhere.",
+        (
+            "Sphere of 10 e, 0.5 e deep. Each dot is one pose on the circle. The paper has the"
+            " first two columns. Along the grid what is left of the adapted force is a constant;"
+            " field has less everywhere."
+        ),
     )
     page.heading("Experiment 2: round a cylinder (Figures 9, 10)")
     page.picture("figure9.png", "Sphere of 10 e round a cylinder of 20 e, 0.5 e deep.")
     page.heading("Exact against naive pointshell (Figures 2, 3)")
     page.picture(
         "figure3.png",
-        "Points within half an edge of the middle plane, with their normals. The naive shell is the centres of the surface voxels, "
-        "up to 0.87 e off the sphere.",
+        (
+            "Points within half an edge of the middle plane, with their normals. The naive shell is"
+            " the centres of the surface voxels, up to 0.87 e off the sphere."
+        ),
     )
     page.heading("Virtual couplings (Figure 11)")
     f = data["filter"]
     page.picture(
         "figure11.png",
-        f"Noise over mean: raw {100 * f['of_raw']['noise']:.1f} %, spring-damper {100 * f['of_spring_damper']['noise']:.1f} %, "
-        f"filter {100 * f['of_filter']['noise']:.1f} %. Largest step in a millisecond: {100 * f['of_raw']['largest_step']:.1f} %, "
-        f"{100 * f['of_spring_damper']['largest_step']:.1f} %, {100 * f['of_filter']['largest_step']:.2f} %. The filter is paid with "
-        f"{1e3 * f['rise_time_s']:.0f} ms of rise time; what that does to stability is below.",
+        (
+            f"Noise over mean: raw {100 * f['of_raw']['noise']:.1f} %, spring-damper"
+            f" {100 * f['of_spring_damper']['noise']:.1f} %, filter"
+            f" {100 * f['of_filter']['noise']:.1f} %. Largest step in a millisecond:"
+            f" {100 * f['of_raw']['largest_step']:.1f} %,"
+            f" {100 * f['of_spring_damper']['largest_step']:.1f} %,"
+            f" {100 * f['of_filter']['largest_step']:.2f} %. The filter is paid with"
+            f" {1e3 * f['rise_time_s']:.0f} ms of rise time; what that does to stability is below."
+        ),
     )
     page.heading("What does not hold: corner and slot")
     page.text(
-        "One mean normal over all points is wrong where two walls are touched at once. Sphere of 10 e, 0.5 e deep in a concave corner of two walls, and "
-        "between two walls."
+        "One mean normal over all points is wrong where two walls are touched at once. Sphere of 10"
+        " e, 0.5 e deep in a concave corner of two walls, and between two walls."
     )
     page.table(
         [
@@ -311,9 +331,11 @@ def experiments(page, build, out, quick):
     )
 
 
-# ---------------------------------------------------------------------------------------------------------------- figure 12
+# -------------------- figure 12
 def first_touch(force):
-    """Of a force [N] at 1 kHz: the largest of the first 100 ms of the first contact, and the mean 45 to 55 ms after it; None where nothing is touched."""
+    """Of a force [N] at 1 kHz: the largest of the first 100 ms of the first contact, and the mean
+    45 to 55 ms after it; None where nothing is touched.
+    """
     begin = next((i for i, f in enumerate(force) if f > 0.02), len(force))
     if begin + 160 > len(force):
         return None
@@ -375,7 +397,7 @@ def ring(page, build, out, quick):
             )
             axis = axes[row][column]
             axis.set_title(f"{device}, {title}, {coupling}", fontsize=9)
-            if not list(bag.glob("*.db3")):
+            if not (bag / "metadata.yaml").exists():
                 problems = json.loads(done.stdout or "{}").get("problems", [done.stderr[-200:]])
                 rows.append([device, motion, coupling, "refused: " + "; ".join(problems)])
                 axis.text(0.5, 0.5, "refused", transform=axis.transAxes, ha="center")
@@ -395,7 +417,8 @@ def ring(page, build, out, quick):
                 pushing != summary["contact_samples"]
             ):  # the messages are not laid out as this script reads them
                 raise ValueError(
-                    f"{bag}: {pushing} contact messages hold a force, but the rendering counted {summary['contact_samples']}"
+                    f"{bag}: {pushing} contact messages hold a force, but the rendering counted"
+                    f" {summary['contact_samples']}"
                 )
             touch = first_touch(returned["force"])
             first = f"first peak {touch[0]:.2f} N, {touch[1]:.2f} N 50 ms later; " if touch else ""
@@ -404,8 +427,8 @@ def ring(page, build, out, quick):
                     device,
                     motion,
                     coupling,
-                    f"largest raw {max(raw['all']):.1f} N, returned {max(returned['force']):.2f} N; {first}last 40 %: "
-                    f"{min(tail):.2f} to {max(tail):.2f} N; "
+                    f"largest raw {max(raw['all']):.1f} N, returned {max(returned['force']):.2f} N;"
+                    f" {first}last 40 %: {min(tail):.2f} to {max(tail):.2f} N; "
                     + (
                         "all is well"
                         if summary.get("ok")
@@ -422,10 +445,15 @@ def ring(page, build, out, quick):
     page.heading("Phantom and LWR against the cup (Figure 12)")
     page.picture(
         "figure12.png",
-        "From the bags of the ring: device, rendering, coupling, logger and validator in lockstep. The designed coupling caps the contact at what it has "
-        "certified also for a hand that lets go, and injects damping (the first peak of a hit). The paper's 5 Hz force comes 64 ms late: on the Phantom a hit swings for half a second, "
-        "and what keeps it bounded is the hand that holds on and the arm's friction. Let go, it is stable up to 0.08 N/m only (voxtouch design --device sim-phantom); of random devices "
-        "holding on with the paper's recipe, 61 % are unstable (coupling_campaign).",
+        (
+            "From the bags of the ring: device, rendering, coupling, logger and validator in"
+            " lockstep. The designed coupling caps the contact at what it has certified also for a"
+            " hand that lets go, and injects damping (the first peak of a hit). The paper's 5 Hz"
+            " force comes 64 ms late: on the Phantom a hit swings for half a second, and what keeps"
+            " it bounded is the hand that holds on and the arm's friction. Let go, it is stable up"
+            " to 0.08 N/m only (voxtouch design --device sim-phantom); of random devices holding on"
+            " with the paper's recipe, 61 % are unstable (coupling_campaign)."
+        ),
     )
     page.table(
         ["device", "motion", "coupling", "outcome"],
@@ -434,7 +462,7 @@ def ring(page, build, out, quick):
     )
 
 
-# ----------------------------------------------------------------------------------------------------------------- accuracy
+# -------------------- accuracy
 def accuracy(page, build, out, quick):
     done = run(
         [
@@ -455,8 +483,11 @@ def accuracy(page, build, out, quick):
     page.heading("What accuracy costs: every contact model, against the true force")
     page.picture(
         "accuracy_cup.svg",
-        "The cup touched at random places with every contact model, voxel size and weight. Truth: the penalty law integrated over the tool's "
-        "triangles. A missed contact counts as 180 deg off.",
+        (
+            "The cup touched at random places with every contact model, voxel size and weight."
+            " Truth: the penalty law integrated over the tool's triangles. A missed contact counts"
+            " as 180 deg off."
+        ),
     )
 
     def number(row, key, scale=1.0):
@@ -537,7 +568,8 @@ def main():
     a = parser.parse_args()
     if not (a.build / "bin/paper_experiments").exists():
         sys.exit(
-            f"{a.build}/bin/paper_experiments is not there: build first (deploy/build), or name the folder with --build."
+            f"{a.build}/bin/paper_experiments is not there: build first (deploy/build), or name the"
+            " folder with --build."
         )
     a.out.mkdir(parents=True, exist_ok=True)
     page, begin, spent = Page(a.out), time.monotonic(), []
@@ -554,7 +586,8 @@ def main():
     commit = commit_name()
     page.write(
         [
-            f"Made {time.strftime('%Y-%m-%d')} from commit {commit or 'unknown'} on {platform.machine()}, Python {platform.python_version()}"
+            f"Made {time.strftime('%Y-%m-%d')} from commit {commit or 'unknown'} on"
+            f" {platform.machine()}, Python {platform.python_version()}"
             + (", --quick" if a.quick else ""),
             "Time taken: " + ", ".join(spent),
             "Seeds are fixed: all figures but times come out the same again",

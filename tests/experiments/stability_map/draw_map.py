@@ -1,5 +1,7 @@
 #!/usr/bin/python3
-"""draw_map.py MAP.csv PICTURE: draws what `build/bin/stability_map --out MAP.csv` measured, in the style of deploy/tools/plot.py."""
+"""draw_map.py MAP.csv PICTURE: draws what `build/bin/stability_map --out MAP.csv` measured, in the
+style of deploy/tools/plot.py.
+"""
 import csv
 import math
 import pathlib
@@ -53,7 +55,9 @@ def draw_heat(axis, rows, model):
 
 
 def draw_largest(axis, rows, model):
-    """Largest and median share over the voxel's size, and the bound. Shares under the plane leave it at its lower edge."""
+    """Largest and median share over the voxel's size, and the bound. Shares under the plane leave
+    it at its lower edge.
+    """
     rows = [r for r in rows if r["model"] == model and r["mean_force_n"] > 0]
     sizes = sorted({r["radius_voxels"] for r in rows})
     x, of = [1 / s for s in sizes], {
@@ -88,19 +92,24 @@ def stability_figure(file):
             ]
     except (OSError, ValueError, TypeError) as error:
         sys.exit(
-            f"{file} could not be read ({error}); write it with: build/bin/stability_map --out {file}"
+            f"{file} could not be read ({error}); write it with: build/bin/stability_map --out"
+            f" {file}"
         )
     if not rows or "energy_share" not in rows[0]:
         sys.exit(
             f"{file} holds no stability map; write it with: build/bin/stability_map --out {file}"
         )
     note = (
-        f"A ball of radius R slides over a plane of voxels of edge e; the worst of several loops. Above: R = {SHOWN_RADIUS:g} e; below: all depths "
-        "and tilts.\n0.01: as much as a friction coefficient of 0.01 would take. Darkest: next to none, or energy taken; grey: no contact. A line that "
-        "leaves its plane below: less than 1e-11."
+        "A ball of radius R slides over a plane of voxels of edge e; the worst of several loops."
+        f" Above: R = {SHOWN_RADIUS:g} e; below: all depths and tilts.\n0.01: as much as a friction"
+        " coefficient of 0.01 would take. Darkest: next to none, or energy taken; grey: no"
+        " contact. A line that leaves its plane below: less than 1e-11."
     )
     worst = max(rows, key=lambda r: r["energy_share"] if r["mean_force_n"] > 0 else -1.0)
-    title = f"Sliding round a closed loop gives the hand at most {100 * worst['energy_share']:.2g} % of force × way ({worst['model']})"
+    title = (
+        f"Sliding round a closed loop gives the hand at most {100 * worst['energy_share']:.2g} % of"
+        f" force × way ({worst['model']})"
+    )
     figure, axes = new_figure(title, note, 2, len(BOUND), sharey="row")
     for column, model in enumerate(BOUND):
         image = draw_heat(axes[0][column], rows, model)

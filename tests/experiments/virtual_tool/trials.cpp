@@ -220,8 +220,7 @@ WallFigures walls(const WallOptions& o) {
          contact::VirtualTool({.points = shell.size(),
                                .edge_points = wall.edges.query.shell().size(),
                                .reach_m = 5.1 * e,
-                               .edge_m = e,
-                               .work = o.work})};
+                               .edge_m = e})};
   const contact::ToolGround ground =
       wall.edges.with({&wall.query, &wall.ground.field, Vec3::Zero()});
   const double k = kStiffness * 0.002 / e;
@@ -250,8 +249,7 @@ WallFigures walls(const WallOptions& o) {
             wall.tool.frame({{hand, orientation}, kPeriod, 0.0}, {&ground, 1});
         figures.depth_worst = std::max(figures.depth_worst, frame.worst_depth_m / e);
         queries += frame.queries, ++frames;
-        figures.queries_most = std::max(figures.queries_most, frame.queries),
-        figures.cut_short += frame.cut_short;
+        figures.queries_most = std::max(figures.queries_most, frame.queries);
         const double height = side * normal.dot(frame.tool.position);
         passed = passed || height < 4.0 * e;  // the ball's radius is 5 e
         return frame;

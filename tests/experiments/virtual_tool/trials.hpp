@@ -61,7 +61,6 @@ struct WallOptions {
   double phase_edges = 0.0;  ///< where the plate's middle lies in its voxel
   int tries = 5;
   std::vector<double> edges_per_frame = {0.02, 0.1, 0.5, 1.0, 2.0, 4.0};
-  contact::ToolWork work = {};  ///< that a frame may cost
   std::uint64_t seed = 1;
 };
 struct WallFigures {
@@ -70,7 +69,7 @@ struct WallFigures {
   double rest_median = 0.0, rest_95 = 0.0,
          rest_worst = 0.0;  ///< |F| from frame to frame, hand still [N]
   double queries_mean = 0.0;
-  int queries_most = 0, cut_short = 0;  ///< of a frame; frames that ended by their budget
+  int queries_most = 0;  ///< of a frame
   std::vector<std::string> lines;
 };
 WallFigures walls(const WallOptions& options);

@@ -51,7 +51,6 @@ struct Ring {
             [] {
               coupling::CouplingSpec spec;
               spec.kind = "shaping_filter", spec.cutoff_hz = 60;
-              spec.passivity_damping_limit_ns_per_m = 3;
               return spec;
             }(),
             {.max_force_n = kMaxN, .max_torque_nm = 0.5}, kPeriod) {}

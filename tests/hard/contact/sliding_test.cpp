@@ -8,6 +8,7 @@
 
 #include "core/coupling/passivity.hpp"
 #include "core/coupling/running_coupling.hpp"
+#include "core/rendering/series_spring.hpp"
 #include "tests/experiments/stability_map/sliding_loop.hpp"
 #include "tests/support/seed.hpp"
 #include "tests/unit/contact/field_scenes.hpp"
@@ -60,13 +61,12 @@ struct Slid {
 /// A hand that nothing moves slides round and round at `speed`, 1 kHz; the commands are what the
 /// observer books.
 Slid slide(const Bench& bench, contact::ContactModelKind model, double depth_voxels, double speed,
-           int rounds, double most_damping) {
+           int rounds) {
   constexpr double kPeriod = 1e-3, kRound = 3e-3;
   contact::ContactRenderer contact = bench.renderer(model);
   coupling::CouplingSpec spec;
   spec.kind = "direct";
   spec.velocity_filter_hz = 100.0;
-  spec.passivity_damping_limit_ns_per_m = most_damping;
   coupling::RunningCoupling coupling(spec, {.max_force_n = 1e4, .max_torque_nm = 1e3}, kPeriod,
                                      1e-3, {1e3, 1e3});
   Slid out;
@@ -99,45 +99,37 @@ Slid slide(const Bench& bench, contact::ContactModelKind model, double depth_vox
 
 TEST(F2SlidingOverVoxelBorders,
      StaysWithinWhatTheObserverIsPromisedFromACentimetreToThreeMetresASecond) {
-  double worst = 0.0, least = 0.0;
+  double least = 0.0;
   for (const double tilt : {0.0, 10.0}) {
     const Bench bench(5.0, tilt);
     for (const contact::ContactModelKind model : kModels)
       for (const double depth : {0.5, 1.5})
         for (const double speed : {0.01, 0.03, 0.1, 0.3, 1.0, 3.0}) {
           const int rounds = speed < 0.05 ? 3 : 20;
-          const Slid alone = slide(bench, model, depth, speed, rounds, 0.0);
+          const Slid alone = slide(bench, model, depth, speed, rounds);
           const double period_j = alone.largest_n * alone.longest_m, s = most_share(model, 5.0);
           const double voxel_j =
               alone.largest_n * bench.edge_m();  // given and taken back within one
           EXPECT_GE(alone.lowest_j, -5.0 * period_j - voxel_j - s * alone.mean_n * alone.way_m)
               << contact::name_of(model) << " depth " << depth << " tilt " << tilt << " at "
               << speed << " m/s";
-          // With the controller: where its damping takes more than sliding gives, twenty rounds
-          // cost no more than one.
-          const double damping = 4.0 * std::max(s, 0.5e-3) * alone.largest_n / speed;
-          const Slid braked = slide(bench, model, depth, speed, rounds, damping);
-          EXPECT_GE(braked.lowest_j, -5.0 * period_j - voxel_j)
-              << contact::name_of(model) << " depth " << depth << " tilt " << tilt << " at "
-              << speed << " m/s, " << damping << " Ns/m";
-          worst = std::max(worst, (-braked.lowest_j - 5.0 * period_j) / voxel_j);
           least = std::min(least, alone.lowest_j / (alone.mean_n * alone.way_m));
         }
   }
-  std::printf(
-      "most debt beyond five periods with the controller: %.2f F e; only observed: %.4f F L\n",
-      worst, -least);
+  std::printf("most debt: %.4f F L\n", -least);
 }
 
 /// A ball of five voxels and a ground with an axis along z, touched from outside or from within at
-/// `radius_m`; capped at 300 N/m as for a stylus.
+/// `radius_m`; behind a spring of 300 N/m as for a stylus.
 struct Round {
   static constexpr double kEdge = 2e-3, kBall = 0.01, kPeriod = 1e-3, kStep = 5e-5;
   Round(const mesh::TriangleMesh& mesh, double radius_m, contact::ContactModelKind model)
       : radius(radius_m),
         ground(mesh, kEdge),
         contact(ground.renderer(test::exact_shell(ball.mesh, kEdge), model)),
-        coupling(spec(), {.max_force_n = 1e4, .max_torque_nm = 1e3}, kPeriod, 0.0) {}
+        coupling(spec(), {.max_force_n = 1e4, .max_torque_nm = 1e3}, kPeriod, 0.0) {
+    series.aim_for({1.0 / 300.0, 0.0});
+  }
   static coupling::CouplingSpec spec() {
     coupling::CouplingSpec s;
     s.kind = "direct", s.stiffness_cap_n_per_m = 300.0;
@@ -155,23 +147,35 @@ struct Round {
                                      : radius + kBall - depth;  // the larger one is a hollow
       const Pose pose =
           ball.posed(Vec3(r * std::cos(angle), r * std::sin(angle), 0.4e-3), Quat::Identity());
-      const contact::StageResult result = contact.render(pose);
+      contact::StageResult result;
+      series.begin(pose, kPeriod);
+      do {
+        result = contact.render(series.tool()), ++lookups;
+      } while (series.settle(
+          {{result.contact.wrench.force, Vec3::Zero()}, translation_of(result.contact.stiffness)}));
+      ++frames;
       if (known)
         given_j += force.dot(pose.position - last),
             way_n_m += force.norm() * (pose.position - last).norm();
       coupling::CouplingInput in;
-      in.contact.force = result.contact.wrench.force;
-      in.contact_stiffness.topLeftCorner<3, 3>() = result.contact.stiffness.topLeftCorner<3, 3>();
-      in.contact_stiffness_n_per_m = result.contact.stiffness_bound_n_per_m;
-      in.contact_depth_m = result.contact.deepest_depth_m, in.depth_goes_on = result.retained,
-      in.tool = pose;
+      in.contact.force = series.wrench().force;
+      in.contact_stiffness =
+          rendering::in_series(translation_of(result.contact.stiffness), series.compliance());
+      in.contact_stiffness_n_per_m = 300.0, in.tool = pose;
       const coupling::CouplingOutput out = coupling.step(in, kPeriod);
       lowest_j = std::min(lowest_j, out.energy_j);
       force = out.wrench.force, last = pose.position, known = true;
       most_n = std::max(most_n, force.norm());
     }
   }
+  static Mat6 translation_of(const Mat6& stiffness) {
+    Mat6 out = Mat6::Zero();
+    out.topLeftCorner<3, 3>() = stiffness.topLeftCorner<3, 3>();
+    return out;
+  }
   double radius;
+  rendering::SeriesSpring series;
+  double lookups = 0.0, frames = 0.0;
   test::Ball ball{kBall, 3};
   test::Ground ground;
   contact::ContactRenderer contact;
@@ -181,9 +185,8 @@ struct Round {
   bool known = false;
 };
 
-/// What the cap gives beyond the scaled wrench is the hand's own work: pushed in, slid and pulled
-/// out, and in rounds that never leave the contact, the hand gets no more than sliding over voxels
-/// gives in any case.
+/// Pushed in, slid and pulled out, and in rounds that never leave the contact, the hand
+/// gets no more than sliding over voxels gives in any case.
 TEST(F2SlidingOverVoxelBorders, GivesNoMoreWhereTheForceIsHeldWhileTheHandGoesIn) {
   mesh::TriangleMesh hollow = test::joined(test::cylinder_mesh(0.05, 0.08, 192),
                                            test::inside_out(test::cylinder_mesh(0.04, 0.06, 192)));
@@ -209,7 +212,7 @@ TEST(F2SlidingOverVoxelBorders, GivesNoMoreWhereTheForceIsHeldWhileTheHandGoesIn
               within ? "hollow" : "cylinder", std::string(contact::name_of(model)).c_str(),
               1e3 * deep, leaves ? "pulled out" : "never out", round.most_n, round.given_j, share,
               round.lowest_j);
-          EXPECT_LE(share, coupling::kSlidingShare / 5.0) << contact::name_of(model);
+          EXPECT_LE(share, coupling::kSlidingShare / 4.0) << contact::name_of(model);
           EXPECT_GE(round.lowest_j, -5.0 * round.most_n * Round::kStep -
                                         round.most_n * Round::kEdge -
                                         coupling::kSlidingShare / 5.0 * round.way_n_m);

@@ -20,7 +20,7 @@ namespace {
 
 using test::box_mesh, test::inside_out, test::joined, test::sphere_mesh;
 
-// ----------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 // V1
 
 /// Voxels that a walk over faces reaches from outside without crossing a surface voxel, in a box of
@@ -158,7 +158,7 @@ TEST(V1PointOnAFace, EdgeOrCornerLiesInOneVoxelWhereverItStandsInTheShell) {
   }
 }
 
-// ----------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 // V2
 
 /// With 1000 triangles more, all on the surface: zero-area of four kinds, slivers 1e-12 m wide,
@@ -236,7 +236,7 @@ TEST(V2DegenerateTriangles, AThousandOfThemChangeNoVoxelNoPointAndNoForce) {
   EXPECT_EQ(said.duplicates.count + said.opposite_duplicates.count, found.duplicates);
 }
 
-// ----------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 // V3
 
 struct Defect {
@@ -441,7 +441,7 @@ TEST(V3OpenNonManifoldInverted, ToolWithACavityHasItsWallFaceTheCavity) {
   }
 }
 
-// ----------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 // V4
 
 TEST(V4OffsetOfAMillionMetres, ChangesTheForceByNoMoreThanThePositionsRounding) {
@@ -479,7 +479,7 @@ TEST(V4OffsetOfAMillionMetres, ChangesTheForceByNoMoreThanThePositionsRounding) 
     EXPECT_LE(off.metres[m], kFourUlps) << model_name(m);
 }
 
-// ----------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 // V6
 
 TEST(V6CellsWithoutNumber, AreRefusedWithASentenceBeforeAnyMemoryIsSpent) {
@@ -507,7 +507,7 @@ TEST(V6CellsWithoutNumber, AreRefusedWithASentenceBeforeAnyMemoryIsSpent) {
   refused([&] { pointshell::shell_points(mesh, grid, serial_for()); });
 }
 
-// ----------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 // V8
 
 TEST(V8VerticesThatAreNoNumbers, AreRefusedByIndexOrDoNoHarmInEveryCoordinate) {

@@ -34,7 +34,7 @@ TEST(H3Denormals, FromAMinuteAfterTheReleaseOnNoStepMeetsOneAndTheForceIsZero) {
       coupling::CouplingSpec spec;
       spec.kind = kind, spec.cutoff_hz = cutoff_hz, spec.damping_ratio = 1.0;
       spec.stiffness_cap_n_per_m = 800;
-      spec.injected_damping_ns_per_m = 5, spec.passivity_damping_limit_ns_per_m = 5;
+      spec.injected_damping_ns_per_m = 5;
       coupling::RunningCoupling coupling(spec, {3.3, 0.1}, kT);
       Vec3 at(0.001, 2e-4, 0);
       for (int n = 0; n < 1000; ++n)

@@ -75,7 +75,7 @@ TEST(HardCases, SteadyErrorDoesNotGrowOverTenMillionSteps) {
 // H3
 TEST(HardCases, AMinuteAfterReleaseTheForceIsZeroAndAStepCostsWhatItAlwaysCosts) {
   coupling::CouplingSpec spec = filter(5, 1);
-  spec.injected_damping_ns_per_m = 5, spec.passivity_damping_limit_ns_per_m = 5;
+  spec.injected_damping_ns_per_m = 5;
   coupling::RunningCoupling coupling(spec, {}, kT);
   coupling::CouplingInput in = push(3);
   const auto time_of = [&](bool contact) {  // the best of several: other processes run too
@@ -106,7 +106,7 @@ TEST(HardCases, NoSequenceOfPeriodsMakesTheForceLargerThanTwiceTheContact) {
   for (const double hz : {5.0, 50.0, 400.0})
     for (const double d : {0.577, 1.0, 3.0}) {
       coupling::CouplingSpec spec = filter(hz, d);
-      spec.stiffness_cap_n_per_m = 700, spec.passivity_damping_limit_ns_per_m = 3;
+      spec.stiffness_cap_n_per_m = 700;
       coupling::RunningCoupling coupling(spec, {}, kT);
       double peak = 0;
       for (int n = 0; n < 20'000; ++n) {
@@ -125,7 +125,7 @@ TEST(HardCases, NoSequenceOfPeriodsMakesTheForceLargerThanTwiceTheContact) {
 TEST(HardCases, APeakOfAHundredTimesTheLimitIsForgottenWithinSixFilterTimes) {
   for (const char* kind : {"shaping_filter", "spring_damper", "direct"}) {
     coupling::CouplingSpec spec = filter(5, 1);
-    spec.kind = kind, spec.injected_damping_ns_per_m = 5, spec.passivity_damping_limit_ns_per_m = 5;
+    spec.kind = kind, spec.injected_damping_ns_per_m = 5;
     coupling::RunningCoupling coupling(spec, {3.3, 0.1}, kT);
     coupling.step({}, kT);
     for (int n = 0; n < 300; ++n)
@@ -165,7 +165,7 @@ TEST(HardCases, AStartOrAResetInContactBeginsAtTheForceThatIsHeld) {
 // L1
 TEST(HardCases, AStiffnessThatDoublesUnderPressureGivesNoEnergyBeyondItsRamp) {
   coupling::CouplingSpec spec = filter(50, 0.707);
-  spec.stiffness_cap_n_per_m = 400, spec.passivity_damping_limit_ns_per_m = 5;
+  spec.stiffness_cap_n_per_m = 400;
   coupling::RunningCoupling coupling(spec, {20, 0}, kT);
   coupling::LoopDevice device;
   device.mass_kg = 0.15, device.damping_ns_per_m = 0.05, device.push = Vec3(-2, 0, 0),

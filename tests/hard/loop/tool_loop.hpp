@@ -4,7 +4,7 @@
 #include <fstream>
 
 #include "core/scene/scene_file.hpp"
-#include "tests/experiments/long_runs/loop_rig.hpp"
+#include "tests/support/loop_rig/loop_rig.hpp"
 #include "tests/support/process/process.hpp"
 
 namespace voxtouch::test {

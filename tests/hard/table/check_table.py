@@ -1,9 +1,10 @@
-"""The table of hard cases, and other READMEs, name tests: each must exist, as a case of a test program or as a test of ctest.
+"""The table of hard cases, and other READMEs, name tests: each must exist, as a case of a test
+program or as a test of ctest.
 
 usage: check_table.py tests/hard/README.md BUILD_FOLDER [README.md ...]
 
-Every row of the first file's table must name a test; of the other files every name of a test in backticks is looked up.
-"""
+Every row of the first file's table must name a test; of the other files every name of a test in
+backticks is looked up. """
 import fnmatch
 import pathlib
 import re
@@ -12,7 +13,8 @@ import sys
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "tests/runner"))
 import run_tests
 
-# Commands and pictures are named there too: a test is Suite.Name, a program's name does not begin with a capital.
+# Commands and pictures are named there too: a test is Suite.Name, a program's name does not begin
+# with a capital.
 NAME = r"`([A-Z][\w/]*\.[A-Z*][\w*]*)`"
 
 
@@ -44,7 +46,8 @@ def main(readme_file, build, *others):
             if not any(fnmatch.fnmatchcase(test, form) for test in known for form in forms):
                 wrong.append(f"'{case}' names '{name}', which no test program has.")
     print(
-        f"{len(table)} rows, {sum(len(names) for _, names in table)} names, {len(known)} tests known"
+        f"{len(table)} rows, {sum(len(names) for _, names in table)} names, {len(known)} tests"
+        " known"
     )
     print("\n".join(wrong))
     return 1 if wrong or len(table) < 38 else 0

@@ -1,4 +1,5 @@
-"""rosbags and mcap, of PyPI, read every message of bags in both storages, whole, split and killed, without a workspace and without our code.
+"""rosbags and mcap, of PyPI, read every message of bags in both storages, whole, split and killed,
+without a workspace and without our code.
 
 usage: judges.py MAKE_BAG
 """

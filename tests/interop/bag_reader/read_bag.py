@@ -16,7 +16,9 @@ FOREVER = {"sec": 9223372036, "nsec": 854775807}
 
 
 def tiny_yaml(text):
-    """Block maps, block lists, and scalars: all that metadata version 5 uses. For machines without PyYAML."""
+    """Block maps, block lists, and scalars: all that metadata version 5 uses. For machines without
+    PyYAML.
+    """
     rows = [
         (len(line) - len(line.lstrip()), line.strip()) for line in text.splitlines() if line.strip()
     ]

@@ -1,10 +1,11 @@
-"""Bags of `voxtouch up`: rosbags, mcap and our own reader open each of them, and each run is replayed: in lockstep, and in real time where nothing was lost,
-to the bit.
+"""Bags of `voxtouch up`: rosbags, mcap and our own reader open each of them, and each run is
+replayed: in lockstep, and in real time where nothing was lost, to the bit.
 
 usage: up_bags.py BIN DEPLOY [RINGS] [SECONDS]
-Plays RINGS rings (6), each of SECONDS (2) of the device's time, in turns of scene, storage and splitting, every sixth in lockstep, and kills the logger of
-every fifth. Prints a line a ring and what came of all. Exit status 1: a reader could not read a bag, read another number of messages than another one, or a
-replay differed where nothing is said to be missing.
+Plays RINGS rings (6), each of SECONDS (2) of the device's time, in turns of scene, storage and
+splitting, every sixth in lockstep, and kills the logger of every fifth. Prints a line a ring and
+what came of all. Exit status 1: a reader could not read a bag, read another number of messages than
+another one, or a replay differed where nothing is said to be missing.
 """
 import collections
 import json
@@ -28,12 +29,8 @@ SCENES = (
     ("block", "fall"),
     ("cup_viscosity", "slide"),
 )
-FORMATS = (
-    ("--record-format", "mcap"),
-    (),
-    ("--record-format", "mcap", "--record-split-s", "0.7"),
-    ("--record-split-s", "0.7"),
-)
+SQLITE3 = ("--record-format", "sqlite3")
+FORMATS = ((), SQLITE3, ("--record-split-s", "0.7"), (*SQLITE3, "--record-split-s", "0.7"))
 IDL = pathlib.Path(__file__).resolve().parents[3] / "idl"
 
 
@@ -48,7 +45,9 @@ def types_of_idl():
 
 
 def by_rosbags(bag, is_mcap):
-    """How many messages of each topic, every one of them decoded; of an MCAP by the definitions that stand in it."""
+    """How many messages of each topic, every one of them decoded; of an MCAP by the definitions
+    that stand in it.
+    """
     store = get_typestore(Stores.ROS2_HUMBLE)
     with Reader(bag) as reader:
         types = {}
@@ -119,7 +118,9 @@ def play(bin_folder, deploy, bag, turn, seconds):
     return (
         lockstep,
         killed,
-        f"{scene}, {' '.join(more) or 'sqlite3'}{', lockstep' if lockstep else ''}{', logger killed' if killed else ''}",
+        f"{scene}, {' '.join(more) or 'mcap'}"
+        + (", lockstep" if lockstep else "")
+        + (", logger killed" if killed else ""),
     )
 
 
@@ -165,14 +166,16 @@ def judge(bin_folder, bag, is_mcap, lockstep, killed):
     status, told = replayed(bin_folder, bag)
     if "samples" not in told:
         return "refused", faults + [f"replay: {told.get('error')}"]
-    # rosbags opens sqlite3 as a file that nobody writes, and so leaves out the write-ahead log that a kill leaves beside it.
+    # rosbags opens sqlite3 as a file that nobody writes, and so leaves out the write-ahead log that
+    # a kill leaves beside it.
     without_log = killed and not is_mcap and 0 < counts[STATE] < told["samples"]
     doubled = any("bear a number that was there before" in note for note in told["notes"])
     if told["samples"] != counts[STATE] and not doubled and not without_log:
         faults.append(f"our reader reads {told['samples']} device samples, rosbags {counts[STATE]}")
     if without_log:
         print(
-            f"    rosbags reads {counts[STATE]} of {told['samples']} device samples: the rest is in the write-ahead log"
+            f"    rosbags reads {counts[STATE]} of {told['samples']} device samples: the rest is in"
+            " the write-ahead log"
         )
     if status == 0 and told["ok"] and not told["missing"]:
         return "equal", faults

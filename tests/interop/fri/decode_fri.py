@@ -1,10 +1,14 @@
 #!/usr/bin/env python3
 """Reads FRI 1.0 packets without any code of the driver: the offsets below are written out by hand.
 
-usage: decode_fri.py FILE...            a packet a line, as JSON; FILE is a pcap (link type RAW) or packets one after the other
-       decode_fri.py --brief FILE...    sequence, state, quality, request, positions and torques only
-       decode_fri.py --check-fields FILE  every field holds the values that field_values() gives for its name
-       decode_fri.py --make-golden DIR  writes measurement.bin and command.bin, filled by field_values()
+usage: decode_fri.py FILE...            a packet a line, as JSON; FILE is a pcap (link type RAW) or
+                                        packets one after the other
+       decode_fri.py --brief FILE...    sequence, state, quality, request, positions and torques
+                                        only
+       decode_fri.py --check-fields FILE  every field holds the values that field_values() gives for
+                                          its name
+       decode_fri.py --make-golden DIR  writes measurement.bin and command.bin, filled by
+                                        field_values()
 Exit code 1: a file could not be read or a check failed.
 """
 import json
@@ -139,7 +143,9 @@ def datagrams(data):
 
 
 def field_values(kind, name, code, count):
-    """Values that tell every field from every other: a number from its name, plus an eighth an element."""
+    """Values that tell every field from every other: a number from its name, plus an eighth an
+    element.
+    """
     fixed = {
         "packetSize": {"MSR": 916, "CMD": 376},
         "datagramId": {"MSR": 0x2006, "CMD": 0x1005},
@@ -182,12 +188,15 @@ def brief(packet):
     head = f"{packet['kind']} seq {packet['sendSeqCount']:5} refl {packet['reflSeqCount']:5}"
     if packet["kind"] == "MSR":
         return (
-            f"{head} t {packet['timestamp']:9.4f} {STATES.get(packet['state'], '?')} {QUALITIES.get(packet['quality'], '?'):12}"
-            f" power {packet['power']:02x} error {packet['error']:02x} echo {packet['krlInt'][1]:2} q {numbers(packet['msrJntPos'])}"
+            f"{head} t {packet['timestamp']:9.4f} {STATES.get(packet['state'], '?')}"
+            f" {QUALITIES.get(packet['quality'], '?'):12} power"
+            f" {packet['power']:02x} error {packet['error']:02x} echo {packet['krlInt'][1]:2} q"
+            f" {numbers(packet['msrJntPos'])}"
         )
     return (
-        f"{head} strategy {packet['krlInt'][0]} run {packet['krlInt'][1]} flags {packet['cmdFlags']:04x}"
-        f" q {numbers(packet['jntPos'])} tau {numbers(packet['addJntTrq'])}"
+        f"{head} strategy {packet['krlInt'][0]} run {packet['krlInt'][1]} flags"
+        f" {packet['cmdFlags']:04x} q {numbers(packet['jntPos'])} tau"
+        f" {numbers(packet['addJntTrq'])}"
     )
 
 

@@ -1,6 +1,8 @@
-"""The RIHS01 hash of each of our types, computed once more from its .msg or .srv by PyPI's rosbags, which shares no code with us.
+"""The RIHS01 hash of each of our types, computed once more from its .msg or .srv by PyPI's rosbags,
+which shares no code with us.
 
-usage: hashes_test.py HEADERS; the folder with messages.hpp and services.hpp, where the hashes stand that endpoints announce.
+usage: hashes_test.py HEADERS; the folder with messages.hpp and services.hpp, where the hashes stand
+       that endpoints announce.
 """
 import pathlib
 import re
@@ -12,7 +14,9 @@ HEADERS, IDL = pathlib.Path(sys.argv[1]), pathlib.Path(__file__).resolve().paren
 
 
 def words_of(file):
-    """rosbags gives a `char` an id of its own. ROS takes it for a uint8: the hash that it publishes of ServiceEventInfo, which has one, says so (qos_test)."""
+    """rosbags gives a `char` an id of its own. ROS takes it for a uint8: the hash that it publishes
+    of ServiceEventInfo, which has one, says so (qos_test).
+    """
     return re.sub(r"^char\b", "uint8", file.read_text(), flags=re.MULTILINE)
 
 
@@ -23,20 +27,30 @@ def announced():
 
 
 def renamed(tree, names):
-    """A parsed type, with the names of services where rosbags, which knows messages alone, has those of messages."""
+    """A parsed type, with the names of services where rosbags, which knows messages alone, has
+    those of messages.
+    """
     if isinstance(tree, (tuple, list)):
         return type(tree)(renamed(part, names) for part in tree)
     return names.get(tree, tree) if isinstance(tree, str) else tree
 
 
 def service_types(package, name, text):
-    """What ROS describes a service by: its request, its response, the event of both, and all three together."""
+    """What ROS describes a service by: its request, its response, the event of both, and all three
+    together.
+    """
     request, response = re.split(r"^---$", text, flags=re.MULTILINE)
     parts = {
         f"{name}_Request": request,
         f"{name}_Response": response,
-        f"{name}_Event": f"service_msgs/ServiceEventInfo info\n{package}/{name}_Request[<=1] request\n{package}/{name}_Response[<=1] response\n",
-        name: f"{package}/{name}_Request request_message\n{package}/{name}_Response response_message\n{package}/{name}_Event event_message\n",
+        f"{name}_Event": (
+            f"service_msgs/ServiceEventInfo info\n{package}/{name}_Request[<=1]"
+            f" request\n{package}/{name}_Response[<=1] response\n"
+        ),
+        name: (
+            f"{package}/{name}_Request request_message\n{package}/{name}_Response"
+            f" response_message\n{package}/{name}_Event event_message\n"
+        ),
     }
     names = {f"{package}/msg/{part}": f"{package}/srv/{part}" for part in parts}
     return {
@@ -70,7 +84,8 @@ def main():
             "\n".join([*wrong, f"only announced or only a file: {sorted(set(ours) ^ set(names))}"])
         )
     print(
-        f"{len(names)} types have the hashes that rosbags computes, {sum('/srv/' in name for name in names)} of them services"
+        f"{len(names)} types have the hashes that rosbags computes,"
+        f" {sum('/srv/' in name for name in names)} of them services"
     )
 
 

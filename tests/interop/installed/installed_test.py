@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""An installation alone: what it holds names no folder it was built in, its programs run from any folder, a program of somebody else's is
-built against it, and its bag goes to the user's data folder.
+"""An installation alone: what it holds names no folder it was built in, its programs run from any
+folder, a program of somebody else's is built against it, and its bag goes to the user's data
+folder.
 
 usage: installed_test.py BUILD CMAKE
 """
@@ -81,7 +82,9 @@ class Installed(unittest.TestCase):
         self.assertTrue(summary["ok"])
         self.assertEqual(list(self.elsewhere.iterdir()), [])
         bags = list((self.at / "home/.local/share/voxtouch/recordings").iterdir())
-        self.assertEqual([re.sub(r"\d", "0", bag.name) for bag in bags], ["cup-00000000-000000"])
+        self.assertEqual(
+            [re.sub(r"\d", "0", bag.name) for bag in bags], ["cup-00000000-000000-domain00"]
+        )
 
     def test_says_where_it_cannot_record(self):
         if os.geteuid() == 0:

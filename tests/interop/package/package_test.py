@@ -1,4 +1,5 @@
-"""deploy/python, installed by pip: bits of probe and build against the command line's, bags of both storages, topics and examples against a ring.
+"""deploy/python, installed by pip: bits of probe and build against the command line's, bags of both
+storages, topics and examples against a ring.
 
 usage: package_test.py ROOT BUILD MAKE_BAG [arguments of unittest]
 """
@@ -216,18 +217,11 @@ class Computes(unittest.TestCase):
 
 class Bags(unittest.TestCase):
     def test_both_storages_give_the_same_arrays(self):
-        first = voxtouch.open_bag(record("sqlite", "--lockstep", "--duration", "2"))
+        first = voxtouch.open_bag(
+            record("sqlite", "--lockstep", "--duration", "2", "--record-format", "sqlite3")
+        )
         second = voxtouch.open_bag(
-            record(
-                "mcap",
-                "--lockstep",
-                "--duration",
-                "2",
-                "--record-format",
-                "mcap",
-                "--record-split-s",
-                "0.8",
-            )
+            record("mcap", "--lockstep", "--duration", "2", "--record-split-s", "0.8")
         )
         self.assertEqual(sorted(first), sorted(second))
         self.assertEqual(first.types, second.types)
@@ -296,8 +290,6 @@ def start_ring(bag, domain, log, scene="cup_friction", motion="slide"):
             "--no-report",
             "--record",
             bag,
-            "--record-format",
-            "mcap",
             "--domain",
             str(domain),
         ],
@@ -416,7 +408,9 @@ class Ring(unittest.TestCase):
         self.assertGreater((FOLDER / "live.svg").stat().st_size, 5000)
 
     def test_a_bag_that_is_played_into_it_is_not_felt(self):
-        """Every topic of a bag of another session, a change of an effect among them, each message in its order, for two seconds."""
+        """Every topic of a bag of another session, a change of an effect among them, each message
+        in its order, for two seconds.
+        """
         from voxtouch.types import TOPICS, join
         from voxtouch.types.voxtouch_msgs import EffectChanged
 
@@ -440,13 +434,15 @@ class Ring(unittest.TestCase):
             if topic in by_name
         }
         self.assertTrue(set(STREAMS) <= set(played))
-        # The recorder may have known `voxtouch change` too late to hear it ask; the rendering's record of the change says the same.
+        # The recorder may have known `voxtouch change` too late to hear it ask; the rendering's
+        # record of the change says the same.
         played["/haptic/rendering/change"] = (
             played["/haptic/rendering/change"][0],
             played["/haptic/rendering/made"][1],
         )
         self.assertEqual(len(played["/haptic/rendering/change"][1]), 1)
-        # What is written before the rendering knows the writer is answered by nobody, and on a busy machine that may take longer than it is played.
+        # What is written before the rendering knows the writer is answered by nobody, and on a busy
+        # machine that may take longer than it is played.
         until = time.monotonic() + 20
         while (
             len(played["/haptic/rendering/change"][0].get_matched_subscriptions()) < 2

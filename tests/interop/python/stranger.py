@@ -1,8 +1,9 @@
-"""A process of PyPI's cyclonedds in the ring's domain: reads and writes every topic of voxtouch's table, prints what it saw as JSON.
+"""A process of PyPI's cyclonedds in the ring's domain: reads and writes every topic of voxtouch's
+table, prints what it saw as JSON.
 
 usage: stranger.py FOLDER_OF_VOXTOUCH_TYPES DOMAIN ours|foreign
-ours: with the types that `voxtouch types` wrote; it writes what it read last. foreign: with types of the same names that hold arrays and nothing of ours.
-"""
+ours: with the types that `voxtouch types` wrote; it writes what it read last. foreign: with types
+of the same names that hold arrays and nothing of ours. """
 import dataclasses
 import json
 import math
@@ -77,7 +78,9 @@ def facts(path, samples):
 
 
 def typed_endpoints(participant, own):
-    """[topic, whether it carries type information] of every endpoint of other participants on a topic of the table."""
+    """[topic, whether it carries type information] of every endpoint of other participants on a
+    topic of the table.
+    """
     names = {row.dds_name() for row in TOPICS.values()}
     found = []
     for kind in (BuiltinTopicDcpsPublication, BuiltinTopicDcpsSubscription):

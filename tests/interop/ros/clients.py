@@ -1,10 +1,13 @@
-"""Every client that can be had here, with its default settings, at one ring: standard topics, the loop's topics at 1 kHz, changes of an effect.
+"""Every client that can be had here, with its default settings, at one ring: standard topics, the
+loop's topics at 1 kHz, changes of an effect.
 
-usage: clients.py VOXTOUCH CYCLONE_CLIENT FAST_CLIENT|none PYTHON_WITH_CYCLONEDDS ROS2_CLIENT [TABLE]
-Prints a table, and writes it to TABLE as Markdown. ROS2_CLIENT is built by deploy/interop; where it is not there, the test says so. Lost samples and
-times are of the machine as it was. Beside other programs that take the processors a client of ordinary priority stands still, and how much it loses then
-says nothing of it: what a client must hold is judged where others took little, and told with their share otherwise.
-Exit status 77, with a sentence: this machine allows no network namespaces.
+usage: clients.py VOXTOUCH CYCLONE_CLIENT FAST_CLIENT|none PYTHON_WITH_CYCLONEDDS ROS2_CLIENT
+       [TABLE]
+Prints a table, and writes it to TABLE as Markdown. ROS2_CLIENT is built by deploy/interop; where it
+is not there, the test says so. Lost samples and times are of the machine as it was. Beside other
+programs that take the processors a client of ordinary priority stands still, and how much it loses
+then says nothing of it: what a client must hold is judged where others took little, and told with
+their share otherwise. Exit status 77, with a sentence: this machine allows no network namespaces.
 """
 import os
 import pathlib
@@ -70,7 +73,10 @@ def row_of(name, answer, way, others):
         most = MOST_LOST * (received + lost) if others < QUIET else received
         expect(
             received > 1000 and lost <= most,
-            f"{name} gets {received} of {topic} and misses {lost}; others took {100 * others:.0f} % of the processors",
+            (
+                f"{name} gets {received} of {topic} and misses {lost}; others took"
+                f" {100 * others:.0f} % of the processors"
+            ),
         )
     answers = answer["answers_ms"]
     expect(
@@ -83,7 +89,10 @@ def row_of(name, answer, way, others):
     late = sum(ms > ANSWERED_MS for ms in answers)
     expect(
         others >= QUIET or late <= len(answers) / 20,
-        f"{name}: {late} of {len(answers)} changes are answered after more than {ANSWERED_MS:.0f} ms",
+        (
+            f"{name}: {late} of {len(answers)} changes are answered after more than"
+            f" {ANSWERED_MS:.0f} ms"
+        ),
     )
     losses = ", ".join(f"{lost} of {received + lost}" for received, lost in streams)
     return [
@@ -105,11 +114,13 @@ def table(rows):
 
 
 def own_gaps(summary):
-    """A sample that the ring itself has not answered has no ContactState and no ForceCommand that a client could lose."""
+    """A sample that the ring itself has not answered has no ContactState and no ForceCommand that a
+    client could lose.
+    """
     share = 1.0 - summary["limits"]["answered_share"]["value"]
     return (
-        f"From its first answer on the ring itself left {100 * share:.2f} % of its samples without one: their ContactState and ForceCommand were never written, and "
-        "count as lost above.\n"
+        f"From its first answer on the ring itself left {100 * share:.2f} % of its samples without"
+        " one: their ContactState and ForceCommand were never written, and count as lost above.\n"
     )
 
 
@@ -118,7 +129,8 @@ def main():
     enter_own_network()
     if not pathlib.Path(rust).exists():
         print(
-            "ros2-client is not built, and left out: deploy/interop builds it where cargo and crates can be had"
+            "ros2-client is not built, and left out: deploy/interop builds it where cargo and"
+            " crates can be had"
         )
         rust = None
     if rust:  # it has no list of peers and hears multicast alone

@@ -1,7 +1,8 @@
-"""A process of PyPI's cyclonedds 11 with the settings that it is given: which topics of ROS it finds, what it gets of the ring, and how soon a
-change of an effect is answered.
+"""A process of PyPI's cyclonedds 11 with the settings that it is given: which topics of ROS it
+finds, what it gets of the ring, and how soon a change of an effect is answered.
 
-usage: pypi_client.py FOLDER_OF_VOXTOUCH_TYPES DOMAIN SETTINGS SECONDS [CHANGES]; settings may be empty. Prints one JSON object.
+usage: pypi_client.py FOLDER_OF_VOXTOUCH_TYPES DOMAIN SETTINGS SECONDS [CHANGES]; settings may be
+       empty. Prints one JSON object.
 """
 import json
 import pathlib

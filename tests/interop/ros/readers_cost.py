@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
-"""What readers cost the ring: its p50 and p99 without and with processes beside it that read all of its 1 kHz topics and all standard ones, in turns.
+"""What readers cost the ring: its p50 and p99 without and with processes beside it that read all of
+its 1 kHz topics and all standard ones, in turns.
 
-    deploy/build voxtouch_cyclone_client && tests/interop/ros/readers_cost.py --build build      # six readers, eight turns: 3 minutes
+    deploy/build voxtouch_cyclone_client && tests/interop/ros/readers_cost.py --build build      #
+    six readers, eight turns: 3 minutes
 
-The wish is p99 with six readers of at most 1.05 times that without. Told, not judged: the machine decides, so let it be quiet. Each reader is a process
-of Debian's Cyclone DDS that looks 200 times a second.
-"""
+The wish is p99 with six readers of at most 1.05 times that without. Told, not judged: the machine
+decides, so let it be quiet. Each reader is a process of Debian's Cyclone DDS that looks 200 times a
+second. """
 import argparse
 import contextlib
 import pathlib
@@ -59,8 +61,9 @@ def main():
         )
         ratios = sorted(w[n] / a[n] for a, w in zip(rounds["alone"], rounds["with readers"]))
         print(
-            f"figure: {name}: {alone:.0f} us alone, {beside:.0f} us with {ask.readers} readers: {beside / alone:.2f} times; "
-            f"by turns {ratios[0]:.2f} to {ratios[-1]:.2f}, median {statistics.median(ratios):.2f}"
+            f"figure: {name}: {alone:.0f} us alone, {beside:.0f} us with {ask.readers} readers:"
+            f" {beside / alone:.2f} times; by turns {ratios[0]:.2f} to {ratios[-1]:.2f}, median"
+            f" {statistics.median(ratios):.2f}"
         )
 
 

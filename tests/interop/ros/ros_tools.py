@@ -1,12 +1,13 @@
-"""What ROS 2 tools find of a ring that runs with its default settings, in network namespaces of the test's own.
+"""What ROS 2 tools find of a ring that runs with its default settings, in network namespaces of the
+test's own.
 
 usage: ros_tools.py CASE VOXTOUCH CYCLONE_CLIENT FAST_CLIENT|none PYTHON_WITH_CYCLONEDDS
-found: every set-up of rmw_cyclonedds and rmw_fastrtps finds every topic and gets the device's samples; another host finds and sends nothing.
-graph_iron, graph_humble: nodes, endpoints and type hashes, read as rmw_dds_common writes them.
-doctor: what `voxtouch doctor` says of cards and of a Humble tool, and the environment that it prints.
-peers: nodes on two hosts without multicast meet by --discovery-peer, and with CYCLONEDDS_URI the rest of the settings holds.
-Exit status 77, with a sentence: this machine allows no network namespaces.
-"""
+found: every set-up of rmw_cyclonedds and rmw_fastrtps finds every topic and gets the device's
+samples; another host finds and sends nothing. graph_iron, graph_humble: nodes, endpoints and type
+hashes, read as rmw_dds_common writes them. doctor: what `voxtouch doctor` says of cards and of a
+Humble tool, and the environment that it prints. peers: nodes on two hosts without multicast meet by
+--discovery-peer, and with CYCLONEDDS_URI the rest of the settings holds. Exit status 77, with a
+sentence: this machine allows no network namespaces. """
 import json
 import os
 import pathlib
@@ -17,16 +18,21 @@ import sys
 import tempfile
 import time
 
-NODES = ["coupling", "device", "rendering", "up", "validator"]
+NODES = ["coupling", "device", "rendering", "validator"]
 AUTO = (
     "<ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>32</MaxAutoParticipantIndex>"
 )
 CYCLONE = {  # what rmw_cyclonedds hands to Cyclone DDS
     "Humble": "",
-    "Humble, ROS_LOCALHOST_ONLY=1": '<CycloneDDS><Domain><General><Interfaces><NetworkInterface address="127.0.0.1"/></Interfaces></General></Domain></CycloneDDS>',
+    "Humble, ROS_LOCALHOST_ONLY=1": (
+        "<CycloneDDS><Domain><General><Interfaces><NetworkInterface"
+        ' address="127.0.0.1"/></Interfaces></General></Domain></CycloneDDS>'
+    ),
     "Jazzy (SUBNET)": f"<CycloneDDS><Domain><Discovery>{AUTO}</Discovery></Domain></CycloneDDS>",
-    "Jazzy, LOCALHOST": "<CycloneDDS><Domain><General><AllowMulticast>false</AllowMulticast></General>"
-    f'<Discovery>{AUTO}<Peers><Peer address="localhost"/></Peers></Discovery></Domain></CycloneDDS>',
+    "Jazzy, LOCALHOST": (
+        f"<CycloneDDS><Domain><General><AllowMulticast>false</AllowMulticast></General><Discovery>{AUTO}<Peers><Peer"
+        ' address="localhost"/></Peers></Discovery></Domain></CycloneDDS>'
+    ),
 }
 FAST = {
     "Humble and Jazzy (SUBNET)": "default",
@@ -174,8 +180,11 @@ def found(voxtouch, cyclone, fast, python):
                     python,
                     "-B",
                     "-c",
-                    "import json, sys; sys.path.insert(0, sys.argv[1]); from voxtouch_types import TOPICS;"
-                    "print(json.dumps([row.dds_name() for row in TOPICS.values()]))",
+                    (
+                        "import json, sys; sys.path.insert(0, sys.argv[1]); from voxtouch_types"
+                        " import TOPICS;print(json.dumps([row.dds_name() for row in"
+                        " TOPICS.values()]))"
+                    ),
                     clients.types.name,
                 ],
                 stdout=subprocess.PIPE,
@@ -185,6 +194,7 @@ def found(voxtouch, cyclone, fast, python):
     )
     expected = own - {
         "rt/haptic/recover",
+        "rt/haptic/rendering/change",
         "rt/clock",
         "rt/joint_states",
         "rt/robot_description",
@@ -198,7 +208,10 @@ def found(voxtouch, cyclone, fast, python):
         answer = ask(command)
         rate = answer["samples"] / (seconds - answer["first_s"]) if answer["samples"] else 0.0
         print(
-            f"{name:48} {len(topics_of(answer) & expected)} of {len(expected)} topics, {rate:.0f} Hz after {answer['first_s']:.2f} s",
+            (
+                f"{name:48} {len(topics_of(answer) & expected)} of {len(expected)} topics,"
+                f" {rate:.0f} Hz after {answer['first_s']:.2f} s"
+            ),
             flush=True,
         )
         expect(
@@ -228,7 +241,8 @@ import socket, time
 heard, end = 0, time.monotonic() + 1.5
 with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as group:
     group.bind(("", 7400))
-    group.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, socket.inet_aton("239.255.0.1") + socket.inet_aton("10.77.0.2"))
+    membership = socket.inet_aton("239.255.0.1") + socket.inet_aton("10.77.0.2")
+    group.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, membership)
     group.settimeout(0.1)
     while time.monotonic() < end:
         try:
@@ -240,7 +254,9 @@ print(heard)
 
 
 class Cdr:
-    """Little-endian CDR, as far as ParticipantEntitiesInfo goes. Offsets count from behind the encapsulation header."""
+    """Little-endian CDR, as far as ParticipantEntitiesInfo goes. Offsets count from behind the
+    encapsulation header.
+    """
 
     def __init__(self, data):
         assert data[:2] == b"\x00\x01", data[:4]
@@ -269,7 +285,9 @@ class Cdr:
 
 
 def participant_info(data, size):
-    """rmw_dds_common/msg/ParticipantEntitiesInfo: (participant, [(namespace, name, readers, writers)])."""
+    """rmw_dds_common/msg/ParticipantEntitiesInfo: (participant, [(namespace, name, readers,
+    writers)]).
+    """
     cdr = Cdr(data)
     info = cdr.gid(size), [
         (cdr.text(), cdr.text(), cdr.gids(size), cdr.gids(size)) for _ in range(cdr.number())
@@ -284,6 +302,9 @@ def key_value(user_data, key):
     return pairs.get(key)
 
 
+GRAPH_HASH = (  # as ros2 topic info -v prints it
+    "RIHS01_91a0593bacdcc50ea9bdcf849a938b128412cc1ea821245c663bcd26f83c295e"
+)
 HASHES = {  # as ROS 2 publishes them
     "rt/haptic/pose": "RIHS01_10f3786d7d40fd2b54367835614bff85d4ad3b5dab62bf8bca0cc232d73b4cd8",
     "rt/haptic/wrench": "RIHS01_8dc3deaf06b2ab281f9f9a742a8961c328ca7cec16e3fd6586d3a5c83fa78f77",
@@ -361,6 +382,24 @@ def graph(voxtouch, fast, distribution, gid_size):
     ours = {
         participant[:24] for participant in newest
     }  # of a GUID; the client sees its own reader too
+    graph_writers = [
+        e
+        for e in answer["endpoints"]
+        if e[0] == "ros_discovery_info" and e[3] and e[1][:24] in ours
+    ]
+    expect(len(graph_writers) == len(newest), f"{len(graph_writers)} writers of the graph")
+    for (
+        _,
+        guid,
+        user_data,
+        _,
+    ) in (
+        graph_writers
+    ):  # rmw_cyclonedds of Iron and later warns of a writer without it; Humble has none
+        expect(
+            key_value(user_data, "typehash") == (GRAPH_HASH if distribution != "humble" else None),
+            f"type hash of {guid}: '{user_data}'",
+        )
     announced = [
         e
         for e in answer["endpoints"]
@@ -413,7 +452,9 @@ def doctor(voxtouch, cyclone, fast):
     expect(
         status == 0 and text.count("is up, and multicast works") == 2, f"two cards are well: {text}"
     )
-    expect(f"{len(NODES)} participants of ROS 2 or voxtouch" in text, f"the nodes are seen: {text}")
+    expect(
+        f"{len(NODES) + 1} participants of ROS 2 or voxtouch" in text, f"the nodes are seen: {text}"
+    )
     if tool:  # it reads the graph without a type's hash, as Humble does
         expect("--ros humble" in text, f"a Humble is seen: {text}")
         tool.wait()
@@ -447,12 +488,14 @@ def doctor(voxtouch, cyclone, fast):
 
 
 def heard_from(other, voxtouch, *arguments):
-    """Whether `voxtouch status` on the other host hears all nodes over its card; None if it hears nobody."""
+    """Whether `voxtouch status` on the other host hears all nodes over its card; None if it hears
+    nobody.
+    """
     command = [voxtouch, "status", "--json", "--domain", DOMAIN, "--interface", "far0", *arguments]
     end = subprocess.run(other.inside(*command), stdout=subprocess.PIPE, text=True, check=False)
     rigs = json.loads(end.stdout)["rigs"]
     heard = {node["node"] for nodes in rigs.values() for node in nodes}
-    return heard == set(NODES) - {"up"} if heard else None
+    return heard == set(NODES) if heard else None
 
 
 def expect_settings_under_those_of_the_environment(voxtouch):

@@ -1,7 +1,8 @@
-"""A reader as RViz or rclpy make it by default: reliable, volatile, keep last 10; /tf_static transient local. Lease and buffers as Cyclone DDS has them.
+"""A reader as RViz or rclpy make it by default: reliable, volatile, keep last 10; /tf_static
+transient local. Lease and buffers as Cyclone DDS has them.
 
-As a program (looker.py FOLDER_OF_TYPES DOMAIN RIG): reads everything and forgets it, until it is ended.
-"""
+As a program (looker.py FOLDER_OF_TYPES DOMAIN RIG): reads everything and forgets it, until it is
+ended. """
 import pathlib
 import sys
 import time

@@ -1,4 +1,6 @@
-"""RViz, Foxglove and rclpy at a ring, as far as their rules can be held without them: readers with their default QoS, in a process of PyPI's cyclonedds."""
+"""RViz, Foxglove and rclpy at a ring, as far as their rules can be held without them: readers with
+their default QoS, in a process of PyPI's cyclonedds.
+"""
 import json
 import math
 import os
@@ -168,8 +170,9 @@ class Pictures(unittest.TestCase):
                 self.assertEqual(late.errors(), [])
 
                 lines = text.splitlines(keepends=True)
-                gone = [n for n, line in enumerate(lines) if "cylinder.obj" in line]
-                scene.write_text("".join(lines[: gone[0]] + lines[gone[0] + 3 :]))
+                gone = [n for n, line in enumerate(lines) if "cylinder.obj" in line][0]
+                rest = next(n for n in range(gone + 1, len(lines)) if lines[n][:4].strip())
+                scene.write_text("".join(lines[:gone] + lines[rest:]))
                 answer = subprocess.run(
                     [BIN / "voxtouch", "change", "--reload", "--domain", str(DOMAIN)],
                     capture_output=True,

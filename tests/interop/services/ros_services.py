@@ -1,7 +1,8 @@
-"""A client of ROS 2 services in rmw_cyclonedds' wire form, with types written down here and not taken from voxtouch.
+"""A client of ROS 2 services in rmw_cyclonedds' wire form, with types written down here and not
+taken from voxtouch.
 
-A request and its reply stand each behind 16 bytes of the same CDR: what the client calls itself, and the request's number.
-"""
+A request and its reply stand each behind 16 bytes of the same CDR: what the client calls itself,
+and the request's number. """
 import time
 from dataclasses import dataclass, field
 
@@ -148,14 +149,6 @@ class String(IdlStruct, typename="std_msgs::msg::dds_::String_"):
 @dataclass
 @annotate.final
 @annotate.cdrv0
-class State(IdlStruct, typename="lifecycle_msgs::msg::dds_::State_"):
-    id: types.uint8 = 0
-    label: str = ""
-
-
-@dataclass
-@annotate.final
-@annotate.cdrv0
 class ListParameters_Request(
     IdlStruct, typename="rcl_interfaces::srv::dds_::ListParameters_Request_"
 ):
@@ -289,24 +282,6 @@ class SetParametersAtomically_Response(
 @dataclass
 @annotate.final
 @annotate.cdrv0
-class GetState_Request(IdlStruct, typename="lifecycle_msgs::srv::dds_::GetState_Request_"):
-    client: types.uint64
-    number: types.int64
-    structure_needs_at_least_one_member: types.uint8 = 0
-
-
-@dataclass
-@annotate.final
-@annotate.cdrv0
-class GetState_Response(IdlStruct, typename="lifecycle_msgs::srv::dds_::GetState_Response_"):
-    client: types.uint64
-    number: types.int64
-    current_state: State
-
-
-@dataclass
-@annotate.final
-@annotate.cdrv0
 class ChangeEffect_Request(IdlStruct, typename="voxtouch_msgs::srv::dds_::ChangeEffect_Request_"):
     client: types.uint64
     number: types.int64
@@ -341,7 +316,6 @@ SERVICES = {
         SetParametersAtomically_Request,
         SetParametersAtomically_Response,
     ),
-    "get_state": (GetState_Request, GetState_Response),
     "change_effect": (ChangeEffect_Request, ChangeEffect_Response),
 }
 QOS = (
@@ -352,7 +326,9 @@ QOS = (
 
 
 class Client:
-    """As rmw_cyclonedds makes one: its number is its writer's instance handle, and both endpoints tell the same client."""
+    """As rmw_cyclonedds makes one: its number is its writer's instance handle, and both endpoints
+    tell the same client.
+    """
 
     count = 0
 
@@ -381,7 +357,9 @@ class Client:
         self.writer.write(self.kind(client=self.guid, number=self.number, **fields))
 
     def call(self, patience_s=20.0, again_s=None, **fields):
-        """The reply; an error where none comes. `again_s`: asks once more after each such time, for what may be asked twice; each reply will do."""
+        """The reply; an error where none comes. `again_s`: asks once more after each such time, for
+        what may be asked twice; each reply will do.
+        """
         begin = time.monotonic()
         self.send(**fields)
         first, asked = self.number, begin

@@ -1,4 +1,6 @@
-"""Services, parameters, /parameter_events and /rosout of a running ring, asked by an independent client in rmw_cyclonedds' wire form."""
+"""Services, parameters, /parameter_events and /rosout of a running ring, asked by an independent
+client in rmw_cyclonedds' wire form.
+"""
 import json
 import os
 import pathlib
@@ -28,6 +30,7 @@ from ros_services import (
     Client,
     JointState,
     Log,
+    Parameter,
     ParameterEvent,
     String,
     parameter,
@@ -37,8 +40,12 @@ from ros_services import (
 NODE = "/haptic/rendering"
 SWITCH, GAIN, VALUE = 1, 2, 3
 LOST_OF_STREAMS = re.compile(
-    r"The (rendering|coupling) made \d+ (contacts|commands) more than the bag has, and nothing tells of which samples: "
+    r"The (rendering|coupling) made \d+ (contacts|commands) more than the bag has, and nothing"
+    r" tells of which samples: "
     r"|The device's sample \d+ was answered and is not in the bag: "
+)
+LATER_SPRING = re.compile(
+    r"In real time the rendering takes up the spring of a new design some samples after a change\."
 )
 
 
@@ -49,7 +56,10 @@ def dry_and_thick(folder):
         .read_text()
         .replace("../meshes", str(DEPLOY / "meshes"))
     )
-    more = "  - viscosity: {damping_ns_per_m: 0.5}\n  - guide_point: {point: [0, 0, 0.1], stiffness_n_per_m: 20, limit_n: 0.1, beyond: release, range_m: 0.05}\ncoupling:"
+    more = (
+        "  - viscosity: {damping_ns_per_m: 0.5}\n  - guide_point: {point: [0, 0, 0.1],"
+        " stiffness_n_per_m: 20, limit_n: 0.1, beyond: release, range_m: 0.05}\ncoupling:"
+    )
     scene = pathlib.Path(folder) / "dry_and_thick.yaml"
     scene.write_text(text.replace("coupling:", more, 1))
     return scene
@@ -231,7 +241,8 @@ class Services(Asked):
             self.set_together(viscosity__gain=0.25, friction__coulomb=9.0), r"'coulomb' .* 0 to 2\b"
         )
         self.assertEqual(self.get("friction.coulomb", "viscosity.gain"), before)
-        # Each alone is against the rule of the guide (range_m of at least 3 limit_n / stiffness_n_per_m), and so is either order.
+        # Each alone is against the rule of the guide (range_m of at least 3 limit_n /
+        # stiffness_n_per_m), and so is either order.
         self.assertNotEqual(self.set("guide_point.limit_n", 4.0), "")
         self.assertEqual(
             self.set_together(
@@ -292,12 +303,69 @@ class Services(Asked):
         )
         self.assertTrue(all(line.msg and line.level in (20, 30) for line in said), said)
 
-    def test_f_tells_each_nodes_state(self):
-        for node in ("device", "rendering", "coupling", "validator", "logger"):
-            client = Client(self.participant, f"/haptic/{node}", "get_state")
-            until(client.ready, 20, f"the state of {node}")
-            state = client.call().current_state
-            self.assertEqual((state.id, state.label), (3, "active"), node)
+    def test_f_every_node_serves_its_parameters(self):
+        for node in ("device", "coupling", "validator", "logger"):
+            clients = {
+                name: Client(self.participant, f"/haptic/{node}", name)
+                for name in (
+                    "list_parameters",
+                    "get_parameters",
+                    "describe_parameters",
+                    "set_parameters",
+                    "set_parameters_atomically",
+                )
+            }
+            until(
+                lambda: all(client.ready() for client in clients.values()),
+                20,
+                f"services of {node}",
+            )
+            began = time.monotonic()
+            names = clients["list_parameters"].call(prefixes=[], depth=0).result.names
+            self.assertLess(time.monotonic() - began, 1.0, node)
+            self.assertIn("use_sim_time", names)
+            self.assertEqual(list(names), sorted(names))
+            self.assertTrue(
+                all(
+                    d.read_only and d.description
+                    for d in clients["describe_parameters"].call(names=names).descriptors
+                ),
+                node,
+            )
+            values = [plain(v) for v in clients["get_parameters"].call(names=names).values]
+            own = [parameter(name, value) for name, value in zip(names, values)]
+            loaded = clients["set_parameters"].call(
+                parameters=own
+            )  # as `ros2 param load` of a dump
+            self.assertTrue(
+                all(r.successful for r in loaded.results), [r.reason for r in loaded.results]
+            )
+            self.assertTrue(
+                clients["set_parameters_atomically"].call(parameters=own).result.successful
+            )
+            other = clients["set_parameters"].call(
+                parameters=[
+                    parameter("use_sim_time", True),
+                    parameter("seed", 99),
+                    parameter("nothing", 1.0),
+                ]
+            )
+            self.assertEqual([r.successful for r in other.results], [False, False, False])
+            self.assertIn("read-only", other.results[0].reason)
+            self.assertIn("no parameter", other.results[2].reason)
+
+    def test_f_parameters_are_loaded_as_dumped_and_not_deleted(self):
+        names = self.clients["list_parameters"].call(prefixes=[], depth=0).result.names
+        values = [plain(v) for v in self.clients["get_parameters"].call(names=names).values]
+        loaded = self.clients["set_parameters"].call(
+            parameters=[parameter(n, v) for n, v in zip(names, values)]
+        )
+        self.assertTrue(
+            all(r.successful for r in loaded.results),
+            [r.reason for r in loaded.results if not r.successful],
+        )
+        deleted = self.clients["set_parameters"].call(parameters=[Parameter(name="viscosity.gain")])
+        self.assertIn("cannot be deleted", deleted.results[0].reason)
 
     def test_g_answers_within_milliseconds(self):
         processors = Processors()
@@ -317,11 +385,13 @@ class Services(Asked):
             time.sleep(0.02)  # 200 requests a second are taken
         others = processors.taken_by_others()
         print(
-            f"programs of others took {100 * others:.0f} % of the processors meanwhile; where that is {100 * QUIET:.0f} % and more, times are not judged"
+            f"programs of others took {100 * others:.0f} % of the processors meanwhile; where that"
+            f" is {100 * QUIET:.0f} % and more, times are not judged"
         )
         for service, ms in took.items():
             print(
-                f"{service}: median {statistics.median(ms):.1f} ms, of a hundred the second longest {sorted(ms)[-2]:.1f} ms, the longest {max(ms):.1f} ms"
+                f"{service}: median {statistics.median(ms):.1f} ms, of a hundred the second longest"
+                f" {sorted(ms)[-2]:.1f} ms, the longest {max(ms):.1f} ms"
             )
             self.assertTrue(others >= QUIET or statistics.median(ms) < 20.0, service)
 
@@ -337,7 +407,8 @@ class Services(Asked):
             deaf.send(parameters=[parameter("\x1b[31m" + "z" * 1000, float("inf"))] * 64)
         for _ in range(3000):
             deaf.send(parameters=[parameter("viscosity.gain", 2.0)])
-        # Of a flooded second not every request is taken; when that second is over is the rendering's to say, so whoever is not answered asks again.
+        # Of a flooded second not every request is taken; when that second is over is the
+        # rendering's to say, so whoever is not answered asks again.
         answered = self.clients["get_parameters"].call(
             patience_s=60.0, again_s=0.5, names=["friction.coulomb"]
         )
@@ -351,9 +422,15 @@ class Services(Asked):
     def test_i_leaves_a_bag_with_every_change_and_the_first_sample(self):
         status, replayed = self.replayed()
         self.assertGreater(replayed["changes"], 10)
-        # Of streams a recorder that gets no processor loses samples in the middle of a run, and replay says so; InLockstep nothing is lost.
+        # Of streams a recorder that gets no processor loses samples in the middle of a run, and
+        # replay says so; InLockstep nothing is lost.
+        known = (LOST_OF_STREAMS, LATER_SPRING)
         self.assertEqual(
-            [sentence for sentence in replayed["missing"] if not LOST_OF_STREAMS.match(sentence)],
+            [
+                sentence
+                for sentence in replayed["missing"]
+                if not any(one.match(sentence) for one in known)
+            ],
             [],
         )
         if not replayed["missing"]:
@@ -363,7 +440,9 @@ class Services(Asked):
 
 
 class InLockstep(Asked):
-    """Nothing that is recorded is lost, on the busiest machine: each change is replayed to the bit, once, whoever asked for it."""
+    """Nothing that is recorded is lost, on the busiest machine: each change is replayed to the bit,
+    once, whoever asked for it.
+    """
 
     more = ("--lockstep",)
 
@@ -394,14 +473,16 @@ class InLockstep(Asked):
 
 
 class Arm(unittest.TestCase):
-    """A device that is an arm tells its joints, and itself; the arm's own kinematics are compared with the description by `urdf_test`."""
+    """A device that is an arm tells its joints, and itself; the arm's own kinematics are compared
+    with the description by `urdf_test`.
+    """
 
     def test_tells_its_joints_and_itself(self):
-        self.expect_joints("wire-lwr", ["A1", "A2", "E1", "A3", "A4", "A5", "A6"])
+        self.expect_joints("emulated-lwr", ["A1", "A2", "E1", "A3", "A4", "A5", "A6"])
 
     def test_a_phantom_is_one(self):
         self.expect_joints(
-            "wire-phantom",
+            "emulated-phantom",
             ["turret", "thigh", "elbow", "gimbal_turn", "gimbal_tilt", "gimbal_roll"],
         )
 

@@ -132,7 +132,7 @@ TEST(Bag, NeverWritesOverAnythingThatIsThere) {
 TEST(Bag, IsNamedByItsFolderAlsoWithATrailingSlash) {
   const TemporaryFolder folder;
   EXPECT_TRUE(BagWriter::create((folder / "a/b/run").string() + "/"));
-  EXPECT_TRUE(std::filesystem::exists(folder / "a/b/run/run_0.db3"));
+  EXPECT_TRUE(std::filesystem::exists(folder / "a/b/run/run_0.mcap")) << "the default storage";
 }
 
 TEST_P(EachBag, HasMetadataFromTheStartAndRefreshesIt) {

@@ -72,6 +72,19 @@ TEST(Network, LeavesTheCardsToAnEnvironmentThatNamesThem) {
   }
 }
 
+TEST(Network, RefusesSharedMemoryInTheEnvironment) {
+  const auto with = [](const std::string& enable) {
+    return "<CycloneDDS><Domain><SharedMemory><Enable>" + enable +
+           "</Enable><LogLevel>info</LogLevel></SharedMemory></Domain></CycloneDDS>";
+  };
+  const test::TemporaryFolder folder;
+  std::ofstream(folder / "shared.xml") << with("true");
+  EXPECT_THROW(network_of(kThisHost, {}, with("true")), Error);
+  EXPECT_THROW(network_of(kThisHost, {}, with(" true ")), Error);
+  EXPECT_THROW(network_of(kThisHost, {}, "file://" + (folder / "shared.xml").string()), Error);
+  EXPECT_NO_THROW(network_of(kThisHost, {}, with("false")));
+}
+
 TEST(Network, AsksPeersOverACardAndRefusesThemWhereNoneIsHeard) {
   const Network network = network_of("eth7", {"10.0.0.2", "lab"}, "");
   EXPECT_TRUE(network.configuration.contains(

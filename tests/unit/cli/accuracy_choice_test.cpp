@@ -3,7 +3,6 @@
 
 #include <stdexcept>
 
-#include "core/accuracy/advice.hpp"
 #include "nodes/cli/accuracy/accuracy_choice.hpp"
 
 namespace voxtouch::cli {
@@ -12,7 +11,7 @@ namespace {
 std::vector<std::string> names(const std::vector<accuracy::AccuracySetting>& settings) {
   std::vector<std::string> out;
   for (const accuracy::AccuracySetting& s : settings)
-    out.push_back(accuracy::describe(s));
+    out.push_back(describe(s));
   return out;
 }
 
@@ -31,10 +30,10 @@ TEST(AccuracyChoice, MeansEveryModelAtThreeVoxelSizesRoundTheScenesOwn) {
   const auto settings = settings_of({}, 0.002);
   ASSERT_EQ(settings.size(), 16u)
       << "original and adapted twice, field by area, three sizes each; the virtual tool";
-  EXPECT_EQ(accuracy::describe(settings[0]), "original/one, e = 4 mm");
-  EXPECT_EQ(accuracy::describe(settings[5]), "original/area, e = 1 mm");
-  EXPECT_EQ(accuracy::describe(settings[14]), "field/area, e = 1 mm");
-  EXPECT_EQ(accuracy::describe(settings[15]), "virtual tool, e = 2 mm");
+  EXPECT_EQ(describe(settings[0]), "original/one, e = 4 mm");
+  EXPECT_EQ(describe(settings[5]), "original/area, e = 1 mm");
+  EXPECT_EQ(describe(settings[14]), "field/area, e = 1 mm");
+  EXPECT_EQ(describe(settings[15]), "virtual tool, e = 2 mm");
   EXPECT_EQ(names(settings_of({.models = {"virtual_tool"}, .voxel_sizes_m = {0.004, 0.002}}, 0.1)),
             (std::vector<std::string>{"virtual tool, e = 4 mm", "virtual tool, e = 2 mm"}));
 }
@@ -75,6 +74,14 @@ TEST(AccuracyChoice, RefusesMoreSettingsThanAnyoneWouldWaitFor) {
   for (int i = 1; i <= 200; ++i)
     sizes.push_back(0.001 * i);
   expect_refused({.voxel_sizes_m = sizes}, {"1200 settings", "500 at most"});
+}
+
+TEST(AccuracySettingNames, TellTheShellOnlyWhereItIsAnother) {
+  accuracy::AccuracySetting s{contact::ContactModelKind::kAdapted, contact::PointWeights::kOne,
+                              0.002, 0.002};
+  EXPECT_EQ(describe(s), "adapted/one, e = 2 mm");
+  s.shell_voxel_m = 0.0005;
+  EXPECT_EQ(describe(s), "adapted/one, e = 2 mm, shell 0.5 mm");
 }
 
 }  // namespace

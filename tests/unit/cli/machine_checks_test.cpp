@@ -85,6 +85,15 @@ TEST_F(MachineChecks, FindDevicesOnUsbAndWhetherTheyMayBeOpened) {
   EXPECT_EQ(findings[0].health, Health::kGood);
 }
 
+TEST_F(MachineChecks, FindAnOlderTouchAndNoOtherDeviceOfItsVendor) {
+  for (const auto& [product, found] : {std::pair{"2988", true}, std::pair{"0302", false}}) {
+    put("sys/bus/usb/devices/1-2/idVendor", "0301");
+    put("sys/bus/usb/devices/1-2/idProduct", product);
+    const std::vector<Finding> findings = check_devices(root_);
+    EXPECT_EQ(findings.front().sentence.contains("3D Systems Touch"), found) << product;
+  }
+}
+
 TEST(MachineLimits, AreToldAsNumbers) {
   EXPECT_TRUE(check_limits().sentence.contains("rtprio ")) << check_limits().sentence;
 }

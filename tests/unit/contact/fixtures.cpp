@@ -1,8 +1,10 @@
 #include "fixtures.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
+#include <deque>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -195,6 +197,36 @@ pointshell::Pointshell sphere_shell(double radius_m, double edge_m) {
 
 double uniform(std::mt19937_64& random, double low, double high) {
   return low + (high - low) * (static_cast<double>(random() >> 11) * 0x1p-53);
+}
+
+contact::Hits made_hits(const std::vector<contact::Hit>& hits, double edge_m) {
+  static std::deque<std::array<std::vector<double>, 7>> kept;  // hits point into it
+  const std::size_t points = hits.empty() ? 0 : hits.back().point + std::size_t{1};
+  std::array<std::vector<double>, 7>& columns = kept.emplace_back();
+  for (std::vector<double>& column : columns)
+    column.resize(points);
+  contact::HitSource source;
+  source.edge = edge_m, source.area = columns[6].data();
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    source.r[axis][axis] = 1.0, source.t[axis] = 0.5 * edge_m;
+    source.place[axis] = columns[axis].data(), source.normal[axis] = columns[3 + axis].data();
+  }
+  contact::Hits out;
+  std::uint32_t* number = out.room(hits.size());
+  Vec3 normals = Vec3::Zero();
+  double weights = 0.0;
+  for (const contact::Hit& hit : hits) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      columns[axis][hit.point] = -hit.to_centre[static_cast<Eigen::Index>(axis)];
+      columns[3 + axis][hit.point] = hit.normal[static_cast<Eigen::Index>(axis)];
+    }
+    columns[6][hit.point] = hit.weight;
+    normals += hit.weight * hit.normal, weights += hit.weight;
+    *number++ = hit.point;
+  }
+  out.keep(hits.size(), source);
+  out.set_sums(normals, weights);
+  return out;
 }
 
 Quat random_rotation(std::mt19937_64& random) {

@@ -46,6 +46,10 @@ pointshell::Pointshell sphere_shell(double radius_m, double edge_m);
 pointshell::Pointshell shell_of(const std::vector<std::pair<Vec3, Vec3>>& points_and_normals,
                                 double edge_m);
 
+/// Hits without a query, of a tool that is not rotated: numbers (ascending), normals, weights and
+/// `to_centre` (below half an edge along each axis) as given, and `arm` = -to_centre.
+contact::Hits made_hits(const std::vector<contact::Hit>& hits, double edge_m);
+
 Quat random_rotation(std::mt19937_64& random);
 /// Uniform in [low, high), the same on every standard library.
 double uniform(std::mt19937_64& random, double low, double high);

@@ -33,15 +33,13 @@ struct Laws {
 };
 
 contact::HitList hits_of(const std::vector<Vec3>& normals) {
+  std::vector<contact::Hit> made;
+  for (std::uint32_t p = 0; p < normals.size(); ++p)
+    made.push_back({.point = p,
+                    .normal = normals[p].normalized(),
+                    .to_centre = kEdge * Vec3(0.11 + 0.02 * p, -0.07, 0.31 - 0.01 * p)});
   contact::HitList hits;
-  for (std::uint32_t p = 0; p < normals.size(); ++p) {
-    contact::Hit hit;
-    hit.point = p;
-    hit.arm = kEdge * Vec3(p, 1.0, 2.0);
-    hit.normal = normals[p].normalized();
-    hit.to_centre = kEdge * Vec3(0.11 + 0.02 * p, -0.07, 0.31 - 0.01 * p);
-    hits.surface.push_back(hit);
-  }
+  hits.surface = made_hits(made, kEdge);
   return hits;
 }
 
@@ -161,11 +159,13 @@ TEST(Blend, KeepsTheStiffnessBoundBetweenItsEnds) {
   const double step = 1e-9;
   Mat3 stiffness;
   for (int axis = 0; axis < 3; ++axis) {
-    contact::HitList moved;
+    std::vector<contact::Hit> made;
     for (contact::Hit hit : hits.surface) {
       hit.to_centre[axis] -= step;
-      moved.surface.push_back(hit);
+      made.push_back(hit);
     }
+    contact::HitList moved;
+    moved.surface = made_hits(made, kEdge);
     stiffness.col(axis) = (r.contact.wrench.force - laws.staged(moved).contact.wrench.force) / step;
   }
   EXPECT_LE(stiffness.jacobiSvd().singularValues()[0],

@@ -248,14 +248,18 @@ struct Frame {
 };
 
 Vec3 staged_force(contact::ContactStage& stage, const Frame& frame) {
+  std::vector<contact::Hit> surface, interior;
+  for (std::uint32_t p = 0; p < frame.surface.size(); ++p)
+    surface.push_back({.point = p,
+                       .normal = frame.surface[p].normalized(),
+                       .to_centre = 0.4 * kEdge * frame.surface[p].normalized()});
+  for (std::uint32_t p = 0; p < frame.interior.size(); ++p)
+    interior.push_back({.point = frame.first_interior + p,
+                        .normal = frame.interior[p].normalized(),
+                        .to_centre = Vec3::Zero()});
   contact::HitList hits;
   hits.pose_WT.position = frame.position;
-  for (std::uint32_t p = 0; p < frame.surface.size(); ++p)
-    hits.surface.push_back({p, Vec3::Zero(), frame.surface[p].normalized(),
-                            0.4 * kEdge * frame.surface[p].normalized()});
-  for (std::uint32_t p = 0; p < frame.interior.size(); ++p)
-    hits.interior.push_back(
-        {frame.first_interior + p, Vec3::Zero(), frame.interior[p].normalized(), Vec3::Zero()});
+  hits.surface = made_hits(surface, kEdge), hits.interior = made_hits(interior, kEdge);
   contact::ContactResult plain;
   contact::make_contact_model(contact::ContactModelKind::kAdapted, {1.0})->evaluate(hits, plain);
   return stage.apply(hits, plain).contact.wrench.force / kEdge;

@@ -82,10 +82,6 @@ TEST(CouplingSpec, NamesWhatAllKindsShare) {
       EXPECT_EQ(refused(with(&CouplingSpec::slow_velocity_hz, bad, kind)), "slow_velocity_hz");
       EXPECT_EQ(refused(with(&CouplingSpec::velocity_band_m_per_s, bad, kind)),
                 "velocity_band_m_per_s");
-      EXPECT_EQ(refused(with(&CouplingSpec::passivity_damping_limit_ns_per_m, bad, kind)),
-                "passivity_damping_limit_ns_per_m");
-      EXPECT_EQ(refused(with(&CouplingSpec::passivity_damping_limit_nms_per_rad, bad, kind)),
-                "passivity_damping_limit_nms_per_rad");
     }
   }
 }

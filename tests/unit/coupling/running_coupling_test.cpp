@@ -24,7 +24,6 @@ CouplingSpec full(const char* kind) {
   CouplingSpec spec = spec_of(kind);
   spec.stiffness_cap_n_per_m = 800, spec.stiffness_cap_nm_per_rad = 0.5;
   spec.injected_damping_ns_per_m = 4, spec.injected_damping_nms_per_rad = 0.01;
-  spec.passivity_damping_limit_ns_per_m = 5, spec.passivity_damping_limit_nms_per_rad = 0.02;
   return spec;
 }
 CouplingInput push(const Vec3& force, const Vec3& torque = Vec3::Zero(), double k = 500) {
@@ -44,7 +43,7 @@ Wrench step_alone(std::variant<DirectCoupling, ShapingFilter, SpringDamper>& law
       law);
 }
 
-/// Without cap, damping and controller the chain is the law, bit for bit.
+/// Without cap and damping the chain is the law, bit for bit.
 TEST(RunningCoupling, IsTheLawAloneWhereNothingElseIsAskedFor) {
   std::variant<DirectCoupling, ShapingFilter, SpringDamper> laws[] = {
       ShapingFilter(spec_of("shaping_filter"), kT), SpringDamper(spec_of("spring_damper")),
@@ -194,10 +193,9 @@ TEST(RunningCoupling, DampingChangesOverItsRamp) {
 /// Any bits in any field: finite and within the limits, for every kind with everything on.
 /// A weight that is lowered gives what lifting it has stored: no fault of the coupling's, where it
 /// is told so.
-TEST(RunningCoupling, AllowsWhatAPotentialGivesAndBrakesWhatNothingExplains) {
+TEST(RunningCoupling, BooksNoDebtForWhatAPotentialGives) {
   for (const bool told : {true, false}) {
     CouplingSpec spec = spec_of("direct");
-    spec.passivity_damping_limit_ns_per_m = 5;
     RunningCoupling running(spec, {}, kT, 0.001);
     double energy = 0.0;
     for (int n = 0; n < 1000; ++n) {
@@ -208,10 +206,9 @@ TEST(RunningCoupling, AllowsWhatAPotentialGivesAndBrakesWhatNothingExplains) {
       energy = running.step(in, kT).energy_j;
     }
     if (told) {
-      EXPECT_EQ(running.counters().controlled, 0U);
       EXPECT_NEAR(energy, 0.0, 1e-4);
     } else {
-      EXPECT_GT(running.counters().controlled, 900U);
+      EXPECT_NEAR(energy, -0.05, 1e-3);
     }
   }
 }
@@ -278,7 +275,7 @@ TEST(RunningCoupling, IsFiniteAndWithinTheLimitsForAnyInput) {
       CouplingSpec spec = full(kind);
       if (limits.max_force_n > 1e6) {
         spec.gain = 1e300, spec.injected_damping_ns_per_m = 1e300;
-        spec.passivity_damping_limit_ns_per_m = 1e300, spec.stiffness_cap_n_per_m = 1e-300;
+        spec.stiffness_cap_n_per_m = 1e-300;
       }
       RunningCoupling running(spec, limits, kT);
       CouplingInput in;
@@ -300,8 +297,6 @@ TEST(RunningCoupling, IsFiniteAndWithinTheLimitsForAnyInput) {
         for (double& x : in.tool.orientation.coeffs())
           maybe(x);
         maybe(in.contact_stiffness_n_per_m);
-        maybe(in.contact_depth_m);
-        in.depth_goes_on = random() % 2 == 0;
         if (random() % 3 == 0)
           in = push(3 * Vec3::Random(), Vec3::Random(), 500),
           in.tool.position = 1e-3 * Vec3::Random();
@@ -310,7 +305,6 @@ TEST(RunningCoupling, IsFiniteAndWithinTheLimitsForAnyInput) {
         ASSERT_LE(out.wrench.force.norm(), limits.max_force_n);
         ASSERT_LE(out.wrench.torque.norm(), limits.max_torque_nm);
         ASSERT_TRUE(std::isfinite(out.energy_j) && std::isfinite(out.energy_rotation_j));
-        ASSERT_TRUE(std::isfinite(out.damping_ns_per_m) && std::isfinite(out.damping_nms_per_rad));
         ASSERT_TRUE(out.scale >= 0.0 && out.scale <= 1.0);
         if (random() % 512 == 0)
           running.reset({Vec3(any(), any(), any()), Vec3(any(), any(), any())});
@@ -321,7 +315,7 @@ TEST(RunningCoupling, IsFiniteAndWithinTheLimitsForAnyInput) {
   EXPECT_GT(moved, samples / 10);
 }
 
-/// Damping and controller on top of a force at the limit: cut, with its direction kept.
+/// Damping on top of a force at the limit: cut, with its direction kept.
 TEST(RunningCoupling, StaysWithinTheLimitsWithDampingOnTop) {
   CouplingSpec spec = spec_of("direct");
   spec.injected_damping_ns_per_m = 50;

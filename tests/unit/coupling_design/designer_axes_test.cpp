@@ -108,17 +108,6 @@ TEST(Design, NeverShowsMoreThanTheDeviceCan) {
     }
 }
 
-TEST(Design, LeavesThePassivityControllerHalfOfWhatTheLoopBears) {
-  const DesignProblem r = sim_arm();
-  const Design d = designed(r);
-  const std::vector<AxisProblem> problems = axis_problems(r);
-  EXPECT_NEAR(d.spec.passivity_damping_limit_ns_per_m + d.spec.injected_damping_ns_per_m,
-              0.5 * critical_damping(problems[0], velocity_of(d.spec)), 1e-9);
-  EXPECT_NEAR(d.spec.passivity_damping_limit_nms_per_rad + d.spec.injected_damping_nms_per_rad,
-              0.5 * critical_damping(problems[1], velocity_of(d.spec)), 1e-9);
-  EXPECT_EQ(designed(stylus()).spec.passivity_damping_limit_nms_per_rad, 0.0);
-}
-
 TEST(Design, SaysHowFastOneMayApproach) {
   DesignProblem r = robot(2.0, 5.0, 50.0);
   EXPECT_EQ(designed(r).max_approach_m_per_s, 0.0);

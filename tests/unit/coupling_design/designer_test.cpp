@@ -35,14 +35,12 @@ void print(const DesignProblem& r, const Timed& t) {
       "%s: %s, %s, %.3g Hz, d %.3g, K %.3g, c %.4g N/m, r %.3g Ns/m, cap %.4g N/m %.4g Nm/rad, B "
       "%.3g Ns/m %.3g "
       "Nms/rad "
-      "at %g Hz, passivity %.3g %.3g, lag %.3g ms, approach %.3g m/s [%.1f ms]\n",
+      "at %g Hz, lag %.3g ms, approach %.3g m/s [%.1f ms]\n",
       r.device.name.c_str(), std::string(name_of(d.status)).c_str(), d.spec.kind.c_str(),
       d.spec.cutoff_hz, d.spec.damping_ratio, d.spec.gain, d.spec.stiffness_n_per_m,
       d.spec.damping_ns_per_m, d.spec.stiffness_cap_n_per_m, d.spec.stiffness_cap_nm_per_rad,
       d.spec.injected_damping_ns_per_m, d.spec.injected_damping_nms_per_rad,
-      d.spec.velocity_filter_hz, d.spec.passivity_damping_limit_ns_per_m,
-      d.spec.passivity_damping_limit_nms_per_rad, 1e3 * d.lag_s, d.max_approach_m_per_s,
-      t.milliseconds);
+      d.spec.velocity_filter_hz, 1e3 * d.lag_s, d.max_approach_m_per_s, t.milliseconds);
   for (const AxisDesign* a : {&d.translation, &d.rotation})
     if (a->wanted_stiffness > 0.0)
       std::printf(

@@ -31,7 +31,7 @@ struct Pt2 {
   }
 };
 
-// -----------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 // Linear loops whose limit stiffness is known from the eigenvalues of the exact sampled system (50
 // digits): the simulation must decay just below it and grow just above. This checks mass, damping,
 // hand, delay, lag and hold at once.
@@ -90,7 +90,7 @@ TEST(ClosedLoop, LimitStiffnessIsThatOfTheExactSampledModel) {
   }
 }
 
-// -----------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 // A wall, a filter, the guard and the whole device: quantised, with friction, saturating. The hand
 // goes into the wall and stays there.
 

@@ -39,7 +39,7 @@ TEST(Registry, SaysWhichLibrariesOfAPhantomItTriedAndWhatToInstall) {
   EXPECT_EQ(said.find("device 'phantom': "), 0U) << said;
   EXPECT_NE(said.find("libHD.so.3.4"), std::string::npos) << said;
   EXPECT_NE(said.find("Install OpenHaptics"), std::string::npos) << said;
-  EXPECT_NE(said.find("--device wire-phantom"), std::string::npos) << said;
+  EXPECT_NE(said.find("--device emulated-phantom"), std::string::npos) << said;
   EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(5));
 }
 
@@ -50,7 +50,7 @@ TEST(Registry, SaysOnWhichPortItWaitedForARobotAndWhatToSet) {
   const std::string said = refusal("lwr", options);
   EXPECT_NE(said.find("UDP 127.0.0.1:" + port), std::string::npos) << said;
   EXPECT_NE(said.find("friSetup"), std::string::npos) << said;
-  EXPECT_NE(said.find("--device wire-lwr"), std::string::npos) << said;
+  EXPECT_NE(said.find("--device emulated-lwr"), std::string::npos) << said;
 }
 
 TEST(Registry, SaysWhichRobotItAskedAndWhatToDo) {
@@ -59,11 +59,11 @@ TEST(Registry, SaysWhichRobotItAskedAndWhatToDo) {
   const std::string said = refusal("fr3", options);
   EXPECT_NE(said.find("TCP 127.0.0.1:1"), std::string::npos) << said;
   EXPECT_NE(said.find("FCI"), std::string::npos) << said;
-  EXPECT_NE(said.find("--device wire-fr3"), std::string::npos) << said;
+  EXPECT_NE(said.find("--device emulated-fr3"), std::string::npos) << said;
 }
 
 TEST(Registry, OpensTheDriversAtTheirCounterpartsWhereTheHandIs) {
-  for (const char* name : {"wire-phantom", "wire-lwr", "wire-fr3"}) {
+  for (const char* name : {"emulated-phantom", "emulated-lwr", "emulated-fr3"}) {
     DeviceOptions options;
     options.lockstep = true;
     options.motion.emplace().path = {Vec3(-0.07, -0.03, 0.02)};
@@ -85,7 +85,7 @@ TEST(Registry, OpensTheDriversAtTheirCounterpartsWhereTheHandIs) {
 }
 
 TEST(Registry, DescribesTheCounterpartsAsTheyDescribeThemselvesOnceOpen) {
-  for (const char* name : {"wire-phantom", "wire-lwr", "wire-fr3"}) {
+  for (const char* name : {"emulated-phantom", "emulated-lwr", "emulated-fr3"}) {
     DeviceOptions options;
     options.lockstep = true;
     const DeviceDescription before = describe_device(name),
@@ -101,7 +101,7 @@ TEST(Registry, DescribesTheCounterpartsAsTheyDescribeThemselvesOnceOpen) {
 }
 
 TEST(Registry, PutsTheDevicesRestWhereItIsTold) {
-  for (const char* name : {"wire-phantom", "wire-lwr", "wire-fr3"}) {
+  for (const char* name : {"emulated-phantom", "emulated-lwr", "emulated-fr3"}) {
     DeviceOptions options;
     options.lockstep = true;
     options.settings = {{"rest", "1,2,-0.5"}};
@@ -119,7 +119,7 @@ TEST(Registry, DescribesHardwareWithoutOpeningIt) {
   EXPECT_EQ(describe_device("phantom").model, "Phantom");
   EXPECT_GT(describe_device("phantom").max_force_n, 1.0);
   EXPECT_FALSE(has_simulated_hand("phantom"));
-  EXPECT_TRUE(has_simulated_hand("wire-phantom"));
+  EXPECT_TRUE(has_simulated_hand("emulated-phantom"));
   EXPECT_THROW(usual_hand("lwr"), DeviceOpenError);
 }
 
@@ -139,8 +139,8 @@ TEST(Registry, RefusesSettingsThatADeviceHasNotGotAndNamesThoseThatItHas) {
     return std::ranges::all_of(all, [&](const char* name) { return said.contains(name); });
   };
   EXPECT_TRUE(names(with("sim-lwr", {{"port", "1"}}), {"'sim-lwr'", "'port'"}));
-  EXPECT_TRUE(names(with("wire-lwr", {{"prot", "1"}}),
-                    {"'wire-lwr'", "'prot'", "period_ms, rest, tool, capture, trace, fault"}));
+  EXPECT_TRUE(names(with("emulated-lwr", {{"prot", "1"}}),
+                    {"'emulated-lwr'", "'prot'", "period_ms, rest, tool, capture, trace, fault"}));
   EXPECT_NE(with("lwr", {{"port", "0"}}).find("port is '0'"), std::string::npos);
   EXPECT_NE(with("lwr", {{"port", "1"}, {"port", "2"}}).find("port"), std::string::npos);
   EXPECT_NE(with("lwr", {{"rest", "1,2"}}).find("X,Y,Z"), std::string::npos);
@@ -149,25 +149,26 @@ TEST(Registry, RefusesSettingsThatADeviceHasNotGotAndNamesThoseThatItHas) {
   EXPECT_NE(with("lwr", {{"connect_timeout_s", "x"}}).find("connect_timeout_s"), std::string::npos);
   EXPECT_NE(with("lwr", {{"connect_timeout_s", "nan"}}).find("[0, 3600]"), std::string::npos);
   EXPECT_NE(with("lwr", {{"controller", "krc"}}).find("IPv4"), std::string::npos);
-  EXPECT_NE(with("wire-lwr", {{"period_ms", "0"}}).find("[1, 100]"), std::string::npos);
+  EXPECT_NE(with("emulated-lwr", {{"period_ms", "0"}}).find("[1, 100]"), std::string::npos);
   EXPECT_NE(with("fr3", {{"address", "robot"}}).find("IPv4"), std::string::npos);
-  EXPECT_NE(with("wire-fr3", {{"address", "127.0.0.1"}}).find("rest, tool, server_version, fault"),
-            std::string::npos);
+  EXPECT_NE(
+      with("emulated-fr3", {{"address", "127.0.0.1"}}).find("rest, tool, server_version, fault"),
+      std::string::npos);
   EXPECT_NE(with("phantom", {{"encoder_reset", "perhaps"}}).find("if_needed"), std::string::npos);
   EXPECT_NE(with("phantom", {{"max_force_n", "-1"}}).find("max_force_n"), std::string::npos);
   EXPECT_NE(with("phantom", {{"rate_hz", "7"}}).find("[100, 10000]"), std::string::npos);
   EXPECT_NE(with("phantom", {{"rest", "0,11,0"}}).find("within 10 m"), std::string::npos);
-  EXPECT_NE(with("wire-phantom", {{"fault", "earthquake@1"}}).find("comm_error"),
+  EXPECT_NE(with("emulated-phantom", {{"fault", "earthquake@1"}}).find("comm_error"),
             std::string::npos);
-  EXPECT_NE(with("wire-phantom", {{"fault", "comm_error@soon"}}).find("KIND@SECONDS"),
+  EXPECT_NE(with("emulated-phantom", {{"fault", "comm_error@soon"}}).find("KIND@SECONDS"),
             std::string::npos);
-  EXPECT_NE(with("wire-phantom", {{"model", "novint"}}).find("omni"), std::string::npos);
+  EXPECT_NE(with("emulated-phantom", {{"model", "novint"}}).find("omni"), std::string::npos);
   EXPECT_THROW(parse_settings({"port"}), DeviceOpenError);
   EXPECT_EQ(parse_settings({"name=a=b"}).front().second, "a=b");
 }
 
 TEST(Registry, SaysWhyACounterpartCannotFollowTheHandAndLeavesNothingBehind) {
-  for (const char* name : {"wire-phantom", "wire-lwr", "wire-fr3"}) {
+  for (const char* name : {"emulated-phantom", "emulated-lwr", "emulated-fr3"}) {
     DeviceOptions options;
     options.lockstep = true;
     options.motion.emplace().path = {Vec3(5.0, 0.0, 0.0)};
@@ -182,15 +183,15 @@ TEST(Registry, SaysWhyACounterpartCannotFollowTheHandAndLeavesNothingBehind) {
 TEST(Registry, HandsOnWhatTheSimulatedControllerSaysOfItsOptions) {
   DeviceOptions options;
   options.settings = {{"fault", "earthquake@1"}};
-  const std::string said = refusal("wire-lwr", options);
+  const std::string said = refusal("emulated-lwr", options);
   EXPECT_NE(said.find("status 1"), std::string::npos) << said;
   EXPECT_NE(said.find("earthquake"), std::string::npos) << said;
 }
 
 TEST(Registry, InjectsTheFaultsOfACounterpartWhenTheyAreDue) {
   for (const auto& [name, fault] :
-       {std::pair{"wire-phantom", "comm_error@0.1"}, std::pair{"wire-lwr", "drive_error@0.3"},
-        std::pair{"wire-fr3", "reflex@0.2"}}) {
+       {std::pair{"emulated-phantom", "comm_error@0.1"},
+        std::pair{"emulated-lwr", "drive_error@0.3"}, std::pair{"emulated-fr3", "reflex@0.2"}}) {
     DeviceOptions options;
     options.lockstep = true;
     options.settings = {{"fault", fault}};
@@ -206,8 +207,9 @@ TEST(Registry, InjectsTheFaultsOfACounterpartWhenTheyAreDue) {
 
 TEST(Registry, ListsTheKnownNamesForAnUnknownOne) {
   for (const char* name :
-       {"'omni'", "sim-phantom, sim-lwr, wire-phantom, wire-lwr, wire-fr3, phantom, lwr, fr3,",
-        "sim:FILE", "replay:BAG"})
+       {"'omni'",
+        "sim-phantom, sim-lwr, emulated-phantom, emulated-lwr, emulated-fr3, phantom, lwr, fr3,",
+        "sim:FILE"})
     EXPECT_TRUE(refusal("omni").contains(name)) << name;
   EXPECT_EQ(device_names().size(), 8U);
 }

@@ -145,7 +145,7 @@ class Fr3Subject final : public Subject {
     config.version = version_;
     config.torque_delay_ticks = 0;
     config.torque_lag_s = 0.0;
-    config.compensates_coriolis = false;           // which would be force that nobody asked for
+    config.laws.compensates_coriolis = false;      // which would be force that nobody asked for
     config.limits.speed_rad_s.setConstant(100.0);  // random forces: the driver's own limit is asked
     const fr3_sim::FaultSchedule schedule(faults);
     robot_ = std::make_unique<fr3_sim::FciRobot>(config, somebody(), schedule);

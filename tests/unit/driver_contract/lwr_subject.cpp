@@ -142,8 +142,8 @@ class LwrSubject final : public Subject {
     config.period_s = usual_period_s();
     const FaultSchedule faults(fault_ ? schedule(*this, *fault_, config.period_s)
                                       : std::vector<Fault>());
-    config.overlay_delay_ticks = 0;
-    config.overlay_lag_s = 0.0;
+    config.torque_delay_ticks = 0;
+    config.torque_lag_s = 0.0;
     config.laws.compensates_coriolis = false;  // which would be force that nobody asked for
     controller_ = std::make_unique<FriController>(
         config, lwr_sim::test::arm_at(Vec3::Zero(), 500.0, 60.0), faults);

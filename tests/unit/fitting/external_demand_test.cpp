@@ -77,7 +77,7 @@ TEST(ExternalDemand, IsRefusedAtEveryLaterChangeByTheSameSentence) {
   const rendering::StiffnessBounds bounds = rendering::with_effects(kContact, now.effects);
   SceneOnDevice on;
   on.device_is(device(3.0));
-  on.runs(now, bounds, demand_of(now));
+  on.runs(now, bounds, bounds, demand_of(now));
   ASSERT_EQ(on.refusal(), "");
   for (const double force : {0.5, 2.9, 3.0, 3.1, 50.0}) {
     const scene::Scene next = scene_with(force);
@@ -87,7 +87,7 @@ TEST(ExternalDemand, IsRefusedAtEveryLaterChangeByTheSameSentence) {
     EXPECT_EQ(at_start(next, device(3.0)).empty(), force <= 3.0) << force;
   }
   on.device_is(device(0.5));  // described anew
-  on.runs(now, bounds, demand_of(now));
+  on.runs(now, bounds, bounds, demand_of(now));
   EXPECT_NE(on.refusal(), "");
   const scene::Scene less = scene_with(0.7), more = scene_with(1.1);
   EXPECT_EQ(on.why_not(less, kContact, effects::at_rest(less.effects)), "")

@@ -72,7 +72,7 @@ std::string at_start(const scene::Scene& scene, const coupling::design::DeviceMo
 SceneOnDevice running(const scene::Scene& scene, const coupling::design::DeviceModel& device) {
   SceneOnDevice on;
   on.device_is(device);
-  on.runs(scene, bounds(scene), demand_of(scene));
+  on.runs(scene, kContact, bounds(scene), demand_of(scene));
   return on;
 }
 std::string asked(SceneOnDevice& on, const scene::Scene& next) {
@@ -142,7 +142,7 @@ TEST(SceneOnDevice, JudgesWhatIsStillOnItsWay) {
   EXPECT_NE(on.why_not(next, kContact, reach), "");
   scene::Scene lower = now;
   lower.effects[0] = next.effects[0];
-  on.runs(lower, bounds(lower), demand_of(lower));
+  on.runs(lower, kContact, bounds(lower), demand_of(lower));
   EXPECT_EQ(asked(on, next), "") << "once the first one has come to rest";
 }
 
@@ -162,7 +162,7 @@ TEST(SceneOnDevice, JudgesDampingOnTheCouplingThatRunsAndOnTheOneThatFollows) {
   EXPECT_NE(on.why_not(scene, soft, effects::at_rest(scene.effects)), "")
       << "the coupling that follows lags more";
   const scene::Scene thin = scene_with({});
-  on.runs(thin, soft, demand_of(thin));
+  on.runs(thin, soft, soft, demand_of(thin));
   EXPECT_NE(on.why_not(scene, kContact, effects::at_rest(scene.effects)), "")
       << "the one that runs still lags more";
 }
@@ -179,7 +179,7 @@ TEST(SceneOnDevice, JudgesTheWayOnTheCouplingThatFollows) {
       << "with the lag as it is";
   EXPECT_NE(on.why_not(thin, soft, effects::at_rest(thin.effects)), "")
       << "the one that follows lags more";
-  on.runs(thin, kContact, demand_of(thin));
+  on.runs(thin, kContact, kContact, demand_of(thin));
   EXPECT_EQ(on.why_not(thin, soft, effects::at_rest(thin.effects)), "") << "once it has settled";
 }
 
@@ -248,24 +248,24 @@ TEST(SceneOnDevice, JudgesAnewWhenTheDeviceIsAnother) {
   late.timing.delay_s = 0.05;
   for (const coupling::design::DeviceModel& other : {stylus(0.01), late}) {
     on.device_is(other);
-    on.runs(now, bounds(now), demand_of(now));
+    on.runs(now, kContact, bounds(now), demand_of(now));
     EXPECT_NE(on.refusal(), "");
     EXPECT_EQ(on.refusal(), at_start(now, other));
   }
   on.device_is(arm());
-  on.runs(now, bounds(now), demand_of(now));
+  on.runs(now, kContact, bounds(now), demand_of(now));
   EXPECT_EQ(on.refusal(), at_start(now, arm())) << "another kind of device, whose session begins";
 }
 
 TEST(SceneOnDevice, TakesEverythingBeforeADeviceIsKnownAndJudgesItWhenOneComes) {
   SceneOnDevice on;
   const scene::Scene thick = scene_with({oil(50.0)});
-  on.runs(scene_with({oil(1.0)}), kContact, {});
+  on.runs(scene_with({oil(1.0)}), kContact, kContact, {});
   EXPECT_EQ(asked(on, thick), "");
-  on.runs(thick, bounds(thick), demand_of(thick));
+  on.runs(thick, kContact, bounds(thick), demand_of(thick));
   EXPECT_EQ(on.refusal(), "");
   on.device_is(stylus());
-  on.runs(thick, bounds(thick), demand_of(thick));
+  on.runs(thick, kContact, bounds(thick), demand_of(thick));
   EXPECT_EQ(on.refusal(), at_start(thick, stylus()));
 }
 

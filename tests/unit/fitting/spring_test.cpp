@@ -168,7 +168,7 @@ TEST(SceneOnDevice, JudgesASceneWithAVirtualToolByTheSameCode) {
   const rendering::StiffnessBounds alone = rendering::spring_of_any_device(kLever);
   SceneOnDevice on;
   on.device_is(stylus());
-  on.runs(now, rendering::with_effects(alone, now.effects), demand_of(now));
+  on.runs(now, alone, rendering::with_effects(alone, now.effects), demand_of(now));
   ASSERT_EQ(on.refusal(), "");
   EXPECT_EQ(on.spring_n_per_m(), spring_n_per_m(fit(now, stylus()), now, stylus(), alone));
   int accepted = 0, refused = 0;
@@ -187,15 +187,17 @@ TEST(SceneOnDevice, JudgesASceneWithAVirtualToolByTheSameCode) {
   scene::Scene penalty = now;
   penalty.contact = {.model = "field", .stiffness_n_per_m3 = 1e6};
   const rendering::StiffnessBounds contact = {{30.0, 3000.0}, {0.003, 0.3}};
-  on.runs(penalty, rendering::with_effects(contact, now.effects), demand_of(penalty));
+  on.runs(penalty, contact, rendering::with_effects(contact, now.effects), demand_of(penalty));
   EXPECT_EQ(on.spring_n_per_m(), 0.0);
+  EXPECT_GT(on.series_spring().translation, 0.0) << "its spring is in series";
   EXPECT_EQ(on.why_not(now, alone, effects::at_rest(now.effects)), "");
-  on.runs(now, rendering::with_effects(alone, now.effects), demand_of(now));
+  on.runs(now, alone, rendering::with_effects(alone, now.effects), demand_of(now));
+  EXPECT_EQ(on.series_spring().translation, 0.0) << "a virtual tool has its own";
   const double before = on.spring_n_per_m();
   coupling::design::DeviceModel light = stylus();
   light.translation.inertia_min = 0.02, light.translation.inertia_max = 0.04;
   on.device_is(light);
-  on.runs(now, rendering::with_effects(alone, now.effects), demand_of(now));
+  on.runs(now, alone, rendering::with_effects(alone, now.effects), demand_of(now));
   EXPECT_LT(on.spring_n_per_m(), before);
   EXPECT_EQ(on.refusal(), fit(now, light).refusal);
 }

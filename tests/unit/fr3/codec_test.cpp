@@ -4,6 +4,7 @@
 
 #include <cstring>
 #include <limits>
+#include <tuple>
 #include <vector>
 
 #include "devices/fr3/fci_codec.hpp"
@@ -45,7 +46,7 @@ TEST(FciCodec, MoveAsksForExternalTorquesWithoutAGeneratorOrWithOneOfZeroVelocit
   EXPECT_EQ(Bytes(newest.begin() + 20, newest.begin() + 28), (Bytes{0, 0, 0, 0, 0, 0, 0x24, 0x40}));
   EXPECT_EQ(Bytes(newest.begin() + 20, newest.begin() + 44),
             Bytes(newest.begin() + 44, newest.end()));
-  for (const std::uint16_t version : std::initializer_list<std::uint16_t>{9, 6, 5})
+  for (const std::uint16_t version : std::initializer_list<std::uint16_t>{9, 8, 7, 6, 5, 4, 3})
     EXPECT_EQ(bytes_of(move_request(*dialect_of(version), 1))[16], 1) << version;
 }
 
@@ -94,14 +95,48 @@ TEST(FciCodec, AnswersMeanWhatTheirVersionSays) {
 }
 
 TEST(FciCodec, VersionsAreThoseThatWereRead) {
-  for (const std::uint16_t version : std::initializer_list<std::uint16_t>{10, 9, 6, 5})
+  for (const std::uint16_t version : std::initializer_list<std::uint16_t>{10, 9, 8, 7, 6, 5, 4, 3})
     EXPECT_NE(dialect_of(version), nullptr) << version;
-  for (const std::uint16_t version : std::initializer_list<std::uint16_t>{0, 1, 4, 7, 8, 11, 65535})
+  for (const std::uint16_t version : std::initializer_list<std::uint16_t>{0, 1, 2, 11, 65535})
     EXPECT_EQ(dialect_of(version), nullptr) << version;
   EXPECT_EQ(dialect_of(10)->state_size, 1377U);
   EXPECT_EQ(dialect_of(10)->command_size, 371U);
   EXPECT_EQ(dialect_of(9)->state_size, 2373U);
   EXPECT_EQ(dialect_of(5)->command_size, 370U);
+  EXPECT_EQ(dialect_of(4)->state_size, 8U + 281 * 8 + (1 + 1 + 37 + 37 + 1) + 8);
+  EXPECT_EQ(dialect_of(3)->state_size, 8U + 249 * 8 + (1 + 1 + 37 + 37 + 1) + 8);
+  for (const std::uint16_t version : std::initializer_list<std::uint16_t>{8, 7}) {
+    EXPECT_EQ(dialect_of(version)->state_size, 2373U) << version;
+    EXPECT_EQ(dialect_of(version)->command_size, 371U) << version;
+  }
+  for (const std::uint16_t version : std::initializer_list<std::uint16_t>{4, 3})
+    EXPECT_EQ(dialect_of(version)->command_size, 370U) << version;
+}
+
+/// Places by the public headers of these versions: transforms of 16, then 26 numbers of masses, 4
+/// of the elbow, 21 of torques, 7 angles, 7 desired ones and 7 rates.
+TEST(FciCodec, ReadsTheStatesOfOlderPandas) {
+  for (const auto& [version, transforms, numbers] :
+       {std::tuple<std::uint16_t, std::size_t, std::size_t>{4, 6, 281}, {3, 4, 249}}) {
+    const std::size_t q = 8 + 8 * (transforms * 16 + 26 + 4 + 21), modes = 8 + 8 * numbers;
+    Bytes bytes(dialect_of(version)->state_size, 0);
+    set(bytes, 0, std::uint64_t{42});
+    set(bytes, 8 + 8 * (32 + 14), 0.1034);
+    set(bytes, q + 8 * 6, 1.25), set(bytes, q + 8 * 14, -2.5), set(bytes, q - 8 * 14, 3.0);
+    bytes[modes] = 2, bytes[modes + 1] = 2, bytes[modes + 2 + 36] = 1,
+    bytes[modes + 2 + 37 + 6] = 1, bytes[modes + 76] = 2;
+    set(bytes, modes + 77, 0.5);
+    State state;
+    ASSERT_EQ(decode(*dialect_of(version), span_of(bytes), state), PacketFault::kNone) << version;
+    EXPECT_EQ(state.ee_in_flange.z(), 0.1034);
+    EXPECT_EQ(state.q[6], 1.25);
+    EXPECT_EQ(state.dq[0], -2.5);
+    EXPECT_EQ(state.tau_d[0], 3.0);
+    EXPECT_EQ(words_of(state.errors), "joint move in wrong direction");
+    EXPECT_EQ(words_of(state.reflex), "joint reflex");
+    EXPECT_EQ(state.mode, RobotMode::kMove);
+    EXPECT_EQ(state.success_rate, 0.5);
+  }
 }
 
 TEST(FciCodec, ReadsAStateOfFloatsWhereItsFieldsStand) {
@@ -148,7 +183,7 @@ TEST(FciCodec, ReadsAStateOfDoublesWhereItsFieldsStand) {
   set(bytes, 8 + 8 * (32 + 14), 0.1034);
   bytes[kSuccessRate - 85] = 2, bytes[kSuccessRate - 84] = 2, bytes[kSuccessRate - 1] = 2;
   set(bytes, kSuccessRate, 0.5);
-  for (const std::uint16_t version : std::initializer_list<std::uint16_t>{9, 6, 5}) {
+  for (const std::uint16_t version : std::initializer_list<std::uint16_t>{9, 8, 7, 6, 5}) {
     State state;
     ASSERT_EQ(decode(*dialect_of(version), span_of(bytes), state), PacketFault::kNone);
     EXPECT_EQ(state.q[6], 1.25);
@@ -184,7 +219,8 @@ TEST(FciCodec, ACommandIsACountSevenTorquesAndItsEnd) {
   std::array<std::byte, kMaxCommandBytes> out;
   Command command{0x1122334455667788, Joints::Zero(), true};
   command.torque_nm << 1, 2, 3, 4, 5, 6, 7;
-  for (const std::uint16_t version : std::initializer_list<std::uint16_t>{10, 9, 6, 5}) {
+  for (const std::uint16_t version :
+       std::initializer_list<std::uint16_t>{10, 9, 8, 7, 6, 5, 4, 3}) {
     const Dialect& dialect = *dialect_of(version);
     const std::size_t size = encode(dialect, command, out);
     ASSERT_EQ(size, dialect.command_size);
@@ -193,7 +229,7 @@ TEST(FciCodec, ACommandIsACountSevenTorquesAndItsEnd) {
     EXPECT_EQ(out[313], std::byte{1}) << "the motion is over";
     for (std::size_t i = 0; i < 7; ++i)
       EXPECT_EQ(value_at<double>(out, 314 + 8 * i), 1.0 + static_cast<double>(i));
-    if (version >= 9) {
+    if (version >= 7) {
       EXPECT_EQ(out[370], std::byte{1});
     }
     for (std::size_t at = 8; at < 312; ++at)
@@ -212,10 +248,11 @@ TEST(FciCodec, WhatASimulatedRobotWritesIsReadBack) {
   state.dq = 2.0 * state.q;
   state.tau_d = -state.q;
   state.ee_in_base = Vec3(0.5, 0.25, 0.125);
-  state.errors = 0x1FFFFFFFFFF;
   state.mode = RobotMode::kMove;
   state.controller = ControllerMode::kExternal;
-  for (const std::uint16_t version : std::initializer_list<std::uint16_t>{10, 5}) {
+  for (const std::uint16_t version :
+       std::initializer_list<std::uint16_t>{10, 9, 8, 7, 6, 5, 4, 3}) {
+    state.errors = version >= 5 ? 0x1FFFFFFFFFF : 0x1FFFFFFFFF;
     std::array<std::byte, kMaxStateBytes> out;
     const std::size_t size = encode(*dialect_of(version), state, out);
     State back;

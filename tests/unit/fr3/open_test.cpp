@@ -2,6 +2,10 @@
 // hoped for.
 #include <gtest/gtest.h>
 
+#include <arpa/inet.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
 #include <atomic>
 #include <chrono>
 #include <optional>
@@ -63,7 +67,8 @@ std::string refusal(const Fr3Options& options) {
 }
 
 TEST(Fr3Open, SpeaksTheVersionThatTheRobotHas) {
-  for (const std::uint16_t version : std::initializer_list<std::uint16_t>{10, 9, 6, 5}) {
+  for (const std::uint16_t version :
+       std::initializer_list<std::uint16_t>{10, 9, 8, 7, 6, 5, 4, 3}) {
     const Robot robot(version);
     Fr3Driver driver(robot.options());
     EXPECT_EQ(driver.version(), version);
@@ -71,6 +76,51 @@ TEST(Fr3Open, SpeaksTheVersionThatTheRobotHas) {
       (void)driver.read(20ms), (void)driver.write({});
     EXPECT_TRUE(driver.session().force_allowed()) << version << ": " << driver.trouble();
   }
+}
+
+/// A TCP server that answers Connect with these bytes and closes.
+std::string refusal_after(const std::string& bytes) {
+  const int listener = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof address;
+  EXPECT_EQ(bind(listener, reinterpret_cast<sockaddr*>(&address), size), 0);
+  EXPECT_EQ(listen(listener, 4), 0);
+  getsockname(listener, reinterpret_cast<sockaddr*>(&address), &size);
+  std::thread server([&] {
+    const int one = accept(listener, nullptr, nullptr);
+    char request[64];
+    (void)!recv(one, request, sizeof request, 0);
+    (void)!send(one, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+    close(one);
+  });
+  Fr3Options options;
+  options.address = "127.0.0.1";
+  options.port = ntohs(address.sin_port);
+  const std::string said = refusal(options);
+  server.join();
+  close(listener);
+  return said;
+}
+
+TEST(Fr3Open, NamesAPortThatIsNoFciServer) {
+  for (const std::string& bytes : {std::string("SSH-2.0-OpenSSH_9.2p1 Debian\r\n"),
+                                   std::string("HTTP/1.1 400 Bad Request\r\n\r\n"),
+                                   std::string("hello"), std::string(200, '\0')})
+    EXPECT_TRUE(refusal_after(bytes).contains("is not an FCI server"))
+        << bytes << ": " << refusal_after(bytes);
+  EXPECT_TRUE(refusal_after("").contains("closed the connection"));
+}
+
+TEST(Fr3Open, TellsWhatIsKnownOfAServerOfAnotherVersion) {
+  const auto refused_by = [](std::uint16_t version) {
+    const fci::Message m = fci::connect_answer(0, false, version);
+    return refusal_after({reinterpret_cast<const char*>(m.bytes.data()), m.size});
+  };
+  EXPECT_TRUE(refused_by(11).contains("speaks 11, this driver 3 to 10; no layout of it was public"))
+      << refused_by(11);
+  EXPECT_TRUE(refused_by(2).contains("update the robot's system image")) << refused_by(2);
 }
 
 TEST(Fr3Open, SaysThatNobodyListensAndWhatToDo) {

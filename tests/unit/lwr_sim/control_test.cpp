@@ -81,7 +81,7 @@ TEST(Control, ATorqueOnTopIsAForceAtTheToolThatTheHandHolds) {
 
 TEST(Control, ATorqueComesAfterItsPeriodAndItsDelayAndThroughItsLag) {
   ControllerConfig config = quick();
-  config.overlay_delay_ticks = 2;
+  config.torque_delay_ticks = 2;
   Rig rig(config);
   ASSERT_TRUE(rig.start());
   rig.periods(20);

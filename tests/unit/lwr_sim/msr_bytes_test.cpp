@@ -17,7 +17,7 @@ ControllerConfig exact() {
   ControllerConfig config;
   config.script_pause_s = 0.002;
   config.torque_noise_nm = 0.0;
-  config.position_resolution_rad = 0.0;
+  config.angle_resolution_rad = 0.0;
   config.virtual_time = true;
   return config;
 }

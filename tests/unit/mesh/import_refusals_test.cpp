@@ -22,7 +22,7 @@ using samples::tetrahedron;
 namespace {
 
 /// Some of these files crash assimp, hang it or fill memory.
-const mesh::TriangleReader kApart = mesh_import::mesh_process({.cpu_s = 2, .memory_mib = 512});
+const mesh::TriangleReader kApart = mesh_import::mesh_process({.cpu_s = 10, .memory_mib = 512});
 
 class Refusal : public ::testing::Test {
  protected:

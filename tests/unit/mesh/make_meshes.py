@@ -1,15 +1,19 @@
 #!/usr/bin/env python3
 """Writes the meshes of the shipped scenes.
 
-All are closed, two triangles at every edge, counter-clockwise seen from outside. OBJ in metres; STL in millimetres, as
-most tools export it (a scene reads those with scale: 0.001). Same input, same bytes: no random numbers, no dates.
+All are closed, two triangles at every edge, counter-clockwise seen from outside. OBJ in metres; STL
+in millimetres, as most tools export it (a scene reads those with scale: 0.001). Same input, same
+bytes: no random numbers, no dates.
 
   plane.obj         slab 0.24 x 0.24 x 0.02 m, top face z = 0, centred in x and y
-  tilted_plane.obj  the same slab, turned 20 degrees about x, then 25 degrees about y, in its vertices
+  tilted_plane.obj  the same slab, turned 20 degrees about x, then 25 degrees about y, in its
+                    vertices
   block.obj         block 0.04 x 0.04 x 0.03 m about the origin
   cylinder.obj      radius 0.04 m, length 0.2 m, axis y through the origin, 96 sides
-  sphere.obj        radius 1, for a scene's scale; icosahedron halved three times, 1280 triangles, corners on the sphere
-  cup.obj           coffee cup: radius 40 mm, height 90 mm, axis z, base at z = 0, handle on the +x side
+  sphere.obj        radius 1, for a scene's scale; icosahedron halved three times, 1280 triangles,
+                    corners on the sphere
+  cup.obj           coffee cup: radius 40 mm, height 90 mm, axis z, base at z = 0, handle on the +x
+                    side
   cup_mm.stl        the same cup, binary, millimetres
   sphere_mm.stl     radius 10 mm, binary, millimetres
 """
@@ -32,7 +36,9 @@ class Mesh:
         return len(self.vertices) - 1
 
     def quad(self, a, b, c, d):
-        """Corners counter-clockwise, cut along the shorter diagonal (the first, if they are equal to a part in 1e9)."""
+        """Corners counter-clockwise, cut along the shorter diagonal (the first, if they are equal
+        to a part in 1e9).
+        """
         p = self.vertices
         if math.dist(p[a], p[c]) <= math.dist(p[b], p[d]) * (1 + 1e-9):
             self.triangles += [(a, b, c), (a, c, d)]
@@ -40,13 +46,17 @@ class Mesh:
             self.triangles += [(a, b, d), (b, c, d)]
 
     def ring(self, lower, upper):
-        """Quads between two closed loops of equally many vertices that run counter-clockwise seen from `upper`'s side."""
+        """Quads between two closed loops of equally many vertices that run counter-clockwise seen
+        from `upper`'s side.
+        """
         n = len(lower)
         for i in range(n):
             self.quad(lower[i], lower[(i + 1) % n], upper[(i + 1) % n], upper[i])
 
     def fan(self, centre, loop):
-        """Triangles from `centre` to a closed loop that runs counter-clockwise seen from outside."""
+        """Triangles from `centre` to a closed loop that runs counter-clockwise seen from
+        outside.
+        """
         n = len(loop)
         for i in range(n):
             self.triangles.append((centre, loop[i], loop[(i + 1) % n]))
@@ -58,7 +68,7 @@ class Mesh:
         return result
 
 
-# ----------------------------------------------------------------------------------------------------------- plain bodies
+# -------------------- plain bodies
 def slab(size_x, size_y, thickness):
     mesh = Mesh()
     x, y = size_x / 2, size_y / 2
@@ -99,7 +109,9 @@ def cylinder(radius, length, sides):
 
 
 def sphere(radius, halvings):
-    """Icosahedron whose edges are halved `halvings` times, every new corner pushed out to the sphere."""
+    """Icosahedron whose edges are halved `halvings` times, every new corner pushed out to the
+    sphere.
+    """
     mesh = Mesh()
     g = (1 + math.sqrt(5)) / 2
 
@@ -148,7 +160,7 @@ def outward(v, i, j, k):
     return ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx) > 0
 
 
-# ------------------------------------------------------------------------------------------------------------------- cup
+# -------------------- cup
 CUP_SIDES = 64  # round the axis; a side is 3.9 mm of the outer wall
 CUP_RADIUS = 0.040
 CUP_HEIGHT = 0.090
@@ -167,8 +179,8 @@ HANDLE_HALF_DEPTH = 0.0050  # in the plane of the handle
 
 
 def cup_profile():
-    """(radius, z) from the middle of the base out, up the wall, over the rim and down to the middle of the floor; and the index
-    at which the wall's WALL_ROWS + 1 points begin."""
+    """(radius, z) from the middle of the base out, up the wall, over the rim and down to the middle
+    of the floor; and the index at which the wall's WALL_ROWS + 1 points begin."""
     rim = CUP_WALL / 2
     top, floor = CUP_HEIGHT - rim, CUP_BOTTOM
     points = [(CUP_RADIUS * f, 0.0) for f in (0.35, 0.7)]
@@ -190,14 +202,16 @@ def cup_profile():
 
 
 def patch_border(row, flip):
-    """(row, side) of the border of a patch, counter-clockwise seen from outside the wall, beginning at the corner of least
-    y and, with `flip`, of greatest z: there the handle arrives upside down."""
+    """(row, side) of the border of a patch, counter-clockwise seen from outside the wall, beginning
+    at the corner of least y and, with `flip`, of greatest z: there the handle arrives upside
+    down."""
     low, high, r0, r1 = 0, PATCH_SIDES, row, row + PATCH_ROWS
     border = [(r0, s) for s in range(low, high)] + [(r, high) for r in range(r0, r1)]
     border += [(r1, s) for s in range(high, low, -1)] + [(r, low) for r in range(r1, r0, -1)]
     if not flip:
         return border
-    # Mirrored in z, so that point i of both borders is point i of the handle's section; it now runs clockwise.
+    # Mirrored in z, so that point i of both borders is point i of the handle's section; it now runs
+    # clockwise.
     return [(r0 + r1 - r, s) for r, s in border]
 
 
@@ -208,8 +222,8 @@ def in_patch(row, side):
 
 
 def handle_section(count_sides, count_rows):
-    """(y, depth) of the handle's section, a rounded rectangle: one point for each of patch_border()'s, each in the direction
-    that the border's point lies in."""
+    """(y, depth) of the handle's section, a rounded rectangle: one point for each of
+    patch_border()'s, each in the direction that the border's point lies in."""
     half_s, half_r = count_sides / 2, count_rows / 2
     section = []
     for r, s in patch_border(0, False):
@@ -220,7 +234,9 @@ def handle_section(count_sides, count_rows):
 
 
 def add_handle(mesh, wall):
-    """Sweeps the section along half an ellipse in the plane y = 0 from the lower patch to the upper one. `wall[row][side]`."""
+    """Sweeps the section along half an ellipse in the plane y = 0 from the lower patch to the upper
+    one. `wall[row][side]`.
+    """
     lower = [wall[r][s % CUP_SIDES] for r, s in patch_border(LOWER_ROW, False)]
     upper = [wall[r][s % CUP_SIDES] for r, s in patch_border(UPPER_ROW, True)]
     z_of = lambda row: mesh.vertices[wall[row][0]][2]
@@ -253,9 +269,9 @@ def add_handle(mesh, wall):
 
 
 def cup():
-    """Walls and floor are one turned profile; the handle is a tube between the borders of two patches left out of the outer
-    wall, so that the whole is one surface with one hole through it (genus 1) and nothing runs through anything.
-    """
+    """Walls and floor are one turned profile; the handle is a tube between the borders of two
+    patches left out of the outer wall, so that the whole is one surface with one hole through it
+    (genus 1) and nothing runs through anything."""
     mesh = Mesh()
     profile, start = cup_profile()
     # Side 0 begins half a patch before the x axis: the handle is symmetric in y.
@@ -283,9 +299,11 @@ def without_unused(mesh):
     return result
 
 
-# ----------------------------------------------------------------------------------------------------------------- files
+# -------------------- files
 def number(value):
-    """At most 9 significant digits, and nothing below a nanometre: keeps the last bit of a sine out of the file."""
+    """At most 9 significant digits, and nothing below a nanometre: keeps the last bit of a sine out
+    of the file.
+    """
     text = "%.9g" % round(value, 9)
     return "0" if text == "-0" else text
 

@@ -158,6 +158,34 @@ TEST(MeshReport, NamesPartsThatFaceInwardAmongOthers) {
   EXPECT_NEAR(r.signed_volume_m3, 26.0, 1e-12);
 }
 
+TEST(MeshReport, NamesAShellInAShellThatFacesTheSameWay) {
+  const mesh::TriangleMesh mesh = joined(box({0, 0, 0}, {3, 3, 3}), box({1, 1, 1}, {2, 2, 2}));
+  const mesh::MeshReport r = mesh::inspect(mesh);
+  EXPECT_EQ(r.nested_parts.examples, Indices{12});
+  expect_tells(r, "1", " 12)");
+  // Also where the inner one comes first, and with a part of its own beside.
+  const mesh::MeshReport first = mesh::inspect(joined(
+      joined(box({1, 1, 1}, {2, 2, 2}), box({0, 0, 0}, {3, 3, 3})), box({7, 0, 0}, {8, 1, 1})));
+  EXPECT_EQ(first.nested_parts.examples, Indices{0});
+}
+
+TEST(MeshReport, CallsNothingNestedThatLiesInACavityOrBesideOrAcross) {
+  const mesh::TriangleMesh hollow =
+      joined(box({0, 0, 0}, {9, 9, 9}), flipped(box({1, 1, 1}, {8, 8, 8})));
+  const auto nested = [](const mesh::TriangleMesh& mesh) {
+    return mesh::inspect(mesh).nested_parts.count;
+  };
+  EXPECT_EQ(nested(hollow), 0u);
+  EXPECT_EQ(nested(joined(hollow, box({3, 3, 3}, {4, 4, 4}))), 0u)
+      << "a rattle in a cavity is solid by itself";
+  EXPECT_EQ(nested(joined(hollow, box({0.2, 0.2, 0.2}, {0.8, 0.8, 0.8}))), 1u) << "within the wall";
+  EXPECT_EQ(nested(joined(box({0, 0, 0}, {3, 3, 3}), box({2, 1, 1}, {4, 2, 2}))), 0u) << "across";
+  // In the notch of a U, within the box round it.
+  const mesh::TriangleMesh u = joined(joined(box({0, 0, 0}, {1, 1, 5}), box({4, 0, 0}, {5, 1, 5})),
+                                      box({1, 0, 0}, {4, 1, 1}));
+  EXPECT_EQ(nested(joined(u, box({2, 0.2, 2}, {3, 0.8, 3}))), 0u);
+}
+
 TEST(MeshReport, SaysThatAMoebiusStripHasOneSide) {
   mesh::TriangleMesh strip{{}, {{0, 1, 2}, {1, 3, 2}, {2, 3, 4}, {3, 5, 4}, {4, 5, 1}, {5, 0, 1}}};
   for (int k = 0; k < 3; ++k) {

@@ -30,6 +30,7 @@ std::string pressing_scene() {
   text << in.rdbuf();
   std::string scene = text.str();
   const auto replace = [&](const std::string& from, const std::string& to) {
+    EXPECT_NE(scene.find(from), std::string::npos) << "plane.yaml has no '" << from << "'";
     for (std::size_t at = 0; (at = scene.find(from, at)) != std::string::npos; at += to.size())
       scene.replace(at, from.size(), to);
   };

@@ -44,16 +44,20 @@ struct Seen {
   std::string status, kind;
   double cutoff_hz = 0, shown_n_per_m = 0, damping_ns_per_m = 0;
   std::size_t reasons = 0, notes = 0;
+  std::uint64_t from_sample = 0;
+  bool anew = false, runs = false;
 };
 
 /// Device and rendering of one rig, as far as the coupling sees them.
 class Around {
  public:
-  explicit Around(const std::string& coupling, bool lockstep = false, bool standby = false)
+  /// `claimed`: the ring is one of `voxtouch up`, whose claim is to be written.
+  explicit Around(const std::string& coupling, bool lockstep = false, bool claimed = false)
       : rig(own_rig("c")),
         device(kDomain, "device", rig),
         rendering(std::make_unique<StandIn>(kDomain, "rendering", rig)),
         participant({kDomain, "lo", "around"}),
+        up(kDomain, rig),
         registry(participant, rig),
         descriptions(device.participant, qos::kDeviceDescription, rig, latched()),
         plans(rendering->participant, qos::kScenePlan, rig, latched()),
@@ -61,7 +65,7 @@ class Around {
                  qos::profile(lockstep ? qos::ProfileId::kLockstep : qos::ProfileId::kStream)),
         designs(participant, qos::kCouplingDesign, rig, latched()),
         commands(participant, qos::kForceCommand, rig, qos::profile(qos::ProfileId::kTap)),
-        options(options_for(coupling, lockstep, standby)),
+        options(options_for(coupling, lockstep, claimed)),
         node([this](const std::atomic<bool>& stop) { return coupling_node::run(options, stop); }) {
     EXPECT_TRUE(wait_until([&] {
       return descriptions.matched_count() && plans.matched_count() && contacts.matched_count() &&
@@ -69,10 +73,11 @@ class Around {
     }));
   }
   coupling_node::Options options_for(const std::string& coupling, bool lockstep,
-                                     bool standby) const {
+                                     bool claimed) const {
     auto o = node_options<coupling_node::Options>(rig);
     o.lockstep = lockstep;
-    o.standby.is_standby = standby;
+    if (claimed)
+      o.up = up.participant.guid();
     o.scene = scene_with(coupling);
     return o;
   }
@@ -177,7 +182,8 @@ class Around {
       forces.push_back(command.wrench.force.z);
     designs.take_each([this](const msg::CouplingDesign& d) {
       seen.push_back({d.status, d.kind, d.cutoff_hz, d.shown_stiffness_n_per_m,
-                      d.injected_damping_ns_per_m, d.reasons._length, d.notes._length});
+                      d.injected_damping_ns_per_m, d.reasons._length, d.notes._length,
+                      d.from_sample, d.anew, d.runs});
       for (std::uint32_t n = 0; n < d.notes._length; ++n)
         notes.emplace_back(d.notes._buffer[n]);
     });
@@ -192,6 +198,7 @@ class Around {
   StandIn device;
   std::unique_ptr<StandIn> rendering;
   bus::Participant participant;
+  StandInUp up;
   runtime::NodeRegistry registry;
   bus::Writer<msg::DeviceDescription> descriptions;
   bus::Writer<msg::ScenePlan> plans;

@@ -60,6 +60,10 @@ TEST(CouplingNode, DesignsAnewWithoutAForceStepWhenTheDeviceOrTheContactChange) 
   ASSERT_EQ(around.seen.size(), 2U);
   EXPECT_LT(around.seen[1].shown_n_per_m, around.seen[0].shown_n_per_m);
   EXPECT_GT(around.seen[1].damping_ns_per_m, 0.0);
+  EXPECT_TRUE(around.seen[0].anew && around.seen[0].runs);
+  EXPECT_EQ(around.seen[0].from_sample, 0U);
+  EXPECT_TRUE(!around.seen[1].anew && around.seen[1].runs);
+  EXPECT_GE(around.seen[1].from_sample, 800U);
   around.plan(300.0);
   for (int i = 0; i < 600 || (around.seen.size() < 3 && i < 5000); ++i)
     around.touch();

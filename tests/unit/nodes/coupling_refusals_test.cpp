@@ -64,8 +64,10 @@ TEST(CouplingNode, CommandsNothingWhileAnOutsideWrenchMayAskForMoreThanTheDevice
 
 /// Another rendering may run another scene: nothing of it is felt before its plan has come and has
 /// been fitted to.
-TEST(CouplingNode, CommandsNothingForARenderingThatTakesTheRoleBeforeItsPlanIsFittedTo) {
-  Around around("{design: auto, kind: shaping_filter}");
+TEST(CouplingNode, CommandsNothingForARestartedRenderingBeforeItsPlan) {
+  Around around("{design: auto, kind: shaping_filter}", false, true);
+  const std::pair device{std::string("device"), around.device.participant.guid()};
+  around.up.name({device, {"rendering", around.rendering->participant.guid()}});
   around.describe(20.0);
   around.plan();
   ASSERT_TRUE(around.force_comes());
@@ -80,6 +82,9 @@ TEST(CouplingNode, CommandsNothingForARenderingThatTakesTheRoleBeforeItsPlanIsFi
                                           Around::stream());
   ASSERT_TRUE(
       wait_until([&] { return plans.matched_count() > 0 && contacts.matched_count() > 0; }));
+  around.up.name({device,
+                  {"rendering", around.rendering->participant.guid()},
+                  {"rendering", second->participant.guid()}});
   second->say(7);
   around.contacts = {}, around.plans = {}, around.rendering.reset();
   around.contacts = std::move(contacts), around.plans = std::move(plans),

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <limits>
 #include <map>
@@ -31,7 +32,6 @@ class FaultyDevice final : public devices::Driver {
   int skipped_ticks = 0;
   std::uint64_t busy_at = 0;  ///< before this read the thread is kept from its work for three ticks
   std::function<void(std::uint64_t)> at_read;  ///< called at each
-  std::uint64_t recorded = 0;                  ///< samples of the recording that it plays
   std::map<std::uint64_t, int>
       stops_ms;  ///< at these reads the whole process is stopped for so long: its own clock too
 
@@ -77,7 +77,6 @@ class FaultyDevice final : public devices::Driver {
   }
   void stop() noexcept override { force = 0.0, ++stops; }
   bool simulated() const noexcept override { return !paces; }
-  std::uint64_t recorded_samples() const noexcept override { return recorded; }
   std::uint64_t reads() const { return reads_; }
 
   void set_rate(double rate_hz) { description_.rate_hz = rate_hz; }
@@ -109,9 +108,9 @@ class DeviceLoopRun : public testing::Test {
   End run(std::uint64_t samples = 1200) {
     const auto& stream = qos::profile(qos::ProfileId::kStream);
     bus::Writer<msg::DeviceState> states(participant_, qos::kDeviceState, rig_, stream);
-    runtime::PairReader<msg::ForceCommand> commands(participant_, qos::kForceCommand, rig_, stream);
+    bus::FollowedReader<msg::ForceCommand> commands(participant_, qos::kForceCommand, rig_, stream);
     bus::WaitSet wait_set(participant_);
-    commands.attach_to(wait_set);
+    wait_set.attach(commands.condition());
     test::NodeThread coupling([this](const std::atomic<bool>& enough) { return answer(enough); });
     DeviceLoop loop({.session_id = 7, .max_samples = samples}, device, states, commands, wait_set,
                     progress, requests, *faults);
@@ -172,7 +171,7 @@ TEST_F(DeviceLoopRun, PushesAsCommandedAndEndsAtZero) {
   EXPECT_EQ(run(), End::kFinished);
   EXPECT_GT(largest(1000, 1200), 1.5) << "without a force the other cases show nothing";
   EXPECT_EQ(device.force, 0.0);
-  EXPECT_EQ(progress.interruptions.load(), 0U);
+  EXPECT_EQ(progress.counters[DeviceCounter::kInterruptions], 0);
 }
 
 TEST_F(DeviceLoopRun, TakesAMissedSampleForAnInterruptionNotForTheEnd) {
@@ -180,9 +179,10 @@ TEST_F(DeviceLoopRun, TakesAMissedSampleForAnInterruptionNotForTheEnd) {
                         {901, devices::DeviceError::kProtocol},
                         {902, devices::DeviceError::kRecoverable}};
   EXPECT_EQ(run(), End::kFinished);
-  EXPECT_EQ(progress.samples.load(), 1200U);
-  EXPECT_EQ(progress.interruptions.load(), 1U) << "three failures in a row are one";
-  EXPECT_EQ(progress.zero_force_samples.load(), 3U);
+  EXPECT_EQ(progress.counters[DeviceCounter::kSamples], 1200);
+  EXPECT_EQ(progress.counters[DeviceCounter::kInterruptions], 1)
+      << "three failures in a row are one";
+  EXPECT_EQ(progress.counters[DeviceCounter::kZeroForce], 3);
   EXPECT_EQ(progress.last_error.load(), devices::DeviceError::kRecoverable);
   EXPECT_GT(largest(700, 900), 1.5) << "the force before the interruption";
   EXPECT_EQ(device.pushed[900], 0.0) << "zero force at once";
@@ -257,8 +257,8 @@ TEST_F(DeviceLoopRun, RampsInAnewAfterTheDeviceHasDroppedItsForce) {
   for (std::uint64_t i = 800; i < 810; ++i)
     device.write_faults[i] = devices::DeviceError::kRecoverable;
   EXPECT_EQ(run(), End::kFinished);
-  EXPECT_EQ(progress.interruptions.load(), 1U);
-  EXPECT_EQ(progress.zero_force_samples.load(), 10U);
+  EXPECT_EQ(progress.counters[DeviceCounter::kInterruptions], 1);
+  EXPECT_EQ(progress.counters[DeviceCounter::kZeroForce], 10);
   EXPECT_EQ(device.pushed[809], 0.0);
   EXPECT_LT(device.pushed[830], 0.5);
   EXPECT_GT(largest(1000, 1200), 0.5);
@@ -271,9 +271,9 @@ TEST_F(DeviceLoopRun, LetsGoOfTheForceThatItHeldWhenItsProcessWasStopped) {
   EXPECT_EQ(device.pushed[800], 0.0) << "zero force at once";
   EXPECT_LT(device.pushed[830], 0.5) << "the force comes back in a ramp";
   EXPECT_GT(largest(1000, 1200), 0.5);
-  EXPECT_GE(progress.interruptions.load(), 1U);
-  EXPECT_GE(progress.longest_gap_ns.load(), 40'000'000);
-  EXPECT_EQ(progress.samples.load(), 1200U);
+  EXPECT_GE(progress.counters[DeviceCounter::kInterruptions], 1);
+  EXPECT_GE(progress.counters[DeviceCounter::kLongestGap], 40.0);
+  EXPECT_EQ(progress.counters[DeviceCounter::kSamples], 1200);
 }
 
 TEST_F(DeviceLoopRun, GoesOnAfterAStopThatACommandOutlives) {
@@ -284,16 +284,17 @@ TEST_F(DeviceLoopRun, GoesOnAfterAStopThatACommandOutlives) {
 
 TEST_F(DeviceLoopRun, KeepsTheLargestForceForWhoeverLooksSeldom) {
   EXPECT_EQ(run(), End::kFinished);
-  EXPECT_EQ(progress.force_n.load(), 0.0) << "it has ended";
-  EXPECT_EQ(progress.recent_max_force_n.exchange(0.0), progress.max_force_n.load());
-  EXPECT_GT(progress.max_force_n.load(), 1.5);
+  EXPECT_EQ(progress.counters[DeviceCounter::kForce], 0.0) << "it has ended";
+  EXPECT_EQ(progress.counters.take(DeviceCounter::kRecentForce),
+            progress.counters[DeviceCounter::kMaxForce]);
+  EXPECT_GT(progress.counters[DeviceCounter::kMaxForce], 1.5);
 }
 
 TEST_F(DeviceLoopRun, TellsWhichSampleWasAnsweredFirstAndThatItRuns) {
-  EXPECT_EQ(progress.first_answered.load(), Progress::kNone);
+  EXPECT_TRUE(std::isnan(progress.counters[DeviceCounter::kFirstAnswered]));
   const std::uint64_t before = progress.heartbeat.sign();
   EXPECT_EQ(run(), End::kFinished);
-  EXPECT_LT(progress.first_answered.load(), 1000U);
+  EXPECT_LT(progress.counters[DeviceCounter::kFirstAnswered], 1000.0);
   EXPECT_GE(progress.heartbeat.sign() - before, 1200U);
 }
 
@@ -302,8 +303,8 @@ TEST_F(DeviceLoopRun, CountsNoInterruptionWhileADeviceGetsReady) {
     device.write_faults[i] = devices::DeviceError::kRecoverable;
   device.write_faults[800] = devices::DeviceError::kRecoverable;
   EXPECT_EQ(run(), End::kFinished);
-  EXPECT_EQ(progress.interruptions.load(), 1U) << "the one after it was ready";
-  EXPECT_EQ(progress.zero_force_samples.load(), 301U);
+  EXPECT_EQ(progress.counters[DeviceCounter::kInterruptions], 1) << "the one after it was ready";
+  EXPECT_EQ(progress.counters[DeviceCounter::kZeroForce], 301);
 }
 
 TEST_F(DeviceLoopRun, DoesNotSpinOnADeviceThatFailsAtOnce) {
@@ -336,7 +337,7 @@ TEST_F(DeviceLoopRun, MarksAPoseThatIsNotToBeTrustedAndSendsTheLastGoodOne) {
   for (std::uint64_t i = 200; i < 300; ++i)
     device.odd_samples[i] = i % 2 ? marked : not_a_number;
   EXPECT_EQ(run(500), End::kFinished);
-  EXPECT_EQ(progress.untrusted_poses.load(), 100U);
+  EXPECT_EQ(progress.counters[DeviceCounter::kHeldPoses], 100);
   int flagged = 0;
   for (const msg::DeviceState& state : seen) {
     EXPECT_EQ(state.pose.position.z, 0.5) << "sample " << state.sequence_number;
@@ -346,18 +347,6 @@ TEST_F(DeviceLoopRun, MarksAPoseThatIsNotToBeTrustedAndSendsTheLastGoodOne) {
     flagged += untrusted;
   }
   EXPECT_GT(flagged, 50);
-}
-
-TEST_F(DeviceLoopRun, MarksEachSampleOfARecordingAndNoneOfAHand) {
-  for (const std::uint64_t recorded : {0U, 300U}) {
-    device.recorded = recorded;
-    seen.clear();
-    EXPECT_EQ(run(300), End::kFinished);
-    ASSERT_GT(seen.size(), 100U);
-    for (const msg::DeviceState& state : seen)
-      EXPECT_EQ((state.flags & msg::device_state::kFlagRecorded) != 0, recorded > 0)
-          << "sample " << state.sequence_number;
-  }
 }
 
 TEST_F(DeviceLoopRun, AnswersARealDeviceAtItsOwnPaceAndAtOnce) {
@@ -376,7 +365,7 @@ TEST_F(DeviceLoopRun, CountsTheSamplesOfARealDeviceThatNobodyFetched) {
   device.busy_at = 50;
   EXPECT_EQ(run(100), End::kFinished);
   EXPECT_GE(device.skipped_ticks, 3);
-  EXPECT_NEAR(static_cast<double>(progress.overruns.load()), device.skipped_ticks,
+  EXPECT_NEAR(progress.counters[DeviceCounter::kOverruns], device.skipped_ticks,
               0.1 * device.skipped_ticks);
 }
 

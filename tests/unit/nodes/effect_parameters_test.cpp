@@ -132,22 +132,22 @@ TEST_F(EffectParameters, RefuseTypesThatTheyDoNotTake) {
 
 TEST(RequestsFit, WhereNoTextAndNoListIsLongerThanAnyThatCanBeMeant) {
   const std::string longest(1024, 'x'), longer(1025, 'x');
-  EXPECT_TRUE(fits(longest.c_str()));
-  EXPECT_FALSE(fits(longer.c_str()));
-  EXPECT_FALSE(fits(nullptr));
+  EXPECT_TRUE(runtime::fits(longest.c_str()));
+  EXPECT_FALSE(runtime::fits(longer.c_str()));
+  EXPECT_FALSE(runtime::fits(nullptr));
   std::vector<double> numbers(17);
   msg::rcl_interfaces_Parameter parameter{};
   parameter.name = parameter.value.string_value = runtime::lend(longest);
   parameter.value.double_array_value._buffer = numbers.data();
   parameter.value.double_array_value._length = 16;
-  EXPECT_TRUE(fits(parameter));
+  EXPECT_TRUE(runtime::fits(parameter));
   parameter.value.double_array_value._length = 17;
-  EXPECT_FALSE(fits(parameter));
+  EXPECT_FALSE(runtime::fits(parameter));
   parameter.value.double_array_value._length = 0;
   std::vector<char*> texts{runtime::lend(longer)};
   parameter.value.string_array_value._buffer = texts.data();
   parameter.value.string_array_value._length = 1;
-  EXPECT_FALSE(fits(parameter));
+  EXPECT_FALSE(runtime::fits(parameter));
 }
 
 }  // namespace

@@ -44,5 +44,15 @@ TEST(HundredASecond, ShowsAHundredASecondOfALoopThatIsLateAndNoneTwice) {
   EXPECT_EQ(made_up, 1) << "ten seconds of nothing are not made up for";
 }
 
+TEST(HundredASecond, BeginsAnewWithSimulatedTimeOfANewSession) {
+  HundredASecond regular;
+  for (int session = 0; session < 2; ++session) {
+    int shown = 0;
+    for (std::int64_t now = 0; now < 1'000'000'000; now += 1'000'000)
+      shown += regular.is_due(now);
+    EXPECT_EQ(shown, 100) << session;
+  }
+}
+
 }  // namespace
 }  // namespace voxtouch::runtime

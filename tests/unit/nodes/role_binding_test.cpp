@@ -1,4 +1,4 @@
-// Who plays a role: whose status counts, whom a reader follows, who is named, and who takes over.
+// Who plays a role: whose status counts, whom a reader follows, and who is named.
 #include "nodes/runtime/role_binding.hpp"
 
 #include <gtest/gtest.h>
@@ -55,7 +55,8 @@ class RoleTest : public testing::Test {
   runtime::RoleBinding role{"coupling", {&commands.following()}};
 };
 
-TEST_F(RoleTest, IsOfTheOneWhoClaimsItAndStaysHisUntilHeHasGone) {
+/// In a ring that was started by hand.
+TEST_F(RoleTest, IsOfTheFirstClaimantAndLostForTheSessionWhenItGoes) {
   auto first = std::make_unique<Coupling>(rig);
   first->say(8), settle();
   EXPECT_FALSE(role.bound()) << "he answers for another session";
@@ -70,9 +71,69 @@ TEST_F(RoleTest, IsOfTheOneWhoClaimsItAndStaysHisUntilHeHasGone) {
   first->say(8), settle();
   EXPECT_EQ(role.participant(), first->participant.guid()) << "a session more is no reason";
   first.reset();
-  ASSERT_TRUE(comes([&] { return role.participant() == second.participant.guid(); }));
+  ASSERT_TRUE(comes([&] { return !role.bound(); }));
+  EXPECT_EQ(role.lost_session(), 7U);
+  settle();
+  EXPECT_FALSE(role.bound()) << "no rebinding within a session";
+  EXPECT_NE(role.trouble(registry).find("the session is over"), std::string::npos)
+      << role.trouble(registry);
+  second.say(9);
+  ASSERT_TRUE(wait_until([&] {
+    return registry.update(), role.update(registry, 9),
+           role.participant() == second.participant.guid();
+  })) << "another session";
+  EXPECT_EQ(role.lost_session(), 0U);
   EXPECT_EQ(role.trouble(registry), "")
-      << "who is bound is no intruder, even where he was one before";
+      << "a bound participant is not unauthorised, even if it was before";
+}
+
+/// In a ring that `voxtouch up` started.
+class ClaimedRole : public RoleTest {
+ protected:
+  bool comes(const std::function<bool()>& holds) {
+    return wait_until([&] { return claimed.update(), role.update(claimed, 7), holds(); });
+  }
+  void settle() {
+    for (int i = 0; i < 20; ++i)
+      claimed.update(), role.update(claimed, 7),
+          std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  static std::pair<std::string, bus::Guid> playing(const Coupling& one) {
+    return {"coupling", one.participant.guid()};
+  }
+  StandInUp up{kDomain, rig}, other{kDomain, rig};
+  runtime::NodeRegistry claimed{own, rig, up.participant.guid()};
+};
+
+TEST_F(ClaimedRole, GoesOnlyToParticipantsThatTheClaimNames) {
+  auto real = std::make_unique<Coupling>(rig);
+  Coupling stranger(rig);
+  real->say(7), stranger.say(7), settle();
+  EXPECT_FALSE(role.bound()) << "nobody is named yet";
+  other.name({playing(stranger)}), settle();
+  EXPECT_FALSE(role.bound()) << "the claim of a participant that has not started this node";
+  up.name({playing(*real)});
+  ASSERT_TRUE(comes([&] { return role.bound(); }));
+  EXPECT_EQ(role.participant(), real->participant.guid());
+  real.reset();  // as one that hangs for longer than its lease
+  ASSERT_TRUE(comes([&] { return !role.bound(); }));
+  stranger.say(7), settle();
+  EXPECT_FALSE(role.bound()) << "a stranger took the role of a node that was lost";
+  Coupling again(rig);
+  again.say(7), up.name({playing(again)});
+  ASSERT_TRUE(comes([&] { return role.bound(); }))
+      << "one that `up` started again, within the session";
+  EXPECT_EQ(role.participant(), again.participant.guid());
+}
+
+TEST(RigRoles, WritesAGuidAsTextAndReadsItBack) {
+  bus::Guid guid{};
+  for (std::size_t i = 0; i < guid.size(); ++i)
+    guid[i] = static_cast<std::uint8_t>(17 * i + 1);
+  EXPECT_EQ(runtime::to_guid(runtime::to_text(guid)), guid);
+  for (const char* text :
+       {"", "01", "zz000000000000000000000000000000", "0011223344556677889900112233445"})
+    EXPECT_EQ(runtime::to_guid(text), bus::Guid{});
 }
 
 TEST_F(RoleTest, IsNobodysWhileTwoClaimItAndBothAreNamed) {

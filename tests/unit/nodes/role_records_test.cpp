@@ -9,7 +9,6 @@
 
 #include "nodes/bus/writer.hpp"
 #include "nodes/logger/logger_node.hpp"
-#include "nodes/runtime/standby.hpp"
 #include "nodes/runtime/strings.hpp"
 #include "tests/support/adversary.hpp"
 #include "tests/support/stand_in.hpp"
@@ -53,7 +52,7 @@ TEST(RoleRecordsRule, KeepsWhatComesBeforeSomebodyPlaysTheRole) {
   EXPECT_EQ(records.refused_writers(), std::set{guid(2)});
 }
 
-TEST(RoleRecordsRule, WaitsForTwoLooksBeforeItRefusesWhoMayHaveTakenOver) {
+TEST(RoleRecordsRule, WaitsForTwoLooksBeforeItRefuses) {
   RoleRecords records;
   records.entitle(guid(1)), records.looked(true);
   records.take(guid(2), record(1));
@@ -73,9 +72,40 @@ TEST(RoleRecordsRule, RefusesAtTheEndWhatNobodyHasVouchedFor) {
   RoleRecords records;
   records.take(bus::Guid{}, record(1));
   EXPECT_TRUE(settled(records).empty());
-  records.end();
+  records.end([](const auto&) { FAIL(); });
   EXPECT_EQ(records.refused(), 1U);
   EXPECT_TRUE(settled(records).empty());
+}
+
+TEST(RoleRecordsRule, StreamsOfAnUnknownRoleAreRecordedAtTheEnd) {
+  RoleRecords records(RoleRecords::Unknown::kRecord);
+  records.take(guid(1), record(1));
+  records.looked(false), records.looked(false), records.looked(false);
+  EXPECT_TRUE(settled(records).empty());
+  std::vector<std::int64_t> times;
+  records.end([&](const RoleRecords::Record& one) { times.push_back(one.time_ns); });
+  EXPECT_EQ(times, std::vector<std::int64_t>{1});
+  EXPECT_EQ(records.refused(), 0U);
+}
+
+TEST(RoleRecordsRule, StreamsAreNotLostBeforeTheRoleIsKnown) {
+  RoleRecords records(RoleRecords::Unknown::kRecord);
+  std::vector<std::int64_t> times;
+  for (int n = 0; n < 100; ++n) {
+    records.take(guid(1), record(n, RoleRecords::kMaxOfOne / 10));
+    records.settle([&](const RoleRecords::Record& one) { times.push_back(one.time_ns); });
+  }
+  records.entitle(guid(1)), records.looked(true);
+  for (int n = 100; n < 200; ++n)
+    records.take(guid(1), record(n, RoleRecords::kMaxOfOne / 10));
+  records.settle([&](const RoleRecords::Record& one) { times.push_back(one.time_ns); });
+  ASSERT_EQ(times.size(), 200U);
+  for (std::int64_t n = 0; n < 200; ++n)
+    EXPECT_EQ(times[static_cast<std::size_t>(n)], n);
+  records.take(guid(2), record(7));
+  records.looked(true), records.looked(true);
+  EXPECT_TRUE(settled(records).empty());
+  EXPECT_EQ(records.refused(), 1U);
 }
 
 TEST(RoleRecordsRule, WhoFloodsItTakesNoRoomOfOthers) {
@@ -93,19 +123,11 @@ TEST(RoleRecordsRule, WhoFloodsItTakesNoRoomOfOthers) {
 
 /// A rendering as the real ones are, as far as a logger sees them.
 struct Rendering : StandIn {
-  Rendering(const std::string& rig, const std::string& name = "rendering")
-      : StandIn(kDomain, name, rig),
+  explicit Rendering(const std::string& rig)
+      : StandIn(kDomain, "rendering", rig),
         contacts(participant, qos::kContactState, rig, qos::profile(qos::kContactState.profile)),
         plans(participant, qos::kScenePlan, rig, qos::profile(qos::kScenePlan.profile)),
         made(participant, qos::kEffectMade, rig, qos::profile(qos::kEffectMade.profile)) {}
-  void say_standby(const std::string& duty, const bus::Guid* standby = nullptr) {
-    runtime::NodeReport report;
-    report.session_id = 7, report.state = runtime::NodeState::kRunning,
-    report.values[runtime::kDuty] = duty;
-    if (standby)
-      report.values[runtime::kStandby] = runtime::to_hex(*standby);
-    status.publish(report);
-  }
   void make(std::uint64_t from_sample) {
     const std::string effect = "oil", none;
     msg::EffectChange m{};
@@ -143,17 +165,18 @@ class RecordsOfTheLogger : public testing::Test {
     return registry.find("logger");
   }
   /// First samples of the records in the bag.
-  std::vector<std::uint64_t> recorded() {
+  std::vector<std::uint64_t> recorded() { return numbers_in("/rendering/made", 16); }
+  /// Of each message of a topic the eight bytes at an offset.
+  std::vector<std::uint64_t> numbers_in(const std::string& topic, std::size_t offset) {
     EXPECT_EQ(node.end(), 0) << node.error();
     std::vector<std::uint64_t> samples;
     const auto bag = bag::WholeBag::open(options.bag);
-    const auto messages =
-        bag ? bag->read_topic("/" + rig + "/rendering/made", bag::WholeBag::Order::kArrival)
-            : std::unexpected(bag.error());
+    const auto messages = bag ? bag->read_topic("/" + rig + topic, bag::WholeBag::Order::kArrival)
+                              : std::unexpected(bag.error());
     if (!messages)
       throw std::runtime_error(messages.error().sentence);
     for (const auto& message : *messages)
-      std::memcpy(&samples.emplace_back(), message.bytes.data() + 4 + 16, 8);
+      std::memcpy(&samples.emplace_back(), message.bytes.data() + 4 + offset, 8);
     return samples;
   }
 
@@ -183,37 +206,49 @@ TEST_F(RecordsOfTheLogger, AreTheRenderingsAloneAndAStrangersAreToldWithHisName)
   stranger.claim("rendering", 7);
   forged.from_sample = 67, forger.write(forged);
   ASSERT_TRUE(wait_until([&] { return refused() == 2.0; })) << message();
-  EXPECT_NE(message().find("2 records that "), std::string::npos) << message();
+  EXPECT_NE(message().find("2 messages of "), std::string::npos) << message();
   EXPECT_NE(message().find("(process 666 on elsewhere)"), std::string::npos) << message();
   rendering.make(12);
   EXPECT_EQ(recorded(), (std::vector<std::uint64_t>{11, 12}));
 }
 
-TEST_F(RecordsOfTheLogger, AreAlsoOfTheStandbyThatHasTakenOver) {
-  auto first = std::make_unique<Rendering>(rig);
-  Rendering standby(rig, "rendering_standby");
-  ASSERT_TRUE(wait_until([&] {
-    return first->made.matched_count() == 1 && standby.made.matched_count() == 1;
-  })) << node.error();
-  begin(), standby.say_standby(runtime::kStandsBy),
-      first->say_standby(runtime::kActs, &standby.participant.guid());
-  first->make(1);
-  ASSERT_TRUE(wait_until([&] { return figure("records") == 1.0; })) << message();
-  standby.make(2);  // the first one hangs, and is still here
+TEST_F(RecordsOfTheLogger, SamplesOfAnotherDeviceAreLeftOutAndItIsNamed) {
   Adversary stranger(kDomain, rig);
-  bus::Writer<msg::EffectChange> forger(stranger.participant(), qos::kEffectMade, rig,
-                                        qos::profile(qos::kEffectMade.profile));
-  char none[] = "";
-  msg::EffectChange forged{};
-  forged.from_sample = 66, forged.effect = forged.parameter = forged.model = none;
-  ASSERT_TRUE(wait_until([&] { return forger.matched_count() == 1; }));
-  forger.write(forged);
-  ASSERT_TRUE(wait_until([&] { return refused() == 1.0; })) << message();
+  const auto& profile = qos::profile(qos::kDeviceState.profile);
+  bus::Writer<msg::DeviceState> own(device.participant, qos::kDeviceState, rig, profile);
+  bus::Writer<msg::DeviceState> foreign(stranger.participant(), qos::kDeviceState, rig, profile);
+  ASSERT_TRUE(wait_until([&] {
+    return own.matched_count() == 1 && foreign.matched_count() == 1 && report();
+  })) << node.error();
+  const auto write = [](auto& writer, std::uint64_t session, std::uint64_t number) {
+    msg::DeviceState state{};
+    state.session_id = session, state.sequence_number = number;
+    writer.write(state);
+  };
+  write(foreign, 6, 100), write(own, 7, 1);  // before anybody plays a role
+  begin();
+  ASSERT_TRUE(wait_until([&] { return figure("left_out_messages") == 1.0; })) << message();
+  write(foreign, 7, 101);
+  ASSERT_TRUE(wait_until([&] { return figure("left_out_messages") == 2.0; })) << message();
+  EXPECT_TRUE(message().contains("2 messages of ")) << message();
+  EXPECT_EQ(refused(), 0.0);
+  write(own, 7, 2);
+  ASSERT_TRUE(wait_until([&] { return figure("received") >= 3.0; })) << message();
+  EXPECT_EQ(numbers_in("/device/state", 8), (std::vector<std::uint64_t>{1, 2}));
+}
+
+TEST_F(RecordsOfTheLogger, AreNotOfASecondRenderingWithinTheSession) {
+  auto first = std::make_unique<Rendering>(rig);
+  ASSERT_TRUE(wait_until([&] { return first->made.matched_count() == 1; })) << node.error();
+  begin(), first->say(7), first->make(1);
+  ASSERT_TRUE(wait_until([&] { return figure("records") == 1.0; })) << message();
   first.reset();
-  standby.say_standby(runtime::kActs);
-  standby.make(3);
-  ASSERT_TRUE(wait_until([&] { return figure("records") == 3.0; })) << message();
-  EXPECT_EQ(recorded(), (std::vector<std::uint64_t>{1, 2, 3}));
+  Rendering second(rig);
+  ASSERT_TRUE(wait_until([&] { return second.made.matched_count() == 1; })) << node.error();
+  second.say(7), second.make(2);
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  EXPECT_EQ(figure("records"), 1.0) << message();
+  EXPECT_EQ(recorded(), (std::vector<std::uint64_t>{1}));
 }
 
 }  // namespace

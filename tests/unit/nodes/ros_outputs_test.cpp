@@ -19,7 +19,7 @@
 namespace voxtouch::test {
 namespace {
 
-using rendering_node::RosOutputCounts;
+using rendering_node::RosOutput;
 
 scene::Scene plane() {
   return scene::load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml");
@@ -35,7 +35,8 @@ class RosOutputsTest : public testing::Test {
       show();
   }
   void show() {
-    outputs_->show({.stamp_ns = ++time_ns_, .session = 1, .hand = {}, .object = {}, .wrench = {}});
+    outputs_->show(
+        {.stamp_ns = time_ns_ += step_ns_, .session = 1, .hand = {}, .object = {}, .wrench = {}});
   }
   template <class Message>
   auto reader(const qos::Topic& topic) {
@@ -55,41 +56,43 @@ class RosOutputsTest : public testing::Test {
       std::make_unique<rendering_node::RosOutputs>(participant_, rig_, scene_,
                                                    qos::TimeMode::kRealTime);
   std::int64_t time_ns_ = 0;
+  std::int64_t step_ns_ = 1;  ///< of simulated time, from one sample to the next
 };
 
 TEST_F(RosOutputsTest, AreNotMadeWhileNobodyReads) {
   run_for(std::chrono::milliseconds(400));  // forty turns of its thread
-  const RosOutputCounts made = outputs_->made();
   // /tf has one name for all rigs: a test that runs beside this one may read it.
-  EXPECT_EQ(made.pose + made.wrench + made.markers, 0U);
+  for (const RosOutput kind : {RosOutput::kPose, RosOutput::kWrench, RosOutput::kMarkers})
+    EXPECT_EQ(outputs_->made(kind), 0U);
 }
 
 TEST_F(RosOutputsTest, AreMadeForWhoReadsAndForNothingElseAndNoLongerOnceHeHasGone) {
   auto poses = reader<msg::geometry_msgs_PoseStamped>(qos::kPose);
-  ASSERT_TRUE(shows_until(
-      [&] { return outputs_->made().pose >= 5 && poses->take_each([](const auto&) {}) > 0; }));
-  EXPECT_EQ(outputs_->made().wrench + outputs_->made().markers, 0U);
+  ASSERT_TRUE(shows_until([&] {
+    return outputs_->made(RosOutput::kPose) >= 5 && poses->take_each([](const auto&) {}) > 0;
+  }));
+  EXPECT_EQ(outputs_->made(RosOutput::kWrench) + outputs_->made(RosOutput::kMarkers), 0U);
   poses.reset();
   // Its going takes a moment to be known; from then on the count stands still.
   std::uint64_t last = 0;
   ASSERT_TRUE(wait_until([&] {
-    last = outputs_->made().pose;
+    last = outputs_->made(RosOutput::kPose);
     run_for(std::chrono::milliseconds(100));
-    return outputs_->made().pose == last;
+    return outputs_->made(RosOutput::kPose) == last;
   }));
   run_for(std::chrono::milliseconds(300));
-  EXPECT_EQ(outputs_->made().pose, last);
+  EXPECT_EQ(outputs_->made(RosOutput::kPose), last);
 }
 
 TEST_F(RosOutputsTest, AreEachMadeOnceSomebodyReadsIt) {
   auto wrenches = reader<msg::geometry_msgs_WrenchStamped>(qos::kWrench);
-  ASSERT_TRUE(shows_until([&] { return outputs_->made().wrench > 0; }));
-  EXPECT_EQ(outputs_->made().markers, 0U);
+  ASSERT_TRUE(shows_until([&] { return outputs_->made(RosOutput::kWrench) > 0; }));
+  EXPECT_EQ(outputs_->made(RosOutput::kMarkers), 0U);
   auto markers = reader<msg::visualization_msgs_MarkerArray>(qos::kMarkers);
-  ASSERT_TRUE(shows_until([&] { return outputs_->made().markers > 0; }));
+  ASSERT_TRUE(shows_until([&] { return outputs_->made(RosOutput::kMarkers) > 0; }));
   auto tf = reader<msg::tf2_msgs_TFMessage>(qos::kTf);
-  ASSERT_TRUE(shows_until([&] { return outputs_->made().tf > 0; }));
-  EXPECT_EQ(outputs_->made().pose, 0U);
+  ASSERT_TRUE(shows_until([&] { return outputs_->made(RosOutput::kTf) > 0; }));
+  EXPECT_EQ(outputs_->made(RosOutput::kPose), 0U);
 }
 
 std::int64_t ns_of(const msg::builtin_interfaces_Time& t) {
@@ -132,7 +135,7 @@ TEST_F(RosOutputsTest, HaveSimulatedTimeAndAClockInLockstep) {
   auto poses = reader<msg::geometry_msgs_PoseStamped>(qos::kPose);
   auto clocks = reader<msg::rosgraph_msgs_Clock>(qos::kClock);
   std::vector<std::int64_t> of_poses, of_clocks;
-  time_ns_ = 7'000'000'000;
+  time_ns_ = 7'000'000'000, step_ns_ = 1'000'000;
   ASSERT_TRUE(shows_until([&] {
     poses->take_each([&](const msg::geometry_msgs_PoseStamped& p) {
       of_poses.push_back(ns_of(p.header.stamp));
@@ -151,8 +154,8 @@ TEST_F(RosOutputsTest, HaveSimulatedTimeAndAClockInLockstep) {
 TEST_F(RosOutputsTest, HaveNoClockInRealTime) {
   auto clocks = reader<msg::rosgraph_msgs_Clock>(qos::kClock);
   auto poses = reader<msg::geometry_msgs_PoseStamped>(qos::kPose);
-  ASSERT_TRUE(shows_until([&] { return outputs_->made().pose > 0; }));
-  EXPECT_EQ(outputs_->made().clock, 0U);
+  ASSERT_TRUE(shows_until([&] { return outputs_->made(RosOutput::kPose) > 0; }));
+  EXPECT_EQ(outputs_->made(RosOutput::kClock), 0U);
 }
 
 TEST_F(RosOutputsTest, TellWhatDoesNotMoveOnceAndAlsoToWhoComesLate) {
@@ -167,7 +170,7 @@ TEST_F(RosOutputsTest, TellWhatDoesNotMoveOnceAndAlsoToWhoComesLate) {
       return names.contains(rig_ + "/device");
     })) << reader_number;
   }
-  EXPECT_EQ(outputs_->made().tf_static, 1U);
+  EXPECT_EQ(outputs_->made(RosOutput::kTfStatic), 1U);
 }
 
 rendering_node::LastingMarker triangle(const std::string& name_space, std::int32_t id) {

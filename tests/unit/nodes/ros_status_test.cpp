@@ -1,5 +1,4 @@
-// What ROS tools learn of a node's state and sentences: the numbers of lifecycle_msgs, and lines of
-// /rosout that no sentence can make many.
+// What ROS tools learn of a node's sentences: lines of /rosout that no sentence can make many.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -7,7 +6,6 @@
 
 #include "nodes/bus/reader.hpp"
 #include "nodes/runtime/clock.hpp"
-#include "nodes/runtime/life_cycle.hpp"
 #include "nodes/runtime/ros_log.hpp"
 #include "tests/unit/nodes/node_thread.hpp"
 
@@ -15,22 +13,6 @@ namespace voxtouch::test {
 namespace {
 
 using runtime::NodeState;
-
-/// The numbers stand here as lifecycle_msgs/msg/State has them.
-TEST(LifeCycleStates, AreThoseOfRosForEachStateOfANode) {
-  struct Case {
-    NodeState state;
-    std::uint8_t id;
-    const char* label;
-  };
-  for (const Case& c :
-       {Case{NodeState::kStarting, 10, "configuring"}, Case{NodeState::kReady, 2, "inactive"},
-        Case{NodeState::kRunning, 3, "active"}, Case{NodeState::kStopped, 4, "finalized"},
-        Case{NodeState::kFailed, 15, "errorprocessing"}}) {
-    EXPECT_EQ(runtime::life_cycle_state(c.state).id, c.id) << c.label;
-    EXPECT_EQ(runtime::life_cycle_state(c.state).label, c.label);
-  }
-}
 
 struct Line {
   int level;

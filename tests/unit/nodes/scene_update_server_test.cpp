@@ -303,5 +303,74 @@ TEST(SceneUpdateServer, TellsWhatTheEffectsDampOfTurning) {
   EXPECT_EQ(on.plans[0].place, "a.yaml:7:5");
 }
 
+/// Without DDS, a thread or a clock.
+class ValidatorOfChanges : public testing::Test {
+ protected:
+  ValidatorOfChanges() { scene_.effects = {paste()}; }
+  std::expected<std::vector<rendering_node::PendingChange>, std::string> judge(
+      double value, const char* parameter) {
+    msg::EffectChange m = change(kActionValue, value);
+    std::string name = "paste", of = parameter;
+    m.effect = runtime::lend(name), m.parameter = runtime::lend(of);
+    return validator().judge(std::span(&m, 1), {{}}, pending_);
+  }
+  std::string check(msg::EffectChange m, std::uint64_t sample = 0) {
+    static std::string none;
+    m.effect = m.parameter = m.model = runtime::lend(none);
+    return validator().check(m, 3, sample, pending_);
+  }
+  rendering_node::ChangeValidator& validator() {
+    if (!validator_) {
+      built_ = rendering::build_scene(scene_, serial_for());
+      validator_.emplace(scene_, *built_);
+      validator_->set_device(stylus());
+      validator_->judge_running();
+    }
+    return *validator_;
+  }
+
+  scene::Scene scene_ = scene::load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml");
+  std::unique_ptr<rendering::BuiltScene> built_;
+  std::optional<rendering_node::ChangeValidator> validator_;
+  rendering_node::PendingChanges pending_;
+  rendering_node::ChangeLine line_;
+};
+
+TEST_F(ValidatorOfChanges, JudgesAfterPendingChanges) {
+  auto less = judge(0.2, "share");
+  ASSERT_TRUE(less) << less.error();
+  EXPECT_TRUE(judge(4.0, "thickness_ns_per_m")) << "8 Ns/m alone";
+  EXPECT_FALSE(judge(9.0, "thickness_ns_per_m")) << "18 Ns/m";
+  ASSERT_TRUE(pending_.hand_over(std::move(*less), line_));
+  EXPECT_FALSE(judge(9.0, "thickness_ns_per_m")) << "both may meet on their way";
+  rendering_node::PendingChange done = pending_.take();
+  validator().apply(done);
+  EXPECT_FALSE(validator().sum_up()) << "the effect may still be where it was";
+  validator().come_to_rest();
+  EXPECT_TRUE(validator().sum_up());
+  EXPECT_NEAR(validator().demand().damping.all, 0.2, 1e-12);
+  EXPECT_TRUE(judge(9.0, "thickness_ns_per_m")) << "1.8 Ns/m";
+}
+
+TEST_F(ValidatorOfChanges, RefusesWhatNoChangeMayAskFor) {
+  EXPECT_EQ(check(change(kActionSwitch, 1.0, 10'000)), "");
+  EXPECT_NE(check(change(kActionSwitch, 1.0, 10'001)), "") << "more than 10 s of 1 kHz away";
+  EXPECT_EQ(check(change(kActionSwitch, 1.0, 10'001), 1), "");
+  EXPECT_NE(check(change(0, 1.0)), "") << "there is no such action";
+  msg::EffectChange of_another = change(kActionSwitch, 1.0);
+  of_another.session_id = 4;
+  EXPECT_NE(check(of_another), "");
+}
+
+TEST_F(ValidatorOfChanges, RefusesASampleBeforeAnEarlierChange) {
+  rendering_node::PendingChange waits;
+  waits.request.from_sample = 500;
+  ASSERT_TRUE(pending_.hand_over({waits}, line_));
+  EXPECT_NE(check(change(kActionSwitch, 1.0, 499)), "");
+  EXPECT_EQ(check(change(kActionSwitch, 1.0, 500)), "");
+  ASSERT_TRUE(pending_.hand_over({{}}, line_));
+  EXPECT_EQ(pending_.last_sample(), 500U) << "one that goes at once goes behind it";
+}
+
 }  // namespace
 }  // namespace voxtouch::test

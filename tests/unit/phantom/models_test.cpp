@@ -37,6 +37,27 @@ TEST(PhantomModels, WhatTheDeviceSaysCountsButForAStiffnessThatIsItsStructures) 
   EXPECT_EQ(d.model, "PHANTOM Premium 1.5");
 }
 
+TEST(PhantomModels, FiguresThatNoDeviceReachesAreNotBelieved) {
+  PhantomFacts none, absurd;
+  none.model = absurd.model = "Touch";
+  none.rate_hz = absurd.rate_hz = 1000;
+  none.output_dof = absurd.output_dof = 6;
+  const DeviceDescription d = describe_phantom(none);
+  for (const double x :
+       {-1.0, 0.0, 5e-324, 1e-4, 1e12, 1e307, std::numeric_limits<double>::infinity(),
+        std::numeric_limits<double>::quiet_NaN()}) {
+    absurd.max_force_n = absurd.continuous_force_n = absurd.max_torque_nm =
+        absurd.max_stiffness_n_per_m = absurd.max_impulse_n_per_s = x;
+    const DeviceDescription a = describe_phantom(absurd);
+    EXPECT_EQ(a.max_force_n, d.max_force_n) << x;
+    EXPECT_EQ(a.max_torque_nm, d.max_torque_nm) << x;
+    EXPECT_EQ(a.max_stiffness_n_per_m, d.max_stiffness_n_per_m) << x;
+    EXPECT_EQ(a.max_force_rate_n_per_s, d.max_force_rate_n_per_s) << x;
+    EXPECT_EQ(continuous_force_n(absurd), continuous_force_n(none)) << x;
+    EXPECT_EQ(what_is_wrong(a), "") << x;
+  }
+}
+
 TEST(PhantomModels, APremiumIsTheOneThatTheSimulatedPhantomStandsFor) {
   PhantomFacts facts;
   facts.model = "PHANTOM Premium 1.5";

@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
 #include <deque>
+#include <fstream>
+#include <iterator>
 #include <set>
 #include <thread>
 
@@ -191,6 +193,16 @@ TEST(Bus, NamesTheInterfaceThatDoesNotExist) {
     FAIL() << "a participant was made on an interface that does not exist";
   } catch (const bus::Error& error) {
     EXPECT_NE(std::string(error.what()).find("no_such_if0"), std::string::npos) << error.what();
+  }
+}
+
+TEST(Rosbag2, OverridesNameEveryTopicOfTheLoop) {
+  std::ifstream file(VOXTOUCH_QOS_FOLDER "/rosbag2_overrides.yaml");
+  const std::string text(std::istreambuf_iterator<char>(file), {});
+  ASSERT_FALSE(text.empty());
+  for (const Topic& topic : kTopics) {
+    const std::string row = "\n/haptic/" + std::string(topic.path) + ":";
+    EXPECT_EQ(text.contains(row), topic.rate_hz >= 1000.0) << topic.path;
   }
 }
 

@@ -63,9 +63,13 @@ TEST(ReferenceMesh, AppliesTheScale) {
 }
 
 TEST(ReferenceMesh, AppliesNodeTransformsAndKeepsMirroredMeshesOutsideOut) {
-  const TemporaryMesh file("voxtouch_reference_nodes.dae", R"(<?xml version="1.0" encoding="utf-8"?>
+  for (const char* up :
+       {"X_UP", "Y_UP", "Z_UP"}) {  // axes stay as they are, as in the reader of the rendering
+    const TemporaryMesh file("voxtouch_reference_nodes.dae",
+                             R"(<?xml version="1.0" encoding="utf-8"?>
 <COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
-<asset><unit name="meter" meter="1"/><up_axis>Y_UP</up_axis></asset>
+<asset><unit name="meter" meter="1"/><up_axis>)" +
+                                 std::string(up) + R"(</up_axis></asset>
 <library_geometries><geometry id="g"><mesh>
 <source id="p"><float_array id="pa" count="12">0 0 0 1 0 0 0 1 0 0 0 1</float_array><technique_common>
 <accessor source="#pa" count="4" stride="3"><param name="X" type="float"/><param name="Y" type="float"/><param name="Z" type="float"/></accessor>
@@ -77,14 +81,15 @@ TEST(ReferenceMesh, AppliesNodeTransformsAndKeepsMirroredMeshesOutsideOut) {
 <node id="outer"><translate>10 0 0</translate>
 <node id="inner"><scale>-2 2 2</scale><instance_geometry url="#g"/></node></node>
 </visual_scene></library_visual_scenes><scene><instance_visual_scene url="#s"/></scene></COLLADA>)");
-  const ReferenceMesh found = read_reference_mesh(file.spec());
-  ASSERT_EQ(found.triangles.size(), 4U);
-  Vec3 low = found.vertices.front(), high = low;
-  for (const Vec3& v : found.vertices)
-    low = low.cwiseMin(v), high = high.cwiseMax(v);
-  EXPECT_EQ(low, Vec3(8, 0, 0));
-  EXPECT_EQ(high, Vec3(10, 2, 2));
-  EXPECT_NEAR(InsideTest(found).winding_number(Vec3(9.8, 0.2, 0.2)), 1.0, 1e-12);
+    const ReferenceMesh found = read_reference_mesh(file.spec());
+    ASSERT_EQ(found.triangles.size(), 4U);
+    Vec3 low = found.vertices.front(), high = low;
+    for (const Vec3& v : found.vertices)
+      low = low.cwiseMin(v), high = high.cwiseMax(v);
+    EXPECT_EQ(low, Vec3(8, 0, 0)) << up;
+    EXPECT_EQ(high, Vec3(10, 2, 2));
+    EXPECT_NEAR(InsideTest(found).winding_number(Vec3(9.8, 0.2, 0.2)), 1.0, 1e-12);
+  }
 }
 
 TEST(ReferenceMesh, DropsWhatHasNoAreaAndWhatIsRepeated) {

@@ -10,6 +10,7 @@
 #include "core/reference/reference_wrench.hpp"
 #include "core/scene/scene_file.hpp"
 #include "tests/support/parts.hpp"
+#include "tests/unit/reference/sampled_wrench.hpp"
 
 namespace voxtouch::reference {
 namespace {
@@ -153,8 +154,8 @@ TEST(ReferenceWrench, IsConservative) {
   EXPECT_LT(std::abs(work), 0.002 * most * way);
 }
 
-/// The way of before is what the faster one is held beside: at random attitudes, in faces, edges, a
-/// fillet and teeth, at depths as `voxtouch accuracy` has them.
+/// At random attitudes, in faces, edges, a fillet and teeth, at depths as
+/// `voxtouch accuracy` has them.
 TEST(ReferenceWrench, IsWhatSamplingEverywhereGivesForFewerQuestions) {
   const std::filesystem::path folder = ::testing::TempDir();
   scene::Scene scene = shipped("plane");
@@ -171,7 +172,8 @@ TEST(ReferenceWrench, IsWhatSamplingEverywhereGivesForFewerQuestions) {
        {std::tuple("bracket", test::bracket(), 0.18), std::tuple("gear", test::gear(), 0.205)}) {
     scene.static_meshes[0].path = folder / ("voxtouch_wrench_" + std::string(name) + ".obj");
     test::write_obj(part, scene.static_meshes[0].path);
-    const ReferenceWrench fast(scene, 1e-3), slow(scene, 1e-3, WrenchWay::kSampledEverywhere);
+    const ReferenceWrench fast(scene, 1e-3);
+    const SampledWrench slow(scene);
     double asked = 0.0, asked_before = 0.0, largest = 0.0;
     int contacts = 0;
     for (int n = 0; n < 200 && contacts < 4; ++n) {

@@ -6,6 +6,7 @@
 #include "core/reference/reference_scene.hpp"
 #include "core/rendering/build.hpp"
 #include "core/scene/scene_file.hpp"
+#include "core/scene/text_file.hpp"
 
 namespace voxtouch::rendering {
 namespace {
@@ -213,6 +214,25 @@ TEST(Objects, AreRefusedWithAPlaceAndASentence) {
   EXPECT_TRUE(says(refusal(many), "at most 16 objects"));
 }
 
+constexpr double kSixthM2 = (2 * 0.0016 + 4 * 0.0012) / 6.0;  ///< of the block's surface
+
+TEST(BodyScene, RestsLessThanATenthOfAMillimetreDeepAtAnyMass) {
+  for (const double mass_kg : {0.01, 0.08, 0.256, 2.0}) {
+    scene::Scene scene = scene::load_scene(kDeploy + "/scenes/block.yaml");
+    std::string text = scene::read_text_file(scene.file, "scene");
+    const std::string given = "mass_kg: 0.08";
+    text.replace(text.find(given), given.size(), "mass_kg: " + std::to_string(mass_kg));
+    scene = scene::parse_scene(text, scene.file);
+    const auto built = build_scene(scene, serial_for());
+    SceneFrame frame;
+    for (int n = 0; n < 1500; ++n)
+      frame = built->scene_renderer().render(at({0.003, 0, 0.016}), 1e-3 * n);
+    const double depth = 0.015 - frame.object.position.z();
+    EXPECT_NEAR(depth, 1e-4 * kSixthM2 / 0.0016, 8e-6) << mass_kg;  // points of edges weigh as well
+    EXPECT_LT(frame.object.orientation.angularDistance(Quat::Identity()), 1e-6) << mass_kg;
+  }
+}
+
 TEST(BodyScene, FallsOnTheTableAndTheHandFeelsTheGripAlone) {
   scene::Scene scene = scene::load_scene(kDeploy + "/scenes/block.yaml");
   const auto built = build_scene(scene, serial_for());
@@ -232,8 +252,8 @@ TEST(BodyScene, FallsOnTheTableAndTheHandFeelsTheGripAlone) {
   EXPECT_TRUE(frame.wrench.zero());
   EXPECT_EQ(frame.stiffness_bound_n_per_m, 0.0);
   EXPECT_LT(frame.object.position.z(), held - 0.02);
-  EXPECT_NEAR(frame.object.position.z(), 0.015 - 0.08 * 9.81 / (1.2e6 * 0.0016), 1e-4)
-      << "on the table, as deep as its weight";
+  EXPECT_NEAR(frame.object.position.z(), 0.015 - 1e-4 * kSixthM2 / 0.0016, 1e-5)
+      << "a cube would rest 0.1 mm deep";
   EXPECT_NEAR(frame.touch.contact.wrench.force.z(), 0.08 * 9.81, 0.01);
 }
 

@@ -128,18 +128,29 @@ TEST(VirtualToolScene, GivesNoForceBeforeTheHandHasBeenOutsideAndThenFadesIn) {
   EXPECT_GT(rig.press(0.005).wrench.force.z(), 1.3);
 }
 
-TEST(VirtualToolScene, IsPlacedAnewAfterTheClutchALossAJumpAndASession) {
-  const auto pressed = [](Rig& rig) { ASSERT_GT(rig.press(0.0).wrench.force.z(), 2.8); };
-  Rig clutch(scene_of()), loss(scene_of()), jump(scene_of()), session(scene_of());
-  for (Rig* rig : {&clutch, &loss, &jump, &session})
-    pressed(*rig);
+TEST(VirtualToolScene, StaysThroughAClutchALossAndAJumpIntoAWall) {
+  Rig clutch(scene_of()), loss(scene_of()), jump(scene_of());
+  for (Rig* rig : {&clutch, &loss, &jump})
+    ASSERT_GT(rig->press(0.0).wrench.force.z(), 2.8);
   ToolState clutched = at(0.0);
   clutched.clutched = true;
-  EXPECT_TRUE(clutch(clutched).wrench.zero());
-  EXPECT_TRUE(clutch(at(0.0)).tool.unplaced);
+  EXPECT_GT(clutch.hold(clutched, 300).object.position.z(), 0.0095);
+  EXPECT_GT(clutch(at(0.0)).wrench.force.z(), 2.8);
   loss.live.lose_tool();
-  EXPECT_TRUE(loss(at(0.0)).wrench.zero());
-  EXPECT_TRUE(jump(at(-0.005, 0.05)).wrench.zero()) << "50 m/s";
+  EXPECT_LT(loss(at(0.0)).wrench.force.z(), 0.05) << "it fades in";
+  const SceneFrame after = loss.hold(at(0.0), 250);
+  EXPECT_FALSE(after.tool.unplaced);
+  EXPECT_GT(after.wrench.force.z(), 2.8);
+  EXPECT_LT(jump(at(-0.005, 0.05)).wrench.force.norm(), 0.1) << "50 m/s";
+  EXPECT_GT(jump.hold(at(-0.005, 0.05), 250).object.position.z(), 0.0095);
+}
+
+TEST(VirtualToolScene, IsPlacedAnewWhereTheHandIsFreeAfterALossAndWithASession) {
+  Rig loss(scene_of()), session(scene_of());
+  for (Rig* rig : {&loss, &session})
+    ASSERT_GT(rig->press(0.0).wrench.force.z(), 2.8);
+  loss.live.lose_tool();
+  EXPECT_EQ(loss(at(-0.05)).object.position, at(-0.05).pose.position) << "below the block";
   session.live.reset();
   EXPECT_TRUE(session(at(0.0)).tool.unplaced);
 }

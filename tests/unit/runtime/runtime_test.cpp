@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <csignal>
+
 #include <sched.h>
 
 #include <CLI/CLI.hpp>
@@ -8,6 +10,7 @@
 #include "nodes/runtime/latency.hpp"
 #include "nodes/runtime/options.hpp"
 #include "nodes/runtime/participation.hpp"
+#include "nodes/runtime/signals.hpp"
 
 namespace voxtouch::runtime {
 namespace {
@@ -43,6 +46,17 @@ TEST(LatencyHistogram, GivesQuantilesAndMaximum) {
 
 TEST(LatencyHistogram, SaysZeroWithoutSamples) {
   EXPECT_EQ(LatencyHistogram().quantile_us(0.5), 0.0);
+}
+
+TEST(Signals, AHangupUnderNohupStopsNothing) {
+  std::signal(SIGHUP, SIG_IGN);
+  catch_signals();
+  std::raise(SIGHUP);
+  EXPECT_FALSE(stop_requested().load());
+  std::signal(SIGHUP, SIG_DFL);
+  catch_signals();
+  std::raise(SIGHUP);
+  EXPECT_TRUE(stop_requested().exchange(false));
 }
 
 TEST(NodeOptions, TakeOnlyCpusThatThereAre) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <random>
 
+#include "core/scene/keys.hpp"
 #include "core/scene/scene_hash.hpp"
 #include "tests/unit/scene/scene_fixture.hpp"
 
@@ -99,6 +100,19 @@ TEST_F(SceneFile, WhatIsLeftOutKeepsItsDefault) {
   EXPECT_EQ(s.dynamic_mesh.scale, 1);
 }
 
+TEST_F(SceneFile, StiffnessFollowsTheBodysMassIfNoneIsGiven) {
+  const auto with_contact = [&](const std::string& keys) {
+    std::string text = kSmall + "coupling: {design: auto}\neffects: [{body: {mass_kg: 0.256}}]\n";
+    const std::size_t at = text.find("contact:");
+    return parse(text.replace(at, text.find('\n', at) - at, "contact: {" + keys + "}"));
+  };
+  const Scene follows = with_contact("model: field");
+  EXPECT_FALSE(follows.virtual_tool());
+  EXPECT_EQ(follows.contact.body_mass_kg, 0.256);
+  EXPECT_EQ(with_contact("model: field, stiffness_n_per_m3: 1e6").contact.body_mass_kg, 0.0);
+  EXPECT_THROW(with_contact("model: field, rendering: virtual_tool"), SceneError);
+}
+
 TEST_F(SceneFile, FieldWithoutAStiffnessIsAVirtualToolAndWithOneForcesOfDepth) {
   const auto with_contact = [&](const std::string& keys) {
     std::string text = kSmall + "coupling: {design: auto}\n";
@@ -121,45 +135,36 @@ TEST_F(SceneFile, FieldWithoutAStiffnessIsAVirtualToolAndWithOneForcesOfDepth) {
             RenderingKind::kModelAlone);
 }
 
-TEST_F(SceneFile,
-       AKeyThatIsLeftOutMeansTheSameInTheTableOfKeysAndInTheValuesThatAreMadeWithoutAScene) {
-  const Scene s =
-      parse(kSmall +
-            "coupling: {}\ndevice: {}\nmotions: {m: {path: [[0, 0, 0]]}}\neffects: [{viscosity: "
-            "{damping_ns_per_m: 1}, region: {sphere: {centre: [0, 0, 0], radius: 1}}}]\n");
-  const coupling::CouplingSpec coupling;
-  EXPECT_EQ(s.coupling.damping_ratio, coupling.damping_ratio);
-  EXPECT_EQ(s.coupling.gain, coupling.gain);
-  EXPECT_EQ(s.coupling.stiffness_n_per_m, coupling.stiffness_n_per_m);
-  EXPECT_EQ(s.coupling.damping_ns_per_m, coupling.damping_ns_per_m);
-  EXPECT_EQ(s.coupling.injected_damping_ns_per_m, coupling.injected_damping_ns_per_m);
-  EXPECT_EQ(s.coupling.injected_damping_nms_per_rad, coupling.injected_damping_nms_per_rad);
-  EXPECT_EQ(s.coupling.velocity_filter_hz, coupling.velocity_filter_hz);
-  EXPECT_EQ(s.coupling.velocity_window, coupling.velocity_window);
-  EXPECT_EQ(s.coupling.slow_velocity_hz, coupling.slow_velocity_hz);
-  EXPECT_EQ(s.coupling.velocity_band_m_per_s, coupling.velocity_band_m_per_s);
-  const DesignOptions asked = *parse(kSmall + "coupling: {design: auto}\n").design, ask;
-  EXPECT_EQ(asked.gain_margin, ask.gain_margin);
-  EXPECT_EQ(asked.released, ask.released);
-  EXPECT_EQ(asked.inject_damping, ask.inject_damping);
-  EXPECT_EQ(asked.velocity_windows, ask.velocity_windows);
-  EXPECT_EQ(asked.run_infeasible, ask.run_infeasible);
-  EXPECT_EQ(s.device.position_scale, WorkspaceMapping().position_scale);
-  EXPECT_EQ(s.device.force_scale, WorkspaceMapping().force_scale);
-  EXPECT_EQ(s.contact.model, ContactSpec().model);
-  EXPECT_EQ(s.shell, Scene().shell);
-  const MeshSpec& mesh = s.static_meshes.at(0);
-  EXPECT_EQ(mesh.scale, MeshSpec().scale);
-  EXPECT_EQ(mesh.pose.position, MeshSpec().pose.position);
-  EXPECT_EQ(mesh.pose.orientation.coeffs(), MeshSpec().pose.orientation.coeffs());
-  const Motion& motion = s.motions.at("m");
-  EXPECT_EQ(motion.speed_m_per_s, Motion().speed_m_per_s);
-  EXPECT_EQ(motion.hold_s, Motion().hold_s);
-  EXPECT_EQ(motion.orientation.coeffs(), Motion().orientation.coeffs());
-  const effects::EffectSpec& effect = s.effects.at(0);
-  EXPECT_EQ(effect.gain, effects::EffectSpec().gain);
-  EXPECT_EQ(effect.on, effects::EffectSpec().on);
-  EXPECT_EQ(effect.region.blend_m, effects::Region().blend_m);
+/// The table prints the initialiser of the member that the key is read into, and of no other.
+TEST_F(SceneFile, APrintedStandardMeansTheSameAsLeavingItOut) {
+  for (const Key& key : keys::coupling.keys) {
+    if (key.standard == nullptr)
+      continue;
+    std::string given = std::string(key.name) + ": " + key.standard();
+    if (key.rule == KeyRule::kWithFirst) {
+      EXPECT_EQ(*parse(kSmall + "coupling: {design: auto, " + given + "}\n").design,
+                DesignOptions())
+          << given;
+      continue;
+    }
+    coupling::CouplingSpec spec;
+    if (key.name == "stiffness_n_per_m" || key.name == "damping_ns_per_m")
+      spec.kind = "spring_damper";
+    if (key.name.find("velocity") != key.name.npos) {
+      given += ", injected_damping_ns_per_m: 1";
+      spec.injected_damping_ns_per_m = 1.0;
+    }
+    EXPECT_EQ(parse(kSmall + "coupling: {kind: " + spec.kind + ", " + given + "}\n").coupling, spec)
+        << given;
+  }
+  for (const Key& key : keys::device.keys) {
+    if (key.standard == nullptr)
+      continue;
+    EXPECT_EQ(
+        parse(kSmall + "device: {" + std::string(key.name) + ": " + key.standard() + "}\n").device,
+        WorkspaceMapping())
+        << key.name;
+  }
 }
 
 TEST_F(SceneFile, OtherCouplingsTakeTheirOwnKeys) {

@@ -17,6 +17,12 @@ TEST(ViewAccess, AnswersToItsOwnNamesAlone) {
   EXPECT_FALSE(network.admits_host("localhost:8765"));
 }
 
+TEST(ViewAccess, NamesTheRemedyForATunnelAtAnotherPort) {
+  const Access local{"127.0.0.1", 8765, "t"};
+  EXPECT_TRUE(local.remedy_for("localhost:9999").contains("ssh -L 8765:127.0.0.1:8765"));
+  EXPECT_EQ(local.remedy_for("example.org:8765"), "");
+}
+
 TEST(ViewAccess, AdmitsPagesOfItsOwnAndProgramsThatAreNoBrowser) {
   const Access local{"127.0.0.1", 8765, "t"};
   EXPECT_TRUE(local.admits_origin(""));

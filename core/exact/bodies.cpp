@@ -1,0 +1,96 @@
+#include "core/exact/bodies.hpp"
+
+#include <algorithm>
+
+#include "core/exact/covered_features.hpp"
+
+namespace voxtouch::exact {
+namespace {
+
+std::vector<Box> edge_boxes(const FeatureMesh& features) {
+  std::vector<Box> boxes;
+  boxes.reserve(features.row_edges.size());
+  for (const std::uint32_t e : features.row_edges) {
+    Box box;
+    for (const std::uint32_t end : features.edges[e].ends)
+      box.add(features.points[end]);
+    boxes.push_back(box);
+  }
+  return boxes;
+}
+
+std::vector<Box> vertex_boxes(const FeatureMesh& features) {
+  std::vector<Box> boxes;
+  boxes.reserve(features.row_vertices.size());
+  for (const std::uint32_t v : features.row_vertices) {
+    Box box;
+    box.add(features.points[v]);
+    boxes.push_back(box);
+  }
+  return boxes;
+}
+
+std::vector<Ball> vertex_balls(const FeatureMesh& features) {
+  std::vector<Ball> balls;
+  balls.reserve(features.row_vertices.size());
+  for (const std::uint32_t v : features.row_vertices)
+    balls.push_back({features.points[v], 0.0});
+  return balls;
+}
+
+std::vector<Ball> edge_balls(const FeatureMesh& features) {
+  std::vector<Ball> balls;
+  balls.reserve(features.row_edges.size());
+  for (const std::uint32_t e : features.row_edges) {
+    const Vec3& a = features.points[features.edges[e].ends[0]];
+    const Vec3& b = features.points[features.edges[e].ends[1]];
+    balls.push_back({0.5 * (a + b), 0.5 * (a - b).norm()});
+  }
+  return balls;
+}
+
+std::vector<Ball> face_balls(const FeatureMesh& features) {
+  std::vector<Ball> balls;
+  balls.reserve(features.faces.size());
+  for (std::uint32_t f = 0; f < features.faces.size(); ++f) {
+    Box box;
+    for (std::size_t k = 0; k < 3; ++k)
+      box.add(features.corner(f, k));
+    Ball ball{box.centre(), 0.0};
+    for (std::size_t k = 0; k < 3; ++k)
+      ball.radius = std::max(ball.radius, (features.corner(f, k) - ball.centre).norm());
+    balls.push_back(ball);
+  }
+  return balls;
+}
+
+}  // namespace
+
+std::vector<Box> boxes_of_faces(const FeatureMesh& features) {
+  std::vector<Box> boxes(features.faces.size());
+  for (std::uint32_t f = 0; f < boxes.size(); ++f)
+    for (std::size_t k = 0; k < 3; ++k)
+      boxes[f].add(features.corner(f, k));
+  return boxes;
+}
+
+FeatureMesh free_features(const mesh::TriangleMesh& mesh) {
+  FeatureMesh features = find_features(mesh);
+  uncover_features(features);
+  return features;
+}
+
+ObjectBody::ObjectBody(const mesh::TriangleMesh& mesh)
+    : features_(free_features(mesh)),
+      faces_(boxes_of_faces(features_)),
+      edges_(edge_boxes(features_)),
+      vertices_(vertex_boxes(features_)) {}
+
+ToolBody::ToolBody(const mesh::TriangleMesh& mesh)
+    : features_(free_features(mesh)),
+      vertices_(vertex_balls(features_)),
+      faces_(face_balls(features_)),
+      edges_(edge_balls(features_)),
+      face_boxes_(boxes_of_faces(features_)) {}
+
+}  // namespace voxtouch::exact

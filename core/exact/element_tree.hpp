@@ -1,0 +1,39 @@
+#pragma once
+/// A tree of spheres over the tool's features of one kind, one feature a leaf.
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/types/geometry.hpp"
+
+namespace voxtouch::exact {
+
+/// A feature's ball in the tool's frame [m].
+struct Ball {
+  Vec3 centre = Vec3::Zero();
+  double radius = 0.0;
+};
+
+/// Immutable once built; the root is node 0. Allocates when built.
+class ElementTree {
+ public:
+  struct Node {
+    Ball ball;
+    std::uint32_t next = 0;     ///< the second child; the first follows its parent
+    std::uint32_t element = 0;  ///< of a leaf: index of the ball that it was built from
+    bool leaf = false;
+  };
+  explicit ElementTree(std::span<const Ball> balls);
+
+  const std::vector<Node>& nodes() const noexcept { return nodes_; }
+  std::size_t elements() const noexcept { return elements_; }
+  std::size_t bytes() const noexcept { return nodes_.size() * sizeof(Node); }
+
+ private:
+  void build(std::span<const Ball> balls, std::span<std::uint32_t> order);
+
+  std::size_t elements_;
+  std::vector<Node> nodes_;
+};
+
+}  // namespace voxtouch::exact

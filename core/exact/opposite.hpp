@@ -1,0 +1,101 @@
+#pragma once
+/// The tool against one object: their relative pose, the lists of near pairs and how far they hold.
+#include <algorithm>
+
+#include "core/exact/pair_lists.hpp"
+#include "core/exact/start_check.hpp"
+
+namespace voxtouch::exact {
+
+/// Both bodies must outlive it. All memory is taken at construction; everything else is real-time
+/// safe.
+class Opposite {
+ public:
+  Opposite(const ToolBody& tool, const ObjectBody& object, std::size_t pair_capacity)
+      : tool_(&tool),
+        object_(&object),
+        now_(tool.features().points),
+        next_(tool.features().points),
+        vertex_face_(tool, object, pair_capacity),
+        face_vertex_(tool, object, pair_capacity),
+        edge_edge_(tool, object, pair_capacity) {}
+
+  const ToolBody& tool() const noexcept { return *tool_; }
+  const ObjectBody& object() const noexcept { return *object_; }
+  /// The tool's points in the object's frame, as they are and after the step that is tried.
+  PosedPoints& now() noexcept { return now_; }
+  PosedPoints& next() noexcept { return next_; }
+  StartCheck& start_check() noexcept { return start_check_; }
+
+  /// Puts the tool there without a step: all lists are forgotten.
+  void put(const Pose& tool_in_object) noexcept {
+    now_.set_pose(tool_in_object);
+    vertex_face_.reset();
+    face_vertex_.reset();
+    edge_edge_.reset();
+    start_check_.restart();
+    way_m_ = 0.0;
+  }
+
+  /// Bound of the displacement of any point of the tool between two relative poses [m].
+  double way_between(const Pose& from, const Pose& to) const noexcept {
+    const Quat turn = to.orientation * from.orientation.conjugate();
+    const double angle = 2.0 * std::atan2(turn.vec().norm(), std::abs(turn.w()));
+    return (to.position - from.position).norm() + angle * tool_->features().reach_m;
+  }
+
+  std::size_t bytes() const noexcept {
+    return vertex_face_.bytes() + face_vertex_.bytes() + edge_edge_.bytes() + 2 * now_.bytes();
+  }
+
+  /// Takes the step that was tried.
+  void accept() noexcept {
+    way_m_ += way_between(now_.pose(), next_.pose());
+    std::swap(now_, next_);
+  }
+
+  void renew(double need_m, double radius_m, Work& work) noexcept {
+    const Renewal renewal{way_m_, need_m, radius_m};
+    vertex_face_.renew(now_, renewal, work);
+    edge_edge_.renew(now_, renewal, work);
+    face_vertex_.renew(now_, renewal, work);
+  }
+
+  /// So far may the tool go before something unlisted can touch it [m].
+  double allowed_m() const noexcept {
+    const double until =
+        std::min({vertex_face_.until_m(), face_vertex_.until_m(), edge_edge_.until_m()});
+    return until - way_m_;
+  }
+  /// Nothing that is listed is nearer than this [m].
+  double nearest_m() const noexcept {
+    const double at =
+        std::min({vertex_face_.nearest_m(), face_vertex_.nearest_m(), edge_edge_.nearest_m()});
+    return at - way_m_;
+  }
+
+  /// Calls `visit(kind, element, item, distance)` for each listed pair within `reach_m`.
+  template <class Visit>
+  bool visit_near(double reach_m, Visit&& visit, Work& work) noexcept {
+    const auto of = [&](PairKind kind) {
+      return [&visit, kind](std::uint32_t element, std::uint32_t item, double distance) {
+        return visit(kind, element, item, distance);
+      };
+    };
+    return vertex_face_.visit_near(now_, way_m_, reach_m, of(PairKind::kVertexFace), work) &&
+           edge_edge_.visit_near(now_, way_m_, reach_m, of(PairKind::kEdgeEdge), work) &&
+           face_vertex_.visit_near(now_, way_m_, reach_m, of(PairKind::kFaceVertex), work);
+  }
+
+ private:
+  const ToolBody* tool_;
+  const ObjectBody* object_;
+  PosedPoints now_, next_;
+  PairLists<VertexProbe> vertex_face_;
+  PairLists<FaceProbe> face_vertex_;
+  PairLists<EdgeProbe> edge_edge_;
+  StartCheck start_check_;
+  double way_m_ = 0.0;
+};
+
+}  // namespace voxtouch::exact

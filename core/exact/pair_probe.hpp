@@ -1,0 +1,124 @@
+#pragma once
+/// A feature of the tool as it looks for features of an object: in the object's frame. All
+/// real-time safe.
+#include <cmath>
+
+#include "core/exact/bodies.hpp"
+#include "core/exact/closest.hpp"
+#include "core/exact/posed_points.hpp"
+
+namespace voxtouch::exact {
+
+/// The three ways in which two polyhedra can touch; the tool's feature first.
+enum class PairKind : std::uint8_t { kVertexFace, kFaceVertex, kEdgeEdge };
+
+/// A vertex of the tool against faces.
+class VertexProbe {
+ public:
+  static constexpr PairKind kKind = PairKind::kVertexFace;
+  static const ElementTree& elements(const ToolBody& tool) noexcept { return tool.vertices(); }
+  static const BoxTree& items(const ObjectBody& object) noexcept { return object.faces(); }
+  /// Of a point in the object's frame from an item.
+  static double distance(const ObjectBody& object, std::uint32_t item, const Vec3& p) noexcept {
+    const FeatureMesh& m = object.features();
+    const Vec3 &a = m.corner(item, 0), &b = m.corner(item, 1), &c = m.corner(item, 2);
+    return (p - nearest_on_triangle(p, a, b, c).point).norm();
+  }
+
+  VertexProbe(const ToolBody& tool, const ObjectBody& object, PosedPoints& posed,
+              std::uint32_t element) noexcept
+      : object_(object),
+        point_(posed.at(tool.features().row_vertices[element])) {}
+
+  double bound(const Box& box) const noexcept {
+    return (box.low - point_).cwiseMax(point_ - box.high).cwiseMax(0.0).norm();
+  }
+  double distance(std::uint32_t item) const noexcept { return distance(object_, item, point_); }
+
+ private:
+  const ObjectBody& object_;
+  Vec3 point_;
+};
+
+/// A face of the tool against vertices.
+class FaceProbe {
+ public:
+  static constexpr PairKind kKind = PairKind::kFaceVertex;
+  static const ElementTree& elements(const ToolBody& tool) noexcept { return tool.faces(); }
+  static const BoxTree& items(const ObjectBody& object) noexcept { return object.vertices(); }
+  static double distance(const ObjectBody& object, std::uint32_t item, const Vec3& p) noexcept {
+    const FeatureMesh& m = object.features();
+    return (p - m.points[m.row_vertices[item]]).norm();
+  }
+
+  FaceProbe(const ToolBody& tool, const ObjectBody& object, PosedPoints& posed,
+            std::uint32_t element) noexcept
+      : object_(object.features()) {
+    const Face& face = tool.features().faces[element];
+    for (std::size_t k = 0; k < 3; ++k) {
+      corners_[k] = posed.at(face.corners[k]);
+      box_.add(corners_[k]);
+    }
+    normal_ = posed.rotation() * face.normal;
+  }
+
+  /// The farther of box from box and box from the face's plane.
+  double bound(const Box& box) const noexcept {
+    const double half = 0.5 * normal_.cwiseAbs().dot(box.high - box.low);
+    const double from_plane = std::abs(normal_.dot(box.centre() - corners_[0])) - half;
+    return std::max(exact::distance(box_, box), from_plane);
+  }
+  double distance(std::uint32_t item) const noexcept {
+    const Vec3& p = object_.points[object_.row_vertices[item]];
+    return (p - nearest_on_triangle(p, corners_[0], corners_[1], corners_[2]).point).norm();
+  }
+
+ private:
+  const FeatureMesh& object_;
+  std::array<Vec3, 3> corners_;
+  Vec3 normal_;
+  Box box_;
+};
+
+/// An edge of the tool against edges.
+class EdgeProbe {
+ public:
+  static constexpr PairKind kKind = PairKind::kEdgeEdge;
+  static const ElementTree& elements(const ToolBody& tool) noexcept { return tool.edges(); }
+  static const BoxTree& items(const ObjectBody& object) noexcept { return object.edges(); }
+  static double distance(const ObjectBody& object, std::uint32_t item, const Vec3& p) noexcept {
+    const FeatureMesh& m = object.features();
+    const Edge& edge = m.edges[m.row_edges[item]];
+    const Vec3& from = m.points[edge.ends[0]];
+    return std::sqrt(point_segment_distance2(p, from, m.points[edge.ends[1]] - from));
+  }
+
+  EdgeProbe(const ToolBody& tool, const ObjectBody& object, PosedPoints& posed,
+            std::uint32_t element) noexcept
+      : object_(object.features()) {
+    const Edge& edge = tool.features().edges[tool.features().row_edges[element]];
+    from_ = posed.at(edge.ends[0]);
+    along_ = posed.at(edge.ends[1]) - from_;
+    box_.add(from_);
+    box_.add(from_ + along_);
+  }
+
+  /// The farther of box from box and the box's ball from the edge.
+  double bound(const Box& box) const noexcept {
+    const double half = 0.5 * (box.high - box.low).norm();
+    const double from_ball = std::sqrt(point_segment_distance2(box.centre(), from_, along_)) - half;
+    return std::max(exact::distance(box_, box), from_ball);
+  }
+  double distance(std::uint32_t item) const noexcept {
+    const Edge& edge = object_.edges[object_.row_edges[item]];
+    const Vec3& from = object_.points[edge.ends[0]];
+    return segment_distance(from_, along_, from, object_.points[edge.ends[1]] - from);
+  }
+
+ private:
+  const FeatureMesh& object_;
+  Vec3 from_, along_;
+  Box box_;
+};
+
+}  // namespace voxtouch::exact

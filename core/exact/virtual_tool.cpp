@@ -1,0 +1,599 @@
+#include "core/exact/virtual_tool.hpp"
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <stdexcept>
+
+#include "core/exact/limits.hpp"
+#include "core/types/rotation_vector.hpp"
+
+namespace voxtouch::exact {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// `rotation` or the same the other way round: near half a turn, whichever lies nearer to the last
+/// one.
+Vec3 keep_axis(const Vec3& rotation, const Vec3& last) noexcept {
+  constexpr double kNearHalfATurn = 3.0;
+  const double angle = rotation.norm();
+  if (angle < kNearHalfATurn)
+    return rotation;
+  const Vec3 other = (1.0 - 2.0 * std::numbers::pi / angle) * rotation;
+  return other.dot(last) > rotation.dot(last) ? other : rotation;
+}
+
+Pose moved(const Pose& pose, const Vec3& shift, const Vec3& rotation) noexcept {
+  Pose out{pose.position + shift, pose.orientation};
+  const double angle = rotation.norm();
+  if (!(angle > 0.0))
+    return out;
+  const Quat by(Eigen::AngleAxisd(angle, rotation / angle));
+  out.orientation = (by * pose.orientation).normalized();
+  return out;
+}
+
+bool same(const Pose& a, const Pose& b) noexcept {
+  return a.position == b.position && a.orientation.coeffs() == b.orientation.coeffs();
+}
+
+bool rests_at_origin(const Pose& pose) noexcept { return same(pose, Pose{}); }
+
+Pose relative(const Pose& tool, const Pose& object) noexcept {
+  return rests_at_origin(object) ? tool : object.inverse() * tool;
+}
+
+Pose between(const Pose& from, const Pose& to, double ratio) noexcept {
+  if (ratio >= 1.0)
+    return to;
+  return {from.position + ratio * (to.position - from.position),
+          from.orientation.slerp(ratio, to.orientation)};
+}
+
+bool positive(double x) noexcept { return std::isfinite(x) && x > 0.0; }
+
+}  // namespace
+
+Mat6 VirtualToolFrame::stiffness(double k) const noexcept {
+  Vec6 scale;
+  scale << Vec3::Ones(), Vec3::Constant(lever_m);
+  return (ratio * k) * (scale.asDiagonal() * displayed * scale.asDiagonal());
+}
+
+VirtualTool::VirtualTool(const ToolBody& tool, std::span<const ObjectBody* const> objects,
+                         const VirtualToolOptions& options)
+    : options_(options),
+      reach_m_(tool.features().reach_m) {
+  if (options_.lever_m == 0.0)
+    options_.lever_m = reach_m_;
+  if (objects.empty() || !positive(reach_m_) || !positive(options_.lever_m) ||
+      !std::isfinite(options_.fade_s) || options_.fade_s < 0.0)
+    throw std::invalid_argument(
+        "virtual tool: needs objects, and reach, lever and fade that are finite");
+  opposites_.reserve(objects.size());
+  for (const ObjectBody* object : objects)
+    opposites_.emplace_back(tool, *object, options_.pair_capacity);
+  objects_.resize(objects.size());
+  targets_.resize(objects.size());
+  planned_.resize(objects.size());
+  forces_.resize(objects.size());
+  near_.reserve(limits::kMaxNearPairs);
+  rows_.reserve(limits::kMaxRows);
+  halfspaces_.reserve(limits::kMaxRows);
+}
+
+std::size_t VirtualTool::bytes() const noexcept {
+  std::size_t sum = near_.capacity() * sizeof(NearPair) + rows_.capacity() * sizeof(Row) +
+                    halfspaces_.capacity() * sizeof(Halfspace);
+  for (const Opposite& opposite : opposites_)
+    sum += opposite.bytes();
+  return sum;
+}
+
+void VirtualTool::reset() noexcept {
+  placed_ = starting_ = pressed_ = converged_ = false;
+  rotation_ = Vec3::Zero();
+  longest_step_m_ = 0.0;
+  last_ = {};
+}
+
+/// Leaves a pose of unit norm as it is, to the bit.
+PoseStatus VirtualTool::check(Pose& hand, std::span<const Pose> objects) const noexcept {
+  Quat unit = hand.orientation;
+  if (objects.size() != opposites_.size() || !hand.position.allFinite() ||
+      !normalise_within(unit, limits::kMinQuaternionNorm, limits::kMaxQuaternionNorm))
+    return PoseStatus::kNotAPose;
+  if (std::abs(hand.orientation.squaredNorm() - 1.0) > 1e-15)
+    hand.orientation = unit;
+  bool within = hand.position.cwiseAbs().maxCoeff() < limits::kMaxCoordinateM;
+  for (const Pose& object : objects)
+    within &= object.finite() && object.position.cwiseAbs().maxCoeff() < limits::kMaxCoordinateM;
+  return within ? PoseStatus::kUsable : PoseStatus::kOutOfRange;
+}
+
+/// No point of the tool goes farther in a step `delta` [m].
+double VirtualTool::way_of(const Vec6& delta) const noexcept {
+  return delta.head<3>().norm() + delta.tail<3>().norm() * reach_m_ / options_.lever_m;
+}
+
+Vec6 VirtualTool::spring_between(const Pose& tool, const Pose& hand) const noexcept {
+  Vec6 spring;
+  spring << hand.position - tool.position,
+      options_.lever_m * keep_axis(rotation_vector(tool.orientation, hand.orientation), rotation_);
+  return spring;
+}
+
+Vec6 VirtualTool::spring_to(const Pose& hand) const noexcept { return spring_between(tool_, hand); }
+
+/// Whether the spring gets shorter by a part of what a step `taken` promises (Armijo's rule).
+///
+/// A step knows nothing of how rows curve: where they do strongly, steps of full length swing about
+/// the minimum and never end. Margins that are restored may cost energy.
+bool VirtualTool::shortens(const Vec6& spring, const Vec6& taken, const Pose& tool,
+                           const Pose& hand) const noexcept {
+  double missing = 0.0;
+  for (const Row& row : rows_)
+    missing = std::max(missing, std::min(limits::kMarginM - row.gap_m, limits::kMaxPushOutM));
+  const double falls = 0.5 * (spring.squaredNorm() - spring_between(tool, hand).squaredNorm());
+  return falls + 2.0 * missing * spring.norm() >= limits::kArmijoRatio * taken.squaredNorm();
+}
+
+/// Goes on with the start where the hand first was; true once the tool is there and all lists are
+/// whole.
+bool VirtualTool::initialise(const Pose& hand, std::span<const Pose> objects, Work& work) noexcept {
+  bool moved_on = !starting_;
+  for (std::size_t n = 0; n < objects.size(); ++n)
+    moved_on |= !same(objects[n], objects_[n]);
+  if (moved_on) {
+    tool_ = hand;
+    starting_ = true;
+    for (std::size_t n = 0; n < objects.size(); ++n) {
+      objects_[n] = objects[n];
+      opposites_[n].put(relative(tool_, objects_[n]));
+    }
+  }
+  const double need = limits::kMinReachM + 3.0 * limits::kMarginM;
+  for (Opposite& opposite : opposites_) {
+    const StartVerdict verdict =
+        opposite.start_check().advance(opposite.tool(), opposite.object(), opposite.now(), work);
+    if (verdict == StartVerdict::kPending)
+      return false;
+    if (verdict == StartVerdict::kBlocked)
+      return starting_ = false;
+    opposite.renew(need, limits::kListReaches * need + limits::kListRestM, work);
+    if (opposite.allowed_m() < need)
+      return false;
+    if (opposite.nearest_m() < limits::kStartGapM)
+      return starting_ = false;
+  }
+  starting_ = false;
+  placed_ = true;
+  placed_s_ = 0.0;
+  return true;
+}
+
+bool VirtualTool::place(const Pose& tool, std::span<const Pose> objects) noexcept {
+  reset();
+  Pose pose = tool;
+  Work work;
+  if (check(pose, objects) != PoseStatus::kUsable || !initialise(pose, objects, work))
+    return false;
+  hand_ = pose;
+  placed_s_ = options_.fade_s;
+  return true;
+}
+
+/// What the objects still have to go, seen from the tool [m].
+double VirtualTool::objects_way() noexcept {
+  double most = 0.0;
+  for (std::size_t n = 0; n < opposites_.size(); ++n) {
+    if (same(objects_[n], targets_[n]))
+      continue;
+    const Pose there = relative(tool_, targets_[n]);
+    most = std::max(most, opposites_[n].way_between(opposites_[n].now().pose(), there));
+  }
+  return most;
+}
+
+/// Renews the lists for `need_m`. \returns how far the tool may go in this query [m].
+double VirtualTool::reach_of_query(double need_m, Work& work) noexcept {
+  const double rest = 3.0 * limits::kMarginM;  // rows within it beyond the reach push, and rounding
+  double allowed = kInfinity, nearest = kInfinity;
+  for (Opposite& opposite : opposites_) {
+    opposite.renew(need_m + rest, limits::kListReaches * need_m + limits::kListRestM, work);
+    allowed = std::min(allowed, opposite.allowed_m());
+    nearest = std::min(nearest, opposite.nearest_m());
+  }
+  allowed = std::max(0.0, allowed - rest);
+  return nearest > allowed + rest ? allowed : std::min(need_m, allowed);
+}
+
+void VirtualTool::add_row(const Touch& touch, std::uint32_t object, double missed_m) noexcept {
+  const Pose& from = objects_[object];
+  Row row;
+  row.normal = from.orientation * touch.normal;
+  const Vec3 point = from * touch.point;
+  row.arm = point - tool_.position;
+  row.gap_m = touch.gap_m;
+  row.missed_m = missed_m;
+  row.object = object;
+  row.closes_m = closes(row);
+  Halfspace halfspace;
+  halfspace.jacobian << row.normal, row.arm.cross(row.normal) / options_.lever_m;
+  rows_.push_back(row);
+  halfspaces_.push_back(halfspace);
+}
+
+/// How far the row's object closes its gap on the way to where it is planned [m].
+double VirtualTool::closes(const Row& row) const noexcept {
+  const Pose &from = objects_[row.object], &to = planned_[row.object];
+  if (same(from, to))
+    return 0.0;
+  const Vec3 on_object = tool_.position + row.arm - row.gap_m * row.normal;
+  return row.normal.dot(to * (from.inverse() * on_object) - on_object);
+}
+
+/// After `plan_objects`.
+void VirtualTool::renew_closes() noexcept {
+  for (Row& row : rows_)
+    row.closes_m = closes(row);
+}
+
+/// All pairs within `reach_m`, and their rows; false where there are more than there is room for.
+bool VirtualTool::collect(double reach_m, Work& work) noexcept {
+  near_.clear();
+  rows_.clear();
+  halfspaces_.clear();
+  for (std::uint32_t n = 0; n < opposites_.size(); ++n) {
+    Opposite& opposite = opposites_[n];
+    const auto take = [&](PairKind kind, std::uint32_t element, std::uint32_t item,
+                          double distance) {
+      if (near_.size() == near_.capacity() || rows_.size() + 8 > rows_.capacity() / 2)
+        return false;
+      const NearPair pair{kind, element, item, n, distance};
+      near_.push_back(pair);
+      const Touches touches =
+          touches_of(pair, opposite.tool(), opposite.object(), opposite.now(), reach_m);
+      for (std::size_t k = 0; k < touches.count; ++k)
+        add_row(touches.of[k], n, 0.0);
+      return true;
+    };
+    if (!opposite.visit_near(reach_m + 2.0 * limits::kMarginM, take, work))
+      return false;
+  }
+  return true;
+}
+
+/// Where the objects are after the step.
+void VirtualTool::plan_objects(double ratio) noexcept {
+  for (std::size_t n = 0; n < objects_.size(); ++n)
+    planned_[n] =
+        same(objects_[n], targets_[n]) ? objects_[n] : between(objects_[n], targets_[n], ratio);
+}
+
+/// `push_out`: rows nearer than the margin push the tool out. Else none asks for more than to stay
+/// as near as it is, which no step always does unless an object moves.
+Projection VirtualTool::solve_with(const Vec6& target, double turn_rad, bool push_out,
+                                   VirtualToolFrame& out, Work& work) noexcept {
+  const double most = push_out ? limits::kMaxPushOutM : 0.0;
+  for (std::size_t k = 0; k < rows_.size(); ++k) {
+    const Row& row = rows_[k];
+    const double bend = 0.5 * turn_rad * turn_rad * row.arm.norm();
+    halfspaces_[k].least_m =
+        std::min(limits::kMarginM - row.gap_m, most) + row.closes_m + row.missed_m + bend;
+  }
+  const Projection projection = project(halfspaces_, target, work);
+  out.iterations += projection.iterations;
+  return projection;
+}
+
+void VirtualTool::limit_to(double ratio, Work& work) const noexcept {
+  work.set_limit(static_cast<std::uint64_t>(ratio * static_cast<double>(options_.max_work)));
+}
+
+/// The step from here, in `last_`, of the straight rows.
+void VirtualTool::solve(const Vec6& target, VirtualToolFrame& out, Work& work) noexcept {
+  last_ = solve_with(target, 0.0, true, out, work);
+  if (!last_.feasible)
+    last_ = solve_with(target, 0.0, false, out, work);
+  if (!last_.feasible || !last_.converged)
+    last_.delta.setZero();
+}
+
+/// The nearest step that keeps all rows, bent by its own rotation. A part of a step restores only a
+/// part of the margins that are missing, so it must be brought to the rows again; `step` itself
+/// where no step keeps them.
+Vec6 VirtualTool::kept_by_rows(const Vec6& step, VirtualToolFrame& out, Work& work) noexcept {
+  const double turn = step.tail<3>().norm() / options_.lever_m;
+  Projection kept = solve_with(step, turn, true, out, work);
+  if (!kept.feasible)
+    kept = solve_with(step, turn, false, out, work);
+  return kept.feasible && kept.converged ? kept.delta : step;
+}
+
+/// What friction leaves of the step that was solved.
+void VirtualTool::hold_by_friction(const Vec6& spring, double friction) noexcept {
+  loose_.setIdentity();
+  if (!(friction > 0.0) || last_.count == 0)
+    return;
+  std::array<FrictionContact, 6> contacts;
+  for (std::size_t k = 0; k < last_.count; ++k) {
+    const Row& row = rows_[last_.active[k]];
+    contacts[k] = {row.normal, row.arm, last_.forces_m[k]};
+  }
+  const FrictionStep held = with_friction({contacts.data(), last_.count}, halfspaces_, spring,
+                                          last_.delta, options_.lever_m, friction);
+  last_.delta = held.delta;
+  loose_ = held.loose;
+}
+
+/// Whether a pair passes through each other on the step to the next poses. Adds a row for each that
+/// does, with what a straight row missed of its gap: second-order correction (Nocedal and Wright
+/// 2006, 18.3).
+bool VirtualTool::passes_something(const Vec6& delta, Work& work) noexcept {
+  bool passed = false;
+  for (const NearPair& pair : near_) {
+    Opposite& opposite = opposites_[pair.object];
+    PosedPoints &now = opposite.now(), &next = opposite.next();
+    if (pair.distance_m > opposite.way_between(now.pose(), next.pose()) + limits::kTouchM)
+      continue;
+    if (work.done())
+      return true;  // not known
+    work.add(Work::kSwept);
+    if (!passes(pair, opposite.tool(), opposite.object(), now, next))
+      continue;
+    passed = true;
+    if (rows_.size() == rows_.capacity())
+      continue;
+    double found = 0.0;
+    const Touch touch = passed_touch(pair, opposite.tool(), opposite.object(), now, next, found);
+    add_row(touch, pair.object, 0.0);
+    Row& row = rows_.back();
+    const double predicted = row.gap_m - row.closes_m + halfspaces_.back().jacobian.dot(delta);
+    row.missed_m = limits::kCorrection * std::max(0.0, predicted - found);
+  }
+  return passed;
+}
+
+/// Takes the step where no pair is nearer to it than `lists_m` knows, and nothing is passed.
+bool VirtualTool::try_step(const Pose& tool, const Vec6& taken, double lists_m,
+                           VirtualToolFrame& out, Work& work) noexcept {
+  bool listed = true;
+  for (std::size_t n = 0; n < opposites_.size(); ++n) {
+    Opposite& opposite = opposites_[n];
+    opposite.next().set_pose(relative(tool, planned_[n]));
+    listed &= opposite.way_between(opposite.now().pose(), opposite.next().pose()) <=
+              lists_m + limits::kMarginM;
+  }
+  if (!listed || passes_something(taken, work)) {
+    ++out.void_steps;
+    return false;
+  }
+  for (Opposite& opposite : opposites_)
+    opposite.accept();
+  tool_ = tool;
+  for (std::size_t n = 0; n < objects_.size(); ++n)
+    objects_[n] = planned_[n];
+  return true;
+}
+
+/// The step that the rows leave, in `last_`, and the part of it that the query allows.
+double VirtualTool::solve_query(const Query& query, const Vec6& spring, VirtualToolFrame& out,
+                                Work& work) noexcept {
+  limit_to(limits::kProjectionRatio, work);
+  solve(spring, out, work);
+  hold_by_friction(spring, query.friction);
+  out.residual_m = way_of(last_.delta);
+  const double limit = std::min(query.reach_m, std::max(0.0, query.way_left_m));
+  const double ratio = out.residual_m > limit ? limit / out.residual_m : 1.0;
+  // Rows that bend push the tool farther than the straight step goes.
+  const double turn = ratio * last_.delta.tail<3>().norm() / options_.lever_m;
+  const double bent = ratio * out.residual_m + 0.5 * turn * turn * reach_m_;
+  return last_.count > 0 && bent > limit ? ratio * limit / bent : ratio;
+}
+
+/// Solves, and goes as far as the query allows. \returns the way that the tool went [m].
+double VirtualTool::step(const Query& query, VirtualToolFrame& out, Work& work) noexcept {
+  const Vec6 spring = spring_to(query.hand);
+  const bool objects_move = query.objects_ratio > 0.0;
+  double ratio = solve_query(query, spring, out, work);
+  converged_ =
+      out.residual_m < query.rest_m && !objects_move && (last_.count > 0 || out.residual_m == 0.0);
+  if (converged_ && last_.count > 0)
+    return 0.0;
+  if (!objects_move && last_.count > 0) {
+    const double expected = last_residual_m_ - limits::kSettlingRatio * last_step_m_;
+    if (last_step_m_ > 0.0 && out.residual_m < limits::kSettlingM && out.residual_m > expected)
+      damping_ *= 0.5;
+    last_residual_m_ = out.residual_m;
+    last_step_m_ = 0.0;
+    converged_ = damping_ < limits::kLeastDamping;
+    if (converged_)
+      return 0.0;
+  }
+  double scale = damping_;
+  for (int attempt = 0; attempt < limits::kMaxAttempts && !work.done(); ++attempt) {
+    if (attempt == 1 && scale == damping_)
+      ratio = solve_query(query, spring, out, work);
+    const bool whole = last_.count == 0 && scale * ratio == 1.0 && attempt == 0;
+    Vec6 taken = scale * ratio * last_.delta;
+    limit_to(limits::kProjectionRatio, work);
+    if (!whole)
+      taken = kept_by_rows(taken, out, work);
+    limit_to(1.0, work);
+    const Pose tool =
+        whole ? query.hand : moved(tool_, taken.head<3>(), taken.tail<3>() / options_.lever_m);
+    const bool shorter = objects_move || whole || shortens(spring, taken, tool, query.hand);
+    if (shorter && try_step(tool, taken, query.lists_m, out, work))
+      return way_of(taken);
+    if (shorter && attempt == 0)
+      continue;  // once more with what was passed
+    scale *= 0.5;
+    if (!objects_move)
+      continue;
+    plan_objects(scale * query.objects_ratio);
+    renew_closes();
+  }
+  return 0.0;
+}
+
+/// Collects pairs and rows for a step as long as work and memory allow; false where there is no
+/// room for any.
+bool VirtualTool::collect_for(Query& query, double objects_m, Work& work) noexcept {
+  for (;; query.lists_m *= 0.5) {
+    query.objects_ratio = 0.0;
+    query.reach_m = query.lists_m;
+    if (objects_m > 0.0) {
+      query.objects_ratio = std::min(1.0, limits::kObjectsReachRatio * query.lists_m / objects_m);
+      query.reach_m = query.lists_m - query.objects_ratio * objects_m;
+    }
+    plan_objects(query.objects_ratio);
+    if (collect(query.lists_m, work))
+      return true;
+    if (query.lists_m < limits::kRestM || work.done())
+      return false;
+  }
+}
+
+void VirtualTool::follow(const HandSample& sample, double hands_way_m, VirtualToolFrame& out,
+                         Work& work) noexcept {
+  double way_left = kInfinity;
+  if (pressed_) {
+    const double catch_up = limits::kCatchUpRatio * way_of(spring_to(sample.pose));
+    way_left = hands_way_m + std::max(catch_up, limits::kCatchUpM);
+  }
+  Query query{.hand = sample.pose, .friction = sample.friction};
+  query.rest_m = std::max(limits::kRestM, limits::kMovingRestRatio * hands_way_m);
+  double expected =
+      std::clamp(limits::kReachRatio * longest_step_m_, limits::kMinReachM, limits::kMaxReachM);
+  double longest = 0.0;
+  converged_ = false;
+  while (out.queries < limits::kMaxQueries) {
+    ++out.queries;
+    const double objects = objects_way();
+    if (objects == 0.0 && same(tool_, sample.pose)) {
+      converged_ = true;
+      last_ = {};
+      break;
+    }
+    const double wanted = way_of(spring_to(sample.pose)) + objects;
+    double need = std::min(expected, wanted);
+    if (objects > 0.0)  // room for the objects' whole displacement
+      need = std::max(need, std::min(objects / limits::kObjectsReachRatio, limits::kMaxReachM));
+    limit_to(limits::kRenewalRatio, work);
+    query.lists_m = reach_of_query(need, work);
+    if (objects > 0.0)
+      way_left += objects;
+    query.way_left_m = way_left;
+    limit_to(limits::kPairsRatio, work);
+    if (!collect_for(query, objects, work))
+      break;
+    out.rows_seen = std::max(out.rows_seen, static_cast<std::uint32_t>(rows_.size()));
+    out.pairs_seen = std::max(out.pairs_seen, static_cast<std::uint32_t>(near_.size()));
+    const double went = step(query, out, work);
+    last_step_m_ = went;
+    longest = std::max(longest, went);
+    way_left -= went;
+    limit_to(limits::kWidenRatio, work);
+    if (went > 0.9 * query.reach_m && !work.done())
+      expected = std::min(2.0 * expected, limits::kMaxReachM);
+    if (converged_ || (went == 0.0 && objects == 0.0))
+      break;
+    if (way_left < limits::kRestM && objects_way() == 0.0) {
+      converged_ = true;  // as far as it may go in this frame
+      break;
+    }
+  }
+  limit_to(limits::kRenewalRatio, work);
+  out.cut_short = !converged_ && work.done();
+  out.object_lag_m = objects_way();
+  longest_step_m_ = longest;
+}
+
+void VirtualTool::report(VirtualToolFrame& out) noexcept {
+  out.tool = tool_;
+  const Vec6 spring = spring_to(hand_);
+  out.shift = spring.head<3>();
+  rotation_ = spring.tail<3>() / options_.lever_m;
+  out.rotation = rotation_;
+  const bool free = same(tool_, hand_);
+  if (free)
+    last_ = {};
+  if (last_.count == 0)
+    loose_.setIdentity();
+  double most = 0.0;
+  for (std::size_t k = 0; k < last_.count; ++k) {
+    const Row& row = rows_[last_.active[k]];
+    const double force = last_.forces_m[k];
+    Wrench& sum = forces_[row.object];
+    sum.force += force * row.normal;
+    sum.torque += force * row.arm.cross(row.normal);
+    ++out.rows;
+    if (force <= most)
+      continue;
+    most = force;
+    out.contact_point = tool_.position + row.arm;
+    out.contact_normal = row.normal;
+    out.contact_object = row.object;
+  }
+  const bool lag = !free && last_.count == 0 && !pressed_;
+  out.constrained = !free && !lag;
+  out.not_converged = !converged_;
+  if (out.constrained) {
+    // Without a row that says which way it gives, as if none did.
+    const Mat6 gives = last_.count > 0 ? Mat6(Mat6::Identity() - last_.held) : Mat6(Mat6::Zero());
+    out.displayed = Mat6::Identity() - loose_ * gives * loose_;
+  }
+  pressed_ = out.constrained;
+  if (!lag)
+    out.ratio = options_.fade_s > 0.0 ? std::min(1.0, placed_s_ / options_.fade_s) : 1.0;
+}
+
+VirtualToolFrame VirtualTool::frame(const HandSample& sample,
+                                    std::span<const Pose> objects) noexcept {
+  VirtualToolFrame out;
+  out.lever_m = options_.lever_m;
+  out.tool = tool_;
+  out.not_initialised = !placed_;
+  std::fill(forces_.begin(), forces_.end(), Wrench{});
+  HandSample hand = sample;
+  out.pose_status = check(hand.pose, objects);
+  if (out.pose_status != PoseStatus::kUsable)
+    return out;
+
+  Work work(options_.max_work);
+  if (placed_) {
+    placed_s_ += std::max(0.0, sample.period_s);
+  } else {
+    const bool whole = initialise(hand.pose, objects, work);
+    out.work = work.used();
+    if (!whole)
+      return out;
+    out.not_initialised = false;
+    hand_ = hand.pose;
+  }
+  std::copy(objects.begin(), objects.end(), targets_.begin());
+  Vec6 hands_way;
+  hands_way << hand.pose.position - hand_.position,
+      options_.lever_m * rotation_vector(hand_.orientation, hand.pose.orientation);
+  bool rests = same(hand_, hand.pose);
+  for (std::size_t n = 0; n < objects_.size(); ++n)
+    rests &= same(objects_[n], targets_[n]);
+  if (!rests) {
+    damping_ = 1.0;
+    last_step_m_ = 0.0;
+  }
+  hand_ = hand.pose;
+  follow(hand, way_of(hands_way), out, work);
+  out.work = work.used();
+  report(out);
+  if (out.object_lag_m > limits::kMaxObjectLagM) {
+    out.passed_through = out.not_initialised = true;
+    out.ratio = 0.0;
+    reset();
+  }
+  return out;
+}
+
+}  // namespace voxtouch::exact

@@ -1,0 +1,184 @@
+#pragma once
+/// The virtual tool on triangles: it follows the hand as far as the meshes let it, and a spring
+/// runs between both.
+///
+/// Virtual coupling with a constraint-based tool (Zilles and Salisbury 1995; Ortega et al. 2007).
+/// With d = [hand - tool; lever * rotation vector from tool to hand], six numbers in metres, a
+/// frame moves the tool to a local minimum of |d|^2 / 2 over the poses at which it does not
+/// penetrate any object. Quasi-static: no mass, no velocity, no stiffness enters. Each step is the
+/// projection of d on the rows of all features that face each other (touches.hpp, projection.hpp);
+/// a step on which features would pass through each other is not taken.
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/exact/friction.hpp"
+#include "core/exact/opposite.hpp"
+#include "core/exact/projection.hpp"
+#include "core/exact/touches.hpp"
+
+namespace voxtouch::exact {
+
+struct VirtualToolOptions {
+  double lever_m = 0.0;  ///< weighs rotations against shifts; 0: the tool's reach
+  double fade_s = 0.2;   ///< after the tool was initialised the force comes in over this time
+  std::uint64_t max_work = 45000;  ///< of a frame, in units of Work; at the limit the tool lags
+  std::size_t pair_capacity = 1 << 16;  ///< pairs listed of each kind and object
+};
+
+/// What the hand does in one frame.
+struct HandSample {
+  Pose pose;               ///< T in W
+  double period_s = 1e-3;  ///< since the last frame: for the fade only
+  double friction = 0.0;   ///< Coulomb's coefficient, at least 0
+};
+
+enum class PoseStatus : std::uint8_t { kUsable, kNotAPose, kOutOfRange };
+
+/// One frame. All in W, torques about the tool's origin.
+struct VirtualToolFrame {
+  Pose tool;  ///< the virtual tool; bit-identical to the hand where nothing is touched
+  Vec3 shift = Vec3::Zero();     ///< from the virtual tool to the hand [m]
+  Vec3 rotation = Vec3::Zero();  ///< likewise, rotation vector [rad]
+  double lever_m = 0.0;
+  double ratio = 0.0;             ///< of the spring's force that is given, 0 to 1: it fades in
+  Mat6 displayed = Mat6::Zero();  ///< stiffness over k that the hand feels, in d's metres: 0 to 1
+  double residual_m = 0.0;        ///< displacement that the last step still asked for
+  Vec3 contact_point = Vec3::Zero();   ///< of the row that pushes most
+  Vec3 contact_normal = Vec3::Zero();  ///< its direction, out of the object; zero without contact
+  std::uint32_t contact_object = 0;    ///< index into the objects
+  std::uint32_t rows = 0;              ///< that push
+  std::uint32_t rows_seen = 0;         ///< of the query with the most
+  std::uint32_t pairs_seen = 0;        ///< likewise
+  int queries = 0;
+  int iterations = 0;         ///< of all projections
+  int void_steps = 0;         ///< that would have passed something
+  std::uint64_t work = 0;     ///< in units of Work
+  double object_lag_m = 0.0;  ///< how far the objects are beyond where the tool meets them
+  PoseStatus pose_status = PoseStatus::kUsable;
+  bool constrained = false;    ///< rows hold the tool off the hand
+  bool not_converged = false;  ///< the tool has not come to its place within the frame
+  bool not_initialised =
+      false;               ///< there is no virtual tool: the hand has not been in the open yet
+  bool cut_short = false;  ///< the limit of work ended the frame
+  bool passed_through =
+      false;  ///< an object moved through the tool: the tool could not be kept outside
+
+  /// What the hand feels with a spring of `k` [N/m]: k d, faded.
+  Wrench wrench(double k) const noexcept {
+    const double felt = ratio * k;
+    return {-felt * shift, -(felt * lever_m * lever_m) * rotation};
+  }
+  /// -d(wrench)/d(hand's pose) [N/m, N, Nm/rad]; at most k (k lever^2 for rotations).
+  Mat6 stiffness(double k) const noexcept;
+};
+
+/// State: the tool's pose, the objects' poses, and lists that are a cache. All memory is taken at
+/// construction; `frame` and `reset` neither allocate nor throw nor lock. One thread at a time. The
+/// same frames give the same bits. Body and objects must outlive it.
+class VirtualTool {
+ public:
+  /// Throws std::invalid_argument without objects, or for options that are not finite.
+  VirtualTool(const ToolBody& tool, std::span<const ObjectBody* const> objects,
+              const VirtualToolOptions& options);
+
+  /// One frame; `objects` are the objects' poses in W, in the order of construction.
+  ///
+  /// A pose that is none, or out of range, gives no force and leaves the tool where it is. Without
+  /// a tool (at first, after `reset`) there is no force until the hand is in the open, and all
+  /// lists are whole, which may take several frames; then the force comes in over `fade_s`.
+  VirtualToolFrame frame(const HandSample& hand, std::span<const Pose> objects) noexcept;
+
+  /// What each object pushes the tool with in the last `frame`, over k: force [m], torque [m^2].
+  /// Times k they sum to the wrench where the tool has come to its place. Times k and an object's
+  /// velocity: its power.
+  std::span<const Wrench> contact_forces() const noexcept { return forces_; }
+
+  /// Forgets the tool: a new session, the clutch, a jump of the device.
+  void reset() noexcept;
+  /// Starts from `tool` with the whole force at once, in one call, however much work it is. False,
+  /// and no tool, where that is no start.
+  bool place(const Pose& tool, std::span<const Pose> objects) noexcept;
+
+  bool placed() const noexcept { return placed_; }
+  const Pose& pose() const noexcept { return tool_; }
+  const VirtualToolOptions& options() const noexcept { return options_; }
+  /// Memory that it takes [bytes], lists and rows.
+  std::size_t bytes() const noexcept;
+
+ private:
+  /// A row, beside what the projection needs of it.
+  struct Row {
+    Vec3 normal = Vec3::Zero();  ///< W, from the object to the tool
+    Vec3 arm = Vec3::Zero();     ///< from the tool's origin to its point, W [m]
+    double gap_m = 0.0;
+    double closes_m = 0.0;  ///< by so much the object's own motion in this step closes the gap
+    double missed_m = 0.0;  ///< that the straight row missed of the gap in a step that was void
+    std::uint32_t object = 0;
+  };
+  /// What limits the steps of a query.
+  struct Query {
+    Pose hand;
+    double friction = 0.0;
+    double lists_m = 0.0;     ///< no pair within it is left out
+    double reach_m = 0.0;     ///< of it, what the objects' displacement leaves for the tool
+    double way_left_m = 0.0;  ///< of the frame, where something is touched
+    double rest_m = 0.0;      ///< a shorter step ends the frame
+    double objects_ratio =
+        1.0;  ///< of the objects' displacement that is left, which they make in this step
+  };
+
+  PoseStatus check(Pose& hand, std::span<const Pose> objects) const noexcept;
+  double way_of(const Vec6& delta) const noexcept;
+  Vec6 spring_between(const Pose& tool, const Pose& hand) const noexcept;
+  Vec6 spring_to(const Pose& hand) const noexcept;
+  bool shortens(const Vec6& spring, const Vec6& taken, const Pose& tool,
+                const Pose& hand) const noexcept;
+  bool initialise(const Pose& hand, std::span<const Pose> objects, Work& work) noexcept;
+  double objects_way() noexcept;
+  double reach_of_query(double need_m, Work& work) noexcept;
+  bool collect(double reach_m, Work& work) noexcept;
+  bool collect_for(Query& query, double objects_m, Work& work) noexcept;
+  void add_row(const Touch& touch, std::uint32_t object, double missed_m) noexcept;
+  void plan_objects(double ratio) noexcept;
+  double closes(const Row& row) const noexcept;
+  void renew_closes() noexcept;
+  void solve(const Vec6& target, VirtualToolFrame& out, Work& work) noexcept;
+  Vec6 kept_by_rows(const Vec6& step, VirtualToolFrame& out, Work& work) noexcept;
+  Projection solve_with(const Vec6& target, double turn_rad, bool push_out, VirtualToolFrame& out,
+                        Work& work) noexcept;
+  bool try_step(const Pose& tool, const Vec6& taken, double lists_m, VirtualToolFrame& out,
+                Work& work) noexcept;
+  void hold_by_friction(const Vec6& spring, double friction) noexcept;
+  bool passes_something(const Vec6& delta, Work& work) noexcept;
+  void limit_to(double ratio, Work& work) const noexcept;
+  double solve_query(const Query& query, const Vec6& spring, VirtualToolFrame& out,
+                     Work& work) noexcept;
+  double step(const Query& query, VirtualToolFrame& out, Work& work) noexcept;
+  void follow(const HandSample& hand, double hands_way_m, VirtualToolFrame& out,
+              Work& work) noexcept;
+  void report(VirtualToolFrame& out) noexcept;
+
+  VirtualToolOptions options_;
+  double reach_m_;  ///< of the tool
+  std::vector<Opposite> opposites_;
+  std::vector<Pose> objects_, targets_,
+      planned_;  ///< where the tool meets them; where they are; after the step
+  std::vector<NearPair> near_;
+  std::vector<Row> rows_;
+  std::vector<Halfspace> halfspaces_;
+  std::vector<Wrench> forces_;
+  Projection last_;                ///< at `tool_`, of the last query
+  Mat6 loose_ = Mat6::Identity();  ///< likewise: what friction does not hold
+  Pose tool_, hand_;
+  Vec3 rotation_ = Vec3::Zero();  ///< of the last frame: near half a turn its axis stays
+  double longest_step_m_ = 0.0;   ///< of the last frame
+  double damping_ = 1.0;          ///< of steps while the hand rests
+  double last_residual_m_ = 0.0, last_step_m_ = 0.0;  ///< of the last query; step 0: there was none
+  double placed_s_ = 0.0;
+  bool placed_ = false, starting_ = false;
+  bool converged_ = false;  ///< the last query asked for no further step
+  bool pressed_ = false;    ///< the last frame gave a force
+};
+
+}  // namespace voxtouch::exact

@@ -1,0 +1,20 @@
+#pragma once
+/// The contacts that a design is certified for, for a person and for a machine.
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "core/coupling/design/absolute_stability.hpp"
+
+namespace voxtouch::cli {
+
+/// "any contact up to 518 N/m, margin 1.98", or which one instead and why. Empty for a design
+/// without a certificate.
+std::string certificate_line(const coupling::design::ContactCertificate& certificate);
+/// What the certificate leaves out, one sentence each.
+std::vector<std::string> certificate_gaps(const coupling::design::ContactCertificate& certificate);
+/// What is not finite is null. The multiplier as h_i of past and future.
+nlohmann::ordered_json certificate_json(const coupling::design::ContactCertificate& certificate);
+
+}  // namespace voxtouch::cli

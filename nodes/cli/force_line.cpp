@@ -1,0 +1,54 @@
+#include "nodes/cli/force_line.hpp"
+
+#include <fmt/format.h>
+
+namespace voxtouch::cli {
+namespace {
+
+/// Less than this part of the certified stiffness is said to be less.
+constexpr double kAlmost = 0.99;
+
+const char* words_for(fitting::StiffnessLimit limit) {
+  using enum fitting::StiffnessLimit;
+  switch (limit) {
+    case kDevice:
+      return "the largest stiffness that the device displays stably";
+    case kRequested:
+      return "the stiffness of the scene's contact and effects";
+    case kLever:
+      return "the virtual tool's resistance to rotation (tool.lever_m)";
+    case kLoop:
+      return "stability of the loop (see voxtouch design)";
+    case kSetByHand:
+      return "the coupling that the scene sets by hand";
+  }
+  return "unknown";
+}
+
+}  // namespace
+
+std::string contact_line(const fitting::ForcePreview& p, const std::string& device) {
+  std::string text;
+  if (const double across = p.across_n_per_m();
+      p.reach_m > 0.0 && across < kAlmost * p.stiffness_n_per_m)
+    text = fmt::format(
+        "At the tool's reach of {:.3g} mm {} displays {:.4g} N/m along the arm and {:.4g} N/m "
+        "across it, where the tool rotates.",
+        1e3 * p.reach_m, device, p.stiffness_n_per_m, across);
+  if (p.grip_n_per_m > 0.0)
+    text += fmt::format("{}The body's grip of {:.4g} N/m is limited to the certified {:.4g} N/m.",
+                        text.empty() ? "" : " ", p.grip_n_per_m, p.stiffness_n_per_m);
+  return text;
+}
+
+std::string force_line(const fitting::ForcePreview& p, const std::string& device) {
+  std::string text = fmt::format(
+      "Certified: {:.4g} N/m with a gain margin of {:.3g}. {} saturates at {:.3g} N, {:.3g} mm "
+      "deep. Limit: {}.",
+      p.stiffness_n_per_m, p.gain_margin, device, p.force_n, 1e3 * p.depth_m, words_for(p.limit));
+  if (const std::string contact = contact_line(p, device); !contact.empty())
+    text += " " + contact;
+  return text;
+}
+
+}  // namespace voxtouch::cli

@@ -1,0 +1,35 @@
+#pragma once
+/// One identification run on an open driver.
+#include <array>
+#include <atomic>
+#include <functional>
+#include <string>
+
+#include "core/identification/device_session.hpp"
+#include "devices/driver.hpp"
+
+namespace voxtouch::cli {
+
+struct DeviceRunOptions {
+  identification::SessionOptions session;
+  bool virtual_time = false;  ///< fits run between two samples, and nothing waits
+  bool hand_check = true;
+  double hand_check_s = 60.0;  ///< for each axis
+};
+
+struct DeviceRunResult {
+  std::array<identification::AxisFigures, 3> axes;
+  std::array<double, 3> encoder_step_m{};
+  identification::ClockFigures clock;
+  identification::Outcome outcome = identification::Outcome::kMeasured;
+  std::string problem;  ///< why the run ended early; empty: it did not
+  std::uint64_t guard_clamped = 0;
+};
+
+/// Opens nothing and closes nothing; ends with zero force on every path. `tell`: progress for a
+/// person.
+DeviceRunResult run_identification(devices::Driver& driver, const DeviceRunOptions& options,
+                                   const std::atomic<bool>& stop,
+                                   const std::function<void(const std::string&)>& tell);
+
+}  // namespace voxtouch::cli

@@ -1,0 +1,62 @@
+#include <exception>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "core/types/version.hpp"
+#include "nodes/cli/help.hpp"
+#include "nodes/cli/verbs.hpp"
+#include "nodes/log/reason.hpp"
+#include "nodes/log/tell.hpp"
+#include "nodes/runtime/main.hpp"
+
+namespace voxtouch::cli {
+namespace {
+
+/// With --json the reason is a result too, unless there is one already: stdout holds one object.
+int fail(const CLI::App& app, const std::exception& error) {
+  const std::string reason = log::reason_of(error);
+  log::tell("error: {}\n", reason);
+  const CLI::App* const verb =
+      app.get_subcommands().empty() ? nullptr : app.get_subcommands().front();
+  const CLI::Option* const json = verb ? verb->get_option_no_throw("--json") : nullptr;
+  if (!json || json->count() == 0 || log::has_results())
+    return 1;
+  try {
+    const nlohmann::ordered_json result{{"ok", false}, {"problems", {reason}}};
+    log::print_result("{}\n",
+                      result.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+    log::finish_results();
+  } catch (const std::exception& unprinted) {
+    log::tell("error: {}\n", unprinted.what());
+  }
+  return 1;
+}
+
+}  // namespace
+
+int run(int argc, char** argv, std::span<AddVerb* const> verbs) {
+  log::guard_standard_streams();
+  CLI::App app(
+      "voxtouch lets a person feel a mesh scene through a force-feedback device, over a ring of "
+      "DDS processes.\n"
+      "Try: voxtouch up cup_virtual_tool --motion slide --view");
+  app.require_subcommand(1);
+  app.set_version_flag("--version", std::string(version()));
+  Action action;
+  try {
+    for (AddVerb* const add : verbs)
+      add(app, action);
+    describe_verbs(app);
+    runtime::parse(app, argc, argv);
+    const int status = action();
+    log::finish_results();
+    return status;
+  } catch (const CLI::ParseError& error) {
+    return runtime::explain(app, error);
+  } catch (const std::exception& error) {
+    return fail(app, error);
+  }
+}
+
+}  // namespace voxtouch::cli

@@ -1,0 +1,64 @@
+#pragma once
+/// What `up` hears from its nodes while they run, and prints of it at once.
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+
+#include "nodes/cli/up/foreign_writers.hpp"
+#include "nodes/cli/up/rig_claim.hpp"
+#include "nodes/cli/up/run_record.hpp"
+#include "nodes/cli/up/start_report.hpp"
+
+namespace voxtouch::cli {
+
+class ProcessSupervisor;
+
+class RunMonitor {
+ public:
+  RunMonitor(const bus::Participant& participant, const std::string& rig, StartReport start);
+
+  /// Takes what has come. Call it at least every 20 ms: longer pauses are reported as silence of
+  /// "up".
+  void poll(const ProcessSupervisor& nodes);
+  const Reports& reports() const noexcept { return reports_; }
+  /// Whether this node's last status says so.
+  bool is_ready(const std::string& node) const;
+  /// Participants of the nodes, of each process that was started.
+  const Players& players() const noexcept { return players_; }
+  /// Prints what of the start is due, and who hangs or is heard again. Returns the node that has
+  /// been silent for too long.
+  std::optional<std::string> watch(const ProcessSupervisor& nodes);
+  /// Once a second: the status line, and what keeps a node from its work.
+  void tell(const ProcessSupervisor& nodes);
+
+  bool hangs(const std::string& node) const { return hanging_.contains(node); }
+  double silent_s(const std::string& node) const;
+  /// The node's process has ended and is to be started again: its figures are kept, its silence is
+  /// no fault of the next one.
+  void forget(const std::string& node);
+  bool last_process_is_here(const std::string& node) const;
+  /// Another process that has this role now; empty: none.
+  std::string taken_by(const std::string& node) const;
+  /// Reports, silences and strangers.
+  void report_to(RunRecord& run) const;
+
+ private:
+  void tell_once(const std::string& node, const std::string& text);
+  runtime::NodeRegistry registry_;
+  const bus::Guid own_;
+  bus::Reader<msg::ValidationReport> verdicts_;  ///< the validator judges only while somebody
+                                                 ///< reads; its counts come with its status
+  ForeignWriters writers_;
+  StartReport start_;
+  Reports reports_, earlier_;  ///< earlier: of the processes that have ended
+  Players players_;
+  std::map<std::string, bus::Guid>
+      plays_;  ///< whose statuses are a node's: the first participant that had its process number
+  std::map<std::string, double> silence_s_;
+  std::set<std::string> hanging_;            ///< nodes that give no sign of life now
+  std::map<std::string, std::string> told_;  ///< what was printed last, by node
+  std::int64_t last_poll_ns_ = 0;
+};
+
+}  // namespace voxtouch::cli

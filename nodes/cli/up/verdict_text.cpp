@@ -1,0 +1,165 @@
+#include "nodes/cli/up/verdict_text.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace voxtouch::cli {
+namespace {
+
+std::string ended(const Found& f) {
+  if (f.value > 128 && f.node == "device")
+    return fmt::format(
+        "device was ended by signal {:.0f} and could not command zero force: only a real device's "
+        "own watchdog acts then. "
+        "Check that it is at rest",
+        f.value - 128);
+  if (f.value > 128)
+    return fmt::format("{} was ended by signal {:.0f}; the device went to zero force", f.node,
+                       f.value - 128);
+  if (f.value != 0)
+    return fmt::format("{} ended with status {:.0f}; its message is above", f.node, f.value);
+  return fmt::format("{} ended before the device did", f.node);
+}
+
+std::string external(const RunRecord& run, const Found& f) {
+  const auto n = [&](const char* figure) { return number(run.reports, "rendering", figure); };
+  return fmt::format(
+      "{} {} of its values were rendered and gave the hand {:.3g} J. Refused: {} of other writers, "
+      "{} with NaN or "
+      "infinity, {} in an unknown frame.",
+      f.text, n("external_samples"), n("external_given_j"), n("external_foreign"),
+      n("external_not_finite"), n("external_wrong_frame"));
+}
+
+std::string sentence(const RunRecord& run, const Found& f) {
+  switch (f.what) {
+    case RunFact::kNodeEnded:
+      return ended(f);
+    case RunFact::kNodeFailed:
+      return fmt::format("{}: {}", f.node, f.text);
+    case RunFact::kNodeSilent:
+      return fmt::format("{} has given no sign of life for {:.3g} s: the run ends without it",
+                         f.node, f.value);
+    case RunFact::kNotRestarted:
+      return fmt::format("{} is not started again: {}", f.node, f.text);
+    case RunFact::kCutShort:
+      return fmt::format("the run was stopped before its {} s were over", f.value);
+    case RunFact::kNoFinalStatus:
+      return fmt::format("the final status of {} never came: its figures end at {:.0f} samples",
+                         f.node, f.value);
+    case RunFact::kDisagree:
+      return fmt::format("the validator disagrees with {:.0f} samples: {}", f.value, f.text);
+    case RunFact::kForeignSamples:
+      return fmt::format(
+          "{:.0f} samples of a second writer on the ring's own topics were refused ({})", f.value,
+          f.text);
+    case RunFact::kForeignRecords:
+      return fmt::format("{:.0f} records of a second writer are not in the bag ({})", f.value,
+                         f.text);
+    case RunFact::kLocked:
+      return fmt::format("the {} locked itself at zero force {:.0f}x: see its fault records",
+                         f.node, f.value);
+    case RunFact::kTooStiff:
+      return fmt::format(
+          "all points in contact together displayed {:.0f} N/m at the hand, limit {:.0f} N/m of "
+          "{}: lower the contact's "
+          "stiffness, the coupling's gain or a scale of the device",
+          f.value, f.bound, run.device);
+    case RunFact::kNoSample:
+      return "the device gave no sample";
+    case RunFact::kNoForce:
+      return fmt::format("{} took no force in the whole run: {}", run.device, f.text);
+    case RunFact::kRatioAboveOne:
+      return fmt::format("{} is {:.4g}, above 1: its counts do not belong together", f.node,
+                         f.value);
+    case RunFact::kLostRecording:
+      return f.text.empty()
+                 ? fmt::format("the bag holds {:.0f} of {:.0f} recorded messages", f.value, f.bound)
+                 : f.text;
+    case RunFact::kInterrupted:
+      return fmt::format(
+          "{} gave no force in {:.0f} samples ({:.0f} interruptions); the last reason: {}",
+          run.device, f.value, f.bound, f.text);
+    case RunFact::kForeignWriters:
+      return fmt::format("other writers on the ring's own topics: {}", f.text);
+    case RunFact::kRefusedStatuses:
+      return fmt::format(
+          "{:.0f} statuses were refused: too long, too many, or of another participant{}", f.value,
+          f.text.empty() ? "" : " (" + f.text + ")");
+    case RunFact::kChanges:
+      return fmt::format(
+          "{:.0f} changes of the scene were made during the run, on request of others", f.value);
+    case RunFact::kRecovers:
+      return fmt::format("{:.0f} Recover messages came from {}", f.value, f.text);
+    case RunFact::kSamples:
+      return fmt::format("in {:.0f} samples {}", f.value, f.text);
+    case RunFact::kExternal:
+      return external(run, f);
+    case RunFact::kRestarted:
+      return fmt::format(
+          "{} was ended by {} after {:.0f} samples of the device; {}", f.node, f.text, f.value,
+          f.bound > 0 ? "it was started again" : "the run ended before it was started again");
+    case RunFact::kBagGoesOn:
+      return fmt::format("The recording goes on in {}, from where the logger was started again.",
+                         f.text);
+    case RunFact::kFaultRecord:
+      return f.text;
+  }
+  return "";
+}
+
+std::vector<std::string> unique(std::vector<std::string> all) {
+  std::vector<std::string> out;
+  for (std::string& one : all)
+    if (std::ranges::find(out, one) == out.end())
+      out.push_back(std::move(one));
+  return out;
+}
+
+void add(std::vector<std::string>& to, double n, const char* one, const char* many) {
+  if (n > 0)
+    to.push_back(fmt::format("{:.0f} {}", n, n == 1 ? one : many));
+}
+
+}  // namespace
+
+std::string sentence_of(const Judged& judged) {
+  const Limit& limit = *judged.limit;
+  return fmt::format("{} is {}{}, limit {}: {}", limit.what,
+                     with_unit(judged.measured.value_or(NAN), limit.unit),
+                     judged.of.empty() ? "" : " (" + judged.of + ")",
+                     with_unit(judged.bound, limit.unit), limit.means);
+}
+
+std::vector<std::string> problems_of(const RunRecord& run, const RunVerdict& verdict) {
+  std::vector<std::string> all;
+  for (const Found& fault : verdict.faults)
+    all.push_back(sentence(run, fault));
+  for (const Judged& judged : verdict.limits)
+    if (!judged.met)
+      all.push_back(sentence_of(judged));
+  return unique(std::move(all));
+}
+
+std::vector<std::string> notes_of(const RunRecord& run, const RunVerdict& verdict) {
+  std::vector<std::string> all;
+  for (const Found& note : verdict.notes)
+    all.push_back(sentence(run, note));
+  return unique(std::move(all));
+}
+
+std::string verdict_line(const RunRecord& run, const RunVerdict& verdict) {
+  std::vector<std::string> told;
+  if (const std::size_t n = verdict.limits_failed(); n > 0)
+    told.push_back(fmt::format("{} of {} limits", n, verdict.limits.size()));
+  add(told, static_cast<double>(verdict.faults.size()), "other fault", "other faults");
+  add(told, number(run.reports, "device", "faded"), "force fade", "force fades");
+  add(told, static_cast<double>(run.fault_records.size()), "fault record", "fault records");
+  return fmt::format("{}{}", verdict.passed() ? "PASSED" : "FAILED",
+                     told.empty() ? "" : fmt::format(" ({})", fmt::join(told, ", ")));
+}
+
+}  // namespace voxtouch::cli

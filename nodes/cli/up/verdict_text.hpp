@@ -1,0 +1,19 @@
+#pragma once
+/// The words of a verdict: the one place where sentences are made from findings.
+#include <string>
+#include <vector>
+
+#include "nodes/cli/up/run_verdict.hpp"
+
+namespace voxtouch::cli {
+
+/// "PASSED", or "FAILED (2 of 19 limits, 1 other fault)"; force fades and fault records are named
+/// in it either way.
+std::string verdict_line(const RunRecord& run, const RunVerdict& verdict);
+/// Sentences of what failed: the faults, then the limits; each once.
+std::vector<std::string> problems_of(const RunRecord& run, const RunVerdict& verdict);
+std::vector<std::string> notes_of(const RunRecord& run, const RunVerdict& verdict);
+/// A limit that is not met.
+std::string sentence_of(const Judged& judged);
+
+}  // namespace voxtouch::cli

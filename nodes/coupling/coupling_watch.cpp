@@ -1,0 +1,117 @@
+#include "nodes/coupling/coupling_watch.hpp"
+
+#include <algorithm>
+
+#include "core/coupling/passivity.hpp"
+
+namespace voxtouch::coupling_node {
+namespace {
+
+std::vector<faults::FaultMessage> messages_of(const std::vector<ContactSeen>& rows) {
+  std::vector<faults::FaultMessage> messages;
+  for (const ContactSeen& row : rows) {
+    messages.push_back(faults::message_of(0, row.contact.sample_time_ns, row.contact));
+    messages.push_back(faults::message_of(1, row.contact.sample_time_ns, row.command));
+  }
+  return messages;
+}
+
+}  // namespace
+
+EnergyBounds energy_bounds(const coupling::CouplingCounters& c, double voxel_size_m) noexcept {
+  return {coupling::energy_bound_j(c.most_force_n, c.longest_way_m, voxel_size_m),
+          coupling::energy_bound_rotation_j(c.most_torque_nm, c.longest_turn_rad, c.most_force_n,
+                                            voxel_size_m)};
+}
+
+void count(CouplingCounters& counters, const coupling::CouplingCounters& c,
+           const EnergyBounds& bounds, const msg::ContactState& contact) noexcept {
+  using enum CouplingCounter;
+  const auto set = [&](CouplingCounter counter, auto value) {
+    counters.note(counter, static_cast<double>(value));
+  };
+  if (counters[kSamples] == 0.0)
+    set(kFirstSample, contact.sequence_number);
+  counters.note(kSamples);
+  set(kClamped, c.clamped);
+  set(kCapped, c.capped);
+  set(kBounded, c.bounded);
+  set(kSwings, c.swing.swings);
+  set(kSwingHz, c.swing.frequency_hz);
+  set(kSwingM, c.swing.amplitude_m);
+  set(kSwingN, c.swing.force_n);
+  set(kSwingS, c.swing.duration_s);
+  set(kLowestEnergy, c.lowest_energy_j);
+  set(kLowestRotation, c.lowest_energy_rotation_j);
+  set(kEnergyBound, bounds.translation_j);
+  set(kRotationBound, bounds.rotation_j);
+  set(kFaults, c.faults);
+  set(kStiffness, contact.stiffness_bound_n_per_m);
+}
+
+CouplingWatch::CouplingWatch(const bus::Participant& participant, const std::string& rig,
+                             const std::filesystem::path& fault_records)
+    : records_(fault_records, {"coupling", rig, {}},
+               {faults::topic_of<msg::ContactState>("/" + rig + "/rendering/contact"),
+                faults::topic_of<msg::ForceCommand>("/" + rig + "/coupling/command")},
+               messages_of),
+      keeper_(participant, rig) {}
+
+bool CouplingWatch::opened() noexcept {
+  if (device_fault_.exchange(false, std::memory_order_relaxed))
+    records_.keep_too("a fault that the device saw");
+  return lock_.opened();
+}
+
+/// The energy is that of the whole port: a coupled contact moves energy between translation and
+/// rotation. A contact that the tool bounces off makes no cycle that the swing watch can follow;
+/// its energy shows it.
+void CouplingWatch::end_sample(const ContactSeen& seen, const coupling::CouplingCounters& now,
+                               const EnergyBounds& bounds) noexcept {
+  constexpr double kUnstableRatio = 5.0;  // times what a sound contact may show
+  constexpr double kNoticeableJ = 0.01;   // a stylus of 50 g at 0.6 m/s
+  records_.push(seen);
+  if (now.faults != before_.faults)
+    keep("a contact came late or could not be used");
+  if (now.not_finite != before_.not_finite)
+    keep("a command was no number");
+  if (now.swing.swings != before_.swing.swings)
+    keep("the device swings by itself");
+  if (now.growing && !before_.growing)
+    lock_.engage(
+        "force grew over three periods without the hand's work, so the contact is unstable");
+  const double energy_j = seen.command.energy_j + seen.command.energy_rotation_j;
+  const double bound_j = bounds.translation_j + bounds.rotation_j;
+  if (energy_j < -kNoticeableJ && energy_j < -kUnstableRatio * bound_j)
+    lock_.engage(
+        "the coupling gave five times the energy that a sound contact may show, so the "
+        "contact is unstable");
+}
+
+/// A device that hangs, or has gone without a last status, reports no fault.
+bool CouplingWatch::device_has_failed(const runtime::NodeRegistry& registry,
+                                      const runtime::RoleBinding& device) {
+  bool failed = false;
+  if (const auto& bound = device.participant()) {
+    last_device_ = *bound;
+    const runtime::NodeReport* report = registry.report_of(*bound);
+    failed = report && device_faults_.see(*report);
+  }
+  const std::vector<runtime::Hung> hung = registry.hung();
+  const bool silent =
+      std::ranges::find(hung, last_device_, &runtime::Hung::participant) != hung.end();
+  return (!std::exchange(device_silent_, silent) && silent) || failed;
+}
+
+void CouplingWatch::report_to(const runtime::NodeRegistry& registry,
+                              const runtime::RoleBinding& device, bool runs,
+                              runtime::NodeReport& report, runtime::StatusText& status) {
+  if (device_has_failed(registry, device))
+    device_fault_.store(true, std::memory_order_relaxed);
+  records_.report_to(report);
+  keeper_.listen(device.session(), lock_);
+  lock_.report_to(report, runs);
+  status.say(runtime::StatusPriority::kLocked, std::exchange(report.message, {}));
+}
+
+}  // namespace voxtouch::coupling_node

@@ -1,0 +1,68 @@
+#include "nodes/coupling/running_design.hpp"
+
+#include <fmt/format.h>
+
+#include "core/fitting/design_problem.hpp"
+
+namespace voxtouch::coupling_node {
+
+void RunningDesign::adopt(fitting::FittedCoupling fitted, TakenUp use,
+                          const std::optional<fitting::ForcePreview>& preview,
+                          double device_max_n_per_m, const std::string& external) {
+  use_ = std::move(use);
+  publish_design(designs_, fitted, use_, external);
+  const std::lock_guard lock(mutex_);
+  fitted_ = std::move(fitted);
+  preview_ = preview;
+  device_max_n_per_m_ = device_max_n_per_m;
+  ++count_;
+}
+
+void RunningDesign::report_to(double contact_n_per_m, runtime::NodeReport& report,
+                              runtime::StatusText& status) {
+  using runtime::StatusPriority;
+  const std::lock_guard lock(mutex_);
+  // The device's limit is compared with the total stiffness of the contact, not with one point's.
+  const double displayed_n_per_m =
+      fitting::stiffness_at_hand_n_per_m(fitted_.spec, mapping_, contact_n_per_m);
+  report.figures["stiffness_at_hand_n_per_m"] = {displayed_n_per_m, "N/m"};
+  report.figures["device_max_stiffness_n_per_m"] = {device_max_n_per_m_, "N/m"};
+  if (count_ == 0)
+    return;
+  describe(report);
+  if (displayed_n_per_m > device_max_n_per_m_)
+    status.say(StatusPriority::kProgress,
+               fmt::format("the contact shows up to {:.0f} N/m, more than the device's {:.0f} N/m: "
+                           "lower the contact's stiffness or coupling.gain, or let it be designed "
+                           "(coupling: {{design: auto}})",
+                           displayed_n_per_m, device_max_n_per_m_));
+  status.say(StatusPriority::kProgress,
+             fmt::format("{} runs, {}", fitted_.spec.kind, status_word(fitted_)));
+  runtime::report_refusal(fitted_.refusal, report, status);
+}
+
+void RunningDesign::describe(runtime::NodeReport& report) const {
+  const coupling::CouplingSpec& spec = fitted_.spec;
+  const coupling::design::Design& design = fitted_.design;
+  report.values["design_status"] = status_word(fitted_);
+  report.values["design_kind"] = spec.kind;
+  report.values["design_worst_case"] = design.translation.worst_case_text;
+  report.figures["designs"] = {count_, "designs"};
+  report.figures["design_cutoff_hz"] = {spec.kind == "shaping_filter" ? spec.cutoff_hz : 0.0, "Hz"};
+  report.figures["design_gain"] = {spec.gain, "1"};
+  report.figures["design_injected_damping_ns_per_m"] = {spec.injected_damping_ns_per_m, "Ns/m"};
+  report.figures["design_shown_n_per_m"] = {design.translation.shown_stiffness, "N/m"};
+  report.figures["design_critical_n_per_m"] = {design.translation.critical_stiffness, "N/m"};
+  report.figures["design_gain_margin"] = {design.translation.gain_margin, "1"};
+  if (!preview_)
+    return;
+  report.values["stiffness_limit"] = fitting::name_of(preview_->limit);
+  report.figures["certified_stiffness_n_per_m"] = {preview_->stiffness_n_per_m, "N/m"};
+  report.figures["saturation_force_n"] = {preview_->force_n, "N"};
+  report.values["returns_torque"] = preview_->returns_torque ? "yes" : "no";
+  report.figures["saturation_depth_m"] = {preview_->depth_m, "m"};
+  report.figures["spring_nm_per_rad"] = {preview_->rotation_nm_per_rad, "Nm/rad"};
+  report.figures["requested_grip_n_per_m"] = {preview_->grip_n_per_m, "N/m"};
+}
+
+}  // namespace voxtouch::coupling_node

@@ -1,0 +1,44 @@
+#pragma once
+/// The coupling that runs, published as CouplingDesign and reported in the node's status.
+#include <mutex>
+#include <optional>
+
+#include "core/fitting/force_preview.hpp"
+#include "nodes/coupling/design_message.hpp"
+#include "nodes/runtime/node_host.hpp"
+
+namespace voxtouch::coupling_node {
+
+/// `adopt`, `fitted` and `use`: the loop, which locks only in `adopt`. `report_to`: the monitor.
+class RunningDesign {
+ public:
+  RunningDesign(runtime::NodeHost& host, const scene::WorkspaceMapping& mapping)
+      : designs_(host.writer<msg::CouplingDesign>(qos::kCouplingDesign)),
+        mapping_(mapping) {}
+  const bus::Writer<msg::CouplingDesign>& writer() const noexcept { return designs_; }
+
+  /// Publishes and keeps it. `preview`: what the hand is displayed under it; `external`: see
+  /// publish_design.
+  void adopt(fitting::FittedCoupling fitted, TakenUp use,
+             const std::optional<fitting::ForcePreview>& preview, double device_max_n_per_m,
+             const std::string& external);
+  const fitting::FittedCoupling& fitted() const noexcept { return fitted_; }
+  const TakenUp& use() const noexcept { return use_; }
+
+  /// `contact_n_per_m`: largest stiffness of a contact so far, in W.
+  void report_to(double contact_n_per_m, runtime::NodeReport& report, runtime::StatusText& status);
+
+ private:
+  void describe(runtime::NodeReport& report) const;
+
+  bus::Writer<msg::CouplingDesign> designs_;
+  const scene::WorkspaceMapping& mapping_;
+  TakenUp use_;
+  std::mutex mutex_;
+  fitting::FittedCoupling fitted_;
+  std::optional<fitting::ForcePreview> preview_;
+  double device_max_n_per_m_ = 0.0;
+  std::uint64_t count_ = 0;  ///< of designs adopted
+};
+
+}  // namespace voxtouch::coupling_node

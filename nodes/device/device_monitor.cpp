@@ -1,0 +1,206 @@
+#include "nodes/device/device_monitor.hpp"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "nodes/runtime/clock.hpp"
+
+namespace voxtouch::device_node {
+
+using runtime::NodeState;
+using runtime::StatusPriority;
+
+void LateCommands::look(const Progress& progress, double rate_hz) {
+  using enum DeviceCounter;
+  const double refused = progress.counters[kRefusedLate], samples = progress.counters[kSamples];
+  if (samples - samples_ < rate_hz)
+    return;
+  const bool late = 2.0 * (refused - late_) > samples - samples_;
+  samples_ = samples, late_ = refused;
+  const double met_ms = 1e-3 * progress.latency.quantile_us(0.5);
+  // a sentence that stands for a while
+  if (designed_ms_ > 0.0 && !lockstep_ && std::abs(met_ms - met_ms_) > 0.2 * met_ms_) {
+    met_ms_ = met_ms;
+    network_ = fmt::format(
+        "; the coupling is designed for {:.4g} ms of network, commands come after {:.1f} ms, "
+        "99 of 100 within {:.0f} ms",
+        designed_ms_, met_ms, std::ceil(1e-3 * progress.latency.quantile_us(0.99)));
+  }
+  reason_.clear();
+  if (late)
+    reason_ = fmt::format(
+        "commands come {:.1f} ms after the samples that they answer, too late for any force: the "
+        "coupling was designed for {:.4g} ms of network. A shorter way, or --network-delay {:.0f} "
+        "and less stiffness",
+        met_ms, designed_ms_, std::ceil(1e-3 * progress.latency.quantile_us(0.9)));
+}
+
+DeviceMonitor::DeviceMonitor(runtime::NodeHost& host, const devices::Driver& driver,
+                             const bus::FollowedReader<msg::ForceCommand>& commands,
+                             Progress& progress, Requests& requests, const Faults& faults,
+                             double network_delay_ms)
+    : host_(host),
+      driver_(driver),
+      commands_(commands),
+      progress_(progress),
+      requests_(requests),
+      faults_(faults),
+      coupling_("coupling", {&commands.following()}),
+      keeper_(host.participant(), host.options().rig),
+      late_(network_delay_ms, host.options().lockstep) {}
+
+std::string DeviceMonitor::sentence(End end) const {
+  const std::string trouble = driver_.trouble(), model = driver_.description().model;
+  switch (end) {
+    case End::kNone:
+      return "running";
+    case End::kStopped:
+      return "stopped on request; the device is at zero force";
+    case End::kFinished:
+      return "finished; the device is at zero force";
+    case End::kPeersLate:
+      return "not every node that takes part was ready within 60 s; missing: " + peers_.missing();
+    case End::kPeerSilent:
+      return fmt::format("no command came for 5 s: {}; the device is at zero force",
+                         late_peer_.empty() ? "is the coupling node alive?" : late_peer_);
+    case End::kPeerGone:
+      return peers_.lost() + "; the device is at zero force";
+    case End::kDeviceGone:
+      return fmt::format("{} does not answer any more, zero force was its last command: {}", model,
+                         trouble.empty() ? "check its cable and power" : trouble);
+    case End::kDeviceFault:
+      return fmt::format(
+          "{} reported a fault and needs a person; it was told to give zero force{}{}", model,
+          trouble.empty() ? "" : ": ", trouble);
+    case End::kRigClaimed:
+      return "another device runs in this rig and stays; this one is at zero force. Choose another "
+             "--rig or --domain";
+    case End::kWriteBlocked:
+      return "a sample could not be handed to DDS; the device is at zero force";
+  }
+  return "unknown";
+}
+
+void DeviceMonitor::watch(std::uint64_t session, runtime::NodeRegistry& registry) {
+  coupling_.update(registry, session);
+  const auto& bound = coupling_.participant();
+  const runtime::NodeReport* const coupling = bound ? registry.report_of(*bound) : nullptr;
+  if (coupling && coupling_faults_.see(*coupling))
+    requests_.coupling_fault.store(true);
+  keeper_.listen(session, progress_.lock);
+  // In a ring that was started by hand a lost role ends the session.
+  if (coupling_.lost_session() == session)
+    peers_.lose("the coupling of this session has gone");
+  if (coupling && coupling->state == NodeState::kFailed && coupling->session_id == 0)
+    peers_.lose("the coupling has left this session: " + coupling->message);
+  peers_.update(host_, registry, session, coupling_.bound());
+  if (!peers_.lost().empty())
+    requests_.peer_gone.store(true);
+  if (rig_.update(registry, host_.participant().guid(), progress_.latency.count()))
+    requests_.rig_claimed.store(true);
+}
+
+/// Lockstep: the node that has not answered the sample that is out. One that stands still holds up
+/// those before it.
+std::string DeviceMonitor::find_late_peer(const runtime::NodeRegistry& registry) const {
+  const double samples = progress_.counters[DeviceCounter::kSamples];
+  std::string behind;
+  for (const bus::Guid& partner : peers_.participants()) {
+    const runtime::NodeReport* report = registry.report_of(partner);
+    if (!report)
+      continue;
+    if (const double stalled_s = runtime::value_of(report->figures, runtime::kStalledFor);
+        stalled_s > 0.0)
+      return fmt::format("{} has stood still for {:.1f} s, and the others wait for it",
+                         report->node, stalled_s);
+    const bool answers = report->node == "rendering" || report->node == "coupling";
+    if (answers && runtime::value_of(report->figures, "samples") <= samples &&
+        behind != "rendering")
+      behind = report->node;
+  }
+  return behind.empty() ? "" : fmt::format("{} has not answered sample {:.0f}", behind, samples);
+}
+
+/// What the driver says of its trouble, or else the kind of it; or how long the process was kept
+/// from running.
+void DeviceMonitor::note_trouble(End end) {
+  if (end == End::kNone && progress_.in_trouble.load()) {
+    const std::string text = driver_.trouble();
+    trouble_ = !text.empty() ? text
+                             : fmt::format("the last call of its driver ended as '{}'",
+                                           devices::name_of(progress_.last_error.load()));
+  }
+  const double gap_ms = progress_.counters[DeviceCounter::kLongestGap];
+  if (gap_ms > reported_gap_ms_) {
+    reported_gap_ms_ = gap_ms;
+    trouble_ = fmt::format("its process was kept from running for {:.0f} ms", gap_ms);
+  }
+}
+
+void DeviceMonitor::report_to(std::uint64_t session, runtime::NodeRegistry& registry,
+                              runtime::NodeReport& report, runtime::StatusText& status) {
+  const End end = progress_.end.load(std::memory_order_acquire);
+  watch(session, registry);
+  note_trouble(end);
+  late_.look(progress_, driver_.description().rate_hz);
+  if (host_.options().lockstep && end == End::kNone)
+    late_peer_ = find_late_peer(registry);
+  const bool running = progress_.started_ns.load() != 0, ended = end != End::kNone;
+  report.session_id = session;
+  report.partners = peers_.participants();
+  report.state = !ended ? (running ? NodeState::kRunning : NodeState::kReady)
+                        : (end == End::kStopped || end == End::kFinished ? NodeState::kStopped
+                                                                         : NodeState::kFailed);
+  status.say(StatusPriority::kProgress,
+             running ? "running" + late_.network() : "waiting for " + peers_.missing());
+  status.say(StatusPriority::kForeign, coupling_.trouble(registry));
+  if (!rig_.rival().empty())
+    status.say(StatusPriority::kConflict,
+               "another device runs in this rig, one of the two goes: " + rig_.rival());
+  status.say(StatusPriority::kNetwork, late_.reason());
+  if (progress_.in_trouble.load())
+    status.say(StatusPriority::kFault,
+               fmt::format("{} is at zero force: {}", driver_.description().model, trouble_));
+  if (ended)
+    status.say(StatusPriority::kEnded, sentence(end));
+  fill(report);
+  progress_.lock.report_to(report, !ended);
+  status.say(StatusPriority::kLocked, std::exchange(report.message, {}));
+}
+
+void DeviceMonitor::fill(runtime::NodeReport& report) {
+  report.values["device"] = driver_.description().model;
+  report.values["trouble"] = trouble_;
+  report.values["foreign_writers"] = coupling_.refused_writers();
+  // lockstep runs must not differ by what a clock says
+  const bool timed = !host_.options().lockstep;
+  const std::int64_t started = progress_.started_ns.load(), ended = progress_.ended_ns.load();
+  const std::int64_t until = ended ? ended : runtime::monotonic_ns();
+  const double elapsed_s = started ? static_cast<double>(until - started) * 1e-9 : 0.0;
+  const double samples = progress_.counters[DeviceCounter::kSamples],
+               own_rate_hz = driver_.description().rate_hz;
+  const auto latency_us = [&](double us) {
+    return runtime::Figure(timed ? std::round(us) : 0.0, "us");
+  };
+  last_second_.look(runtime::monotonic_ns(), static_cast<std::uint64_t>(samples),
+                    progress_.latency.count(),
+                    progress_.counters.take(DeviceCounter::kRecentForce));
+  report.figures = {{"nominal_rate_hz", {own_rate_hz, "Hz"}},
+                    {"last_second_max_force_n", {last_second_.largest_force_n(), "N"}},
+                    {"last_second_answered_share", {last_second_.answered_share(), "1"}},
+                    {"rate_hz", {timed && elapsed_s > 0 ? samples / elapsed_s : own_rate_hz, "Hz"}},
+                    {"latency_p50_us", latency_us(progress_.latency.quantile_us(0.5))},
+                    {"latency_p99_us", latency_us(progress_.latency.quantile_us(0.99))},
+                    {"latency_max_us", latency_us(progress_.latency.max_us())},
+                    {"answered", {progress_.latency.count(), "samples"}},
+                    {"foreign_commands", {coupling_.refused(), "commands"}}};
+  progress_.counters.report_to(report.figures);
+  report.figures["refused"].value += static_cast<double>(coupling_.refused());
+  if (!ended)
+    report.figures["deadline_misses"].value = static_cast<double>(commands_.deadlines_missed());
+  faults_.report_to(report);
+  rig_.report_to(report);
+}
+
+}  // namespace voxtouch::device_node

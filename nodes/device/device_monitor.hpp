@@ -1,0 +1,69 @@
+#pragma once
+/// The device as its status shows it, and what the loop has to know of the other nodes.
+#include "nodes/device/device_loop.hpp"
+#include "nodes/device/last_second.hpp"
+#include "nodes/device/lockstep_peers.hpp"
+#include "nodes/device/rig_claim.hpp"
+#include "nodes/runtime/role_binding.hpp"
+
+namespace voxtouch::device_node {
+
+/// Which share of the last second's commands came too late.
+class LateCommands {
+ public:
+  /// `designed_ms`: network delay that the coupling is designed for.
+  LateCommands(double designed_ms, bool lockstep)
+      : designed_ms_(designed_ms),
+        lockstep_(lockstep) {}
+  void look(const Progress& progress, double rate_hz);
+  /// Why no force is displayed where more than half of a second's commands were late; else empty.
+  const std::string& reason() const noexcept { return reason_; }
+  /// The delay that is met, where one was designed for; begins with "; ".
+  const std::string& network() const noexcept { return network_; }
+
+ private:
+  const double designed_ms_;
+  const bool lockstep_;
+  double samples_ = 0.0, late_ = 0.0;  ///< at the last look
+  double met_ms_ = 0.0;                ///< that `network_` states
+  std::string reason_, network_;
+};
+
+/// Of the monitor's thread but for `peers().ready`.
+class DeviceMonitor {
+ public:
+  DeviceMonitor(runtime::NodeHost& host, const devices::Driver& driver,
+                const bus::FollowedReader<msg::ForceCommand>& commands, Progress& progress,
+                Requests& requests, const Faults& faults, double network_delay_ms);
+  const LockstepPeers& peers() const noexcept { return peers_; }
+
+  void report_to(std::uint64_t session, runtime::NodeRegistry& registry,
+                 runtime::NodeReport& report, runtime::StatusText& status);
+  /// Why the loop ended, for people.
+  std::string sentence(End end) const;
+
+ private:
+  void watch(std::uint64_t session, runtime::NodeRegistry& registry);
+  void note_trouble(End end);
+  std::string find_late_peer(const runtime::NodeRegistry& registry) const;
+  void fill(runtime::NodeReport& report);
+
+  runtime::NodeHost& host_;
+  const devices::Driver& driver_;
+  const bus::FollowedReader<msg::ForceCommand>& commands_;
+  Progress& progress_;
+  Requests& requests_;
+  const Faults& faults_;
+  runtime::RoleBinding coupling_;
+  faults::OthersFaults coupling_faults_;
+  faults::LockKeeper keeper_;
+  LockstepPeers peers_;
+  RigClaim rig_;
+  LateCommands late_;
+  LastSecond last_second_;
+  std::string late_peer_;  ///< lockstep: which node the device waits for, and why
+  std::string trouble_;    ///< what last kept the device from giving force
+  double reported_gap_ms_ = 0.0;
+};
+
+}  // namespace voxtouch::device_node

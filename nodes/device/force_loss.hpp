@@ -1,0 +1,36 @@
+#pragma once
+/// Force that was given and then lost: its commands stopped coming, or the process stood still.
+/// Pure; real-time safe.
+#include <algorithm>
+#include <cstdint>
+
+namespace voxtouch::device_node {
+
+/// A loss lasts from the last cycle with whole force until the guard passes commands whole again.
+class ForceLoss {
+ public:
+  /// Once a cycle. `whole`: the guard passes commands unreduced; `force_n`: the force that the
+  /// device gives.
+  void note(std::int64_t now_ns, bool whole, double force_n) noexcept {
+    if (whole) {
+      if (lost_)
+        longest_ns_ = std::max(longest_ns_, now_ns - since_ns_), past_ns_ += now_ns - since_ns_;
+      lost_ = false, since_ns_ = now_ns, force_n_ = force_n;
+    } else if (!lost_ && force_n_ > 0.0) {
+      lost_ = true, force_n_ = 0.0, ++count_;
+    }
+    now_ns_ = now_ns;
+  }
+  std::uint64_t count() const noexcept { return count_; }
+  std::int64_t total_ns() const noexcept { return past_ns_ + open_ns(); }
+  std::int64_t longest_ns() const noexcept { return std::max(longest_ns_, open_ns()); }
+
+ private:
+  std::int64_t open_ns() const noexcept { return lost_ ? now_ns_ - since_ns_ : 0; }
+  std::uint64_t count_ = 0;
+  std::int64_t since_ns_ = 0, now_ns_ = 0, past_ns_ = 0, longest_ns_ = 0;
+  double force_n_ = 0.0;
+  bool lost_ = false;
+};
+
+}  // namespace voxtouch::device_node

@@ -1,0 +1,49 @@
+#include "nodes/device/lockstep_peers.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+namespace voxtouch::device_node {
+namespace {
+
+/// Why the run cannot go on without this partner; empty: it can.
+std::string loss_of(const bus::Guid& partner, const runtime::NodeRegistry& registry,
+                    const std::vector<runtime::Hung>& all_hung) {
+  // kept by the monitor, also of one that has gone
+  const runtime::NodeReport* report = registry.report_of(partner);
+  const std::string node = report ? report->node : "a node";
+  const auto hung = std::ranges::find(all_hung, partner, &runtime::Hung::participant);
+  // DDS takes one that stands still for gone after some seconds.
+  const bool gone = !registry.is_here(partner), silent = hung != all_hung.end();
+  if (report && report->state == runtime::NodeState::kFailed)
+    return node + " takes part and has failed";
+  if (silent && (gone || hung->for_s * 1e9 >= runtime::kGivenUpNs))
+    return fmt::format("{} has given no sign of life for {:.1f} s", node, hung->for_s);
+  return gone ? node + " takes part and has gone" : "";
+}
+
+}  // namespace
+
+void LockstepPeers::update(const runtime::NodeHost& host, runtime::NodeRegistry& registry,
+                           std::uint64_t session, bool with_coupling) {
+  missing_ = ready() ? "" : runtime::missing_links(host.options(), registry, host.links());
+  if (!host.options().lockstep) {
+    if (missing_.empty())
+      ready_.store(true, std::memory_order_release);
+    return;
+  }
+  partners_.update(host.options(), registry, host.links(), session);
+  for (const std::string& peer : partners_.missing())
+    missing_ += (missing_.empty() ? "" : ", ") + peer + " to be ready";
+  if (missing_.empty() && partners_.complete() && with_coupling)
+    ready_.store(true, std::memory_order_release);
+  if (!ready())
+    return;
+  const std::vector<runtime::Hung> hung = registry.hung();
+  for (const bus::Guid& partner : partners_.participants())
+    if (lost_.empty())
+      lost_ = loss_of(partner, registry, hung);
+}
+
+}  // namespace voxtouch::device_node

@@ -1,0 +1,109 @@
+#include "nodes/rendering/change_inbox.hpp"
+
+#include <algorithm>
+#include <random>
+
+#include "nodes/runtime/strings.hpp"
+
+namespace voxtouch::rendering_node {
+namespace {
+
+/// Of a change that came by a service: as good as never that of another.
+std::uint64_t request_number() {
+  static thread_local std::random_device random;
+  return (std::uint64_t{random()} << 32U | random()) | 1U;
+}
+
+}  // namespace
+
+ChangeInbox::ChangeInbox(const bus::Participant& participant, const runtime::NodeOptions& options,
+                         Receive receive, std::function<std::vector<RosParameter>()> parameters)
+    : changes_(participant, qos::kEffectChange, options.rig,
+               qos::profile_in(qos::kEffectChange, options.mode())),
+      answers_(participant, qos::kEffectChanged, options.rig,
+               qos::profile_in(qos::kEffectChanged, options.mode())),
+      made_(participant, qos::kEffectMade, options.rig,
+            qos::profile_in(qos::kEffectMade, options.mode())),
+      receive_(std::move(receive)),
+      services_(participant, options.rig, options.lockstep,
+                {[this](auto asked, bool together, const ChangeTold& told) {
+                   ask_for(asked, together, told);
+                 },
+                 std::move(parameters)}),
+      wait_set_(participant) {
+  wait_set_.attach(changes_.condition());
+  services_.attach_to(wait_set_);
+}
+
+void ChangeInbox::serve(std::uint64_t session,
+                        const std::function<bool(std::uint64_t id)>& pending) {
+  session_ = session;
+  changes_.take_each([&](const msg::EffectChange& m) {
+    const auto found = std::ranges::find(answered_, m.request, &Answered::id);
+    if (m.request != 0 && found != answered_.end())
+      return send(*found);
+    if (m.request != 0 && pending(m.request))
+      return;
+    receive_(std::span(&m, 1), false,
+             std::vector<ChangeRequest>{
+                 {.id = m.request, .session = m.session_id, .from_sample = m.from_sample}});
+  });
+  services_.serve();
+}
+
+/// A request by a service goes on as if it had come as a message.
+void ChangeInbox::ask_for(std::span<const msg::EffectChange> asked, bool together,
+                          const ChangeTold& told) {
+  std::vector<ChangeRequest> requests;
+  for (std::size_t n = 0; n < asked.size(); ++n)
+    requests.push_back(
+        {.id = request_number(),
+         .session = asked[n].session_id,
+         .from_sample = asked[n].from_sample,
+         .told = [told, n](bool done, std::uint64_t sample, const std::string& sentence) {
+           told(n, done, sample, sentence);
+         }});
+  if (together)
+    return receive_(asked, true, std::move(requests));
+  for (std::size_t n = 0; n < asked.size(); ++n)
+    receive_(asked.subspan(n, 1), false, std::vector{std::move(requests[n])});
+}
+
+void ChangeInbox::send(const Answered& answer) {
+  msg::EffectChanged m{};
+  m.request = answer.id;
+  m.session_id = session_;
+  m.from_sample = answer.sample;
+  m.result = answer.result;
+  m.sentence = runtime::lend(answer.sentence);
+  answers_.write(m);
+}
+
+void ChangeInbox::answer(const ChangeRequest& request, std::uint32_t result, std::uint64_t sample,
+                         const std::string& sentence) {
+  using namespace msg::effect_changed;
+  constexpr std::size_t kRemembered = 256;
+  std::erase_if(answered_, [&](const Answered& a) { return a.id == request.id; });
+  answered_.push_back({request.id, sample, result, sentence});
+  if (answered_.size() > kRemembered)
+    answered_.pop_front();
+  send(answered_.back());
+  if (request.told && result != kResultWaiting)
+    request.told(result == kResultDone, sample, sentence);
+}
+
+void ChangeInbox::refuse(const ChangeRequest& request, const std::string& sentence) {
+  refused_.fetch_add(1);
+  answer(request, msg::effect_changed::kResultRefused, 0, sentence);
+}
+
+/// The request may have come from a participant that a recorder did not know yet; this writer it
+/// knows.
+void ChangeInbox::record(const ChangeRequest& request, std::uint64_t session,
+                         std::uint64_t sample) {
+  msg::EffectChange made = request.change.made(session, sample);
+  made.request = request.id;
+  made_.write(made);
+}
+
+}  // namespace voxtouch::rendering_node

@@ -1,0 +1,78 @@
+#pragma once
+/// Markers of scene, tool and forces for RViz and Foxglove, while they are read.
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <future>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/types/latest_value.hpp"
+#include "nodes/bus/reader.hpp"
+#include "nodes/bus/writer.hpp"
+#include "nodes/rendering/ros_markers.hpp"
+
+namespace voxtouch::rendering_node {
+
+/// One frame of the ring, as the outputs show it.
+struct Shown {
+  /// Of the sample, by the device's clock; `show` makes wall time of it, except in lockstep
+  std::int64_t stamp_ns = 0;
+  std::uint64_t session = 0;
+  double scene_time_s = 0.0;  ///< where moving objects are
+  /// T in W, where the hand is and where its contact was found; they differ where there is a
+  /// virtual tool or a body
+  Pose hand, object;
+  Wrench wrench;                      ///< as the coupling is told, W axes
+  Vec3 contact_force = Vec3::Zero();  ///< of the contact alone, W axes
+};
+
+/// Points in contact, some of them where there are many.
+struct ShownPoints {
+  static constexpr std::size_t kMaxPoints = 64;
+  std::array<Vec3, kMaxPoints> at;  ///< in W [m]
+  std::size_t count = 0;
+};
+
+/// Of one thread of ordinary priority, but for the points.
+class MarkerOutputs {
+ public:
+  MarkerOutputs(const bus::Participant& participant, const std::string& rig);
+  ~MarkerOutputs() { stop_.store(true); }
+  MarkerOutputs(const MarkerOutputs&) = delete;
+  MarkerOutputs& operator=(const MarkerOutputs&) = delete;
+
+  // The loop, ten times a second while points are drawn. Real-time safe.
+  bool wants_points() const noexcept { return wants_points_.load(std::memory_order_relaxed); }
+  void show_points(const ShownPoints& points) noexcept {
+    wants_points_.store(false, std::memory_order_relaxed);
+    latest_points_.put(points);
+  }
+
+  /// Writes what is due. `fresh`: `shown` is another frame than at the last call.
+  void write_due(const scene::Scene& scene, const Shown& shown, bool fresh);
+  /// Another scene may follow: its meshes are not being read.
+  bool idle() const noexcept { return !reading_.valid(); }
+  void read_again() noexcept { is_read_ = false; }
+  std::uint64_t made() const noexcept { return made_.load(); }  ///< messages; any thread
+
+ private:
+  void read_commands(const scene::Scene& scene, std::uint64_t session);
+  bool write(std::vector<msg::visualization_msgs_Marker>& all);
+
+  const bus::Participant& participant_;
+  const std::string rig_;
+  bus::Writer<msg::visualization_msgs_MarkerArray> markers_;
+  std::optional<bus::Reader<msg::ForceCommand>> commands_;  ///< while forces are drawn
+  std::optional<Vec3> returned_;
+  MarkerRounds rounds_;
+  LatestValue<ShownPoints> latest_points_;
+  std::atomic<bool> wants_points_{false}, stop_{false};
+  std::atomic<std::uint64_t> made_{0};
+  bool is_read_ = false;  ///< the scene's meshes, or they are being read
+  std::uint32_t readers_so_far_ = 0;
+  std::future<std::vector<LastingMarker>> reading_;
+};
+
+}  // namespace voxtouch::rendering_node

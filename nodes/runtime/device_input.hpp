@@ -1,0 +1,68 @@
+#pragma once
+/// The device as rendering and coupling read it.
+#include <mutex>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "nodes/runtime/device_message.hpp"
+#include "nodes/runtime/node_host.hpp"
+#include "nodes/runtime/role_binding.hpp"
+
+namespace voxtouch::runtime {
+
+/// Description and status of the participant that is bound as the device. `take` and `current`: the
+/// loop; it locks only where a description has come. `report_to`: the monitor.
+class DeviceInput {
+ public:
+  /// `stream`: another reader of what the device writes, if there is one.
+  explicit DeviceInput(NodeHost& host, bus::Following* stream = nullptr)
+      : descriptions_(
+            host.reader<bus::LatchedReader<msg::DeviceDescription>>(qos::kDeviceDescription)),
+        binding_("device", inputs(stream)) {
+    host.link_reader(qos::kDeviceDescription, descriptions_);
+  }
+
+  /// Calls f(const DeviceDescription&, session) for a new description. One with numbers that cannot
+  /// be a device's changes nothing.
+  template <class F>
+  void take(F&& f) {
+    descriptions_.take([&](const msg::DeviceDescription& message) {
+      const DeviceDescription device = from_msg(message);
+      std::string refusal = what_is_wrong(device);
+      if (refusal.empty())
+        f(device, message.session_id);
+      const std::lock_guard lock(mutex_);
+      refusal_ = std::move(refusal);
+    });
+  }
+  /// The bound device's description has been taken.
+  bool current() const noexcept { return descriptions_.current(); }
+  RoleBinding& binding() noexcept { return binding_; }
+  const RoleBinding& binding() const noexcept { return binding_; }
+
+  void report_to(const NodeRegistry& registry, StatusText& status) {
+    binding_.update(registry, std::nullopt);
+    {
+      const std::lock_guard lock(mutex_);
+      if (!refusal_.empty())
+        status.say(StatusPriority::kFault, "the device's description is refused: " + refusal_);
+    }
+    status.say(StatusPriority::kFault, binding_.trouble(registry));
+  }
+
+ private:
+  std::vector<bus::Following*> inputs(bus::Following* stream) {
+    std::vector<bus::Following*> all{&descriptions_.following()};
+    if (stream)
+      all.push_back(stream);
+    return all;
+  }
+
+  bus::LatchedReader<msg::DeviceDescription> descriptions_;
+  RoleBinding binding_;
+  std::mutex mutex_;
+  std::string refusal_;  ///< of the last description
+};
+
+}  // namespace voxtouch::runtime

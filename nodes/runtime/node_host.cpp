@@ -1,0 +1,43 @@
+#include "nodes/runtime/node_host.hpp"
+
+#include <chrono>
+#include <thread>
+
+#include "nodes/runtime/realtime.hpp"
+
+namespace voxtouch::runtime {
+
+int NodeHost::monitored(const std::atomic<bool>& stop, const Report& report,
+                        const std::function<void()>& loop, std::vector<Watched> stalls) {
+  flush_denormals();
+  if (stalls.empty())
+    stalls.push_back({"its loop", [this] { return heartbeat_.sign(); }});
+  const Housekeeping monitor(
+      participant_, node_, options_,
+      [&report](NodeRegistry& registry, NodeReport& status) {
+        StatusText text;
+        status.message.clear();
+        report(registry, status, text);
+        status.message = text.text();
+      },
+      std::move(stalls));
+  stop_ = &stop;
+  monitor_ = &monitor;
+  if (kind_ == Kind::kLoop)
+    enter_loop(options_.realtime);
+  loop();
+  return monitor.peer_lost() ? 1 : 0;
+}
+
+void NodeHost::report_failure(const std::string& message) const {
+  NodeOptions silent = options_;
+  silent.announce = false;  // the error itself is printed
+  const Housekeeping monitor(participant_, node_, silent, [&](NodeRegistry&, NodeReport& report) {
+    report.state = NodeState::kFailed;
+    report.message = message;
+  });
+  // readers have to match this writer first
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+}
+
+}  // namespace voxtouch::runtime

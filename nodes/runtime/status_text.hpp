@@ -1,0 +1,40 @@
+#pragma once
+/// Which of the sentences that hold at the same time a node's status shows.
+#include <cstdint>
+#include <string>
+#include <utility>
+
+namespace voxtouch::runtime {
+
+/// From the least to the most important.
+enum class StatusPriority : std::uint8_t {
+  kProgress,
+  kWaiting,
+  kForeign,   ///< messages of a participant that is not bound
+  kConflict,  ///< two devices in one rig
+  kNetwork,
+  kFault,
+  kEnded,
+  kLocked,
+  kRefused,
+};
+
+class StatusText {
+ public:
+  /// An empty text says nothing. Of two with one priority the first is shown.
+  void say(StatusPriority priority, std::string text) {
+    if (text.empty() || (!text_.empty() && priority <= priority_))
+      return;
+    text_ = std::move(text);
+    priority_ = priority;
+  }
+  /// Shown behind the sentence.
+  void append(const std::string& text) { appendix_ += text; }
+  std::string text() const { return text_ + appendix_; }
+
+ private:
+  std::string text_, appendix_;
+  StatusPriority priority_{};
+};
+
+}  // namespace voxtouch::runtime

@@ -1,0 +1,240 @@
+#!/usr/bin/env python3
+"""Programs in environments that are not as they should be: each ends, or goes on, with a sentence
+and never by a signal.
+
+    tests/attack/environment.py --build build --domain 68
+
+Rows that need root (no /proc, an address that goes) are left out without it, and named. Exit status
+1 if something did not hold. """
+import argparse
+import contextlib
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+HERE = pathlib.Path(__file__).resolve().parents[2]
+NO_MULTICAST = (
+    "<CycloneDDS><Domain><General><AllowMulticast>false</AllowMulticast></General></Domain>"
+    "</CycloneDDS>"
+)
+NODES = ("device", "rendering", "coupling", "logger", "validator")
+CARD = (
+    ["ip", "link", "add", "d0", "type", "veth", "peer", "name", "d1"],
+    ["ip", "link", "set", "d1", "up"],
+    ["ip", "addr", "add", "10.9.9.1/24", "dev", "d0"],
+    ["ip", "link", "set", "d0", "up", "multicast", "on"],
+)
+
+
+class Rows:
+    def __init__(self, build, domain):
+        self.bin, self.domain, self.faults = build.resolve() / "bin", domain, []
+
+    def expect(self, holds, row, said=""):
+        print(f"{'ok   ' if holds else 'FAULT'}  {row}{'' if holds else ': ' + said[-500:]}")
+        if not holds:
+            self.faults.append(row)
+
+    def verb(self, *words, **more):
+        end = subprocess.run(
+            [self.bin / "voxtouch", *words],
+            capture_output=True,
+            text=True,
+            timeout=120,
+            stdin=subprocess.DEVNULL,
+            **more,
+        )
+        return end.returncode, end.stdout + end.stderr
+
+    def deleted_folder(self):
+        with tempfile.TemporaryDirectory() as folder:
+            gone = pathlib.Path(folder, "gone")
+            gone.mkdir()
+            script = 'rmdir "$1"; shift; exec "$@"'
+            end = subprocess.run(
+                [
+                    "/bin/sh",
+                    "-c",
+                    script,
+                    "sh",
+                    gone,
+                    self.bin / "voxtouch",
+                    "new",
+                    HERE / "deploy/meshes/sphere.obj",
+                ],
+                cwd=gone,
+                capture_output=True,
+                text=True,
+                timeout=60,
+                check=False,
+            )
+            self.expect(
+                end.returncode == 1 and "current folder was deleted" in end.stderr,
+                "a deleted current folder",
+                end.stderr,
+            )
+
+    def no_proc(self):
+        if os.geteuid() != 0:
+            return print("left out: no /proc (needs root)")
+        for program in ("voxtouch", *(f"voxtouch_{node}" for node in NODES)):
+            words = (
+                ["status"]
+                if program == "voxtouch"
+                else (
+                    ["--scene", HERE / "deploy/scenes/cup.yaml"]
+                    if program != "voxtouch_logger"
+                    else ["--bag", "/tmp/none"]
+                )
+            )
+            end = subprocess.run(
+                [
+                    "unshare",
+                    "-m",
+                    "/bin/sh",
+                    "-c",
+                    'umount -l /proc && exec "$@"',
+                    "sh",
+                    "timeout",
+                    "3",
+                    self.bin / program,
+                    *words,
+                ],
+                capture_output=True,
+                text=True,
+                timeout=60,
+                check=False,
+            )
+            self.expect(
+                0 <= end.returncode < 128 and "terminate called" not in end.stderr,
+                f"{program} without /proc",
+                end.stderr,
+            )
+
+    def deaf(self):
+        environment = os.environ | {"CYCLONEDDS_URI": NO_MULTICAST}
+        code, said = self.verb("doctor", "--domain", str(self.domain), env=environment)
+        self.expect(
+            code == 1 and "do not receive each other" in said and "AllowMulticast" in said,
+            "doctor names nodes that do not hear each other",
+            said,
+        )
+        with tempfile.TemporaryFile("w+") as log:
+            up = subprocess.Popen(
+                [
+                    self.bin / "voxtouch",
+                    "up",
+                    "cup",
+                    "--lockstep",
+                    "--no-record",
+                    "--duration",
+                    "1",
+                    "--domain",
+                    str(self.domain),
+                ],
+                stdout=log,
+                stderr=subprocess.STDOUT,
+                env=environment,
+            )
+            end, text = time.monotonic() + 40, ""
+            while "nothing has come from other nodes" not in text and time.monotonic() < end:
+                time.sleep(0.2)
+                log.seek(0)
+                text = log.read()
+            up.send_signal(signal.SIGINT)
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                up.wait(30)
+            if up.poll() is None:
+                up.kill()
+        self.expect(
+            "for 3 s: CYCLONEDDS_URI turns multicast off" in text,
+            "nodes say that they hear nothing, and why",
+            text,
+        )
+
+    def nohup(self):
+        watch = subprocess.Popen(
+            ["nohup", self.bin / "voxtouch", "status", "--watch", "--domain", str(self.domain)],
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            stdin=subprocess.DEVNULL,
+        )
+        time.sleep(1.5)
+        watch.send_signal(signal.SIGHUP)
+        time.sleep(1.5)
+        self.expect(watch.poll() is None, "a hangup under nohup")
+        watch.terminate()
+        watch.wait(20)
+
+    def address_gone(self):
+        if os.geteuid() != 0 or os.environ.get("VOXTOUCH_IN_NAMESPACE") != "1":
+            return print(
+                "left out: an address that goes (needs root and a network namespace of its own)"
+            )
+        for command in (["ip", "link", "set", "lo", "up"], *CARD):
+            if subprocess.run(command, check=False).returncode:
+                return print("left out: an address that goes (no card can be made)")
+        with tempfile.TemporaryFile("w+") as log, tempfile.TemporaryDirectory() as folder:
+            up = subprocess.Popen(
+                [
+                    self.bin / "voxtouch",
+                    "up",
+                    "cup",
+                    "--motion",
+                    "slide",
+                    "--duration",
+                    "12",
+                    "--domain",
+                    str(self.domain),
+                    "--no-report",
+                    "--record",
+                    pathlib.Path(folder, "bag"),
+                ],
+                stdout=log,
+                stderr=subprocess.STDOUT,
+            )
+            time.sleep(5)
+            subprocess.run(["ip", "addr", "del", "10.9.9.1/24", "dev", "d0"], check=True)
+            subprocess.run(["ip", "addr", "add", "10.9.9.2/24", "dev", "d0"], check=True)
+            up.wait(90)
+            log.seek(0)
+            text = log.read()
+        self.expect("address 10.9.9.1 of d0 is gone" in text, "an address that goes is named", text)
+        self.expect(
+            "ended by signal" not in text and "terminate called" not in text,
+            "no node dies of an address that goes",
+            text,
+        )
+        print(text[-1500:])
+
+
+def main():
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--build", type=pathlib.Path, default=HERE / "build", help="build folder")
+    parser.add_argument("--domain", type=int, default=68)
+    parser.add_argument("--only", nargs="*", help="these rows")
+    ask = parser.parse_args()
+    if (
+        os.geteuid() == 0
+        and "VOXTOUCH_IN_NAMESPACE" not in os.environ
+        and subprocess.run(["unshare", "-n", "true"], check=False).returncode == 0
+    ):
+        os.environ["VOXTOUCH_IN_NAMESPACE"] = "1"
+        os.execvp("unshare", ["unshare", "-n", sys.executable, *sys.argv])
+    if os.environ.get("VOXTOUCH_IN_NAMESPACE") == "1":
+        subprocess.run(["ip", "link", "set", "lo", "up"], check=False)
+    rows = Rows(ask.build, ask.domain)
+    for name in ask.only or ("deleted_folder", "no_proc", "nohup", "deaf", "address_gone"):
+        getattr(rows, name)()
+    print("Not well." if rows.faults else "All is well.")
+    return 1 if rows.faults else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,173 @@
+#!/usr/bin/env python3
+"""Plays the league: the same poses for every contact library, judged by closed forms or exact
+triangles.
+
+usage: league.py --voxtouch PROGRAM --out FOLDER [--rows A,B1] [--only NAME,...] [--add NAME --csv
+       FOLDER]
+
+FOLDER receives a folder per row with meshes, poses and what is right, result.json, league.md and
+the pictures. README.md tells how another program takes part without this code.
+"""
+import argparse
+import datetime
+import json
+import os
+import pathlib
+import platform
+import sys
+
+import numpy as np
+
+import loops
+import page
+import rivals
+import rows
+import truth
+
+
+def angles(force, direction):
+    size = np.linalg.norm(force, axis=1)
+    cosine = np.sum(force * direction, axis=1) / np.maximum(size, 1e-300)
+    return np.where(size > 1e-9, np.degrees(np.arccos(np.clip(cosine, -1, 1))), 180.0)
+
+
+def judged(row, wrenches, times):
+    force = wrenches[:, :3]
+    facts = {"us_median": float(np.median(times)), "us_worst": float(np.max(times))}
+    if row.judge == "direction":
+        wrong = angles(force, row.direction)
+        facts |= {
+            "mean_deg": float(wrong.mean()),
+            "p95_deg": float(np.percentile(wrong, 95)),
+            "missed": int(np.sum(np.linalg.norm(force, axis=1) <= 1e-9)),
+            "of": len(wrong),
+        }
+        if per_force := row.facts.get("torque_per_force_m"):
+            z = np.abs(wrenches[:, 2])
+            found = np.abs(wrenches[z > 1e-9, 5]) / z[z > 1e-9]
+            facts["torque_ratio"] = float(np.median(found) / per_force) if len(found) else 0.0
+    elif row.judge == "free":
+        facts |= {"touched": int(np.sum(np.linalg.norm(force, axis=1) > 1e-9)), "of": len(force)}
+    else:
+        last = np.sum(force[-100:] * row.direction[-100:], axis=1)
+        expected = rows.SPRING_N_PER_M * row.facts["depth_m"]
+        facts |= {
+            "force_ratio": float(last.mean() / expected),
+            "noise": float(last.std() / expected),
+            "passed": bool(abs(last.mean()) < 0.2 * expected),
+        }
+    return facts
+
+
+def machine():
+    for line in pathlib.Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines():
+        if line.startswith("model name"):
+            return f"{line.split(':')[1].strip()}, {os.cpu_count()} processors"
+    return platform.machine()
+
+
+def reason(error):
+    text = str(error).splitlines()[0][:120] if str(error) else ""
+    return f"failed: {type(error).__name__}: {text}"
+
+
+def check_addition(options, everybody):
+    """Name and folder of --add; SystemExit with what to do."""
+    if not options.csv or not pathlib.Path(options.csv).is_dir():
+        sys.exit(f"--add {options.add}: give a folder with --csv, one ROW.csv for each row")
+    if options.add in [r.name for r in everybody] or not options.add.replace(" ", "").isalnum():
+        sys.exit(f"--add {options.add}: take another name, of letters, digits and spaces")
+
+
+def play_loops(options, wanted, taking_part, out, result):
+    names = [name for name, _, _ in taking_part]
+    for name, (title, judge, _) in loops.LOOP_ROWS.items():
+        if wanted and not any(name.startswith(w) for w in wanted):
+            continue
+        entry = result["rows"].setdefault(name, {"title": title, "judge": judge, "answers": {}})
+        for rival in rivals.everybody(options.voxtouch):
+            if rival.name not in names:
+                continue
+            print(f"{name}: {rival.name}", file=sys.stderr)
+            try:
+                given = loops.answer(name, rival, out / name.replace(" ", "_").replace("/", "_"))
+            except Exception as error:
+                given = reason(error)
+            if given is not None:
+                entry["answers"][rival.name] = given
+
+
+def play(options):
+    out = pathlib.Path(options.out).resolve()
+    deploy = pathlib.Path(__file__).resolve().parents[3] / "deploy"
+    wanted = options.rows.split(",") if options.rows else []
+    file = out / "result.json"
+    result = (
+        json.loads(file.read_text(encoding="utf-8"))
+        if file.exists()
+        else {"rows": {}, "versions": {}}
+    )
+    everybody = rivals.everybody(options.voxtouch)
+    if options.add:
+        check_addition(options, everybody)
+        taking_part = [
+            (options.add, lambda row, folder: rivals.from_csv(options.csv, row), "by CSV")
+        ]
+    else:
+        only = options.only.split(",") if options.only else []
+        taking_part = [
+            (r.name, r.answer, r.version())
+            for r in everybody
+            if not only or any(r.name.startswith(o) for o in only)
+        ]
+    answered = 0
+    for row in rows.all_rows(deploy, truth.nearest_on):
+        if wanted and not any(row.name.startswith(w) for w in wanted):
+            continue
+        folder = out / row.name.replace(" ", "_").replace("/", "_")
+        rows.write_row(row, folder)
+        entry = result["rows"].setdefault(
+            row.name, {"title": row.title, "judge": row.judge, "answers": {}}
+        )
+        for name, answer, version in taking_part:
+            print(f"{row.name}: {name}", file=sys.stderr)
+            try:
+                given = answer(row, folder)
+            except rivals.CsvError as error:
+                sys.exit(str(error))
+            except Exception as error:  # a rival's own fault is a result, too
+                given = reason(error)
+            if given is None:
+                continue
+            answered += 1
+            entry["answers"][name] = given if isinstance(given, str) else judged(row, *given)
+            result["versions"][name] = version
+    if options.add and not answered:
+        sys.exit(f"--csv {options.csv}: no ROW.csv is named as one of the rows, such as A1.csv")
+    if not options.add:
+        play_loops(options, wanted, taking_part, out, result)
+    result["conditions"] = {
+        "date": str(datetime.date.today()),
+        "machine": machine(),
+        "load": round(os.getloadavg()[0], 1),
+        "python": platform.python_version(),
+    }
+    out.mkdir(parents=True, exist_ok=True)
+    file.write_text(json.dumps(result, indent=1), encoding="utf-8")
+    (out / "league.md").write_text(page.markdown(result), encoding="utf-8")
+    page.pictures(result, out)
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--voxtouch", default="build/bin/voxtouch", help="the program")
+    parser.add_argument("--out", default="build/league", help="folder of results")
+    parser.add_argument(
+        "--rows", default="", help="only rows whose names begin so, with commas between"
+    )
+    parser.add_argument("--only", default="", help="only these rivals")
+    parser.add_argument("--add", default="", help="name of a program whose answers are in --csv")
+    parser.add_argument("--csv", default="", help="folder with ROW.csv: fx,fy,fz,tx,ty,tz,us")
+    play(parser.parse_args())

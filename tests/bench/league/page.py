@@ -1,0 +1,147 @@
+"""The league's page and pictures, from result.json."""
+
+
+def number(value):
+    if 0 < abs(value) < 0.001:
+        return "< 0.001"
+    return f"{value:.0f}" if abs(value) >= 10 else f"{value:.2g}"
+
+
+def cell(judge, a):
+    if isinstance(a, str):
+        return a, "", ""
+    us = a.get("us_median", float("nan"))
+    time = f"{number(us)} µs" if us == us else "-"
+    if judge == "rest":
+        return f"{number(a['sink_mm'])} mm", f"{number(a['creep_mm'])} mm", time
+    if judge == "loop":
+        return f"{a['held']}; {a['released']}", a["warned"], time
+    if judge == "direction":
+        torque = f", torque {a['torque_ratio']:.3f}" if "torque_ratio" in a else ""
+        return (
+            f"{number(a['mean_deg'])}°, {number(a['p95_deg'])}°",
+            f"{a['missed']} of {a['of']} missed{torque}",
+            time,
+        )
+    if judge == "free":
+        return f"{a['touched']} of {a['of']} touched", "", time
+    kept = "passed through" if a["passed"] else f"{a['force_ratio']:.3f} of k d"
+    return kept, f"{number(100 * a['noise'])} %", time
+
+
+LEAST_DEG = 0.01
+COLOURS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000"]
+MARKERS = ["o", "s", "^", "D", "v"]
+
+HEADS = {
+    "direction": "| direction error: mean, 95 % | missed | time, median |",
+    "free": "| free poses with a force | | time, median |",
+    "press": "| force | noise of the force | time of a step, median |",
+    "rest": "| sinks by | moves in the last 0.5 s | time of a step, median |",
+    "loop": "| held; released | warned | time of a step, median |",
+    "foil": "| force | noise of the force | time of a step, median |",
+}
+
+
+def own_first(item):
+    return not item[0].startswith("voxtouch"), item[0]
+
+
+def markdown(result):
+    lines = [
+        "# League: contact libraries on the same poses",
+        "",
+        "Command: `deploy/bench league`",
+        "",
+        f"{result['conditions']['date']}, {result['conditions']['machine']}, "
+        f"load {result['conditions']['load']}.",
+        "Times are CPU times of one thread next to other work: compare ratios only.",
+        "Static rows: best of three. `tests/bench/league/README.md` explains rows and format.",
+        "",
+    ]
+    for name, row in sorted(result["rows"].items()):
+        lines += [
+            f"## {name}: {row['title']}",
+            "",
+            "| system " + HEADS[row["judge"]],
+            "|---|---|---|---|",
+        ]
+        for system, answer in sorted(row["answers"].items(), key=own_first):
+            lines.append(f"| {system} | " + " | ".join(cell(row["judge"], answer)) + " |")
+        lines.append("")
+    lines += ["## Versions", "", "| system | version |", "|---|---|"]
+    lines += [
+        f"| {system} | {version} |"
+        for system, version in sorted(result["versions"].items(), key=own_first)
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def pictures(result, folder):
+    try:
+        import matplotlib
+
+        matplotlib.use("Agg")
+        from matplotlib import pyplot
+    except ImportError:
+        return
+    styles = {
+        system: (COLOURS[n % len(COLOURS)], MARKERS[n % len(MARKERS)])
+        for n, system in enumerate(sorted(result["versions"]))
+    }
+    for draw, file in (
+        (error_over_time, "league_error_time.png"),
+        (time_over_size, "league_growth.png"),
+    ):
+        figure, axes = pyplot.subplots(figsize=(8.5, 4.6))
+        draw(axes, result, styles)
+        axes.set(xscale="log", yscale="log")
+        axes.grid(True, alpha=0.3)
+        axes.legend(fontsize=8, loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0)
+        figure.tight_layout()
+        figure.savefig(folder / file, dpi=130)
+
+
+def answers_of(result, row):
+    return {
+        system: a
+        for system, a in result["rows"].get(row, {"answers": {}})["answers"].items()
+        if isinstance(a, dict)
+    }
+
+
+def error_over_time(axes, result, styles):
+    for row, filled in (("A5", True), ("A2", False)):
+        for system, a in answers_of(result, row).items():
+            colour, marker = styles[system]
+            axes.plot(
+                a["us_median"],
+                max(a["mean_deg"], LEAST_DEG),
+                marker,
+                color=colour,
+                linestyle="",
+                markersize=8,
+                markerfacecolor=colour if filled else "none",
+                label=system if filled else None,
+            )
+    axes.set(
+        xlabel="CPU time of a frame [µs]",
+        ylabel=f"mean direction error [°], {LEAST_DEG:g} and below at {LEAST_DEG:g}",
+    )
+    axes.set_title(
+        "Ball on the cup (filled) and on a cylinder of 5,000 triangles (open)", fontsize=10
+    )
+
+
+def time_over_size(axes, result, styles):
+    sizes = {"A2": 5e3, "A3": 5e4, "A4": 5e5}
+    for system, (colour, marker) in styles.items():
+        points = [
+            (size, answers_of(result, row)[system]["us_median"])
+            for row, size in sizes.items()
+            if system in answers_of(result, row)
+        ]
+        if points:
+            axes.plot(*zip(*points), marker=marker, color=colour, label=system)
+    axes.set(xlabel="triangles of the cylinder", ylabel="CPU time of a frame [µs]")
+    axes.set_title("Ball on a cylinder of more and more triangles", fontsize=10)

@@ -1,0 +1,325 @@
+"""The rows of the league: a static mesh, a tool, poses of the hand, and what is right for each
+pose.
+
+Static rows: every pose stands alone, and the answer is a contact wrench. Path rows: poses are one
+millisecond apart, and the answer is the wrench of a spring between hand and tool.
+"""
+import dataclasses
+import pathlib
+
+import numpy as np
+
+import shapes
+
+SEED = 20261129
+SPRING_N_PER_M = 500.0
+
+
+@dataclasses.dataclass
+class Row:
+    name: str
+    title: str
+    static: tuple
+    tool: tuple
+    poses: np.ndarray  # n x 7: qw qx qy qz tx ty tz
+    direction: np.ndarray  # n x 3, NaN where no direction is asked; zero where no force may act
+    path: bool = False
+    ball_m: float = 0.0  # radius, if the tool is a ball
+    depth_m: np.ndarray = None  # of the hand beyond the first touch
+    voxel_m: float = 0.001
+    judge: str = "direction"  # direction | free | press | foil
+    facts: dict = dataclasses.field(default_factory=dict)
+
+
+def poses_at(positions):
+    return np.column_stack([np.tile([1.0, 0, 0, 0], (len(positions), 1)), positions])
+
+
+def ball_row(name, title, static, points, normals, radius=0.01, depth=0.0005):
+    normals = normals / np.linalg.norm(normals, axis=1, keepdims=True)
+    return Row(
+        name,
+        title,
+        static,
+        shapes.ball(radius),
+        poses_at(points + normals * (radius - depth)),
+        normals,
+        ball_m=radius,
+        depth_m=np.full(len(points), depth),
+    )
+
+
+def outwards(centres, closest, distance):
+    return (centres - closest) / distance[:, None]
+
+
+def surface_places(mesh, count, random):
+    """Random places on a mesh by area, where a ball of 10 mm touches nothing else."""
+    vertices, faces = np.asarray(mesh[0]), np.array(mesh[1])
+    corner = vertices[faces]
+    cross = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    area = np.linalg.norm(cross, axis=1)
+    chosen = random.choice(len(faces), count, p=area / area.sum())
+    u = random.random((count, 2))
+    u[u.sum(1) > 1] = 1 - u[u.sum(1) > 1]
+    c = corner[chosen]
+    return (
+        c[:, 0] + u[:, :1] * (c[:, 1] - c[:, 0]) + u[:, 1:] * (c[:, 2] - c[:, 0]),
+        cross[chosen] / area[chosen][:, None],
+    )
+
+
+def read_obj(path, scale=1.0):
+    vertices, faces = [], []
+    for line in pathlib.Path(path).read_text(encoding="utf-8").splitlines():
+        words = line.split()
+        if words and words[0] == "v":
+            vertices.append([scale * float(x) for x in words[1:4]])
+        if words and words[0] == "f":
+            ids = [int(w.split("/")[0]) - 1 for w in words[1:]]
+            faces += [(ids[0], ids[k], ids[k + 1]) for k in range(1, len(ids) - 1)]
+    return np.array(vertices), faces
+
+
+def rows_of_balls(deploy, nearest):
+    random = np.random.default_rng(SEED)
+    plane = shapes.box((0.2, 0.2, 0.02), (0, 0, -0.01))
+    xy = random.uniform(-0.06, 0.06, (100, 2))
+    yield ball_row(
+        "A1",
+        "ball on a plane",
+        plane,
+        np.column_stack([xy, np.zeros(100)]),
+        np.tile([0, 0, 1.0], (100, 1)),
+    )
+    for name, triangles in (("A2", 5_000), ("A3", 50_000), ("A4", 500_000)):
+        angle, y = random.uniform(-1, 1, 100), random.uniform(-0.05, 0.05, 100)
+        normal = np.stack([np.sin(angle), np.zeros(100), np.cos(angle)], 1)
+        mesh = shapes.cylinder(0.04, 0.2, triangles)
+        row = ball_row(
+            name,
+            f"ball on a cylinder of {triangles} triangles",
+            mesh,
+            0.04 * normal + np.stack([np.zeros(100), y, np.zeros(100)], 1),
+            normal,
+        )
+        row.direction = outwards(row.poses[:, 4:], *nearest(mesh, row.poses[:, 4:]))
+        yield row
+    cup = read_obj(deploy / "meshes" / "cup.obj")
+    points, normals = surface_places(cup, 400, random)
+    centres = points + normals * 0.0095
+    closest, distance = nearest(cup, centres)
+    kept = np.flatnonzero(np.abs(distance - 0.0095) < 1e-9)[:100]  # the ball touches there first
+    row = ball_row("A5", "ball on the cup", cup, points[kept], normals[kept])
+    row.direction = outwards(centres[kept], closest[kept], distance[kept])
+    yield row
+
+
+def rows_of_holes():
+    random = np.random.default_rng(SEED + 1)
+    clearance = 0.0002
+    for name, title, polygon in (
+        ("B1", "pin", shapes.circle(0.01, 64)),
+        ("B2", "cross", shapes.cross(0.015, 0.004)),
+        ("B3", "gear", shapes.gear(12, 0.010, 0.012)),
+    ):
+        static = shapes.plate_with_hole(shapes.grown(polygon, clearance), 0.03, -0.01, 0.01)
+        tool = shapes.prism(polygon, -0.02, 0.02)
+        radius, angle = 0.7 * clearance * random.random(60) ** 0.5, random.uniform(0, 2 * np.pi, 60)
+        free = np.stack(
+            [radius * np.cos(angle), radius * np.sin(angle), random.uniform(-0.004, 0.004, 60)], 1
+        )
+        yield Row(
+            name + "f",
+            f"{title} in its hole, 0.2 mm of clearance: free poses",
+            static,
+            tool,
+            poses_at(free),
+            np.zeros((60, 3)),
+            voxel_m=0.0005,
+            judge="free",
+        )
+        sides = np.arange(60) % 4 * (np.pi / 2)
+        away = np.stack([np.cos(sides), np.sin(sides), np.zeros(60)], 1)
+        pushed = away * (clearance + 0.0003) + np.stack([np.zeros(60), np.zeros(60), free[:, 2]], 1)
+        yield Row(
+            name + "p",
+            f"{title} pushed 0.3 mm into its hole's wall along x or y",
+            static,
+            tool,
+            poses_at(pushed),
+            -away,
+            voxel_m=0.0005,
+            depth_m=np.full(60, 0.0003),
+        )
+
+
+def straight(z_from, z_to, speed, hold_s, xy=(0.0013, 0.0007)):
+    steps = int(round(abs(z_to - z_from) / speed * 1000))
+    z = np.concatenate(
+        [
+            np.full(300, z_from),
+            np.linspace(z_from, z_to, steps + 1),
+            np.full(int(1000 * hold_s), z_to),
+        ]
+    )
+    return poses_at(np.column_stack([np.tile(xy, (len(z), 1)), z]))
+
+
+def rows_of_springs():
+    block = shapes.box((0.2, 0.2, 0.04), (0, 0, -0.02))
+    poses = straight(0.012, 0.0, 0.05, 0.4)
+    yield Row(
+        "C1",
+        "pressed 10 mm into a block",
+        block,
+        shapes.ball(0.01),
+        poses,
+        np.tile([0, 0, 1.0], (len(poses), 1)),
+        path=True,
+        ball_m=0.01,
+        voxel_m=0.002,
+        judge="press",
+        facts={"depth_m": 0.01},
+    )
+    for thickness in (0.002, 0.0002):
+        foil = shapes.box((0.2, 0.2, thickness), (0, 0, -thickness / 2))
+        for speed in (0.02, 0.1, 0.3, 1.0):
+            poses = straight(0.015, 0.0, speed, 0.2)
+            yield Row(
+                f"C2 {1e3 * thickness:g} mm {speed:g} m/s",
+                f"plate of {1e3 * thickness:g} mm, hand thrown at {speed:g} m/s",
+                foil,
+                shapes.ball(0.01),
+                poses,
+                np.tile([0, 0, 1.0], (len(poses), 1)),
+                path=True,
+                ball_m=0.01,
+                voxel_m=0.002,
+                judge="foil",
+                facts={"depth_m": 0.01},
+            )
+
+
+def rows_of_edges():
+    """E: sharp edges that cross, a foil, boxes half through each other."""
+    random = np.random.default_rng(SEED + 2)
+    up = np.array([0, 0, 1.0])
+    roof = shapes.wedge(0.01, 0.01, 0.06)
+    turned = np.array([[0, 1, 0], [1, 0, 0], [0, 0, -1.0]])  # half a turn: edge along y, downwards
+    tool = (np.asarray(roof[0]) @ turned.T, roof[1])
+    at = np.column_stack([random.uniform(-0.01, 0.01, (60, 2)), np.full(60, -0.0003)])
+    yield Row(
+        "E1",
+        "sharp edges crossed at right angles, 0.3 mm deep",
+        roof,
+        tool,
+        poses_at(at),
+        np.tile(up, (60, 1)),
+        voxel_m=0.0005,
+    )
+    path = straight(0.003, -0.003, 0.03, 0.2)
+    yield Row(
+        "E1s",
+        "edge pulled 3 mm across an edge by a spring",
+        roof,
+        tool,
+        path,
+        np.tile(up, (len(path), 1)),
+        path=True,
+        voxel_m=0.0005,
+        judge="press",
+        facts={"depth_m": 0.003},
+    )
+    foil = shapes.box((0.2, 0.2, 0.0002), (0, 0, -0.0001))
+    xy = random.uniform(-0.05, 0.05, (60, 2))
+    yield ball_row(
+        "E2",
+        "ball on a foil of 0.2 mm, 0.05 mm deep",
+        foil,
+        np.column_stack([xy, np.zeros(60)]),
+        np.tile(up, (60, 1)),
+        depth=0.00005,
+    )
+    cube = shapes.box((0.04, 0.04, 0.04), (0, 0, 0))
+    at = np.column_stack([random.uniform(-0.005, 0.005, (60, 2)), np.full(60, 0.022)])
+    yield Row(
+        "E3",
+        "cubes of 40 mm, 18 mm through each other",
+        cube,
+        cube,
+        poses_at(at),
+        np.tile(up, (60, 1)),
+        voxel_m=0.002,
+    )
+    path = straight(0.042, 0.022, 0.1, 0.2)
+    yield Row(
+        "E3s",
+        "cube pulled 18 mm into a cube by a spring",
+        cube,
+        cube,
+        path,
+        np.tile(up, (len(path), 1)),
+        path=True,
+        voxel_m=0.002,
+        judge="press",
+        facts={"depth_m": 0.018},
+    )
+
+
+def screwed(turns, up_m=0.0):
+    """Poses of a nut that has been turned so far, moved up by `up_m` in its play."""
+    half = np.pi * np.asarray(turns)
+    zero = np.zeros(len(half))
+    z = np.asarray(turns) * shapes.PITCH_M + up_m
+    return np.column_stack([np.cos(half), zero, zero, np.sin(half), zero, zero, z])
+
+
+def rows_of_threads():
+    """D2: nut M20 on its bolt. Radial gap 0.25 mm, so 0.144 mm of play along the axis each way."""
+    bolt, nut = shapes.bolt(0.02), shapes.nut(0.01, 0.00025)
+    play = 0.00025 / 3**0.5
+    turns = np.linspace(0, 1, 33) - 0.5
+    common = {"voxel_m": 0.00025}
+    yield Row(
+        "D2f",
+        "nut M20 along its bolt for a turn, in the middle of its play",
+        bolt,
+        nut,
+        screwed(turns),
+        np.zeros((33, 3)),
+        judge="free",
+        **common,
+    )
+    yield Row(
+        "D2p",
+        "nut M20 pressed 0.06 mm up into its flanks",
+        bolt,
+        nut,
+        screwed(turns, play + 0.00006),
+        np.tile([0, 0, -1.0], (33, 1)),
+        facts={"torque_per_force_m": shapes.PITCH_M / (2 * np.pi)},
+        **common,
+    )
+
+
+def all_rows(deploy, nearest):
+    yield from rows_of_balls(deploy, nearest)
+    yield from rows_of_holes()
+    yield from rows_of_springs()
+    yield from rows_of_edges()
+    yield from rows_of_threads()
+
+
+def write_row(row, folder):
+    """The files that any program can take part with."""
+    folder.mkdir(parents=True, exist_ok=True)
+    shapes.write_obj(folder / "static.obj", *row.static)
+    shapes.write_obj(folder / "tool.obj", *row.tool)
+    header = "qw,qx,qy,qz,tx,ty,tz"
+    np.savetxt(folder / "poses.csv", row.poses, "%.12g", ",", header=header, comments="")
+    np.savetxt(folder / "right.csv", row.direction, "%.12g", ",", header="dx,dy,dz", comments="")
+    (folder / "row.txt").write_text(
+        f"{row.title}\n{'path, 1 ms a row' if row.path else 'poses that stand alone'}\n",
+        encoding="utf-8",
+    )

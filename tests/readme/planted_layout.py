@@ -1,0 +1,70 @@
+#!/usr/bin/env python3
+"""check_layout.py finds each fault planted in a small tree, and none in the tree without faults.
+
+usage: planted_layout.py ROOT        ROOT: the source tree, whose .clang-format is used
+"""
+import pathlib
+import shutil
+import sys
+import tempfile
+
+import check_layout
+
+LONG = "x" * 101
+GOOD = {
+    "core/law.cpp": "int law() { return 1; }\n",
+    "core/law.hpp": "int law();\n",
+    "tests/count.c": "int count(void) { return 0; }\n",
+    "deploy/tool.py": "X = 1\n",
+    "deploy/script": "#!/usr/bin/env bash\necho 1\n",
+    "deploy/other": "#!/usr/bin/env python3\nX = 1\n",
+    "deploy/cup.yaml": "scene: cup\n",
+    "README.md": f"# A\n\n| {LONG} |\n\n![a]({LONG}.png)\n",
+    "tests/mesh.cpp": f"// {LONG}\n",
+    "deploy/results/times.md": f"{LONG}\n",
+    "build/made.cpp": "int   made ;\n",
+}
+ALLOWED = "# comment\ntests/mesh.cpp 1 | a mesh as text\ndeploy/results/ 0 | generated\n"
+PLANTED = {  # fault: (file, text, part of the sentence)
+    "unformatted C++": ("core/law.cpp", "int  law(){return 1;}\n", "core/law.cpp is not formatted"),
+    "unformatted header": ("core/law.hpp", "int law( );\n", "core/law.hpp is not formatted"),
+    "unformatted C": ("tests/count.c", "int count(void){}\n", "tests/count.c is not formatted"),
+    "unformatted Python": ("deploy/tool.py", "X=1\n", "deploy/tool.py is not formatted"),
+    "invalid Python": ("deploy/tool.py", "X = = 1\n", "deploy/tool.py is not formatted"),
+    "unformatted script": (
+        "deploy/other",
+        "#!/usr/bin/env python3\nX=1\n",
+        "deploy/other is not formatted",
+    ),
+    "long C++": ("core/law.cpp", f"// {LONG}\n", "core/law.cpp:1 has 104 columns"),
+    "long Python": ("deploy/tool.py", f"# {LONG}\n", "deploy/tool.py:1 has 103 columns"),
+    "long shell": ("deploy/script", f"#!/bin/sh\n# {LONG}\n", "deploy/script:2 has 103 columns"),
+    "long YAML": ("deploy/cup.yaml", f"scene: {LONG}\n", "deploy/cup.yaml:1 has 108 columns"),
+    "long Markdown": ("README.md", f"a {LONG}\n", "README.md:1 has 103 columns"),
+    "more than excepted": ("tests/mesh.cpp", f"// {LONG}\n" * 2, "tests/mesh.cpp:2 has"),
+}
+
+
+def sentences(source, files):
+    with tempfile.TemporaryDirectory() as folder:
+        root = pathlib.Path(folder)
+        shutil.copy(source / ".clang-format", root)
+        for name, content in files.items():
+            (root / name).parent.mkdir(exist_ok=True, parents=True)
+            (root / name).write_text(content, encoding="utf-8")
+        return list(check_layout.faults(root, check_layout.exceptions(ALLOWED)))
+
+
+def main(source):
+    source = pathlib.Path(source)
+    wrong = [f"without a fault: {sentence}" for sentence in sentences(source, GOOD)]
+    for fault, (name, text, expected) in PLANTED.items():
+        found = sentences(source, {**GOOD, name: text})
+        if len(found) < 1 or not any(expected in sentence for sentence in found):
+            wrong.append(f"planted fault '{fault}' was not found; found: {found}")
+    print("\n".join(wrong) or f"{len(PLANTED)} planted faults, all found")
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(*sys.argv[1:]))

@@ -1,0 +1,36 @@
+#include "nodes/bus/exchange.hpp"
+
+#include <gtest/gtest.h>
+
+namespace voxtouch::bus {
+namespace {
+
+TEST(Deafness, NamesMulticastThatTheEnvironmentTurnsOff) {
+  const std::string off =
+      "<CycloneDDS><Domain><General><AllowMulticast>false</AllowMulticast></General></Domain></"
+      "CycloneDDS>";
+  EXPECT_TRUE(deafness_cause(kThisHost, 0, off).contains("AllowMulticast"));
+  EXPECT_FALSE(deafness_cause(kThisHost, 0, "<CycloneDDS/>").contains("AllowMulticast"));
+}
+
+TEST(Deafness, NamesACardThatIsNotUp) {
+  EXPECT_TRUE(
+      deafness_cause("no_such_if0", 0, "").contains("no network card of 'no_such_if0' is up"));
+}
+
+TEST(Deafness, NamesThePortsOfTheDomainIfThisMachineIsWell) {
+  EXPECT_TRUE(deafness_cause("lo", 2, "").contains("7900 to 8149")) << deafness_cause("lo", 2, "");
+}
+
+TEST(Deafness, NamesAnAddressThatIsGone) {
+  const std::vector<Card> cards = network_cards();
+  note_addresses(cards);
+  EXPECT_EQ(lost_address(), "");
+  note_addresses({cards.front(), {"eth7", 0x0907000AU, false, true}});  // 10.0.7.9
+  EXPECT_EQ(lost_address(), "address 10.0.7.9 of eth7 is gone from this machine");
+  EXPECT_TRUE(deafness_cause(kThisHost, 0, "").contains("start the ring again"));
+  note_addresses({});
+}
+
+}  // namespace
+}  // namespace voxtouch::bus

@@ -1,0 +1,98 @@
+/// Several objects, and objects that move.
+#include <gtest/gtest.h>
+
+#include "core/exact/limits.hpp"
+#include "tests/unit/exact/rig.hpp"
+
+namespace voxtouch::exact {
+namespace {
+
+struct TwoObjects {
+  TwoObjects(const mesh::TriangleMesh& tool_mesh, const mesh::TriangleMesh& a,
+             const mesh::TriangleMesh& b)
+      : tool(tool_mesh),
+        first(a),
+        second(b),
+        bodies{&first, &second},
+        virtual_tool(tool, bodies, {}) {}
+  VirtualToolFrame frame(const Pose& hand) { return virtual_tool.frame({hand, 1e-3, 0.0}, poses); }
+
+  ToolBody tool;
+  ObjectBody first, second;
+  std::array<const ObjectBody*, 2> bodies;
+  std::array<Pose, 2> poses;
+  VirtualTool virtual_tool;
+};
+
+const mesh::TriangleMesh kPlate = test::box({-0.1, -0.1, -0.02}, {0.1, 0.1, 0.0});
+
+TEST(Objects, InACornerOfTwoEachPushesWithItsOwnForce) {
+  TwoObjects rig(test::ball(0.01, 3), kPlate, kPlate);
+  rig.poses[1].orientation =
+      turned(0.5 * std::numbers::pi, Vec3::UnitY());  // its upper side faces +x
+  Pose hand{{0.03, 0.0, 0.03}, Quat::Identity()};
+  ASSERT_TRUE(rig.virtual_tool.place(hand, rig.poses));
+  VirtualToolFrame frame;
+  for (int k = 0; k < 400; ++k) {
+    hand.position -= Vec3(6e-5, 0.0, 7e-5);
+    frame = rig.frame(hand);
+  }
+  for (int k = 0; k < 50; ++k)
+    frame = rig.frame(hand);
+  EXPECT_NEAR(frame.shift.x(), hand.position.x() - 0.01, 1e-4);
+  EXPECT_NEAR(frame.shift.z(), hand.position.z() - 0.01, 1e-4);
+  const auto forces = rig.virtual_tool.contact_forces();
+  EXPECT_NEAR((forces[0].force - Vec3(0, 0, -frame.shift.z())).norm(), 0.0, 1e-7);
+  EXPECT_NEAR((forces[1].force - Vec3(-frame.shift.x(), 0, 0)).norm(), 0.0, 1e-7);
+}
+
+/// A plate that goes up and down by 10 mm at half a metre per second, under a hand at rest.
+TEST(Objects, AnObjectAtHalfAMetrePerSecondDoesNotLag) {
+  for (const bool ball : {true, false}) {
+    const mesh::TriangleMesh tool =
+        ball ? test::ball(0.01, 3) : test::box({-.005, -.005, -.01}, {.005, .005, .01});
+    Rig rig(tool, kPlate);
+    const Pose hand{{0.01, 0.02, 0.0}, turned(0.1, {1, 0.5, 0.2})};
+    rig.object_pose.position.z() = -0.03;
+    ASSERT_TRUE(rig.virtual_tool.place(hand, {&rig.object_pose, 1}));
+    double z = -0.03, speed = 5e-4;
+    for (int k = 0; k < 2000; ++k) {
+      z += speed;
+      if (z > 0.01 || z < -0.02)
+        speed = -speed;
+      if (z < -0.02)
+        z = -0.02;
+      rig.object_pose.position.z() = z;
+      const VirtualToolFrame frame = rig.frame(hand);
+      ASSERT_EQ(frame.object_lag_m, 0.0) << k << ' ' << ball;
+      ASSERT_FALSE(frame.cut_short) << k;
+      if (k % 10 == 0) {
+        ASSERT_FALSE(rig.intersects()) << k;
+      }
+    }
+  }
+}
+
+TEST(Objects, AToolThatIsPinchedIsNotPassedUntilTheObjectIsFarBeyond) {
+  TwoObjects rig(test::ball(0.01, 3), kPlate, kPlate);
+  rig.poses[1] = {{0, 0, 0.025},
+                  turned(std::numbers::pi, Vec3::UnitX())};  // a ceiling that comes down
+  const Pose hand{{0, 0, 0.0115}, Quat::Identity()};
+  ASSERT_TRUE(rig.virtual_tool.place(hand, rig.poses));
+  bool lost = false;
+  for (int k = 0; k < 200 && !lost; ++k) {
+    rig.poses[1].position.z() -= 1e-4;
+    const VirtualToolFrame frame = rig.frame(hand);
+    lost = frame.passed_through;
+    const double height = frame.tool.position.z();
+    if (!lost) {
+      ASSERT_GT(height, 0.009);
+      ASSERT_LT(height, 0.0125);
+    }
+  }
+  EXPECT_TRUE(lost);
+  EXPECT_LT(rig.poses[1].position.z(), 0.0205 - limits::kMaxObjectLagM + 1e-3);
+}
+
+}  // namespace
+}  // namespace voxtouch::exact

@@ -1,0 +1,83 @@
+// What the rendering counts of a frame, without DDS.
+#include "nodes/rendering/frame_counters.hpp"
+
+#include <gtest/gtest.h>
+
+#include "core/contact/limits.hpp"
+
+namespace voxtouch::rendering_node {
+namespace {
+
+using enum FrameCounter;
+
+double counted(FrameCounter counter,
+               const std::function<void(rendering::SceneFrame&, msg::ContactState&)>& change) {
+  rendering::SceneFrame frame;
+  msg::ContactState message{};
+  change(frame, message);
+  FrameCounters counters;
+  count(counters, frame, message);
+  EXPECT_EQ(counters[kSamples], 1.0);
+  return counters[counter];
+}
+
+/// Each case sets what one counter counts, and no other counter but the samples may move.
+TEST(FrameCounters, CountOneKindOfFrameEach) {
+  using Frame = rendering::SceneFrame;
+  using Change = std::function<void(Frame&, msg::ContactState&)>;
+  const std::map<FrameCounter, Change> cases = {
+      {kRefused,
+       [](Frame&, msg::ContactState& m) { m.flags = msg::contact_state::kFlagRefusedSample; }},
+      {kContact, [](Frame& f, msg::ContactState&) { f.touch.contact.wrench.force.z() = 1.0; }},
+      {kFast, [](Frame& f, msg::ContactState&) { f.touch.fast = true; }},
+      {kMissed, [](Frame& f, msg::ContactState&) { f.touch.missed = true; }},
+      {kPassing, [](Frame& f, msg::ContactState&) { f.touch.passing = true; }},
+      {kBuried,
+       [](Frame& f, msg::ContactState&) {
+         f.touch.contact.interior_hits = 3, f.touch.contact.surface_hits = 2;
+       }},
+      {kHeld, [](Frame& f, msg::ContactState&) { f.touch.retained = true; }},
+      {kSaturated, [](Frame& f, msg::ContactState&) { f.touch.contact.saturated = true; }},
+      {kLag, [](Frame& f, msg::ContactState&) { f.tool.lag = true; }},
+      {kUnplaced, [](Frame& f, msg::ContactState&) { f.tool.unplaced = true; }},
+      {kMostQueries,
+       [](Frame& f, msg::ContactState&) { f.tool.queries = contact::limits::kMaxQueries; }}};
+  for (const auto& [set, change] : cases)
+    for (const auto& [other, unused] : cases)
+      EXPECT_EQ(counted(other, change), set == other ? 1.0 : 0.0)
+          << static_cast<int>(set) << " " << static_cast<int>(other);
+}
+
+TEST(FrameCounters, CountNoPushingContactAsBuried) {
+  EXPECT_EQ(counted(kBuried,
+                    [](auto& f, auto&) {
+                      f.touch.contact.interior_hits = f.touch.contact.surface_hits = 2;
+                    }),
+            0.0);
+  EXPECT_EQ(counted(kBuried,
+                    [](auto& f, auto&) {
+                      f.touch.contact.interior_hits = 3, f.touch.contact.wrench.force.x() = 1.0;
+                    }),
+            0.0);
+}
+
+TEST(FrameCounters, KeepTheLargestAndTheFirstSample) {
+  FrameCounters counters;
+  for (const std::uint64_t n : {4U, 5U, 6U}) {
+    rendering::SceneFrame frame;
+    frame.tool.residual_m = n == 5 ? 2e-3 : 1e-3;
+    frame.touch.contact.deepest_depth_m = static_cast<double>(n);
+    frame.tool.constrained = n != 6;
+    msg::ContactState message{};
+    message.sequence_number = n;
+    message.time_spent_ns = n == 5 ? 7'600 : 1'000;
+    count(counters, frame, message);
+  }
+  EXPECT_EQ(counters[kFirstSample], 4.0);
+  EXPECT_EQ(counters[kLongestUs], 8.0);
+  EXPECT_EQ(counters[kResidual], 2e-3);
+  EXPECT_EQ(counters[kPenetration], 5.0) << "of a constrained tool alone";
+}
+
+}  // namespace
+}  // namespace voxtouch::rendering_node
