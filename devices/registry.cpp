@@ -84,7 +84,8 @@ const Entry& find(std::string_view name) {
         fmt::format("device '{0}' is unknown: it is named 'emulated-{1}'", name, name.substr(5)));
   if (found == kEntries.end())
     throw DeviceOpenError(fmt::format(
-        "device '{}' is unknown; known are {}, and sim:FILE for a device that a file describes",
+        "device '{}' is unknown; known are {}, and sim:NAME or sim:FILE for a device file, such as "
+        "sim:touch (deploy/devices/README.md lists them)",
         name, fmt::join(device_names(), ", ")));
   return *found;
 }

@@ -5,14 +5,6 @@
 #include "core/types/number.hpp"
 
 namespace voxtouch::mesh::import {
-std::string extension_of(const std::filesystem::path& path) {
-  std::string e = path.extension().string();
-  if (!e.empty())
-    e.erase(0, 1);
-  for (char& c : e)
-    c = (c >= 'A' && c <= 'Z') ? static_cast<char>(c - 'A' + 'a') : c;
-  return e;
-}
 
 void refuse_truncated(const MeshFile& file, const std::string& found) {
   refuse(file.path, "is truncated or damaged: " + found, "copy or export it again");

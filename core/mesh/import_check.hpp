@@ -35,8 +35,6 @@ void check_ply(const MeshFile& file);
 void check_gltf(MeshFile& file);
 void check_collada(MeshFile& file);
 
-/// In lower case, without the dot.
-std::string extension_of(const std::filesystem::path& path);
 /// White space of the C locale, whatever the process's locale is.
 inline bool is_space(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
 /// Splits at white space. `position` moves behind the word; empty at the end.

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -12,6 +14,20 @@ namespace voxtouch::mesh {
 void import::refuse(const std::filesystem::path& path, const std::string& reason,
                     const std::string& remedy) {
   throw MeshError("mesh '" + path.string() + "': " + reason + "; " + remedy);
+}
+
+std::string import::extension_of(const std::filesystem::path& path) {
+  std::string e = path.extension().string();
+  if (!e.empty())
+    e.erase(0, 1);
+  for (char& c : e)
+    c = (c >= 'A' && c <= 'Z') ? static_cast<char>(c - 'A' + 'a') : c;
+  return e;
+}
+
+bool names_mesh(const std::filesystem::path& path) {
+  constexpr std::array kExtensions{"obj", "stl", "ply", "gltf", "glb", "dae"};
+  return std::ranges::find(kExtensions, import::extension_of(path)) != kExtensions.end();
 }
 
 namespace {

@@ -19,7 +19,12 @@ inline constexpr std::uintmax_t kLargestMeshFile = std::uintmax_t{512} << 20;  /
 std::string read_mesh_bytes(const std::filesystem::path& path,
                             std::uintmax_t most = kLargestMeshFile);
 
+/// Whether the name ends like those of mesh files that can be read, in small or capital letters.
+bool names_mesh(const std::filesystem::path& path);
+
 namespace import {
+/// In lower case, without the dot.
+std::string extension_of(const std::filesystem::path& path);
 /// Throws MeshError("<path>: <reason>; <remedy>").
 [[noreturn]] void refuse(const std::filesystem::path& path, const std::string& reason,
                          const std::string& remedy);

@@ -36,6 +36,9 @@ std::string hash_of(const std::string& text, const SceneSource& source, const Ma
 
 Scene parse_scene(const std::string& text, const std::filesystem::path& file) {
   SceneSource source{file, {}};
+  if (mesh::names_mesh(file))
+    source.fail({1, 1},
+                "This is a mesh; a scene file is YAML. `voxtouch new MESH` writes a scene.");
   const YamlNode root = parse_yaml(text, file);
   if (root.kind == YamlNode::Kind::kNull)
     source.fail({1, 1},

@@ -1,5 +1,5 @@
 #pragma once
-/// Progress of what may take long, on stderr.
+/// Progress of what may take long, on a terminal.
 #include <chrono>
 #include <functional>
 #include <string>
@@ -8,15 +8,15 @@
 
 namespace voxtouch::log {
 
-/// For the progress callbacks of the core: tells "<who>: <step>" once a second at most, and nothing
-/// in the first second.
+/// For the progress callbacks of the core: shows "<who>: <step>" on a terminal, at most once a
+/// second, and nothing in the first second.
 inline std::function<void(const std::string&)> tell_each_second(std::string who) {
   using Clock = std::chrono::steady_clock;
   return [who = std::move(who),
           next = Clock::now() + std::chrono::seconds(1)](const std::string& step) mutable {
     if (Clock::now() < next)
       return;
-    tell("{}: {}\n", who, step);
+    show_progress("{}: {}", who, step);
     next = Clock::now() + std::chrono::seconds(1);
   };
 }

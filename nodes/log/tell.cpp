@@ -24,6 +24,11 @@ namespace {
 
 std::atomic<std::uint64_t> posted{0}, handled{0}, lost{0};
 std::atomic<bool> results_begun{false};
+std::atomic<bool> progress_shown{false};
+
+/// Level of a line of progress; all other texts have `info`.
+constexpr auto kProgress = spdlog::level::debug;
+constexpr std::string_view kClearLine = "\r\033[K";
 
 /// False where the stream takes no more. Waits as long as it takes: only the writing thread calls
 /// it.
@@ -50,6 +55,11 @@ class StderrSink final : public spdlog::sinks::sink {
   explicit StderrSink(std::weak_ptr<spdlog::details::thread_pool> pool) : pool_(std::move(pool)) {}
   void log(const spdlog::details::log_msg& message) override {
     tell_of_gap();
+    // The cursor stays at the begin of a line of progress: other processes write over it.
+    const bool progress = message.level == kProgress;
+    if (progress_line_ || progress)
+      write_all(kClearLine);
+    progress_line_ = progress;
     if (!write_all({message.payload.data(), message.payload.size()}))
       lost.fetch_add(1);
     handled.fetch_add(1, std::memory_order_release);
@@ -70,6 +80,7 @@ class StderrSink final : public spdlog::sinks::sink {
   }
   std::weak_ptr<spdlog::details::thread_pool> pool_;
   std::size_t told_overrun_ = 0;
+  bool progress_line_ = false;  ///< the last text was one of progress
 };
 
 void enter_writing_thread() {
@@ -89,10 +100,15 @@ struct Log {
       std::make_shared<spdlog::async_logger>("stderr", std::make_shared<StderrSink>(pool), pool,
                                              spdlog::async_overflow_policy::overrun_oldest);
   Log() {
+    logger->set_level(kProgress);
     logger->set_error_handler([](const std::string&) { count(); });
-    std::atexit([] { finish_telling(); });
+    std::atexit([] { clear_progress(), finish_telling(); });
   }
   static void count() { lost.fetch_add(1), handled.fetch_add(1); }
+  static void clear_progress() {
+    if (progress_shown.exchange(false))
+      log_parts::post("");
+  }
 };
 
 /// Made with the first text and never destroyed: its thread may be held by a stream for ever, and
@@ -127,7 +143,21 @@ void post(std::string_view text) noexcept {
 
 void count_lost() noexcept { lost.fetch_add(1); }
 
+void post_progress(std::string_view text) noexcept {
+  if (!stderr_is_terminal())
+    return;
+  try {
+    Log& log = the_log();
+    posted.fetch_add(1);
+    progress_shown = true;
+    log.logger->log(kProgress, fmt::format("{}\r", text));
+  } catch (...) {
+    count_lost();
+  }
+}
+
 void put(std::string_view text) {
+  Log::clear_progress();
   finish_telling();
   results_begun = true;
   if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size())
@@ -144,6 +174,8 @@ bool stderr_is_journal() noexcept {
   return named && std::sscanf(named, "%llu:%llu", &device, &inode) == 2 &&
          fstat(STDERR_FILENO, &stream) == 0 && stream.st_dev == device && stream.st_ino == inode;
 }
+
+bool stderr_is_terminal() noexcept { return ::isatty(STDERR_FILENO) == 1; }
 
 std::uint64_t texts_lost() noexcept {
   try {

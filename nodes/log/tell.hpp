@@ -30,6 +30,7 @@ std::string formatted(fmt::string_view format, const Shown&... shown) {
 }
 
 void post(std::string_view text) noexcept;
+void post_progress(std::string_view text) noexcept;
 void count_lost() noexcept;
 void put(std::string_view text);
 
@@ -48,15 +49,29 @@ void tell(fmt::format_string<Args...> format, Args&&... args) noexcept {
   }
 }
 
+/// Shows one line of progress on a terminal, in place of the one before; any other text of this
+/// process clears it. Prints nothing where stderr is no terminal. The text has no line feed. Never
+/// throws or blocks. Not for real-time threads: it allocates and locks.
+template <class... Args>
+void show_progress(fmt::format_string<Args...> format, Args&&... args) noexcept {
+  try {
+    log_parts::post_progress(log_parts::formatted(format, log_parts::shown(args)...));
+  } catch (...) {
+    log_parts::count_lost();
+  }
+}
+
 inline constexpr std::size_t kLinesKept = 1024;  ///< texts that wait for a slow stream
 inline constexpr std::size_t kMaxTextBytes =
     16 * 1024;  ///< [bytes]; the rest of a longer text is cut off
 /// How long the end of a process waits for a stream that takes nothing.
 inline constexpr std::chrono::milliseconds kStopTimeout{500};
 
-/// Whether stderr is systemd's journal, which keeps what it gets: told there is what changes, and
-/// not how fast it goes on.
+/// Whether stderr is systemd's journal, which keeps what it gets: it receives what changes, and no
+/// rates.
 bool stderr_is_journal() noexcept;
+/// Whether stderr is a terminal: progress is shown only there.
+bool stderr_is_terminal() noexcept;
 
 /// Texts of this process that no stream took, so far.
 std::uint64_t texts_lost() noexcept;

@@ -19,8 +19,8 @@ std::string in_words(const StepSoFar& step) {
 }
 
 BuildProgress::BuildProgress(std::string who) : who_(std::move(who)) {
-  if (!log::stderr_is_journal())
-    thread_ = std::jthread([this] { tell_each_second(); });
+  if (log::stderr_is_terminal())
+    thread_ = std::jthread([this] { show_each_second(); });
 }
 
 BuildProgress::~BuildProgress() {
@@ -61,13 +61,13 @@ StepSoFar BuildProgress::so_far() const {
   return step;
 }
 
-void BuildProgress::tell_each_second() {
+void BuildProgress::show_each_second() {
   runtime::ordinary_priority();
   std::unique_lock lock(mutex_);
   while (!ended_.wait_for(lock, std::chrono::seconds(1), [this] { return over_; })) {
     lock.unlock();
     if (const StepSoFar step = so_far(); !step.name.empty())
-      log::tell("{}: {}\n", who_, in_words(step));
+      log::show_progress("{}: {}", who_, in_words(step));
     lock.lock();
   }
 }

@@ -1,5 +1,5 @@
 #pragma once
-/// Tells how far a build is, and how long the rest may take.
+/// Shows how far a build is, and how long the rest may take.
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
@@ -25,9 +25,9 @@ struct StepSoFar {
 /// so far".
 std::string in_words(const StepSoFar& step);
 
-/// Tells "<who>: <step>" once a second, and nothing in the first second; from a thread of its own,
-/// so that a step without an end is told of too. Where stderr is systemd's journal it tells
-/// nothing. The progress callback and loops of one build.
+/// Shows "<who>: <step>" on a terminal once a second, and nothing in the first second; from a
+/// thread of its own, so that a step without an end is shown too. The progress callback and loops
+/// of one build.
 class BuildProgress {
  public:
   explicit BuildProgress(std::string who);
@@ -43,7 +43,7 @@ class BuildProgress {
 
  private:
   using Clock = std::chrono::steady_clock;
-  void tell_each_second();
+  void show_each_second();
 
   const std::string who_;
   mutable std::mutex mutex_;

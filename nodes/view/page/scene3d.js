@@ -292,7 +292,12 @@
       this.dots.geometry.setDrawRange(0, count);
     }
 
-    scaleText() { return `1 N = ${+(1000 * this.metresPerNewton).toPrecision(3)} mm of arrow · grid ${+(1000 * (this.gridStep || 0)).toPrecision(3)} mm`; }
+    /** Without a force in the last ten seconds the arrows have no scale. */
+    scaleText() {
+      const millimetres = metres => `${+(1000 * metres).toPrecision(3)} mm`;
+      const arrow = this.largest.some(l => l.n >= 0.005) ? `1 N = ${millimetres(this.metresPerNewton)} of arrow · ` : '';
+      return `${arrow}grid ${millimetres(this.gridStep || 0)}`;
+    }
 
     placeLabels(width, height) {
       let taken = null;

@@ -6,8 +6,10 @@
 #include <gtest/gtest.h>
 
 #include <fcntl.h>
+#include <pty.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
+#include <termios.h>
 #include <unistd.h>
 
 #include <functional>
@@ -182,17 +184,57 @@ TEST(Tell, IsNotSharedWithAFileThatIsOpenedAfterStderrWasClosed) {
             7);
 }
 
-TEST(Progress, IsToldOnceASecondAtMostAndNotInTheFirst) {
+void show_steps_for(milliseconds time) {
+  const auto step = tell_each_second("rendering");
+  const auto begin = steady_clock::now();
+  while (steady_clock::now() - begin < time)
+    step("reading mesh 2 of 3");
+}
+
+/// A terminal that passes on what it gets byte for byte.
+struct Terminal {
+  Terminal() {
+    EXPECT_EQ(openpty(&outer, &inner, nullptr, nullptr, nullptr), 0);
+    termios raw{};
+    tcgetattr(inner, &raw);
+    cfmakeraw(&raw);
+    tcsetattr(inner, TCSANOW, &raw);
+  }
+  ~Terminal() { close(outer), close(inner); }
+  int outer = -1, inner = -1;
+};
+
+TEST(Progress, IsSilentInAPipe) {
   const Pipe pipe;
   EXPECT_EQ(in_a_process_with_stderr(pipe.end[1],
                                      [] {
-                                       const auto step = tell_each_second("rendering");
-                                       const auto begin = steady_clock::now();
-                                       while (steady_clock::now() - begin < milliseconds(1200))
-                                         step("reading mesh 2 of 3");
+                                       show_steps_for(milliseconds(1200));
+                                       show_progress("voxmap: {} %", 40);
+                                       tell("ready\n");
                                      }),
             7);
-  EXPECT_EQ(drain(pipe.end[0]), "rendering: reading mesh 2 of 3\n");
+  EXPECT_EQ(drain(pipe.end[0]), "ready\n");
+}
+
+TEST(Progress, IsShownOnATerminalAfterTheFirstSecond) {
+  const Terminal terminal;
+  EXPECT_EQ(in_a_process_with_stderr(terminal.inner, [] { show_steps_for(milliseconds(1200)); }),
+            7);
+  EXPECT_EQ(drain(terminal.outer), "\r\033[Krendering: reading mesh 2 of 3\r\r\033[K");
+}
+
+TEST(Progress, IsOneLineThatOtherTextsClear) {
+  const Terminal terminal;
+  EXPECT_EQ(in_a_process_with_stderr(terminal.inner,
+                                     [] {
+                                       show_progress("voxmap: {} %", 40);
+                                       show_progress("voxmap: {} %", 80);
+                                       tell("ready\n");
+                                       tell("running\n");
+                                     }),
+            7);
+  EXPECT_EQ(drain(terminal.outer),
+            "\r\033[Kvoxmap: 40 %\r\r\033[Kvoxmap: 80 %\r\r\033[Kready\nrunning\n");
 }
 
 TEST(PrintResult, ThrowsWhereTheResultGoesNowhere) {

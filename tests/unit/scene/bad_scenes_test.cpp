@@ -434,5 +434,16 @@ TEST_F(BadScene, UnreadableMeshesAreNamed) {
                SceneError);
 }
 
+TEST_F(BadScene, AMeshIsRefusedWithTheVerbThatWritesAScene) {
+  for (const char* name : {"part.stl", "PART.OBJ", "a.b.glb"}) {
+    try {
+      parse_scene("\x9c\0solid", folder_ / name);
+      ADD_FAILURE() << name << " was read";
+    } catch (const SceneError& error) {
+      EXPECT_EQ(test::missing_fact(error.what(), "voxtouch new"), "") << error.what();
+    }
+  }
+}
+
 }  // namespace
 }  // namespace voxtouch::scene
