@@ -99,10 +99,10 @@ void SwingWatch::see(const ToolStep& way, const Vec3& command, const Vec3& norma
   begin_cycle(force);
 }
 
-void SwingWatch::watch_growth(bool by_itself) noexcept {
+void SwingWatch::watch_growth(bool by_itself, bool like) noexcept {
   if (growing())
     return;
-  const bool grew = by_itself && last_.force_n() > 0.0 &&
+  const bool grew = by_itself && like && last_.force_n() > 0.0 &&
                     now_.force_n() > kGrowth * last_.force_n() &&
                     now_.amplitude_m() > last_.amplitude_m();
   grown_ = grew ? grown_ + 1 : 0;
@@ -115,7 +115,7 @@ void SwingWatch::end_cycle() noexcept {
   const bool by_itself = large_enough(now_) && now_.period_s <= kSlowestS &&
                          now_.samples >= kFastestSamples && without_hand(now_);
   const bool like = std::abs(now_.period_s - last_.period_s) <= kAlike * last_.period_s;
-  watch_growth(by_itself);
+  watch_growth(by_itself, like);
   const double least_m = std::max(kNoSmaller, 1.0 - kSmallerACycle * alike_) * first_m_;
   if (!by_itself || !like || now_.amplitude_m() < least_m) {  // another one, or it decays
     alike_ = 0, alike_s_ = 0.0;

@@ -46,8 +46,8 @@ struct Swing {
 /// on purpose) and than 0.5 % of the device's force (kLeastN where that is unknown), in which the
 /// hand puts in nothing. A cycle that ends further than kClosed of its amplitude from its begin is
 /// none: of a tool that slides on over a texture the energy of a wave says nothing. Growing:
-/// kGrowingCycles in a row, each by kGrowth larger in force than the one before and larger in
-/// motion, likewise. Real-time safe.
+/// kGrowingCycles in a row, alike in period, each by kGrowth larger in force than the one before
+/// and larger in motion, likewise. Real-time safe.
 class SwingWatch {
  public:
   static constexpr int kCycles = 8, kGrowingCycles = 3;
@@ -95,7 +95,7 @@ class SwingWatch {
   Vec3 force_at_device(const Vec3& command, double dt_s) noexcept;
   void begin_cycle(double force_n) noexcept;
   void end_cycle() noexcept;
-  void watch_growth(bool by_itself) noexcept;
+  void watch_growth(bool by_itself, bool like) noexcept;
   bool large_enough(const Cycle& cycle) const noexcept;
   bool without_hand(const Cycle& cycle) const noexcept;
 

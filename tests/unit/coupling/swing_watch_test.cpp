@@ -42,17 +42,17 @@ TEST(SwingWatch, FindsAFilterThatIsTooSlow) {
 }
 
 /// Steady cycles whose force leads the motion by `lead_rad`, so that the coupling gives energy
-/// where it is above 0.
+/// where it is above 0. From cycle to cycle the size grows by `growth` and the frequency by
+/// `faster`.
 SwingWatch cycles(double hz, double motion_m, double force_n, double lead_rad, double growth,
-                  double seconds) {
+                  double seconds, double faster = 1.0) {
   SwingWatch watch({.resolution_m = 1e-5,
                     .max_force_n = 10.0,
                     .damping_ns_per_m = 0.1,
                     .coulomb_friction_n = 0.0});
-  double last = 0.0;
-  for (int n = 0; n < seconds / kT; ++n) {
-    const double t = n * kT, size = std::pow(growth, t * hz),
-                 angle = 2.0 * std::numbers::pi * hz * t;
+  double last = 0.0, cycle = 0.0;
+  for (int n = 0; n < seconds / kT; ++n, cycle += hz * std::pow(faster, cycle) * kT) {
+    const double size = std::pow(growth, cycle), angle = 2.0 * std::numbers::pi * cycle;
     const double x = motion_m * size * std::sin(angle),
                  force = force_n * size * (1.2 - std::sin(angle - lead_rad));
     watch.see({.known = true, .shift = Vec3(x - last, 0, 0), .turn = Vec3::Zero()}, {force, 0, 0},
@@ -77,6 +77,12 @@ TEST(SwingWatch, FindsForceThatGrowsOverThreePeriods) {
   EXPECT_TRUE(cycles(7.0, 1e-3, 0.5, 0.1, 1.3, 1.5).growing());
   EXPECT_FALSE(cycles(7.0, 1e-3, 0.5, 0.1, 1.02, 1.5).growing());
   EXPECT_FALSE(cycles(7.0, 1e-3, 0.5, -0.3, 1.3, 1.5).growing()) << "the hand's work";
+}
+
+/// As over a texture, whose waves pass faster and push harder while the hand speeds up.
+TEST(SwingWatch, GrowthNeedsCyclesOfAlikePeriod) {
+  EXPECT_FALSE(cycles(3.0, 1e-3, 0.5, 0.1, 1.3, 1.0, 1.5).growing());
+  EXPECT_TRUE(cycles(3.0, 1e-3, 0.5, 0.1, 1.3, 2.0, 1.1).growing());
 }
 
 /// Tremor and strokes: the hand puts in what the coupling takes.
