@@ -18,14 +18,15 @@ namespace {
 
 constexpr std::int64_t kMaxStopNs = 1'000'000'000;
 
-std::unique_ptr<bag::BagSink> open_bag(const std::filesystem::path& folder,
-                                       const RecordFormat& format) {
+std::unique_ptr<bag::BagSink> open_bag(const Options& options) {
+  const RecordFormat& format = options.format;
   constexpr double kMax = 9e18;  // as whole numbers
   auto writer = bag::BagWriter::create(
-      folder,
+      options.bag,
       {.storage = format.storage,
        .split = {.bytes = static_cast<std::uint64_t>(std::min(format.split_mb * 1e6, kMax)),
-                 .time_ns = static_cast<std::int64_t>(std::min(format.split_s * 1e9, kMax))}});
+                 .time_ns = static_cast<std::int64_t>(std::min(format.split_s * 1e9, kMax))},
+       .folder_is_made = options.bag_is_made});
   if (!writer)
     throw std::runtime_error(writer.error().sentence);
   return std::make_unique<bag::BagWriter>(std::move(*writer));
@@ -38,7 +39,7 @@ class LoggerNode {
         host_("logger", options, runtime::NodeHost::Kind::kTap),
         descriptions_(
             host_.reader<bus::LatchedReader<msg::DeviceDescription>>(qos::kDeviceDescription)),
-        recorder_(open_bag(options.bag, options.format), {.lockstep = options.lockstep}),
+        recorder_(open_bag(options), {.lockstep = options.lockstep}),
         topics_(host_.participant(), options, options.topics, recorder_, host_.wait_set()),
         roles_{runtime::RoleBinding{"device", {&descriptions_.following()}},
                runtime::RoleBinding{"rendering", topics_.readers_of("rendering")},

@@ -6,6 +6,7 @@
 
 #include "nodes/cli/up/process_supervisor.hpp"
 #include "nodes/cli/up/rig_claim.hpp"
+#include "nodes/cli/up/run_files.hpp"
 #include "nodes/cli/up/run_monitor.hpp"
 #include "nodes/cli/up/summary.hpp"
 
@@ -43,6 +44,7 @@ class RingRun {
   void remove_bag() const;
 
   const UpOptions& options_;
+  EmptyFolderGuard default_bag_;  ///< none where the bag was named
   RunSummary summary_;
   RigClaim claim_;
   RunMonitor monitor_;
