@@ -11,6 +11,7 @@
 #include "nodes/log/tell.hpp"
 #include "nodes/logger/recorded_topics.hpp"
 #include "nodes/runtime/node_host.hpp"
+#include "nodes/runtime/participant_counts.hpp"
 #include "nodes/runtime/role_binding.hpp"
 
 namespace voxtouch::logger {
@@ -141,6 +142,7 @@ class LoggerNode {
     for (std::size_t n = 1; n < roles_.size() && roles_[0].bound(); ++n)
       roles_[n].update(registry, roles_[0].session());
     std::uint64_t settled = 0, refused = 0, left_out = 0;
+    std::map<bus::Guid, std::uint64_t> refused_of;
     for (const RecordedTopics::OfRole& one : topics_.of_roles()) {
       const auto& bound =
           roles_[static_cast<std::size_t>(std::ranges::find(kRoles, one.role) - kRoles)]
@@ -151,23 +153,21 @@ class LoggerNode {
       if (one.followed)
         settled += one.records->settled();
       (one.followed ? refused : left_out) += one.records->refused();
-      for (const bus::Guid& writer : one.records->refused_writers())
-        if (std::string& name = refused_names_[writer];
-            name.empty() || name.starts_with("a participant"))
-          name = writer == bus::Guid{} ? "a writer that has gone" : registry.name_of(writer);
+      for (const auto& [writer, count] : one.records->refused_writers())
+        refused_of[writer] += count;
     }
+    for (const auto& [writer, count] : refused_of)
+      refused_from_.of(writer) = count;
+    refused_from_.name(registry);
     report.figures["records"] = {settled, "messages"};
     report.figures["refused_records"] = {refused, "messages"};
     report.figures["left_out_messages"] = {left_out, "messages"};
     if (refused + left_out == 0)
       return;
-    std::string names;
-    for (const auto& [writer, name] : refused_names_)
-      names += (names.empty() ? "" : " and ") + name;
-    report.values["refused_writers"] = names;
+    report.values["refused_writers"] = refused_from_.text();
     status.append(
-        fmt::format("; {} messages of {} are not in the bag: they play no role of this session",
-                    refused + left_out, names));
+        fmt::format("; {} messages are not in the bag: {}, which play no role of this session",
+                    refused + left_out, refused_from_.text()));
   }
 
   const Options& options_;
@@ -177,7 +177,7 @@ class LoggerNode {
   RecordedTopics topics_;
   std::array<runtime::RoleBinding, 3>
       roles_;  ///< device, whose session this is; rendering; coupling
-  std::map<bus::Guid, std::string> refused_names_;
+  runtime::ParticipantCounts refused_from_;
   bag::RecordingReport final_;
   std::atomic<std::uint64_t> session_in_bag_{0};
   runtime::Heartbeat closing_;

@@ -282,8 +282,9 @@ class ValidatorNode final : public runtime::Step<msg::ContactState, msg::Validat
                       {"by_rendering", {counts_.rendering, "samples"}},
                       {"by_reference", {counts_.reference, "samples"}}};
     counters_.report_to(report.figures);
-    report.figures["foreign_samples"] = {rendering_.refused(), "samples"};
     rendering_.update(registry, std::nullopt);
+    report.figures["foreign_samples"] = {rendering_.refused(), "samples"};
+    report.values["foreign_writers"] = rendering_.refused_writers();
     const std::string missing =
         host_.report_session(registry, report, "the rendering", counts_.checked > 0);
     status.say(StatusPriority::kProgress,

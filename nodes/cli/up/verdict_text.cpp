@@ -90,8 +90,8 @@ std::string sentence(const RunRecord& run, const Found& f) {
           "{:.0f} statuses were refused: too long, too many, or of another participant{}", f.value,
           f.text.empty() ? "" : " (" + f.text + ")");
     case RunFact::kChanges:
-      return fmt::format(
-          "{:.0f} changes of the scene were made during the run, on request of others", f.value);
+      return fmt::format("{:.0f} changes of the scene were made during the run; requests: {}",
+                         f.value, f.text.empty() ? "of an unknown participant" : f.text);
     case RunFact::kRecovers:
       return fmt::format("{:.0f} Recover messages came from {}", f.value, f.text);
     case RunFact::kSamples:
