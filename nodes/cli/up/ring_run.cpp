@@ -47,7 +47,7 @@ RingRun::RingRun(const UpOptions& options, const scene::Scene& scene, StartRepor
                        : std::filesystem::path()),
       summary_(begin_summary(options, scene, default_bag_.folder())),
       claim_(options.node),
-      monitor_(claim_.participant(), options.node.rig, std::move(start)),
+      monitor_(claim_.participant(), options.node.rig, options.node.ros, std::move(start)),
       faults_(faults_beside(summary_.bag.empty() ? default_bag_.folder()
                                                  : std::filesystem::path(summary_.bag))),
       nodes_(launcher_options(scene), scene, options.restarts) {
@@ -136,6 +136,12 @@ void RingRun::watch() {
 void RingRun::poll() {
   monitor_.poll(nodes_);
   claim_.name(monitor_.players());
+  if (const std::optional<int> status = page_ ? page_->ended() : std::nullopt) {
+    page_ = nullptr;
+    log::tell("warning: the page was ended by {}; `voxtouch view` serves it again\n",
+              how_ended(*status));
+    summary_.events.push_back({RunFact::kPageEnded, "view", 0.0, 0.0, how_ended(*status)});
+  }
   if (refusal_.empty())
     refusal_ = refused_at_start();  // the last word of a node that is stopped does not tell it
 }

@@ -24,6 +24,8 @@ class RingRun {
  public:
   /// Joins the domain and announces the ring. `options` must outlive it.
   RingRun(const UpOptions& options, const scene::Scene& scene, StartReport start);
+  /// From now on it is reported if this process of `view` ends. It must outlive the run.
+  void watch_page(RunningNode& page) { page_ = &page; }
   /// Returns once every node has ended. Throws std::runtime_error, a sentence, if the rig is in
   /// use, a node cannot be started, or rendering or coupling refuses scene and device before any
   /// force: then no bag is left.
@@ -48,6 +50,7 @@ class RingRun {
   RunSummary summary_;
   RigClaim claim_;
   RunMonitor monitor_;
+  RunningNode* page_ = nullptr;  ///< null: there is none, or its end was reported
   std::filesystem::path faults_;
   ProcessSupervisor nodes_;
   std::string refusal_;  ///< of rendering or coupling, before any sample was answered

@@ -46,6 +46,7 @@ enum class RunFact : std::uint8_t {
   kExternal,         ///< text: the wrench from outside
   kRestarted,    ///< value: samples of the device; text: how the process ended; bound: 1 if it was
                  ///< started again
+  kPageEnded,    ///< text: how
   kBagGoesOn,    ///< text: the folder
   kFaultRecord,  ///< text: what it holds, and where
 };

@@ -102,6 +102,8 @@ std::string sentence(const RunRecord& run, const Found& f) {
       return fmt::format(
           "{} was ended by {} after {:.0f} samples of the device; {}", f.node, f.text, f.value,
           f.bound > 0 ? "it was started again" : "the run ended before it was started again");
+    case RunFact::kPageEnded:
+      return fmt::format("the page was ended by {} during the run", f.text);
     case RunFact::kBagGoesOn:
       return fmt::format("The recording goes on in {}, from where the logger was started again.",
                          f.text);
