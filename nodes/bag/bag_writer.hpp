@@ -1,5 +1,5 @@
 #pragma once
-/// Writes a rosbag2 folder: metadata.yaml (version 5) and <name>_0.mcap or <name>_0.db3 (sqlite3,
+/// Writes a rosbag2 folder: metadata.yaml (version 8) and <name>_0.mcap or <name>_0.db3 (sqlite3,
 /// schema 3), then _1 and so on where it is split; readable by Humble and Jazzy.
 ///
 /// Nothing is flushed to the disk before the bag is closed, as in rosbag2's own default: flushes of
