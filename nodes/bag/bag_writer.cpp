@@ -181,14 +181,18 @@ Result<void> BagWriter::append(TopicId id, std::int64_t time_ns, std::span<const
 
 Result<void> BagWriter::commit() {
   last_commit_ = Clock::now();
-  if (!file_ || !file_->pending())
+  if (!file_)
     return {};
+  // Before it is written: what is written behind a cut gives the file its size again.
+  const auto kept = check_files();
+  if (!file_->pending())
+    return kept;
   if (auto committed = file_->commit(); !committed) {
     lose_pending();
     return committed;
   }
   count_committed();
-  return {};
+  return kept;
 }
 
 void BagWriter::count_committed() {
