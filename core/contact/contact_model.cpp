@@ -26,7 +26,7 @@ constexpr NamedModel kModels[] = {{ContactModelKind::kOriginal, "original"},
 /// well enough on it.
 bool summarise(const HitList& hits, ContactResult& result) noexcept {
   begin_result(hits, result);
-  if (hits.surface.empty())
+  if (!(hits.surface.weight_sum() > 0.0))
     return true;
   tell_mean_normal(hits.surface.normal_sum(), hits.surface.weight_sum(), result);
   return result.coherence > limits::kFallbackCoherence;

@@ -38,8 +38,32 @@ ContactRenderer::ContactRenderer(const voxmap::Voxmap& voxmap, pointshell::Point
 }
 
 StageResult ContactRenderer::render(const Pose& pose_WT) noexcept {
+  find(pose_WT);
+  return render_found();
+}
+
+void ContactRenderer::share_normals(std::span<ContactRenderer* const> members) noexcept {
+  for (Hits HitList::*const part : {&HitList::surface, &HitList::interior}) {
+    Vec3 normals = Vec3::Zero();
+    double weights = 0.0;
+    for (const ContactRenderer* const member : members) {
+      normals += (member->hits_.*part).normal_sum();
+      weights += (member->hits_.*part).weight_sum();
+    }
+    for (ContactRenderer* const member : members)
+      (member->hits_.*part).set_sums(normals, weights);
+  }
+}
+
+void ContactRenderer::share_memory(std::span<ContactRenderer* const> members) noexcept {
+  for (const ContactRenderer* const member : members.subspan(1))
+    members.front()->stage_.merge_memory(member->stage_);
+  for (ContactRenderer* const member : members.subspan(1))
+    member->stage_.copy_memory(members.front()->stage_);
+}
+
+StageResult ContactRenderer::render_found() noexcept {
   ContactResult plain;
-  query_.find(pose_WT, hits_);
   if (alone_)
     model_->evaluate(hits_, plain);
   else
@@ -80,7 +104,13 @@ ContactResult ContactRenderer::probe(const Pose& pose_WT) noexcept {
 }
 
 ContactResult ContactRenderer::probe(const Pose& pose_WT, std::vector<std::uint32_t>& surface_ids) {
-  const ContactResult result = probe(pose_WT);
+  find(pose_WT);
+  return probe_found(surface_ids);
+}
+
+ContactResult ContactRenderer::probe_found(std::vector<std::uint32_t>& surface_ids) const {
+  ContactResult result;
+  model_->evaluate(hits_, result);
   surface_ids.clear();
   for (const Hit& hit : hits_.surface)
     surface_ids.push_back(query_.shell().id[hit.point]);

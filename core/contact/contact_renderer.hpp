@@ -2,6 +2,7 @@
 /// The whole way from a pose to a wrench behind one class: query, model, stage.
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "core/contact/contact_model.hpp"
@@ -36,6 +37,15 @@ class ContactRenderer {
   /// outside the tool, as of a bowl.
   StageResult render(const Pose& pose_WT) noexcept;
 
+  /// `render` in steps, for objects that are one solid: each finds its hits, all share their
+  /// normals and what they remember, and each renders. Real-time safe.
+  void find(const Pose& pose_WT) noexcept { query_.find(pose_WT, hits_); }
+  StageResult render_found() noexcept;
+  /// The mean normal, and whether the normals agree, become those of all members' hits.
+  static void share_normals(std::span<ContactRenderer* const> members) noexcept;
+  /// No member's voxels are another's, and all lie on one grid.
+  static void share_memory(std::span<ContactRenderer* const> members) noexcept;
+
   /// Forgets all frames so far: after a restart of the device, or a jump of the tool that was no
   /// motion.
   void reset() noexcept { stage_.reset(); }
@@ -45,6 +55,8 @@ class ContactRenderer {
   /// The same, with the ids (`Pointshell::id`) of the points in surface voxels, ascending.
   /// Allocates.
   ContactResult probe(const Pose& pose_WT, std::vector<std::uint32_t>& surface_ids);
+  /// The same for what `find` found.
+  ContactResult probe_found(std::vector<std::uint32_t>& surface_ids) const;
 
   /// The hits of the last `render` or `probe`.
   const HitList& hits() const noexcept { return hits_; }

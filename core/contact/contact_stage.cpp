@@ -36,6 +36,26 @@ void ContactStage::reset() noexcept {
   shared_points_ = 0;
 }
 
+void ContactStage::merge_memory(const ContactStage& other) noexcept {
+  if (last_surface_.empty())
+    last_direction_ = other.last_direction_;
+  last_surface_.merge(other.last_surface_);
+  merge_ascending(
+      other.retained_, retained_,
+      [](const RetainedHit& a, const RetainedHit& b) noexcept { return a.point < b.point; });
+  if (shared_.isZero(0.0))
+    shared_ = other.shared_;
+  shared_points_ = std::max(shared_points_, other.shared_points_);
+}
+
+void ContactStage::copy_memory(const ContactStage& other) noexcept {
+  last_surface_ = other.last_surface_;
+  last_direction_ = other.last_direction_;
+  retained_ = other.retained_;
+  shared_ = other.shared_;
+  shared_points_ = other.shared_points_;
+}
+
 StageResult ContactStage::apply(const HitList& hits, const ContactResult& plain,
                                 double moved_m) noexcept {
   StageResult result;
@@ -89,8 +109,9 @@ void ContactStage::update_shared_direction(const HitList& hits) noexcept {
   const double weights = hits.surface.weight_sum() + hits.interior.weight_sum();
   const double length = mean.norm();
   const double coherence = weights > 0.0 ? length / weights : 0.0;
-  double share =
-      hits.surface.empty() ? 0.0 : smoothstep(limits::kBlendFrom, limits::kBlendTo, coherence);
+  double share = hits.surface.weight_sum() > 0.0
+                     ? smoothstep(limits::kBlendFrom, limits::kBlendTo, coherence)
+                     : 0.0;
   if (share > 0.0)
     mean /= length;
   // While points hang on g, it may be led but not turned over.

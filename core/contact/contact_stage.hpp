@@ -66,6 +66,12 @@ class ContactStage {
     return has_last_pose_ ? motion_bound(pose) : 0.0;
   }
 
+  /// For the members of one solid, whose voxels are different ones of one grid: a point that went
+  /// from one to the next is remembered. Each adds the others' memory to the first one's, and takes
+  /// that. Once a frame at most, before `apply`. Real-time safe.
+  void merge_memory(const ContactStage& other) noexcept;
+  void copy_memory(const ContactStage& other) noexcept;
+
   /// Forgets everything, also the last pose.
   void reset() noexcept;
 

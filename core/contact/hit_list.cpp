@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 namespace voxtouch::contact {
 
@@ -47,6 +48,12 @@ std::uint32_t* Hits::room(std::size_t count) {
 void Hits::keep(std::size_t found, const HitSource& source) {
   points_.resize(found);
   source_ = source;
+}
+
+void Hits::merge(const Hits& other) noexcept {
+  if (empty())
+    source_ = other.source_;
+  merge_ascending(other.points_, points_, std::less<>());
 }
 
 void Hits::clear() noexcept {

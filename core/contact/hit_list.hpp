@@ -18,6 +18,15 @@ enum class PoseStatus : std::uint8_t {
   kOutOfRange = 2,  ///< so far from the grid that voxel indices leave int32
 };
 
+/// Adds the ascending list `from` to the ascending list `into`. Real-time safe where there is room.
+template <class Vector, class Less>
+void merge_ascending(const Vector& from, Vector& into, Less&& less) {
+  std::size_t a = into.size(), b = from.size(), to = a + b;
+  into.resize(to);
+  while (b > 0)
+    into[--to] = a > 0 && less(from[b - 1], into[a - 1]) ? into[--a] : from[--b];
+}
+
 /// One colliding point of a frame.
 struct Hit {
   std::uint32_t point = 0;        ///< index into the pointshell's arrays
@@ -131,6 +140,10 @@ class Hits {
   void set_sums(const Vec3& normals, double weights) noexcept {
     normal_sum_ = normals, weight_sum_ = weights;
   }
+
+  /// Adds the numbers of `other`, of the same pose, shell and grid, none of which is here. The sums
+  /// stay. Real-time safe where there is room for all.
+  void merge(const Hits& other) noexcept;
 
   /// Room for `count` hits. Allocates.
   void reserve(std::size_t count) { points_.reserve(count + kSpareRoom); }

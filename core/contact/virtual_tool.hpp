@@ -9,10 +9,11 @@
 ///     kRowStiffness)
 /// and the hand is pulled by k d. No mass, no velocity, no time step; k does not enter. Where no
 /// row pushes, the tool is the hand, to the bit. Between two queries no point of the tool moves
-/// more than half a voxel, so that no wall is passed, however thin and however far away the hand
-/// is. A frame ends at the pose of least E that it met (kBumpShare), so that a hand at rest has a
-/// tool at rest. In contact the tool goes no farther in a frame than the hand and a share of d
-/// (kSnapShare), so that an edge that gives way is a ramp.
+/// more than half a voxel, however far away the hand is. So no tool passes a wall of 1.5 voxels,
+/// and a tool that is nowhere thinner than three voxels passes none; a smaller one may pass a foil
+/// (core/rendering/wall_watch.hpp). A frame ends at the pose of least E that it met (kBumpShare),
+/// so that a hand at rest has a tool at rest. In contact the tool goes no farther in a frame than
+/// the hand and a share of d (kSnapShare), so that an edge that gives way is a ramp.
 #include <cstdint>
 #include <span>
 #include <vector>

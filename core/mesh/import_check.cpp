@@ -91,6 +91,21 @@ void cut_padding(MeshFile& file) {
   file.bytes.resize(end);
 }
 
+/// A fourth number of a vertex is the weight of a free-form surface, and a corner of a polygon has
+/// none: assimp divides by it.
+void check_weight(const MeshFile& file, std::string_view line, std::size_t after_keyword) {
+  std::size_t p = after_keyword;
+  std::string_view weight;
+  int numbers = 0;
+  for (std::string_view word;
+       !(word = next_word(line, p)).empty() && word[0] != '#' && word != "\\";)
+    if (++numbers == 4)
+      weight = word;
+  if (numbers == 4 && parse_number<double>(weight) != 1.0)
+    refuse(file.path, "gives a vertex the weight '" + printable(weight) + "' behind x, y and z",
+           "export polygons, whose vertices have three numbers");
+}
+
 /// Objects, groups, materials and smoothing would make assimp sort the faces; as comments they
 /// leave the file's order alone. Statements come in lower case, since assimp passes over those in
 /// capitals, and each line ends with a line feed, so that none of them is missed here.
@@ -124,6 +139,8 @@ void check_obj(MeshFile& file) {
                    "': free-form surfaces and other files are not read",
                "export it as polygons");
     }
+    if (!continued && word.size() == 1 && lower(word[0]) == 'v')
+      check_weight(file, line, p);
     while (!line.empty() && is_space(line.back()))
       line.remove_suffix(1);
     continued = line.ends_with('\\');
@@ -258,6 +275,11 @@ void cut_behind_triangles(MeshFile& file, std::uint64_t whole) {
   file.bytes.resize(whole);
 }
 
+/// Assimp knows an STL text by its first byte.
+void cut_blank_start(MeshFile& file) {
+  file.bytes.erase(0, std::string_view(file.bytes).find_first_not_of(" \t\r\n"));
+}
+
 void check_stl(MeshFile& file) {
   const std::uint64_t size = file.bytes.size(), count = stl_count(file.bytes);
   const std::uint64_t whole = kStlHeader + kStlTriangle * count;
@@ -273,6 +295,7 @@ void check_stl(MeshFile& file) {
                 ' ');  // any text, and assimp takes some of them for another format
     file.faces = count;
   } else if (first.starts_with("solid") && start.find('\0') == std::string_view::npos) {
+    cut_blank_start(file);
     StlText(file).check();
   } else {
     refuse_truncated(file, "the header speaks of " + std::to_string(count) +

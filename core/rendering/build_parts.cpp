@@ -1,6 +1,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <span>
 #include <stdexcept>
 
 #include "core/mesh/mass_properties.hpp"
@@ -260,13 +261,17 @@ mesh::TriangleMesh surface_of(const BuildContext& context, const mesh::TriangleM
   return voxmap::solid_surface(mesh, voxmap::default_grid(mesh, context.scene.voxel_size_m));
 }
 
-/// The voxel grid of an object, written down for the plan.
-voxmap::Grid place_grid(const BuildContext& context, std::uint32_t id, const std::string& name,
-                        const mesh::TriangleMesh& mesh) {
-  const double edge = context.scene.voxel_size_m;
+/// The voxel grid of an object, or of the solid with these `members`, written down for the plan.
+/// The members of a solid have one grid: the first that is given.
+voxmap::Grid place_grid(const BuildContext& context, std::span<const std::size_t> members,
+                        const std::string& name, const mesh::TriangleMesh& mesh) {
+  const scene::Scene& scene = context.scene;
+  const double edge = scene.voxel_size_m;
   const Vec3 at_multiples = voxmap::default_grid(mesh, edge).origin;
-  const std::optional<Vec3>& given =
-      id == 0 ? context.scene.grid_origin : context.scene.objects[id - 1].grid_origin;
+  std::optional<Vec3> given;
+  for (const std::size_t id : members)
+    if (!given)
+      given = id == 0 ? scene.grid_origin : scene.objects[id - 1].grid_origin;
   const voxmap::Grid grid =
       given ? voxmap::Grid{*given, edge} : voxmap::object_grid(surface_of(context, mesh), edge);
   context.counts.grids.push_back({name, grid.origin, at_multiples, given.has_value()});
@@ -338,7 +343,9 @@ std::unique_ptr<StaticObject> build_object(const BuildContext& context, std::uin
   const ObjectMesh& fixed = solid != nullptr ? solid->all : objects[id];
   const std::string name = id == 0 ? "ground" : scene.objects[id - 1].name;
   context.step("voxmap of " + std::to_string(fixed.mesh.triangles.size()) + " triangles");
-  const voxmap::Grid grid = place_grid(context, id, name, fixed.mesh);
+  const std::vector<std::size_t> members =
+      solid != nullptr ? solid->members : std::vector<std::size_t>{id};
+  const voxmap::Grid grid = place_grid(context, members, name, fixed.mesh);
   auto object = std::make_unique<StaticObject>(StaticObject{
       .id = id,
       .name = name,
@@ -346,6 +353,7 @@ std::unique_ptr<StaticObject> build_object(const BuildContext& context, std::uin
           context.counts, [&] { return voxmap::voxelise(fixed.mesh, grid, context.parallel_for); }),
       .field = {},
       .edge_points = {},
+      .solid = solid != nullptr ? std::optional(members.front()) : std::nullopt,
       .moves = id == 0 ? std::nullopt : scene.objects[id - 1].moves,
       .renderer = {},
       .edges = {}});

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <map>
 #include <stdexcept>
 
 namespace voxtouch::rendering {
@@ -14,8 +15,17 @@ Vec3 normal_sum(const contact::ContactResult& c) noexcept {
   return (c.coherence * c.surface_hits) * c.mean_normal;
 }
 
-Pose moved_back(const Pose& tool, const Vec3& shift) noexcept {
-  return {tool.position - shift, tool.orientation};
+/// The members of each solid whose contact knows a mean normal or remembers.
+std::vector<std::vector<contact::ContactRenderer*>> solids_in(
+    const std::vector<std::unique_ptr<StaticObject>>& objects) {
+  std::map<std::size_t, std::vector<contact::ContactRenderer*>> members;
+  for (const auto& object : objects)
+    if (object->solid && contact::remembers(object->renderer->model()))
+      members[*object->solid].push_back(&*object->renderer);
+  std::vector<std::vector<contact::ContactRenderer*>> solids;
+  for (auto& [first, renderers] : members)
+    solids.push_back(std::move(renderers));
+  return solids;
 }
 
 }  // namespace
@@ -52,24 +62,37 @@ ObjectContacts::ObjectContacts(std::vector<std::unique_ptr<StaticObject>> object
     alone_ = &*objects_[0]->renderer;
     return;
   }
+  solids_ = solids_in(objects_);
+  motions_.resize(objects_.size());
   results_.resize(objects_.size());
   for (std::size_t n = 0; n < objects_.size(); ++n)
     parts_[n].contact = &results_[n];
+}
+
+/// Finds the hits of an object where it is at `time_s`: its motion then.
+MotionPoint ObjectContacts::find(StaticObject& object, const Pose& tool, double time_s) noexcept {
+  const MotionPoint at = object.moves ? motion_at(*object.moves, time_s) : MotionPoint{};
+  object.renderer->find({tool.position - at.position, tool.orientation});
+  return at;
 }
 
 contact::StageResult ObjectContacts::render_all(const Pose& tool, double time_s) noexcept {
   contact::StageResult all;
   power_w_ = 0.0;
   for (std::size_t n = 0; n < objects_.size(); ++n) {
-    StaticObject& object = *objects_[n];
-    const MotionPoint at = object.moves ? motion_at(*object.moves, time_s) : MotionPoint{};
-    contact::StageResult one =
-        object.renderer->render(object.moves ? moved_back(tool, at.position) : tool);
+    motions_[n] = find(*objects_[n], tool, time_s);
+    parts_[n].twist.linear = motions_[n].velocity;
+  }
+  for (const auto& solid : solids_) {
+    contact::ContactRenderer::share_normals(solid);
+    contact::ContactRenderer::share_memory(solid);
+  }
+  for (std::size_t n = 0; n < objects_.size(); ++n) {
+    contact::StageResult one = objects_[n]->renderer->render_found();
     if (one.contact.deepest_depth_m > 0.0)
-      one.contact.deepest_point += at.position;
+      one.contact.deepest_point += motions_[n].position;
     results_[n] = one.contact;
-    parts_[n].twist.linear = at.velocity;
-    power_w_ += one.contact.wrench.force.dot(at.velocity);
+    power_w_ += one.contact.wrench.force.dot(motions_[n].velocity);
     if (n == 0) {
       all = one;
     } else {
@@ -105,11 +128,12 @@ contact::ContactResult ObjectContacts::probe(const Pose& tool,
   surface_ids.clear();
   std::vector<std::uint32_t> of_one;
   contact::ContactResult sum;
+  for (auto& object : objects_)
+    find(*object, tool, 0.0);
+  for (const auto& solid : solids_)
+    contact::ContactRenderer::share_normals(solid);
   for (std::size_t n = 0; n < objects_.size(); ++n) {
-    StaticObject& object = *objects_[n];
-    const Vec3 shift = object.moves ? motion_at(*object.moves, 0.0).position : Vec3::Zero();
-    const contact::ContactResult one =
-        object.renderer->probe(object.moves ? moved_back(tool, shift) : tool, of_one);
+    const contact::ContactResult one = objects_[n]->renderer->probe_found(of_one);
     surface_ids.insert(surface_ids.end(), of_one.begin(), of_one.end());
     if (n == 0) {
       sum = one;

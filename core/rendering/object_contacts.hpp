@@ -37,13 +37,15 @@ struct StaticObject {
   std::optional<voxmap::DistanceField> field;
   pointshell::Pointshell edge_points;  ///< where there is a virtual tool, from the grid's origin;
                                        ///< empty once `edges` has them
-  std::optional<Motion> moves;         ///< displacement in W of all of it over the scene's time
+  std::optional<std::size_t> solid;  ///< the first of the objects at rest that it is one solid with
+  std::optional<Motion> moves;       ///< displacement in W of all of it over the scene's time
   std::optional<contact::ContactRenderer> renderer;
   std::unique_ptr<EdgeContacts> edges;  ///< null where there are none
 };
 
 /// Sums the contacts of all objects. An object that moves is looked up where it rests, with the
-/// tool moved back by its displacement. One thread at a time.
+/// tool moved back by its displacement. `original` and `adapted` render objects that are one solid
+/// with the mean normal and the memory of all of them. One thread at a time.
 class ObjectContacts {
  public:
   /// 1 to kMaxObjects, in the order of their ids; std::invalid_argument otherwise.
@@ -83,10 +85,13 @@ class ObjectContacts {
 
  private:
   contact::StageResult render_all(const Pose& tool, double time_s) noexcept;
+  MotionPoint find(StaticObject& object, const Pose& tool, double time_s) noexcept;
 
   std::vector<std::unique_ptr<StaticObject>> objects_;
   contact::ContactRenderer* alone_ =
       nullptr;  ///< of the one object that rests: it costs nothing beside its own contact
+  std::vector<std::vector<contact::ContactRenderer*>> solids_;
+  std::vector<MotionPoint> motions_;  ///< in the last `render`
   std::vector<contact::ContactResult> results_;
   std::vector<effects::ObjectContact> parts_;
   double power_w_ = 0.0;

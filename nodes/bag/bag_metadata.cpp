@@ -1,6 +1,7 @@
 #include "nodes/bag/bag_metadata.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 
 #include <yaml-cpp/yaml.h>
 
@@ -14,6 +15,7 @@ YAML::Node topic_node(const TopicInfo& topic) {
   info["type"] = topic.type;
   info["serialization_format"] = topic.serialization_format;
   info["offered_qos_profiles"] = topic.offered_qos;
+  info["type_description_hash"] = topic.type_hash;
   node["message_count"] = topic.message_count;
   return node;
 }
@@ -43,7 +45,7 @@ std::string metadata_yaml(const BagMetadata& metadata, bool with_root) {
   YAML::Node root(
       YAML::NodeType::Map);  // one that is nothing yet would not be shared by its copies
   YAML::Node body = with_root ? root["rosbag2_bagfile_information"] : root;
-  body["version"] = 5;
+  body["version"] = kMetadataVersion;
   body["storage_identifier"] = metadata.storage_identifier;
   add_extent(body, metadata);
   body["topics_with_message_count"] = YAML::Node(YAML::NodeType::Sequence);
@@ -58,6 +60,9 @@ std::string metadata_yaml(const BagMetadata& metadata, bool with_root) {
     body["relative_file_paths"].push_back(one.path);
     body["files"].push_back(file);
   }
+  body["custom_data"] = YAML::Node(YAML::NodeType::Map);
+  const char* const distribution = std::getenv("ROS_DISTRO");
+  body["ros_distro"] = distribution && *distribution ? distribution : "unknown";
   return YAML::Dump(root) + "\n";
 }
 

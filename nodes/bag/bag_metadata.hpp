@@ -1,11 +1,15 @@
 #pragma once
-/// metadata.yaml of a rosbag2 folder: written as version 5, which Humble writes and Jazzy reads.
-/// BagReader reads of versions 1 to 9 what it needs.
+/// metadata.yaml of a rosbag2 folder, with the type hashes that Jazzy lists. Humble, which writes
+/// version 5, reads it and passes over what it does not know. BagReader reads of versions 1 to 9
+/// what it needs.
 #include <cstdint>
 #include <string>
 #include <vector>
 
 namespace voxtouch::bag {
+
+/// The newest that has QoS as one text, which Humble needs.
+inline constexpr int kMetadataVersion = 8;
 
 /// A topic as bag and metadata name it: ROS names.
 struct TopicInfo {
@@ -15,8 +19,7 @@ struct TopicInfo {
   /// of the writers, as YAML text: rmw's numbers up to version 8, version 9's list as it is there
   std::string offered_qos;
   std::uint64_t message_count = 0;
-  std::string type_hash = {};  ///< RIHS01 hash of the type's layout; for the report beside the bag,
-                               ///< since metadata of version 5 has none
+  std::string type_hash = {};   ///< RIHS01 hash of the type's layout
   std::string definition = {};  ///< the type's .msg with all that it uses ("ros2msg"); an MCAP
                                 ///< holds it, so that a bag explains itself
 };
@@ -40,7 +43,7 @@ struct BagMetadata : Extent {
   std::vector<FileInfo> files;
 };
 
-/// The text of metadata.yaml (version 5). With `with_root` false the inner part alone, which the
+/// The text of metadata.yaml. With `with_root` false the inner part alone, which the
 /// database's own metadata table holds: without that row Jazzy takes the QoS text for its newest
 /// form.
 std::string metadata_yaml(const BagMetadata& metadata, bool with_root = true);

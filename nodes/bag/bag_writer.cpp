@@ -18,8 +18,11 @@ constexpr std::uint64_t kMessageOverhead = 64;  // of a message in a file, besid
 
 // One call decides who owns the folder: of two recorders that race for it one makes it and the
 // other is refused.
-Result<void> make_folder(const std::filesystem::path& folder) {
+Result<void> make_folder(const std::filesystem::path& folder, bool is_made) {
   std::error_code error;
+  if (is_made && std::filesystem::is_directory(folder, error) &&
+      std::filesystem::is_empty(folder, error))
+    return {};
   if (folder.has_parent_path())
     std::filesystem::create_directories(folder.parent_path(), error);
   if (error)
@@ -45,7 +48,7 @@ Result<BagWriter> BagWriter::create(const std::filesystem::path& folder_as_given
   std::filesystem::path folder = std::filesystem::absolute(folder_as_given).lexically_normal();
   if (!folder.has_filename())
     folder = folder.parent_path();
-  if (auto made = make_folder(folder); !made)
+  if (auto made = make_folder(folder, options.folder_is_made); !made)
     return std::unexpected(made.error());
   BagWriter writer(folder, options);
   writer.metadata_.storage_identifier = names_of(options.storage).name;
@@ -178,14 +181,18 @@ Result<void> BagWriter::append(TopicId id, std::int64_t time_ns, std::span<const
 
 Result<void> BagWriter::commit() {
   last_commit_ = Clock::now();
-  if (!file_ || !file_->pending())
+  if (!file_)
     return {};
+  // Before it is written: what is written behind a cut gives the file its size again.
+  const auto kept = check_files();
+  if (!file_->pending())
+    return kept;
   if (auto committed = file_->commit(); !committed) {
     lose_pending();
     return committed;
   }
   count_committed();
-  return {};
+  return kept;
 }
 
 void BagWriter::count_committed() {

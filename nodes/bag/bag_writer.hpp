@@ -1,5 +1,5 @@
 #pragma once
-/// Writes a rosbag2 folder: metadata.yaml (version 5) and <name>_0.mcap or <name>_0.db3 (sqlite3,
+/// Writes a rosbag2 folder: metadata.yaml (version 8) and <name>_0.mcap or <name>_0.db3 (sqlite3,
 /// schema 3), then _1 and so on where it is split; readable by Humble and Jazzy.
 ///
 /// Nothing is flushed to the disk before the bag is closed, as in rosbag2's own default: flushes of
@@ -31,6 +31,7 @@ struct WriterOptions {
   std::uint64_t max_bytes = 0;
   Storage storage = Storage::kMcap;
   SplitOptions split = {};
+  bool folder_is_made = false;  ///< by the caller, for this bag: the folder is there and empty
 };
 
 /// Not thread-safe. Blocks for the disk: never call it from a DDS listener; BagRecorder is for
@@ -38,7 +39,7 @@ struct WriterOptions {
 class BagWriter final : public BagSink {
  public:
   /// Makes `folder` (parents as well), the empty bag and its metadata. Errors: anything is there
-  /// already, which is then untouched; the disk refuses.
+  /// already, or in a folder that is made, which is then untouched; the disk refuses.
   static Result<BagWriter> create(const std::filesystem::path& folder,
                                   const WriterOptions& options = {});
   BagWriter(BagWriter&&) = default;

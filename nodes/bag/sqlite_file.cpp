@@ -161,10 +161,11 @@ class SqliteFile final : public BagFile {
   // The row inside the database: without it Jazzy takes the QoS texts for its newest form.
   Result<void> write_metadata_row(const BagMetadata& metadata) {
     auto insert = database_->prepare(
-        "INSERT OR REPLACE INTO metadata (id, metadata_version, metadata) VALUES (1, 5, ?)");
+        "INSERT OR REPLACE INTO metadata (id, metadata_version, metadata) VALUES (1, ?2, ?1)");
     if (!insert)
       return std::unexpected(insert.error());
     insert->bind(1, metadata_yaml(metadata, false));
+    insert->bind(2, std::int64_t{kMetadataVersion});
     if (insert->step() != SQLITE_DONE)
       return std::unexpected(database_->error("write the metadata of"));
     return {};

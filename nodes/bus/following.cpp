@@ -54,7 +54,13 @@ bool Following::admits(dds_instance_handle_t writer) noexcept {
   if (followed == writer)
     return true;
   refused_.fetch_add(1, std::memory_order_relaxed);
-  last_refused_[writer % last_refused_.size()].store(writer, std::memory_order_relaxed);
+  for (Counted& one : counted_) {
+    dds_instance_handle_t expected = 0;
+    if (one.writer.compare_exchange_strong(expected, writer) || expected == writer) {
+      one.count.fetch_add(1, std::memory_order_relaxed);
+      break;
+    }
+  }
   return false;
 }
 
@@ -91,14 +97,19 @@ bool Following::has_writer() const {
   return followed != 0 && writer_is_matched(reader_, followed);
 }
 
-std::vector<Guid> Following::take_refused() {
-  std::vector<Guid> participants;
-  for (auto& slot : last_refused_)
-    if (const dds_instance_handle_t writer = slot.exchange(0, std::memory_order_relaxed);
-        writer != 0)
-      if (const Guid participant = participant_of_writer(reader_, writer); participant != Guid{})
-        participants.push_back(participant);
-  return participants;
+std::vector<RefusedSamples> Following::take_refused() {
+  std::vector<RefusedSamples> all;
+  for (Counted& one : counted_) {
+    const std::uint64_t count = one.count.exchange(0, std::memory_order_relaxed);
+    if (count == 0)
+      continue;
+    const dds_instance_handle_t writer = one.writer.load();
+    Guid& participant = participants_[writer];
+    if (participant == Guid{})
+      participant = participant_of_writer(reader_, writer);
+    all.push_back({participant, count});
+  }
+  return all;
 }
 
 }  // namespace voxtouch::bus

@@ -3,11 +3,18 @@
 /// what others write, however fast, takes no place in the reader's history and wakes nobody.
 #include <array>
 #include <atomic>
+#include <map>
 #include <vector>
 
 #include "nodes/bus/participant.hpp"
 
 namespace voxtouch::bus {
+
+/// Samples of one participant that a reader refused.
+struct RefusedSamples {
+  Guid participant{};  ///< all zero: it went before it was known
+  std::uint64_t count = 0;
+};
 
 /// `follow` and all that allocates: one slow thread. `writer`: any thread, real-time safe. Its
 /// address stays: the reader keeps it.
@@ -38,9 +45,8 @@ class Following {
   bool has_writer() const;
   /// Samples of others that came while somebody was followed; any thread.
   std::uint64_t refused() const noexcept { return refused_.load(std::memory_order_relaxed); }
-  /// Participants of some of those that were refused since the last call; those that have gone are
-  /// not among them.
-  std::vector<Guid> take_refused();
+  /// What was refused since the last call, of the first kMaxCounted writers.
+  std::vector<RefusedSamples> take_refused();
 
   // Of the reader.
   /// Throws Error. From now on it is told which writers go.
@@ -62,8 +68,13 @@ class Following {
   std::atomic<std::uint64_t> refused_{0};
   std::array<std::atomic<dds_instance_handle_t>, 16> unwanted_{};
   std::size_t unwanted_count_ = 0;
-  std::array<std::atomic<dds_instance_handle_t>, 8>
-      last_refused_{};  ///< the handle's low bits choose the slot
+  static constexpr std::size_t kMaxCounted = 32;
+  struct Counted {
+    std::atomic<dds_instance_handle_t> writer{0};
+    std::atomic<std::uint64_t> count{0};
+  };
+  std::array<Counted, kMaxCounted> counted_{};  ///< a writer's place is the first that was free
+  std::map<dds_instance_handle_t, Guid> participants_;  ///< of writers that were refused
 };
 
 }  // namespace voxtouch::bus

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <limits.h>
+#include <net/if.h>
 #include <pthread.h>
 #include <sys/resource.h>
 #include <sys/select.h>
@@ -14,6 +15,7 @@
 #include <cstring>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <tuple>
 #include <vector>
 
@@ -37,7 +39,7 @@ class StartLines {
   void add(std::string_view line) {
     constexpr std::size_t kMaxLines = 3, kMaxBytes = 300;
     const std::lock_guard lock(mutex_);
-    while (line.ends_with('\n'))
+    while (line.ends_with('\n') || line.ends_with('.'))
       line.remove_suffix(1);
     if (!line.empty() && lines_.size() < kMaxLines)
       lines_.emplace_back(line.substr(0, kMaxBytes));
@@ -134,19 +136,43 @@ std::string start_remedy(std::string_view cause) {
   if (cause.contains("receive buffer"))
     return "allow larger socket buffers (`sysctl net.core.rmem_max`) or ask for less in "
            "CYCLONEDDS_URI";
+  if (cause.contains("out of range"))
+    return "choose a smaller --domain, or ports for it in CYCLONEDDS_URI (Discovery/Ports)";
   if (cause.contains("participant index"))
     return "end other DDS processes of this domain, or choose another --domain";
-  if (cause.contains("config: ") || cause.contains("CycloneDDS/"))
+  if (cause.contains("config: ") || cause.contains("CycloneDDS/") ||
+      cause.contains("configuration file"))
     return "correct CYCLONEDDS_URI, or unset it";
   if (cause.contains("bind") || cause.contains("port"))
     return "another process has the port: end it, or choose another --domain";
   return "`ip link` lists the interfaces, --interface chooses one";
 }
 
+/// DDS says of each card that it cannot use the same.
+struct CardFault {
+  std::string cause, remedy;
+};
+std::optional<CardFault> card_fault(const std::string& name) {
+  const std::vector<Card> up = network_cards();
+  if (name == kThisHost)
+    return up.empty() ? std::optional(CardFault{"no network card is up, not even loopback",
+                                                "`ip link set lo up`"})
+                      : std::nullopt;
+  if (std::ranges::find(up, name, &Card::name) != up.end())
+    return std::nullopt;
+  if (if_nametoindex(name.c_str()) == 0)
+    return CardFault{"there is no network card of that name",
+                     "`ip link` lists the interfaces, --interface chooses one"};
+  return CardFault{"the network card is down or has no IPv4 address",
+                   "`ip link set " + name + " up`, and `ip addr` lists its addresses"};
+}
+
 std::string start_fault(const ParticipantOptions& options, const std::string& cause) {
+  const std::optional<CardFault> card =
+      cause.contains("interface") ? card_fault(options.network_interface) : std::nullopt;
   return "DDS could not start '" + options.name + "' on domain " + std::to_string(options.domain) +
-         ", interface '" + options.network_interface + "': " + cause +
-         ". Remedy: " + start_remedy(cause);
+         ", interface '" + options.network_interface + "': " + (card ? card->cause : cause) +
+         ". Remedy: " + (card ? card->remedy : start_remedy(cause));
 }
 
 /// A domain is configured once a process, before its first participant; nodes composed into one

@@ -103,6 +103,10 @@ class ServiceServer {
       fill(response, [&] { dds_write(writer, &response); });
     });
   }
+  /// Whose request it is; all zero where it has gone.
+  Guid participant_of(const Caller& caller) const {
+    return participant_of_writer(endpoints_.reader(), caller.writer);
+  }
   void send_waiting() { endpoints_.send_waiting(); }
   bool waits() const noexcept { return endpoints_.waits(); }
   dds_entity_t condition() const noexcept { return endpoints_.condition(); }

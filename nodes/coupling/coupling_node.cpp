@@ -151,6 +151,10 @@ class CouplingNode final : public runtime::Step<msg::ContactState, msg::ForceCom
     device_.report_to(registry, status);
     if (device_.binding().bound())
       rendering_.update(registry, device_.binding().session());
+    const std::string of_device = device_.binding().refused_writers(),
+                      of_rendering = rendering_.refused_writers();
+    report.values["foreign_writers"] =
+        of_device + (of_device.empty() || of_rendering.empty() ? "" : " and ") + of_rendering;
     status.say(StatusPriority::kFault, rendering_.trouble(registry));
     constexpr char kBoth[] = "a device and its scene's plan";
     std::string missing =

@@ -11,6 +11,7 @@
 #include "nodes/log/tell.hpp"
 #include "nodes/logger/recorded_topics.hpp"
 #include "nodes/runtime/node_host.hpp"
+#include "nodes/runtime/participant_counts.hpp"
 #include "nodes/runtime/role_binding.hpp"
 
 namespace voxtouch::logger {
@@ -18,14 +19,15 @@ namespace {
 
 constexpr std::int64_t kMaxStopNs = 1'000'000'000;
 
-std::unique_ptr<bag::BagSink> open_bag(const std::filesystem::path& folder,
-                                       const RecordFormat& format) {
+std::unique_ptr<bag::BagSink> open_bag(const Options& options) {
+  const RecordFormat& format = options.format;
   constexpr double kMax = 9e18;  // as whole numbers
   auto writer = bag::BagWriter::create(
-      folder,
+      options.bag,
       {.storage = format.storage,
        .split = {.bytes = static_cast<std::uint64_t>(std::min(format.split_mb * 1e6, kMax)),
-                 .time_ns = static_cast<std::int64_t>(std::min(format.split_s * 1e9, kMax))}});
+                 .time_ns = static_cast<std::int64_t>(std::min(format.split_s * 1e9, kMax))},
+       .folder_is_made = options.bag_is_made});
   if (!writer)
     throw std::runtime_error(writer.error().sentence);
   return std::make_unique<bag::BagWriter>(std::move(*writer));
@@ -38,7 +40,7 @@ class LoggerNode {
         host_("logger", options, runtime::NodeHost::Kind::kTap),
         descriptions_(
             host_.reader<bus::LatchedReader<msg::DeviceDescription>>(qos::kDeviceDescription)),
-        recorder_(open_bag(options.bag, options.format), {.lockstep = options.lockstep}),
+        recorder_(open_bag(options), {.lockstep = options.lockstep}),
         topics_(host_.participant(), options, options.topics, recorder_, host_.wait_set()),
         roles_{runtime::RoleBinding{"device", {&descriptions_.following()}},
                runtime::RoleBinding{"rendering", topics_.readers_of("rendering")},
@@ -140,6 +142,7 @@ class LoggerNode {
     for (std::size_t n = 1; n < roles_.size() && roles_[0].bound(); ++n)
       roles_[n].update(registry, roles_[0].session());
     std::uint64_t settled = 0, refused = 0, left_out = 0;
+    std::map<bus::Guid, std::uint64_t> refused_of;
     for (const RecordedTopics::OfRole& one : topics_.of_roles()) {
       const auto& bound =
           roles_[static_cast<std::size_t>(std::ranges::find(kRoles, one.role) - kRoles)]
@@ -150,23 +153,21 @@ class LoggerNode {
       if (one.followed)
         settled += one.records->settled();
       (one.followed ? refused : left_out) += one.records->refused();
-      for (const bus::Guid& writer : one.records->refused_writers())
-        if (std::string& name = refused_names_[writer];
-            name.empty() || name.starts_with("a participant"))
-          name = writer == bus::Guid{} ? "a writer that has gone" : registry.name_of(writer);
+      for (const auto& [writer, count] : one.records->refused_writers())
+        refused_of[writer] += count;
     }
+    for (const auto& [writer, count] : refused_of)
+      refused_from_.of(writer) = count;
+    refused_from_.name(registry);
     report.figures["records"] = {settled, "messages"};
     report.figures["refused_records"] = {refused, "messages"};
     report.figures["left_out_messages"] = {left_out, "messages"};
     if (refused + left_out == 0)
       return;
-    std::string names;
-    for (const auto& [writer, name] : refused_names_)
-      names += (names.empty() ? "" : " and ") + name;
-    report.values["refused_writers"] = names;
+    report.values["refused_writers"] = refused_from_.text();
     status.append(
-        fmt::format("; {} messages of {} are not in the bag: they play no role of this session",
-                    refused + left_out, names));
+        fmt::format("; {} messages are not in the bag: {}, which play no role of this session",
+                    refused + left_out, refused_from_.text()));
   }
 
   const Options& options_;
@@ -176,7 +177,7 @@ class LoggerNode {
   RecordedTopics topics_;
   std::array<runtime::RoleBinding, 3>
       roles_;  ///< device, whose session this is; rendering; coupling
-  std::map<bus::Guid, std::string> refused_names_;
+  runtime::ParticipantCounts refused_from_;
   bag::RecordingReport final_;
   std::atomic<std::uint64_t> session_in_bag_{0};
   runtime::Heartbeat closing_;

@@ -22,6 +22,7 @@ std::vector<std::string> to_arguments(const RecordFormat& format);
 
 struct Options : runtime::NodeOptions {
   std::filesystem::path bag;  ///< folder to make; it must not exist
+  bool bag_is_made = false;   ///< the folder is there, empty, and for this bag alone
   RecordFormat format;
   std::vector<std::string> topics;  ///< further DDS topics, "rt/..."; "rt/*" for all
 };

@@ -20,6 +20,8 @@ int logger(int argc, char** argv) {
       options,
       [&](CLI::App& app) {
         app.add_option("--bag", options.bag, "Folder of the bag; it must not exist")->required();
+        app.add_flag("--bag-is-made", options.bag_is_made,
+                     "The folder exists, is empty and is meant for this bag alone");
         voxtouch::logger::add_format_options(app, options.format);
         app.add_option(
                "--topic", options.topics,

@@ -76,8 +76,8 @@ void RoleRecords::refuse_kept() {
 
 void RoleRecords::refuse(const bus::Guid& writer) {
   ++refused_;
-  if (refused_writers_.size() < kMaxNamed)
-    refused_writers_.insert(writer);
+  if (refused_writers_.size() < kMaxNamed || refused_writers_.contains(writer))
+    ++refused_writers_[writer];
 }
 
 std::uint64_t RoleRecords::settled() const {
@@ -90,7 +90,7 @@ std::uint64_t RoleRecords::refused() const {
   return refused_;
 }
 
-std::set<bus::Guid> RoleRecords::refused_writers() const {
+std::map<bus::Guid, std::uint64_t> RoleRecords::refused_writers() const {
   const std::lock_guard lock(mutex_);
   return refused_writers_;
 }

@@ -5,7 +5,6 @@
 #include <deque>
 #include <map>
 #include <mutex>
-#include <set>
 #include <vector>
 
 #include "nodes/bag/bag_sink.hpp"
@@ -63,8 +62,8 @@ class RoleRecords {
   /// Any thread: how many were for the bag, and how many were not.
   std::uint64_t settled() const;
   std::uint64_t refused() const;
-  /// Those whose records were refused; the first sixteen.
-  std::set<bus::Guid> refused_writers() const;
+  /// How many of each writer were not; the first sixteen writers.
+  std::map<bus::Guid, std::uint64_t> refused_writers() const;
 
  private:
   struct Kept {
@@ -86,7 +85,7 @@ class RoleRecords {
   std::size_t all_bytes_ = 0;
   std::uint64_t looks_ = 0, settled_ = 0, refused_ = 0;
   bool bound_ = false;
-  std::set<bus::Guid> refused_writers_;
+  std::map<bus::Guid, std::uint64_t> refused_writers_;
 };
 
 }  // namespace voxtouch::logger

@@ -26,8 +26,8 @@ ChangeInbox::ChangeInbox(const bus::Participant& participant, const runtime::Nod
             qos::profile_in(qos::kEffectMade, options.mode())),
       receive_(std::move(receive)),
       services_(participant, options.rig, options.lockstep,
-                {[this](auto asked, bool together, const ChangeTold& told) {
-                   ask_for(asked, together, told);
+                {[this](auto asked, bool together, const bus::Guid& by, const ChangeTold& told) {
+                   ask_for(asked, together, by, told);
                  },
                  std::move(parameters)}),
       wait_set_(participant) {
@@ -38,12 +38,13 @@ ChangeInbox::ChangeInbox(const bus::Participant& participant, const runtime::Nod
 void ChangeInbox::serve(std::uint64_t session,
                         const std::function<bool(std::uint64_t id)>& pending) {
   session_ = session;
-  changes_.take_each([&](const msg::EffectChange& m) {
+  changes_.take_each([&](const msg::EffectChange& m, dds_instance_handle_t writer) {
     const auto found = std::ranges::find(answered_, m.request, &Answered::id);
     if (m.request != 0 && found != answered_.end())
       return send(*found);
     if (m.request != 0 && pending(m.request))
       return;
+    count(bus::participant_of_writer(changes_.get(), writer), 1);
     receive_(std::span(&m, 1), false,
              std::vector<ChangeRequest>{
                  {.id = m.request, .session = m.session_id, .from_sample = m.from_sample}});
@@ -53,7 +54,8 @@ void ChangeInbox::serve(std::uint64_t session,
 
 /// A request by a service goes on as if it had come as a message.
 void ChangeInbox::ask_for(std::span<const msg::EffectChange> asked, bool together,
-                          const ChangeTold& told) {
+                          const bus::Guid& by, const ChangeTold& told) {
+  count(by, asked.size());
   std::vector<ChangeRequest> requests;
   for (std::size_t n = 0; n < asked.size(); ++n)
     requests.push_back(
@@ -67,6 +69,17 @@ void ChangeInbox::ask_for(std::span<const msg::EffectChange> asked, bool togethe
     return receive_(asked, true, std::move(requests));
   for (std::size_t n = 0; n < asked.size(); ++n)
     receive_(asked.subspan(n, 1), false, std::vector{std::move(requests[n])});
+}
+
+void ChangeInbox::count(const bus::Guid& by, std::size_t changes) {
+  constexpr std::size_t kMaxCounted = 64;
+  const std::lock_guard lock(mutex_);
+  requests_[requests_.size() < kMaxCounted || requests_.contains(by) ? by : bus::Guid{}] += changes;
+}
+
+std::map<bus::Guid, std::uint64_t> ChangeInbox::requests() const {
+  const std::lock_guard lock(mutex_);
+  return requests_;
 }
 
 void ChangeInbox::send(const Answered& answer) {

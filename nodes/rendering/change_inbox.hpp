@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <map>
+#include <mutex>
 #include <span>
 #include <string>
 #include <vector>
@@ -46,6 +48,8 @@ class ChangeInbox {
   // Any thread.
   std::uint64_t refused_changes() const noexcept { return refused_.load(); }
   std::uint64_t refused_requests() const noexcept { return services_.refused(); }
+  /// How many changes each participant has requested; of one that has gone all zero.
+  std::map<bus::Guid, std::uint64_t> requests() const;
 
   static constexpr std::int64_t kSoonNs = 1'000'000;  ///< while a reply waits
 
@@ -55,7 +59,9 @@ class ChangeInbox {
     std::uint32_t result = 0;
     std::string sentence;
   };
-  void ask_for(std::span<const msg::EffectChange> asked, bool together, const ChangeTold& told);
+  void ask_for(std::span<const msg::EffectChange> asked, bool together, const bus::Guid& by,
+               const ChangeTold& told);
+  void count(const bus::Guid& by, std::size_t changes);
   void send(const Answered& answer);
 
   bus::Reader<msg::EffectChange> changes_;
@@ -67,6 +73,8 @@ class ChangeInbox {
   std::deque<Answered> answered_;  ///< the last ones
   std::uint64_t session_ = 0;
   std::atomic<std::uint64_t> refused_{0};
+  mutable std::mutex mutex_;
+  std::map<bus::Guid, std::uint64_t> requests_;
 };
 
 }  // namespace voxtouch::rendering_node

@@ -32,9 +32,8 @@ EffectServices::EffectServices(const bus::Participant& participant, const std::s
           participant, qos::kChangeEffect, rig, "rendering")),
       parameters_(participant, rig, "rendering", lockstep,
                   {handler_.parameters,
-                   [this](auto asked, bool together, const runtime::SettingTold& told) {
-                     set(asked, together, told);
-                   }},
+                   [this](auto asked, bool together, const bus::Guid& by,
+                          const runtime::SettingTold& told) { set(asked, together, by, told); }},
                   limit_),
       events_(participant, qos::kParameterEvents, rig, qos::profile(qos::kParameterEvents.profile)),
       told_(handler_.parameters()) {}
@@ -58,7 +57,7 @@ void EffectServices::serve() {
 }
 
 void EffectServices::set(std::span<const msg::rcl_interfaces_Parameter> asked, bool together,
-                         const runtime::SettingTold& told) {
+                         const bus::Guid& by, const runtime::SettingTold& told) {
   const std::vector<RosParameter> known = handler_.parameters();
   std::vector<ParameterChange> changes;
   std::vector<std::size_t> places;
@@ -83,13 +82,13 @@ void EffectServices::set(std::span<const msg::rcl_interfaces_Parameter> asked, b
   };
   if (together)
     return handler_.ask(
-        messages, true,
+        messages, true, by,
         [places, tell](std::size_t which, bool done, std::uint64_t, const std::string& sentence) {
           tell(places[which], done, sentence);
         });
   for (std::size_t n = 0; n < messages.size(); ++n)
     handler_.ask(
-        std::span(&messages[n], 1), false,
+        std::span(&messages[n], 1), false, by,
         [place = places[n], tell](std::size_t, bool done, std::uint64_t,
                                   const std::string& sentence) { tell(place, done, sentence); });
 }
@@ -102,7 +101,7 @@ void EffectServices::change(const msg::ChangeEffect::Request& request, const bus
   message.model = request.model;
   std::ranges::copy(request.value, message.value);
   message.voxel_size_m = request.voxel_size_m;
-  handler_.ask(std::span(&message, 1), false,
+  handler_.ask(std::span(&message, 1), false, change_.participant_of(caller),
                [this, caller](std::size_t, bool done, std::uint64_t from_sample,
                               const std::string& sentence) {
                  change_.reply(caller,

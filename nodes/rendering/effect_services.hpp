@@ -24,9 +24,10 @@ using ChangeTold = std::function<void(std::size_t which, bool done, std::uint64_
 /// The way of every change, as the services need it. Both are called from the thread that calls
 /// `serve`.
 struct ChangeHandler {
-  /// Each by itself, or `together` all in one sample or none. `told` is called once for each, at
-  /// once or later.
-  std::function<void(std::span<const msg::EffectChange> changes, bool together, ChangeTold told)>
+  /// Each by itself, or `together` all in one sample or none, on request of the participant `by`.
+  /// `told` is called once for each, at once or later.
+  std::function<void(std::span<const msg::EffectChange> changes, bool together, const bus::Guid& by,
+                     ChangeTold told)>
       ask;
   std::function<std::vector<RosParameter>()> parameters;  ///< as they are set now
 };
@@ -51,7 +52,7 @@ class EffectServices {
   std::uint64_t refused() const noexcept { return limit_.refused(); }
 
  private:
-  void set(std::span<const msg::rcl_interfaces_Parameter> asked, bool together,
+  void set(std::span<const msg::rcl_interfaces_Parameter> asked, bool together, const bus::Guid& by,
            const runtime::SettingTold& told);
   void change(const msg::ChangeEffect::Request& request, const bus::Caller& caller);
 

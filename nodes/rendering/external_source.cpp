@@ -140,9 +140,9 @@ void ExternalSource::look() {
   const std::set<bus::Guid> matched(all.begin(), all.end());
   if (!bound_)
     look_for_writer(matched);
-  for (const bus::Guid& other : following_->take_refused())
+  for (const bus::RefusedSamples& refused : following_->take_refused())
     if (others_.size() < kMaxOthers)
-      others_.insert(other);
+      others_.insert(refused.participant);
   if (bound_) {
     for (const bus::Guid& other : matched)
       if (others_.size() < kMaxOthers)

@@ -13,6 +13,7 @@
 #include "nodes/rendering/sample_renderer.hpp"
 #include "nodes/rendering/scene_update_server.hpp"
 #include "nodes/runtime/device_input.hpp"
+#include "nodes/runtime/participant_counts.hpp"
 #include "nodes/scene_build/build_here.hpp"
 
 namespace voxtouch::rendering_node {
@@ -129,10 +130,15 @@ class RenderingNode final : public runtime::Step<msg::DeviceState, msg::ContactS
     constexpr std::size_t kOfAnyTool = FrameCounters::through(FrameCounter::kSaturated);
     counters_.report_to(report.figures, scene_.virtual_tool() ? kFrameTable.size() : kOfAnyTool);
     report.figures["foreign_samples"] = {device_.binding().refused(), "samples"};
+    for (const auto& [participant, count] : updates_.requests())
+      change_requests_.of(participant) = count;
+    change_requests_.name(registry);
+    report.values["change_requests"] = change_requests_.text();
     report.figures["tool_reach_m"] = {tool_reach_m_, "m"};
     if (scene_.virtual_tool())
       report.figures["spring_n_per_m"] = {updates_.published().spring_n_per_m(), "N/m"};
     device_.report_to(registry, status);
+    report.values["foreign_writers"] = device_.binding().refused_writers();
     if (external_)
       external_->report_to(registry, report, status);
     const bool busy = counters_[FrameCounter::kSamples] > 0;
@@ -159,6 +165,7 @@ class RenderingNode final : public runtime::Step<msg::DeviceState, msg::ContactS
   std::optional<ExternalSource> external_;  ///< of the effect `external`, in real time
   RosOutputs ros_;
   SceneUpdateServer updates_;
+  runtime::ParticipantCounts change_requests_;
   std::optional<DescribedDevice> described_;  ///< until the session that it names is followed
   FrameCounters counters_;
 };

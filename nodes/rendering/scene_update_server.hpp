@@ -2,6 +2,7 @@
 /// Changes while the ring runs: validated, given to the loop, answered.
 #include <atomic>
 #include <functional>
+#include <map>
 #include <memory>
 #include <thread>
 
@@ -56,6 +57,8 @@ class SceneUpdateServer {
   void remind() noexcept { remind_.store(true, std::memory_order_release); }
   const PlanPublisher& published() const noexcept { return publisher_; }
   runtime::Figures figures() const;
+  /// As ChangeInbox.
+  std::map<bus::Guid, std::uint64_t> requests() const { return inbox_.requests(); }
 
  private:
   void cycle();

@@ -271,12 +271,17 @@ const NodeReport* NodeRegistry::report_of(const bus::Guid& participant) const {
   return known == reports_.end() ? nullptr : &known->second;
 }
 
-std::string NodeRegistry::name_of(const bus::Guid& guid) const {
+std::string NodeRegistry::known_name_of(const bus::Guid& guid) const {
   if (const NodeReport* report = report_of(guid))
     return fmt::format("{} (process {} on {})", report->node, report->pid, report->host);
-  if (const std::string name = graph_ ? graph_->name_of(guid) : ""; !name.empty())
-    return fmt::format("ROS 2's {}", name);
-  return fmt::format("a participant that gives no name ({})", to_text(guid));
+  const std::string name = graph_ ? graph_->name_of(guid) : "";
+  return name.empty() ? "" : fmt::format("ROS 2's {}", name);
+}
+
+std::string NodeRegistry::name_of(const bus::Guid& guid) const {
+  const std::string known = known_name_of(guid);
+  return known.empty() ? fmt::format("a participant that gives no name ({})", to_text(guid))
+                       : known;
 }
 
 std::optional<NodeReport> look_for(NodeRegistry& registry,

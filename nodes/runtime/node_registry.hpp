@@ -128,6 +128,8 @@ class NodeRegistry {
   /// The node whose participant is `guid`: of this rig, or as `ros_discovery_info` names it ("ROS
   /// 2's /talker"); else "a participant that gives no name (GUID)".
   std::string name_of(const bus::Guid& guid) const;
+  /// The same; empty if it gives no name.
+  std::string known_name_of(const bus::Guid& guid) const;
 
   static constexpr std::size_t kMaxNodes = 64, kMaxValues = 256, kMaxTextBytes = 1024;
 

@@ -155,11 +155,12 @@ void ParameterServices::serve() {
     };
     if (asked.empty())
       return reply();
-    set(asked, false, [results, reply](std::size_t which, bool done, const std::string& sentence) {
-      results->all[which] = {done, sentence};
-      if (--results->open == 0)
-        reply();
-    });
+    set(asked, false, set_.participant_of(caller),
+        [results, reply](std::size_t which, bool done, const std::string& sentence) {
+          results->all[which] = {done, sentence};
+          if (--results->open == 0)
+            reply();
+        });
   });
   each(set_together_, [this](const auto& request, const bus::Caller& caller) {
     const std::span asked = all_of(request.parameters);
@@ -175,17 +176,18 @@ void ParameterServices::serve() {
       return reply(true, {});
     const auto first =
         std::make_shared<Results::One>(Results::One{true, {}});  // the first refusal counts
-    set(asked, true, [open, first, reply](std::size_t, bool done, const std::string& sentence) {
-      if (!done && first->done)
-        *first = {done, sentence};
-      if (--*open == 0)
-        reply(first->done, first->sentence);
-    });
+    set(asked, true, set_together_.participant_of(caller),
+        [open, first, reply](std::size_t, bool done, const std::string& sentence) {
+          if (!done && first->done)
+            *first = {done, sentence};
+          if (--*open == 0)
+            reply(first->done, first->sentence);
+        });
   });
 }
 
 void ParameterServices::set(std::span<const msg::rcl_interfaces_Parameter> asked, bool together,
-                            const SettingTold& told) {
+                            const bus::Guid& by, const SettingTold& told) {
   const std::vector<RosParameter> known = parameters();
   std::vector<std::optional<Results::One>> results;
   for (const auto& one : asked)
@@ -207,7 +209,7 @@ void ParameterServices::set(std::span<const msg::rcl_interfaces_Parameter> asked
     if (results[n])
       told(n, results[n]->done, results[n]->sentence);
   if (!rest.empty())
-    handler_.set(rest, together,
+    handler_.set(rest, together, by,
                  [places, told](std::size_t which, bool done, const std::string& sentence) {
                    told(places[which], done, sentence);
                  });

@@ -20,10 +20,10 @@ using SettingTold = std::function<void(std::size_t which, bool done, const std::
 /// Both are called from the thread that calls `serve`.
 struct ParameterHandler {
   std::function<std::vector<RosParameter>()> parameters;  ///< as they are set now, sorted by name
-  /// Each by itself, or `together` all or none. `told` is called once for each, at once or later.
-  /// Null: every parameter is read-only.
+  /// Each by itself, or `together` all or none, on request of the participant `by`. `told` is
+  /// called once for each, at once or later. Null: every parameter is read-only.
   std::function<void(std::span<const msg::rcl_interfaces_Parameter> asked, bool together,
-                     SettingTold told)>
+                     const bus::Guid& by, SettingTold told)>
       set;
 };
 
@@ -67,7 +67,7 @@ class ParameterServices {
   template <class Names>
   std::vector<RosParameter> named(const Names& names) const;
   /// Calls handler_.set for what may change something; `told` for all.
-  void set(std::span<const msg::rcl_interfaces_Parameter> asked, bool together,
+  void set(std::span<const msg::rcl_interfaces_Parameter> asked, bool together, const bus::Guid& by,
            const SettingTold& told);
 
   bool lockstep_;

@@ -25,6 +25,7 @@ void RoleBinding::update(const NodeRegistry& registry, std::optional<std::uint64
     if (claiming.size() > 1)
       rivals_ = std::move(claiming);
   }
+  note_refused(registry);
   if (!participant_)
     return others_.clear();
   follow_again();
@@ -77,17 +78,17 @@ void RoleBinding::let_go() {
   bound_now_.store(false, std::memory_order_release);
 }
 
-void RoleBinding::note_others(const NodeRegistry& registry) {
+void RoleBinding::note_refused(const NodeRegistry& registry) {
   for (bus::Following* input : inputs_)
-    for (const bus::Guid& other : input->take_refused()) {
-      if (others_.size() < kMaxOthers)
-        others_.insert(other);
-      if (refused_names_.size() < kMaxOthers)
-        refused_names_.try_emplace(other);
+    for (const bus::RefusedSamples& refused : input->take_refused()) {
+      refused_from_.of(refused.participant) += refused.count;
+      if (others_.size() < kMaxOthers && refused.participant != bus::Guid{})
+        others_.insert(refused.participant);
     }
-  for (auto& [other, name] : refused_names_)  // who has just come may give its name later
-    if (name.empty() || others_.contains(other))
-      name = registry.name_of(other);
+  refused_from_.name(registry);  // who has just come may give its name later
+}
+
+void RoleBinding::note_others(const NodeRegistry& registry) {
   for (const NodeReport& report : registry.reports())
     if (is_claimed_by(report) && others_.size() < kMaxOthers)
       others_.insert(report.participant);
@@ -104,13 +105,6 @@ std::uint64_t RoleBinding::refused() const noexcept {
   for (const bus::Following* input : inputs_)
     sum += input->refused();
   return sum;
-}
-
-std::string RoleBinding::refused_writers() const {
-  std::string all;
-  for (const auto& [writer, name] : refused_names_)
-    all += (all.empty() ? "" : " and ") + name;
-  return all;
 }
 
 std::string RoleBinding::trouble(const NodeRegistry& registry) const {

@@ -10,6 +10,7 @@
 
 #include "nodes/bus/following.hpp"
 #include "nodes/runtime/node_registry.hpp"
+#include "nodes/runtime/participant_counts.hpp"
 
 namespace voxtouch::runtime {
 
@@ -41,8 +42,8 @@ class RoleBinding {
   std::uint64_t tenure() const noexcept { return tenure_.load(std::memory_order_acquire); }
   /// Samples of others that came while somebody was bound.
   std::uint64_t refused() const noexcept;
-  /// Whose samples were refused, also of those that have gone: names, joined by "and".
-  std::string refused_writers() const;
+  /// Whose samples were refused and how many, also of those that have gone.
+  std::string refused_writers() const { return refused_from_.text(); }
   /// What a person must know: two that claim, or who is refused. Empty: nothing.
   std::string trouble(const NodeRegistry& registry) const;
 
@@ -53,13 +54,14 @@ class RoleBinding {
   void bind(const bus::Guid& participant);
   void let_go();
   void follow_again();
+  void note_refused(const NodeRegistry& registry);
   void note_others(const NodeRegistry& registry);
 
   std::string role_;
   std::vector<bus::Following*> inputs_;
   std::optional<bus::Guid> participant_;
   std::vector<bus::Guid> rivals_;  ///< who claim while nobody is bound, two or more
-  std::map<bus::Guid, std::string> refused_names_;
+  ParticipantCounts refused_from_;
   std::set<bus::Guid>
       others_;  ///< whose samples or claims have been refused, and who are still there
   std::uint64_t lost_session_ = 0;

@@ -54,13 +54,14 @@ reference::ReportedTool to_tool(const msg::ContactState& c) {
           .unplaced = (c.flags & msg::contact_state::kFlagUnplaced) != 0};
 }
 
-enum class ValidatorCounter : std::uint8_t { kFirstChecked, kExcused };
+enum class ValidatorCounter : std::uint8_t { kFirstChecked, kExcused, kSkipped };
 constexpr auto kValidatorTable = [] {
   using enum ValidatorCounter;
   using enum runtime::Counting;
   return std::to_array<runtime::CounterRow<ValidatorCounter>>({
       {kFirstChecked, "first_checked", "sample number", kFirst},
       {kExcused, "excused", "samples"},  // due since the first, but of a kind that is not judged
+      {kSkipped, "skipped", "samples"},  // due since the first, but missed: the validator was busy
   });
 }();
 
@@ -171,7 +172,10 @@ class ValidatorNode final : public runtime::Step<msg::ContactState, msg::Validat
   std::optional<msg::ValidationReport> step(const msg::ContactState& contact) noexcept override {
     if (next_ && contact.sequence_number >= next_->from_sample)
       follow_change();
-    if (blind_ || !reference::is_checked(contact.sequence_number, options_.every))
+    if (!reference::is_checked(contact.sequence_number, options_.every))
+      return {};
+    count_skipped(contact.sequence_number);
+    if (blind_)
       return {};
     if (contact.flags & unlike()) {
       if (!std::isnan(counters_[ValidatorCounter::kFirstChecked]))
@@ -199,6 +203,14 @@ class ValidatorNode final : public runtime::Step<msg::ContactState, msg::Validat
       return;
     const runtime::Heartbeat::Busy busy(host_.heartbeat(), 6'000'000'000);
     reports_.wait_for_acknowledgments(DDS_SECS(5));
+  }
+
+  /// Samples that were due between the last due one and `sequence`.
+  void count_skipped(std::uint64_t sequence) noexcept {
+    if (!std::isnan(counters_[ValidatorCounter::kFirstChecked]) && sequence > last_due_)
+      counters_.note(ValidatorCounter::kSkipped,
+                     static_cast<double>((sequence - last_due_) / options_.every - 1));
+    last_due_ = sequence;
   }
 
   /// Flags of a contact that cannot be judged. While one scene fades into another, what is felt is
@@ -282,12 +294,19 @@ class ValidatorNode final : public runtime::Step<msg::ContactState, msg::Validat
                       {"by_rendering", {counts_.rendering, "samples"}},
                       {"by_reference", {counts_.reference, "samples"}}};
     counters_.report_to(report.figures);
-    report.figures["foreign_samples"] = {rendering_.refused(), "samples"};
     rendering_.update(registry, std::nullopt);
+    report.figures["foreign_samples"] = {rendering_.refused(), "samples"};
+    report.values["foreign_writers"] = rendering_.refused_writers();
     const std::string missing =
         host_.report_session(registry, report, "the rendering", counts_.checked > 0);
+    const double skipped = counters_[ValidatorCounter::kSkipped];
     status.say(StatusPriority::kProgress,
-               unread_ ? "idle: nobody reads the verdicts" : "no disagreement");
+               unread_ ? "idle: nobody reads the verdicts"
+                       : "no disagreement" +
+                             (skipped > 0.0 ? fmt::format("; {:.0f} due samples were skipped: "
+                                                          "judging takes longer than their period",
+                                                          skipped)
+                                            : ""));
     if (!missing.empty())
       status.say(StatusPriority::kWaiting, "waiting for " + missing);
     status.say(StatusPriority::kForeign, rendering_.trouble(registry));
@@ -308,6 +327,7 @@ class ValidatorNode final : public runtime::Step<msg::ContactState, msg::Validat
   reference::Judgement judgement_;    ///< of the sample that is answered
   Built built_;                       ///< what is judged
   std::optional<Built> next_;         ///< from its first sample on
+  std::uint64_t last_due_ = 0;        ///< sequence number of the last sample that was due
   bool blind_ = false;                ///< the rendering runs what this node has no reference for
   std::atomic<bool> unread_ = false;  ///< nobody read the verdicts when the last one was due
   runtime::Counters<kValidatorTable> counters_;

@@ -115,6 +115,70 @@ class Rows:
                 end.stderr,
             )
 
+    def start_faults(self):
+        """Each fault of a DDS start names its own cause and remedy."""
+
+        def uri(inner):
+            return {"CYCLONEDDS_URI": f"<CycloneDDS><Domain>{inner}</Domain></CycloneDDS>"}
+
+        rows = [
+            (
+                "shared memory",
+                uri("<SharedMemory><Enable>true</Enable></SharedMemory>"),
+                (),
+                ("SharedMemory", "Set its Enable to false"),
+            ),
+            (
+                "an unknown setting",
+                uri("<General><Foo>1</Foo></General>"),
+                (),
+                ("Foo: unknown element", "correct CYCLONEDDS_URI"),
+            ),
+            (
+                "a settings file that is not there",
+                {"CYCLONEDDS_URI": "file:///nowhere.xml"},
+                (),
+                ("can't open configuration file", "correct CYCLONEDDS_URI"),
+            ),
+            (
+                "a receive buffer that is refused",
+                uri('<Internal><SocketReceiveBufferSize min="2GB"/></Internal>'),
+                (),
+                ("receive buffer", "net.core.rmem_max"),
+            ),
+            (
+                "ports out of range",
+                uri("<Discovery><Ports><Base>65000</Base></Ports></Discovery>"),
+                (),
+                ("out of range", "smaller --domain"),
+            ),
+            (
+                "a card that is not there",
+                {},
+                ("--interface", "nocard"),
+                ("there is no network card", "`ip link` lists"),
+            ),
+        ]
+        if (
+            os.environ.get("VOXTOUCH_IN_NAMESPACE") == "1"
+            and not subprocess.run(
+                ["ip", "link", "add", "down0", "type", "veth", "peer", "name", "down1"], check=False
+            ).returncode
+        ):
+            rows.append(
+                (
+                    "a card that is down",
+                    {},
+                    ("--interface", "down0"),
+                    ("down or has no IPv4 address", "`ip link set down0 up`"),
+                )
+            )
+        for row, settings, words, wanted in rows:
+            code, said = self.verb(
+                "status", "--domain", str(self.domain), *words, env=os.environ | settings
+            )
+            self.expect(code == 1 and all(part in said for part in wanted), row, said)
+
     def deaf(self):
         environment = os.environ | {"CYCLONEDDS_URI": NO_MULTICAST}
         code, said = self.verb("doctor", "--domain", str(self.domain), env=environment)
@@ -230,7 +294,14 @@ def main():
     if os.environ.get("VOXTOUCH_IN_NAMESPACE") == "1":
         subprocess.run(["ip", "link", "set", "lo", "up"], check=False)
     rows = Rows(ask.build, ask.domain)
-    for name in ask.only or ("deleted_folder", "no_proc", "nohup", "deaf", "address_gone"):
+    for name in ask.only or (
+        "deleted_folder",
+        "no_proc",
+        "start_faults",
+        "nohup",
+        "deaf",
+        "address_gone",
+    ):
         getattr(rows, name)()
     print("Not well." if rows.faults else "All is well.")
     return 1 if rows.faults else 0

@@ -316,6 +316,16 @@ class Together(unittest.TestCase):
         with self.assertRaises(OSError):
             request(address)
 
+    def test_up_says_that_its_page_was_killed(self):
+        with ring("cup", "--view") as run:
+            run.address()
+            children = f"/proc/{run.process.pid}/task/{run.process.pid}/children"
+            for child in pathlib.Path(children).read_text().split():
+                words = pathlib.Path(f"/proc/{child}/cmdline").read_bytes().split(b"\0")
+                if words[1:2] == [b"view"]:
+                    os.kill(int(child), signal.SIGKILL)
+            until(lambda: "the page was ended by signal 9" in run.told(), 20, run.told())
+
 
 class Status(unittest.TestCase):
     @staticmethod

@@ -1,10 +1,8 @@
 #include <chrono>
 #include <cstdlib>
-#include <cstring>
 #include <fstream>
 #include <memory>
 #include <optional>
-#include <set>
 #include <string>
 #include <thread>
 
@@ -16,6 +14,7 @@
 #include "core/types/program_folder.hpp"
 #include "nodes/bus/exchange.hpp"
 #include "nodes/bus/participant.hpp"
+#include "nodes/bus/ros_discovery.hpp"
 #include "nodes/cli/child_program.hpp"
 #include "nodes/cli/doctor/doctor_checks.hpp"
 #include "nodes/cli/doctor/machine_checks.hpp"
@@ -28,76 +27,19 @@
 namespace voxtouch::cli {
 namespace {
 
-std::string_view text_of(const dds_qos_t* qos, void** keeper) {
-  std::size_t size = 0;
-  return qos && dds_qget_userdata(qos, keeper, &size) && *keeper
-             ? std::string_view(static_cast<const char*>(*keeper), size)
-             : std::string_view();
-}
-
-/// Calls f(const T&, user data) for each that is announced on a built-in topic.
-template <class T, class F>
-void each_announced(dds_entity_t reader, F&& f) {
-  void* lent[1] = {nullptr};
-  dds_sample_info_t info;
-  while (dds_take(reader, lent, &info, 1, 1) == 1) {
-    const T& one = *static_cast<const T*>(lent[0]);
-    if (info.valid_data && info.instance_state == DDS_ALIVE_INSTANCE_STATE) {
-      void* data = nullptr;
-      f(one, text_of(one.qos, &data));
-      dds_free(data);
-    }
-    dds_return_loan(reader, lent, 1);
-  }
-}
-
 /// Who else is on the domain: joins it for 2 s.
 std::vector<Finding> check_neighbours(const runtime::NodeOptions& o) {
   const bus::Participant own(o.participant("doctor"));
-  const bus::Entity participants(
-      dds_create_reader(own.get(), DDS_BUILTIN_TOPIC_DCPSPARTICIPANT, nullptr, nullptr),
-      "participants could not be asked for");
-  const bus::Entity readers(
-      dds_create_reader(own.get(), DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION, nullptr, nullptr),
-      "readers could not be asked for");
+  bus::RosDiscovery found(own);
   std::this_thread::sleep_for(std::chrono::seconds(2));
-  std::size_t ros = 0, others = 0;
-  std::set<std::string>
-      own_nodes;  // their readers of the graph say nothing about the ROS 2 that is here
-  const auto key_of = [](const dds_guid_t& key) {
-    return std::string(reinterpret_cast<const char*>(key.v), sizeof key.v);
-  };
-  each_announced<dds_builtintopic_participant_t>(
-      participants.get(), [&](const auto& one, std::string_view user_data) {
-        if (user_data.contains("voxtouch="))
-          own_nodes.insert(key_of(one.key));
-        if (std::memcmp(one.key.v, own.guid().data(), own.guid().size()) == 0)
-          return;
-        ++(user_data.starts_with("enclave=") || user_data.contains(";enclave=") ? ros : others);
-      });
-  bool humble = false, iron = false;  // a reader of the graph has its type's hash from Iron on
-  each_announced<dds_builtintopic_endpoint_t>(
-      readers.get(), [&](const auto& one, std::string_view user_data) {
-        if (std::string_view(one.topic_name) == "ros_discovery_info" &&
-            !own_nodes.contains(key_of(one.participant_key)))
-          (user_data.contains("typehash=") ? iron : humble) = true;
-      });
+  found.poll();
   std::vector<Finding> findings{
-      {Health::kGood, fmt::format("{} participants of ROS 2 or voxtouch are on domain {}, and {} "
-                                  "others; this is Cyclone DDS {}",
-                                  ros, o.domain, others, DDS_VERSION)}};
-  if (humble && iron)
-    findings.push_back(
-        {Health::kMind,
-         "Humble and a later ROS 2 share the domain: one of them does not see a ring's nodes"});
-  if (humble && !iron && o.ros != bus::RosGraph::kHumble)
-    findings.push_back({Health::kMind,
-                        "a ROS 2 Humble is on the domain: start with --ros humble, or it does not "
-                        "see the ring's nodes"});
-  if (iron && !humble && o.ros == bus::RosGraph::kHumble)
-    findings.push_back({Health::kMind,
-                        "a ROS 2 later than Humble is on the domain: start without --ros humble, "
-                        "or it does not see the ring's nodes"});
+      {Health::kGood,
+       fmt::format("{} participants of ROS 2 or voxtouch are on domain {}, and {} "
+                   "others; this is Cyclone DDS {}",
+                   found.ros_participants(), o.domain, found.other_participants(), DDS_VERSION)}};
+  if (std::string mismatch = found.mismatch(o.ros); !mismatch.empty())
+    findings.push_back({Health::kMind, std::move(mismatch)});
   return findings;
 }
 

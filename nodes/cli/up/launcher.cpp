@@ -163,6 +163,8 @@ std::vector<std::string> rendering_arguments(const rendering_node::Options& o) {
 std::vector<std::string> logger_arguments(const logger::Options& o) {
   std::vector<std::string> a = runtime::to_arguments(o, false);
   a.insert(a.end(), {"--bag", o.bag.string()});
+  if (o.bag_is_made)
+    a.push_back("--bag-is-made");
   for (const std::string& word : logger::to_arguments(o.format))
     a.push_back(word);
   for (const std::string& topic : o.topics)

@@ -24,7 +24,8 @@ constexpr unsigned kWatchPeriodUs = 20'000, kStartPeriodUs = 2'000;
 /// machine.
 constexpr std::chrono::milliseconds kGuardActs{100};
 
-RunSummary begin_summary(const UpOptions& options, const scene::Scene& scene) {
+RunSummary begin_summary(const UpOptions& options, const scene::Scene& scene,
+                         const std::filesystem::path& default_bag) {
   RunSummary run;
   run.scene = scene.name, run.device = options.ring.device.device,
   run.motion = options.ring.device.motion;
@@ -33,8 +34,7 @@ RunSummary begin_summary(const UpOptions& options, const scene::Scene& scene) {
   run.validate_every = static_cast<double>(options.ring.validator.every);
   run.limits = options.limits;
   if (!options.no_record)
-    run.bag = options.ring.logger.bag.empty() ? default_bag(scene.name, options.node).string()
-                                              : options.ring.logger.bag.string();
+    run.bag = (default_bag.empty() ? options.ring.logger.bag : default_bag).string();
   return run;
 }
 
@@ -42,10 +42,13 @@ RunSummary begin_summary(const UpOptions& options, const scene::Scene& scene) {
 
 RingRun::RingRun(const UpOptions& options, const scene::Scene& scene, StartReport start)
     : options_(options),
-      summary_(begin_summary(options, scene)),
+      default_bag_(options.no_record || options.ring.logger.bag.empty()
+                       ? make_default_bag(scene.name, options.node)
+                       : std::filesystem::path()),
+      summary_(begin_summary(options, scene, default_bag_.folder())),
       claim_(options.node),
-      monitor_(claim_.participant(), options.node.rig, std::move(start)),
-      faults_(faults_beside(summary_.bag.empty() ? default_bag(scene.name, options.node)
+      monitor_(claim_.participant(), options.node.rig, options.node.ros, std::move(start)),
+      faults_(faults_beside(summary_.bag.empty() ? default_bag_.folder()
                                                  : std::filesystem::path(summary_.bag))),
       nodes_(launcher_options(scene), scene, options.restarts) {
   claim_.announce();
@@ -65,6 +68,7 @@ LauncherOptions RingRun::launcher_options(const scene::Scene& scene) const {
            &ring.device, &ring.rendering, &ring.coupling, &ring.logger, &ring.validator})
     *one = node;
   ring.logger.bag = summary_.bag;
+  ring.logger.bag_is_made = !default_bag_.folder().empty();
   ring.device.fault_records = ring.coupling.fault_records = faults_;
   ring.record = !options_.no_record;
   if (const effects::EffectSpec* external = effects::external_of(scene.effects);
@@ -132,6 +136,12 @@ void RingRun::watch() {
 void RingRun::poll() {
   monitor_.poll(nodes_);
   claim_.name(monitor_.players());
+  if (const std::optional<int> status = page_ ? page_->ended() : std::nullopt) {
+    page_ = nullptr;
+    log::tell("warning: the page was ended by {}; `voxtouch view` serves it again\n",
+              how_ended(*status));
+    summary_.events.push_back({RunFact::kPageEnded, "view", 0.0, 0.0, how_ended(*status)});
+  }
   if (refusal_.empty())
     refusal_ = refused_at_start();  // the last word of a node that is stopped does not tell it
 }

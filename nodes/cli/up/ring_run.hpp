@@ -6,6 +6,7 @@
 
 #include "nodes/cli/up/process_supervisor.hpp"
 #include "nodes/cli/up/rig_claim.hpp"
+#include "nodes/cli/up/run_files.hpp"
 #include "nodes/cli/up/run_monitor.hpp"
 #include "nodes/cli/up/summary.hpp"
 
@@ -23,6 +24,8 @@ class RingRun {
  public:
   /// Joins the domain and announces the ring. `options` must outlive it.
   RingRun(const UpOptions& options, const scene::Scene& scene, StartReport start);
+  /// From now on it is reported if this process of `view` ends. It must outlive the run.
+  void watch_page(RunningNode& page) { page_ = &page; }
   /// Returns once every node has ended. Throws std::runtime_error, a sentence, if the rig is in
   /// use, a node cannot be started, or rendering or coupling refuses scene and device before any
   /// force: then no bag is left.
@@ -43,9 +46,11 @@ class RingRun {
   void remove_bag() const;
 
   const UpOptions& options_;
+  EmptyFolderGuard default_bag_;  ///< none where the bag was named
   RunSummary summary_;
   RigClaim claim_;
   RunMonitor monitor_;
+  RunningNode* page_ = nullptr;  ///< null: there is none, or its end was reported
   std::filesystem::path faults_;
   ProcessSupervisor nodes_;
   std::string refusal_;  ///< of rendering or coupling, before any sample was answered

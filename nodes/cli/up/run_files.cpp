@@ -20,7 +20,7 @@ std::filesystem::path recordings_folder() {
   return std::filesystem::absolute("recordings");
 }
 
-std::filesystem::path default_bag(const std::string& scene, const runtime::NodeOptions& node) {
+std::filesystem::path make_default_bag(const std::string& scene, const runtime::NodeOptions& node) {
   const std::time_t now = std::time(nullptr);
   std::tm local{};
   localtime_r(&now, &local);
@@ -33,10 +33,16 @@ std::filesystem::path default_bag(const std::string& scene, const runtime::NodeO
     name += "-" + node.rig;
   if (node.domain != usual.domain)
     name += "-domain" + std::to_string(node.domain);
+  std::error_code error;
+  std::filesystem::create_directories(recordings_folder(), error);
   std::filesystem::path folder = recordings_folder() / name;
-  std::error_code ignored;
-  for (int number = 2; std::filesystem::exists(folder, ignored); ++number)
+  // create_directory is false without an error where the folder exists.
+  for (int number = 2; !error; ++number) {
+    if (!std::filesystem::exists(faults_beside(folder), error) &&
+        std::filesystem::create_directory(folder, error))
+      break;
     folder = recordings_folder() / (name + "-" + std::to_string(number));
+  }
   return folder;
 }
 
@@ -53,7 +59,8 @@ std::string json_of(const RunSummary& summary) {
 }
 
 void keep_verdict(const RunSummary& summary) {
-  if (!std::filesystem::exists(summary.bag))
+  std::error_code none;
+  if (std::filesystem::is_empty(summary.bag, none) || none)
     return;
   const auto kept = bag::write_atomically(std::filesystem::path(summary.bag) / "voxtouch_run.json",
                                           json_of(summary), bag::Flush::kNo);

@@ -4,14 +4,33 @@
 #include <string>
 
 #include "nodes/cli/up/summary.hpp"
+#include "nodes/runtime/options.hpp"
 
 namespace voxtouch::cli {
 
 /// Of the user and not of the current folder, which may be one that nobody can write to: as the XDG
 /// base directories have it.
 std::filesystem::path recordings_folder();
-/// A folder there for a bag of this scene that begins now.
-std::filesystem::path default_bag(const std::string& scene, const runtime::NodeOptions& node);
+/// A folder there for a bag of this scene that begins now. Makes it, so that each of several runs
+/// that begin in the same second has its own; the path alone where no folder can be made.
+std::filesystem::path make_default_bag(const std::string& scene, const runtime::NodeOptions& node);
+
+/// Removes the folder at its end if nothing is in it. An empty path: none.
+class EmptyFolderGuard {
+ public:
+  explicit EmptyFolderGuard(std::filesystem::path folder) : folder_(std::move(folder)) {}
+  EmptyFolderGuard(const EmptyFolderGuard&) = delete;
+  EmptyFolderGuard& operator=(const EmptyFolderGuard&) = delete;
+  ~EmptyFolderGuard() {
+    std::error_code ignored;
+    std::filesystem::remove(folder_, ignored);
+  }
+  const std::filesystem::path& folder() const noexcept { return folder_; }
+
+ private:
+  std::filesystem::path folder_;
+};
+
 /// Where device and coupling keep what they saw before a fault; made with the first one.
 std::filesystem::path faults_beside(const std::filesystem::path& bag);
 

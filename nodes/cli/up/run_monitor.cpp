@@ -13,11 +13,13 @@
 namespace voxtouch::cli {
 
 RunMonitor::RunMonitor(const bus::Participant& participant, const std::string& rig,
-                       StartReport start)
+                       bus::RosGraph graph, StartReport start)
     : registry_(participant, rig),
       own_(participant.guid()),
       verdicts_(participant, qos::kValidation, rig, qos::profile(qos::ProfileId::kTap)),
       writers_(participant, rig),
+      ros_(participant),
+      graph_(graph),
       start_(std::move(start)) {}
 
 void RunMonitor::poll(const ProcessSupervisor& nodes) {
@@ -37,6 +39,7 @@ void RunMonitor::poll(const ProcessSupervisor& nodes) {
   registry_.update(is_of_node);
   verdicts_.take_each([](const msg::ValidationReport&) {});
   writers_.poll(registry_);
+  ros_.poll();
   for (const runtime::NodeReport& report : registry_.reports()) {
     if (!is_of_node(report))
       continue;
@@ -87,6 +90,7 @@ void RunMonitor::tell_once(const std::string& node, const std::string& text) {
 
 void RunMonitor::tell(const ProcessSupervisor& nodes) {
   log::tell("{}\n", status_line(reports_, nodes.names()));
+  tell_once("warning", ros_.mismatch(graph_));
   const auto message = [this](const char* node) {
     const auto report = reports_.find(node);
     return report == reports_.end() ? "" : report->second.message;

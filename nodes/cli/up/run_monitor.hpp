@@ -5,6 +5,7 @@
 #include <set>
 #include <string>
 
+#include "nodes/bus/ros_discovery.hpp"
 #include "nodes/cli/up/foreign_writers.hpp"
 #include "nodes/cli/up/rig_claim.hpp"
 #include "nodes/cli/up/run_record.hpp"
@@ -16,7 +17,9 @@ class ProcessSupervisor;
 
 class RunMonitor {
  public:
-  RunMonitor(const bus::Participant& participant, const std::string& rig, StartReport start);
+  /// `graph`: how the ring's nodes show themselves to ROS 2. `participant` must outlive it.
+  RunMonitor(const bus::Participant& participant, const std::string& rig, bus::RosGraph graph,
+             StartReport start);
 
   /// Takes what has come. Call it at least every 20 ms: longer pauses are reported as silence of
   /// "up".
@@ -50,6 +53,8 @@ class RunMonitor {
   bus::Reader<msg::ValidationReport> verdicts_;  ///< the validator judges only while somebody
                                                  ///< reads; its counts come with its status
   ForeignWriters writers_;
+  bus::RosDiscovery ros_;
+  const bus::RosGraph graph_;
   StartReport start_;
   Reports reports_, earlier_;  ///< earlier: of the processes that have ended
   Players players_;

@@ -28,7 +28,7 @@ enum class RunFact : std::uint8_t {
   kCutShort,        ///< value: requested duration [s]
   kNoFinalStatus,   ///< value: samples in its last status
   kDisagree,        ///< value: samples; text: the validator's message
-  kForeignSamples,  ///< value: samples refused; text: writers and topics
+  kForeignSamples,  ///< value: samples refused; text: by which node, of which writers
   kForeignRecords,  ///< value: records refused; text: the logger's message
   kLocked,          ///< value: times
   kTooStiff,        ///< value, bound: displayed and permitted stiffness [N/m]
@@ -38,14 +38,15 @@ enum class RunFact : std::uint8_t {
   kLostRecording,  ///< text: what of the bag is lost
   // From here on notes.
   kInterrupted,      ///< value: samples without force; bound: times; text: the last reason
-  kForeignWriters,   ///< text: writers and topics of which no sample was refused
+  kForeignWriters,   ///< text: writers and topics
   kRefusedStatuses,  ///< value: statuses; text: writers
-  kChanges,          ///< value: changes made; text: writers on rendering/change
+  kChanges,          ///< value: changes made; text: who requested how many
   kRecovers,         ///< value: messages; text: the writer
   kSamples,          ///< value: samples; text: what holds in them
   kExternal,         ///< text: the wrench from outside
   kRestarted,    ///< value: samples of the device; text: how the process ended; bound: 1 if it was
                  ///< started again
+  kPageEnded,    ///< text: how
   kBagGoesOn,    ///< text: the folder
   kFaultRecord,  ///< text: what it holds, and where
 };

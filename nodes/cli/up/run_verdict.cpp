@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
 #include "nodes/faults/force_lock.hpp"
 
 namespace voxtouch::cli {
@@ -97,8 +99,8 @@ class Judgement {
                            count("coupling", "foreign_samples") +
                            count("rendering", "foreign_samples");
     if (refused > 0)
-      put({RunFact::kForeignSamples, "", refused, 0.0, names.empty() ? message("device") : names});
-    else if (!names.empty())
+      put({RunFact::kForeignSamples, "", refused, 0.0, refusals()});
+    if (!names.empty())
       put({RunFact::kForeignWriters, "", 0.0, 0.0, names});
     if (const double n = count("logger", "refused_records") + count("logger", "left_out_messages");
         n > 0)
@@ -109,6 +111,15 @@ class Judgement {
       statuses = std::max(statuses, count(node.c_str(), "refused_statuses"));
     if (statuses > 0)
       put({RunFact::kRefusedStatuses, "", statuses, 0.0, run_.refused_writers});
+  }
+
+  /// Which node refused how many samples of which participants.
+  std::string refusals() const {
+    std::string all;
+    for (const char* node : {"device", "coupling", "rendering"})
+      if (const std::string of = word(run_.reports, node, "foreign_writers"); !of.empty())
+        all += fmt::format("{}{} refused {}", all.empty() ? "" : "; ", node, of);
+    return all.empty() ? message("device") : all;
   }
 
   void force() {
@@ -150,7 +161,8 @@ class Judgement {
       if (const double n = count("rendering", note.figure);
           n > note.most && (note.with_virtual_tool || !has_virtual_tool(run_)))
         put({RunFact::kSamples, "rendering", n, 0.0, note.what});
-    put_count(RunFact::kChanges, "rendering", "changes");
+    put_count(RunFact::kChanges, "rendering", "changes",
+              word(run_.reports, "rendering", "change_requests"));
     for (const Restart& one : run_.restarts)
       put({RunFact::kRestarted, one.node, one.at_sample, one.is_done ? 1.0 : 0.0, one.how});
     for (const std::string& record : run_.fault_records)

@@ -114,7 +114,7 @@ nlohmann::ordered_json to_json(const RunSummary& s) {
   j["coupling"] = coupling_json(r);
   add_counts(j["guard"], r, "device", {"refused", "refused_late", "clamped", "slewed"});
   add_counts(j["validator"], r, "validator",
-             {"checked", "decided", "agree", "in_band", "disagree"});
+             {"checked", "skipped", "decided", "agree", "in_band", "disagree"});
   add_recording(j["recording"], r);
   for (const Judged& judged : s.verdict.limits)
     j["limits"][std::string(judged.limit->name)] = {
@@ -144,7 +144,7 @@ std::string figures(const RunSummary& s) {
       "  contact     {} samples with force, {} held, {} faster than half a voxel a sample\n"
       "  coupling    {}, {}: {:.4g} N/m of certified stiffness, margin {:.3g}; swung for {:.3g} s\n"
       "  guard       {} commands refused, {} of them as too late, {} clamped\n"
-      "  validator   {} checked: {} decided, {} agree, {} in band, {} disagree\n",
+      "  validator   {} checked, {} skipped: {} decided, {} agree, {} in band, {} disagree\n",
       count(r, "device", "samples"), number(r, "device", "rate_hz"), count(r, "device", "overruns"),
       number(r, "device", "max_force_n"), count(r, "device", "answered"),
       number(r, "device", "latency_p50_us"), number(r, "device", "latency_p99_us"),
@@ -155,8 +155,9 @@ std::string figures(const RunSummary& s) {
       number(r, "coupling", "design_gain_margin"), number(r, "coupling", "swing_s"),
       count(r, "device", "refused"), count(r, "device", "refused_late"),
       count(r, "device", "clamped"), count(r, "validator", "checked"),
-      count(r, "validator", "decided"), count(r, "validator", "agree"),
-      count(r, "validator", "in_band"), count(r, "validator", "disagree"));
+      count(r, "validator", "skipped"), count(r, "validator", "decided"),
+      count(r, "validator", "agree"), count(r, "validator", "in_band"),
+      count(r, "validator", "disagree"));
   if (const std::string_view means =
           coupling::design::sentence_of(word(r, "coupling", "design_status"));
       !means.empty())

@@ -55,8 +55,10 @@ RunSummary run_up(const UpOptions& options) {
   RingRun run(options, scene,
               {std::move(warnings), options.node.scene.string(),
                options.ring.device.device});  // first: others can answer its claim meanwhile
-  if (options.view)
+  if (options.view) {
     page = start_page(options.node);  // what takes long to build can be looked at meanwhile
+    run.watch_page(*page);
+  }
   const device_node::Options& device = options.ring.device;
   const std::vector<std::string> notes =
       check_before_start(scene, {device.device, devices::parse_settings(device.settings),

@@ -90,8 +90,8 @@ std::string sentence(const RunRecord& run, const Found& f) {
           "{:.0f} statuses were refused: too long, too many, or of another participant{}", f.value,
           f.text.empty() ? "" : " (" + f.text + ")");
     case RunFact::kChanges:
-      return fmt::format(
-          "{:.0f} changes of the scene were made during the run, on request of others", f.value);
+      return fmt::format("{:.0f} changes of the scene were made during the run; requests: {}",
+                         f.value, f.text.empty() ? "of an unknown participant" : f.text);
     case RunFact::kRecovers:
       return fmt::format("{:.0f} Recover messages came from {}", f.value, f.text);
     case RunFact::kSamples:
@@ -102,6 +102,8 @@ std::string sentence(const RunRecord& run, const Found& f) {
       return fmt::format(
           "{} was ended by {} after {:.0f} samples of the device; {}", f.node, f.text, f.value,
           f.bound > 0 ? "it was started again" : "the run ended before it was started again");
+    case RunFact::kPageEnded:
+      return fmt::format("the page was ended by {} during the run", f.text);
     case RunFact::kBagGoesOn:
       return fmt::format("The recording goes on in {}, from where the logger was started again.",
                          f.text);

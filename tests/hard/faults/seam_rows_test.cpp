@@ -77,23 +77,62 @@ TEST_P(Seams, OfFilesAreNotFelt) {
   expect_as_one(*one, *two, "files");
 }
 
-/// `adapted` points each object's force along the mean normal of that object's points alone.
-TEST(SeamsOfObjects, AtRestAreNotFeltWithField) {
+/// The floor of one box, and the same of a ground and two objects at rest.
+struct Floors {
   Inputs inputs;
+  std::unique_ptr<rendering::BuiltScene> one, three;
+};
+
+Floors floors(const std::string& contact) {
+  Floors made;
+  Inputs& inputs = made.inputs;
   inputs.mesh("one", {kFloor});
   inputs.mesh("left", {{kFloor.low, {0, 0.04, 0}}});
   inputs.mesh("right", {{{-0.0041, -0.04, -0.03}, kFloor.high}});
   inputs.mesh("inlay", {{{0.01, -0.02, -0.01}, {0.02, 0.02, 0.0}}});
-  const auto one = built(inputs.scene("one", "static: [{mesh: one.obj}]\n" + ball() + kField));
-  const auto three =
+  made.one = built(inputs.scene("one", "static: [{mesh: one.obj}]\n" + ball() + contact));
+  made.three =
       built(inputs.scene("three",
                          "static: [{mesh: left.obj}, {mesh: right.obj, object: {name: east}}, "
                          "{mesh: inlay.obj, object: {name: inlay}}]\n" +
-                             ball() + kField));
-  expect_as_one(*one, *three, "objects");
+                             ball() + contact));
+  return made;
 }
 
+class SeamsOfObjects : public testing::TestWithParam<std::string> {};
+
+TEST_P(SeamsOfObjects, AtRestAreNotFelt) {
+  const Floors made = floors(GetParam());
+  expect_as_one(*made.one, *made.three, "objects");
+}
+
+/// In, along and out again in steps of 0.1 mm: points that went through in one object are held in
+/// the next.
+TEST_P(SeamsOfObjects, AreNotFeltByAToolThatSlides) {
+  const Floors made = floors(GetParam());
+  double worst = 0.0, largest = 0.0;
+  const auto step = [&](const Vec3& at) {
+    const Vec3 right =
+        made.one->contacts().render({at, Quat::Identity()}, 0.0).contact.wrench.force;
+    const Vec3 told =
+        made.three->contacts().render({at, Quat::Identity()}, 0.0).contact.wrench.force;
+    largest = std::max(largest, right.norm());
+    worst = std::max(worst, (told - right).norm() / std::max(right.norm(), 0.1));
+  };
+  for (int n = 0; n <= 60; ++n)
+    step({-0.03, 0.004, 0.01 - 0.0001 * n});
+  for (int n = 0; n <= 600; ++n)
+    step({-0.03 + 0.0001 * n, 0.004 + 0.00001 * n, 0.004});
+  for (int n = 0; n <= 60; ++n)
+    step({0.03 - 0.0003 * n, 0.01, 0.004 + 0.0001 * n});
+  EXPECT_LT(worst, 0.01);
+  EXPECT_GT(largest, 1.0);
+}
+
+const std::string kOriginal = "contact: {model: original, stiffness_n_per_m: 30}\n";
+
 INSTANTIATE_TEST_SUITE_P(Models, Seams, testing::Values(kField, kAdapted));
+INSTANTIATE_TEST_SUITE_P(Models, SeamsOfObjects, testing::Values(kField, kAdapted, kOriginal));
 
 }  // namespace
 }  // namespace voxtouch::faults

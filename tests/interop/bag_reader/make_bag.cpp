@@ -56,7 +56,8 @@ int main(int argc, char** argv) {
   const auto topic = [&](const char* name, std::string type, qos::ProfileId id) {
     const std::string definition =
         type == "std_msgs/msg/String" ? "string data\n" : std::string(msg::definition_of(type));
-    return recorder.add_topic({name, std::move(type), "cdr", offered(id), 0, {}, definition});
+    const std::string hash = type == "std_msgs/msg/String" ? "" : "RIHS01_" + std::string(64, 'a');
+    return recorder.add_topic({name, std::move(type), "cdr", offered(id), 0, hash, definition});
   };
   const auto state =
       topic("/haptic/device/state", "voxtouch_msgs/msg/DeviceState", qos::ProfileId::kStream);

@@ -12,11 +12,12 @@ import sys
 import tempfile
 
 START = 1_700_000_000_000_000_000
+HASHES = ["RIHS01_" + 64 * "a", ""]
 FOREVER = {"sec": 9223372036, "nsec": 854775807}
 
 
 def tiny_yaml(text):
-    """Block maps, block lists, and scalars: all that metadata version 5 uses. For machines without
+    """Block maps, block lists, and scalars: all that metadata.yaml uses. For machines without
     PyYAML.
     """
     rows = [
@@ -47,7 +48,9 @@ def tiny_yaml(text):
             key, _, rest = rows[at][1].partition(":")
             at += 1
             if rest.strip():
-                out[key] = scalar(rest.strip())
+                out[key] = {} if rest.strip() == "{}" else scalar(rest.strip())
+            elif at < len(rows) and rows[at][1] == "{}":
+                out[key], at = {}, at + 1
             elif at < len(rows) and (
                 rows[at][0] > indent or (rows[at][0] == indent and rows[at][1].startswith("- "))
             ):
@@ -191,9 +194,11 @@ def check_metadata(folder, database, topics, closed):
         "compression_mode",
         "relative_file_paths",
         "files",
+        "custom_data",
+        "ros_distro",
     ]
     equal("keys of metadata.yaml", list(info), keys)
-    equal("version", info["version"], 5)
+    equal("version", info["version"], 8)
     equal("storage", info["storage_identifier"], "sqlite3")
     equal("compression", (info["compression_format"], info["compression_mode"]), ("", ""))
     equal("files", info["relative_file_paths"], ["run_0.db3"])
@@ -209,6 +214,10 @@ def check_metadata(folder, database, topics, closed):
         ],
         [(t[1], t[2], t[4]) for t in topics],
     )
+    hashes = [
+        t["topic_metadata"]["type_description_hash"] for t in info["topics_with_message_count"]
+    ]
+    equal("type hashes", hashes, HASHES)
     equal("counts", [t["message_count"] for t in info["topics_with_message_count"]], [500, 1])
     equal("count", info["message_count"], 501)
     equal("start", info["starting_time"], {"nanoseconds_since_epoch": START})
@@ -227,9 +236,9 @@ def check_metadata(folder, database, topics, closed):
     )
     # The row inside the database: without it Jazzy would take the QoS texts for its newest form.
     rows = database.execute("SELECT metadata_version, metadata FROM metadata").fetchall()
-    equal("rows of metadata", [r[0] for r in rows], [5])
+    equal("rows of metadata", [r[0] for r in rows], [8])
     inner = load_yaml(rows[0][1])
-    equal("version in the database", inner["version"], 5)
+    equal("version in the database", inner["version"], 8)
     equal("keys in the database", list(inner), keys)
     if closed:
         equal("metadata in the database", inner, info)

@@ -85,7 +85,7 @@ TEST_P(EachBag, ClosedIsTwoFilesWithTrueMetadata) {
   std::ranges::sort(names);
   EXPECT_EQ(names, (std::vector<std::string>{"metadata.yaml", file_in("run_0")}));
   const auto metadata = expect_value(read_metadata(folder / "run" / "metadata.yaml"));
-  EXPECT_EQ(metadata.version, 5);
+  EXPECT_EQ(metadata.version, 8);
   EXPECT_EQ(metadata.storage_identifier, names_of(GetParam()).name);
   EXPECT_EQ(metadata.message_count, 11u);
   EXPECT_EQ(metadata.starting_time_ns, 500);

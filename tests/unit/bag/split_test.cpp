@@ -134,7 +134,7 @@ TEST_P(SplitBag, WhereNoNewFileCanBeMadeTheOldOneGoesOnAndItIsSaid) {
 TEST_P(SplitBag, OfWhichMetadataNamesTheFirstFilesOnlyIsReadAsAWhole) {
   write({.time_ns = 3000 * kMs});
   std::ofstream(folder / "run/metadata.yaml")
-      << "rosbag2_bagfile_information:\n  version: 5\n  storage_identifier: "
+      << "rosbag2_bagfile_information:\n  version: 8\n  storage_identifier: "
       << names_of(GetParam()).name << "\n  relative_file_paths:\n    - " << file(0) << "\n    - "
       << file(1) << "\n";
   expect_all();

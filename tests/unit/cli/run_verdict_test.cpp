@@ -114,11 +114,12 @@ INSTANTIATE_TEST_SUITE_P(
              [](RunRecord& r) { r.recorded->messages = 15'000; }, "15000 of 30000"},
         Case{"foreign_samples", RunFact::kForeignSamples,
              [](RunRecord& r) {
-               set(r, "coupling", "foreign_samples", 721);
-               r.strangers = {{"rendering (process 7 on host)", {"rendering/contact"}, 0}};
+               set(r, "coupling", "foreign_samples", 724);
+               r.reports["coupling"].values["foreign_writers"] =
+                   "721 of rendering (process 7 on host) and 3 of ROS 2's /player";
              },
-             "721 samples of a second writer on the ring's own topics were refused (rendering "
-             "(process 7 on host) on rendering/contact)"},
+             "724 samples of a second writer on the ring's own topics were refused (coupling "
+             "refused 721 of rendering (process 7 on host) and 3 of ROS 2's /player)"},
         Case{"foreign_descriptions", RunFact::kForeignSamples,
              [](RunRecord& r) { set(r, "rendering", "foreign_samples", 3); }, "3 samples"},
         Case{"a_lock", RunFact::kLocked, [](RunRecord& r) { set(r, "coupling", "locks", 1); },
@@ -164,14 +165,15 @@ TEST(RunVerdict, FailsWhereUpItselfStoodStill) {
 TEST(RunVerdict, NotesWhatOthersDidThatSpoilsNothing) {
   RunRecord run = good_run();
   set(run, "rendering", "changes", 1);
+  run.reports["rendering"].values["change_requests"] = "2 of ROS 2's /tuner";
   set(run, "device", "refused_statuses", 12);
   run.strangers = {{"tool (process 8 on host)", {"device/description"}, 1625}};
   const RunVerdict verdict = judge(run);
   EXPECT_TRUE(verdict.passed());
   const std::string notes = ::testing::PrintToString(notes_of(run, verdict));
   for (const char* words :
-       {"1 changes", "12 statuses", "1625 Recover messages came from tool (process 8 on host)",
-        "on device/description"})
+       {"1 changes", "requests: 2 of ROS 2's /tuner", "12 statuses",
+        "1625 Recover messages came from tool (process 8 on host)", "on device/description"})
     EXPECT_TRUE(notes.contains(words)) << notes;
 }
 

@@ -103,6 +103,7 @@ TEST_F(OddFile, OfStlTextIsReadWhateverItsKeywordsLookLike) {
       replaced(text, "solid sample", "solid Geh\xc3\xa4use f\xc3\xbcr den endloop facet");
   expect_tetrahedron("keywords_in_name.stl", named, "");
   expect_tetrahedron("lines.stl", replaced(text, "\n", "\r"), "");
+  expect_tetrahedron("blank_start.stl", "\r\n\n  \t" + text, "");
   expect_tetrahedron("padded.stl", text + std::string(100, '\0'), "100 bytes");
   expect_tetrahedron("old.stl", text + "\x1a", "1 bytes");
 }
@@ -265,6 +266,15 @@ TEST_F(OddFile, OfColladaMayHavePolygonsWithHoles) {
   }
   EXPECT_NEAR(area, 12.0, 1e-12);
   EXPECT_EQ(got.report.open_edges.count, 8U);
+}
+
+TEST_F(OddFile, OfObjWithWeightsOtherThanOneIsRefused) {
+  const std::string faces = "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+  expect_tetrahedron("one.obj", "v 0 0 0 1\nv 1 0 0 1.0\nv 0 1 0 1e0 # corner\nv 0 0 1\n" + faces,
+                     "");
+  expect_tetrahedron("colours.obj",
+                     "v 0 0 0 .5 .5 .5\nv 1 0 0 1 0 0\nv 0 1 0 0 1 0\nv 0 0 1 0 0 1\n" + faces, "");
+  expect_refused("half.obj", "v 0 0 0\nV 1 0 0 0.5\nv 0 1 0\nv 0 0 1\n" + faces, "weight|'0.5'");
 }
 
 TEST_F(OddFile, ThatIsNoMeshIsCalledWhatItIs) {

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <fmt/format.h>
+
 #include <cstring>
 #include <vector>
 
@@ -225,6 +227,28 @@ TEST_F(RoleTest, GivesHisSamplesAloneAndNamesTheOthersUntilTheyGo) {
   EXPECT_TRUE(comes([&] { return role.trouble(registry).empty(); }));
   real.command(2);
   EXPECT_TRUE(wait_until([&] { return commands.take(taken); }));
+}
+
+TEST_F(RoleTest, CountsWhatItRefusesOfEachWriter) {
+  Coupling real(rig);
+  real.say(7);
+  ASSERT_TRUE(comes([&] { return role.bound(); }));
+  Adversary bag(kDomain, rig), tool(kDomain, rig);
+  for (Adversary* one : {&bag, &tool})
+    ASSERT_TRUE(wait_until([&] { return one->writer<msg::ForceCommand>().matched_count() >= 1; }));
+  for (int n = 0; n < 30; ++n)
+    bag.write(msg::ForceCommand{});
+  for (int n = 0; n < 7; ++n)
+    tool.write(msg::ForceCommand{});
+  const auto of = [](int count, const Adversary& one) {
+    return fmt::format("{} of a participant that gives no name ({})", count,
+                       runtime::to_text(one.participant().guid()));
+  };
+  EXPECT_TRUE(comes([&] {
+    const std::string told = role.refused_writers();
+    return told.contains(of(30, bag)) && told.contains(of(7, tool));
+  })) << role.refused_writers();
+  EXPECT_EQ(role.refused(), 37U);
 }
 
 TEST_F(RoleTest, GivesTheNewestSampleAfterAPause) {

@@ -49,7 +49,7 @@ TEST(RoleRecordsRule, KeepsWhatComesBeforeSomebodyPlaysTheRole) {
   records.looked(true);
   EXPECT_EQ(settled(records), (std::vector<std::int64_t>{1, 3}));
   EXPECT_EQ(records.refused(), 1U);
-  EXPECT_EQ(records.refused_writers(), std::set{guid(2)});
+  EXPECT_EQ(records.refused_writers(), (std::map<bus::Guid, std::uint64_t>{{guid(2), 1}}));
 }
 
 TEST(RoleRecordsRule, WaitsForTwoLooksBeforeItRefuses) {

@@ -57,11 +57,12 @@ class ValidatorNodeTest : public testing::Test {
     const auto report = registry_.find("validator");
     return report ? report->message : "no report";
   }
-  std::uint64_t checked() {
+  std::uint64_t figure(const char* name) {
     registry_.update([](const auto&) { return true; });
     const auto report = registry_.find("validator");
-    return report ? runtime::as_count(runtime::value_of(report->figures, "checked")) : 0;
+    return report ? runtime::as_count(runtime::value_of(report->figures, name)) : 0;
   }
+  std::uint64_t checked() { return figure("checked"); }
 
   const std::string rig_ = own_rig("v"), none_;
   const scene::Scene scene_ =
@@ -100,6 +101,20 @@ TEST_F(ValidatorNodeTest, JudgesForWhoReadsAndNoLongerOnceHeHasGone) {
   EXPECT_GE(last, heard);
   show_for(std::chrono::milliseconds(400));
   EXPECT_EQ(checked(), last);
+}
+
+TEST_F(ValidatorNodeTest, CountsTheDueSamplesThatItMissed) {
+  bus::Reader<msg::ValidationReport> verdicts(reader_, qos::kValidation, rig_,
+                                              qos::profile(qos::ProfileId::kTap));
+  ASSERT_TRUE(shows_until([&] { return checked() >= 5; })) << message();
+  const std::uint64_t before = figure("skipped");
+  sequence_ += 10;
+  ASSERT_TRUE(shows_until([&] { return figure("skipped") >= before + 10; })) << message();
+  EXPECT_TRUE(wait_until([&] {
+    return checked() + figure("skipped") == sequence_ - figure("first_checked") + 1;
+  })) << checked()
+      << " checked, " << figure("skipped") << " skipped of " << sequence_;
+  EXPECT_TRUE(message().contains("due samples were skipped")) << message();
 }
 
 }  // namespace

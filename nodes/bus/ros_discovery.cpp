@@ -1,0 +1,77 @@
+#include "nodes/bus/ros_discovery.hpp"
+
+#include <algorithm>
+#include <string_view>
+
+namespace voxtouch::bus {
+namespace {
+
+std::string_view text_of(const dds_qos_t* qos, void** keeper) {
+  std::size_t size = 0;
+  return qos && dds_qget_userdata(qos, keeper, &size) && *keeper
+             ? std::string_view(static_cast<const char*>(*keeper), size)
+             : std::string_view();
+}
+
+/// Calls f(const T&, user data) for each that is announced on a built-in topic.
+template <class T, class F>
+void each_announced(dds_entity_t reader, F&& f) {
+  void* lent[1] = {nullptr};
+  dds_sample_info_t info;
+  while (dds_take(reader, lent, &info, 1, 1) == 1) {
+    const T& one = *static_cast<const T*>(lent[0]);
+    if (info.valid_data && info.instance_state == DDS_ALIVE_INSTANCE_STATE) {
+      void* data = nullptr;
+      f(one, text_of(one.qos, &data));
+      dds_free(data);
+    }
+    dds_return_loan(reader, lent, 1);
+  }
+}
+
+Guid guid_of(const dds_guid_t& key) {
+  Guid guid{};
+  std::copy(std::begin(key.v), std::end(key.v), guid.begin());
+  return guid;
+}
+
+}  // namespace
+
+RosDiscovery::RosDiscovery(const Participant& own)
+    : own_(own),
+      participants_(
+          dds_create_reader(own.get(), DDS_BUILTIN_TOPIC_DCPSPARTICIPANT, nullptr, nullptr),
+          "participants could not be asked for"),
+      readers_(dds_create_reader(own.get(), DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION, nullptr, nullptr),
+               "readers could not be asked for") {}
+
+void RosDiscovery::poll() {
+  each_announced<dds_builtintopic_participant_t>(
+      participants_.get(), [&](const auto& one, std::string_view user_data) {
+        if (user_data.contains("voxtouch="))
+          own_nodes_.insert(guid_of(one.key));
+        if (guid_of(one.key) == own_.guid())
+          return;
+        ++(user_data.starts_with("enclave=") || user_data.contains(";enclave=") ? ros_ : others_);
+      });
+  each_announced<dds_builtintopic_endpoint_t>(
+      readers_.get(), [&](const auto& one, std::string_view user_data) {
+        if (std::string_view(one.topic_name) == "ros_discovery_info" &&
+            !own_nodes_.contains(guid_of(one.participant_key)))
+          (user_data.contains("typehash=") ? has_later_ : has_humble_) = true;
+      });
+}
+
+std::string RosDiscovery::mismatch(RosGraph graph) const {
+  if (has_humble_ && has_later_)
+    return "Humble and a later ROS 2 share the domain: one of them does not see a ring's nodes";
+  if (has_humble_ && graph != RosGraph::kHumble)
+    return "a ROS 2 Humble is on the domain: start with --ros humble, or it does not see the "
+           "ring's nodes";
+  if (has_later_ && graph == RosGraph::kHumble)
+    return "a ROS 2 later than Humble is on the domain: start without --ros humble, or it does "
+           "not see the ring's nodes";
+  return {};
+}
+
+}  // namespace voxtouch::bus
