@@ -22,6 +22,9 @@ struct DeviceOptions {
   std::optional<Motion>
       motion;  ///< where a simulated hand goes, in D; absent: it stays at the origin
   std::optional<sim::OperatorConfig> hand;  ///< absent: the usual grip, usual_hand(name)
+  /// The simulated hand follows Driver::lead_hand instead of `motion`, at whose start it begins;
+  /// only where can_be_led(name).
+  bool is_led = false;
   bool lockstep = false;  ///< a simulated counterpart runs in virtual time; hardware cannot
   DeviceSettings settings;
   std::optional<DeviceDescription>

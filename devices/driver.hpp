@@ -85,6 +85,9 @@ class Driver {
   /// True where `write`, or `read`, advances simulated time by one period and `read` needs no
   /// waiting (lockstep can drive it).
   virtual bool simulated() const noexcept = 0;
+  /// Where the hand of a device that was opened with DeviceOptions::is_led wants the tip to be, in
+  /// D; nothing on any other. Of the thread that owns it; real-time safe.
+  virtual void lead_hand(const Pose& /*target*/) noexcept {}
   /// What keeps the device from giving samples or taking force now, and what to do about it; empty:
   /// nothing that it knows of. For people: allocates, so not for the loop, but any other thread may
   /// ask while the loop runs.

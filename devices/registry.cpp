@@ -20,7 +20,7 @@ std::unique_ptr<Driver> open_simulated(std::string_view name, const sim::SimPara
                                        const DeviceOptions& options) {
   const SettingReader none(name, options.settings, {});
   return std::make_unique<sim::SimulatedDevice>(parameters, options.hand.value_or(parameters.hand),
-                                                motion_of(options), options.seed);
+                                                motion_of(options), options.seed, options.is_led);
 }
 
 DeviceDescription describe_simulated(std::string_view name, const sim::SimParameters& parameters,
@@ -111,6 +111,8 @@ const std::vector<std::string>& device_names() {
 
 std::unique_ptr<Driver> open_device(std::string_view name, const DeviceOptions& options) {
   const Entry& entry = find(name);
+  if (options.is_led)
+    require_led(name);
   try {
     std::unique_ptr<Driver> driver = entry.open(options);
     require_possible(name, driver->description());
@@ -127,12 +129,26 @@ std::unique_ptr<Driver> open_device(std::string_view name, const DeviceOptions& 
 
 DeviceDescription describe_device(std::string_view name, const DeviceOptions& options) {
   DeviceDescription description = find(name).describe(options);
-  description.simulated = name.starts_with("sim-") || name.starts_with(kDescribedPrefix);
+  description.simulated = can_be_led(name);
   require_possible(name, description);
   return description;
 }
 
 bool has_simulated_hand(std::string_view name) { return find(name).hand != nullptr; }
+
+bool can_be_led(std::string_view name) {
+  return name.starts_with("sim-") || name.starts_with(kDescribedPrefix);
+}
+
+void require_led(std::string_view name) {
+  const Entry& entry = find(name);
+  if (can_be_led(name))
+    return;
+  throw DeviceOpenError(fmt::format(
+      "device '{}' is {}: only the hand of sim-phantom, sim-lwr or sim:FILE can be led "
+      "from outside",
+      name, entry.hand == nullptr ? "held by a person" : "moved by its emulator's own hand"));
+}
 
 sim::OperatorConfig usual_hand(std::string_view name, const DeviceOptions& options) {
   const Entry& entry = find(name);

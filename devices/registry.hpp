@@ -31,6 +31,11 @@ inline constexpr std::string_view kDescribedPrefix = "sim:";
 /// A simulated hand holds it, and follows options.motion; else it is a person's.
 bool has_simulated_hand(std::string_view name);
 
+/// DeviceOptions::is_led may be set: the device is arithmetic alone.
+bool can_be_led(std::string_view name);
+/// Throws DeviceOpenError, a sentence, where it may not.
+void require_led(std::string_view name);
+
 /// How a simulated hand usually holds the device: a start for options.hand. Throws for an unknown
 /// name and for hardware.
 sim::OperatorConfig usual_hand(std::string_view name, const DeviceOptions& options = {});

@@ -37,7 +37,7 @@ CONSTANT_TYPES = {
 }
 # Types that walk round the ring a thousand times a second: fixed size, no padding (padding bytes
 # would reach the wire).
-RING = ("DeviceState", "ContactState", "ForceCommand", "ExternalSample")
+RING = ("DeviceState", "ContactState", "ForceCommand", "ExternalSample", "OperatorTarget")
 FIELD = re.compile(
     r"^(?P<type>[\w/]+)(?P<array>\[(?P<bound><=)?(?P<size>\d*)\])?"
     r"\s+(?P<name>\w+)\s*(?P<const>=\s*(?P<value>\S+))?$"

@@ -40,6 +40,7 @@ struct Topic {
   bool of_launcher = false;    ///< `voxtouch up` writes it
   bool of_arms =
       false;  ///< there is a writer only where the device is an arm whose joints are known
+  bool with_led_hand = false;  ///< its device's end is there only where a page leads the hand
 };
 
 inline constexpr Topic kDeviceState{"device/state",
@@ -133,6 +134,19 @@ inline constexpr Topic kRecover{"recover",
                                 kNobody,
                                 kDevice | kCoupling | kLogger,
                                 "A person lets a locked node give force again: voxtouch recover."};
+inline constexpr Topic kOperatorTarget{"operator/target",
+                                       "voxtouch_msgs/msg/OperatorTarget",
+                                       ProfileId::kTap,
+                                       0,
+                                       kNobody,
+                                       kDevice | kLogger,
+                                       "The page that leads a simulated device's hand writes it.",
+                                       false,
+                                       false,
+                                       false,
+                                       false,
+                                       false,
+                                       true};
 inline constexpr Topic kRigClaim{
     "rig_claim",
     "voxtouch_msgs/msg/RigClaim",
@@ -263,6 +277,7 @@ inline constexpr Topic kTopics[] = {kDeviceState,
                                     kEffectChanged,
                                     kEffectMade,
                                     kRecover,
+                                    kOperatorTarget,
                                     kRigClaim,
                                     kDiagnostics,
                                     kParameterEvents,

@@ -65,13 +65,13 @@ SimPlant::SimPlant(const SimParameters& p, const OperatorConfig& hand, Motion mo
 
 void SimPlant::step(const Wrench& push, const Vec3& tremor, double time_s, double dt_s) noexcept {
   const bool held = held_at(time_s);
-  const MotionPoint target = motion_at(motion_, time_s + 0.5 * dt_s);
+  const MotionPoint target = target_at(time_s + 0.5 * dt_s);
   const Vec3 force =
       held ? Vec3(push.force + tremor + carrying_force(target.velocity)) : push.force;
   pose_.position += dt_s * step_mobility(held ? gripped(held_move_, time_s) : free_move_,
                                          target.position - pose_.position, target.velocity, force,
                                          dt_s, twist_.linear);
-  const MotionTurnPoint turn = turn_at(motion_, time_s + 0.5 * dt_s);
+  const MotionTurnPoint turn = target_turn_at(time_s + 0.5 * dt_s);
   const Vec3 rate =
       step_mobility(held ? gripped(held_turn_, time_s) : free_turn_, turn_to(turn.orientation),
                     turn.rate, push.torque, dt_s, twist_.angular);
@@ -81,6 +81,14 @@ void SimPlant::step(const Wrench& push, const Vec3& tremor, double time_s, doubl
       (0.5 * dt_s) * rate;  // the Cayley map: a rotation by 2 atan(|rate| dt / 2)
   pose_.orientation =
       (Quat(1.0, half_turn.x(), half_turn.y(), half_turn.z()) * pose_.orientation).normalized();
+}
+
+MotionPoint SimPlant::target_at(double time_s) const noexcept {
+  return leader_ ? leader_->position_at(time_s) : motion_at(motion_, time_s);
+}
+
+MotionTurnPoint SimPlant::target_turn_at(double time_s) const noexcept {
+  return leader_ ? leader_->turn_at(time_s) : turn_at(motion_, time_s);
 }
 
 Vec3 SimPlant::carrying_force(const Vec3& target_velocity) const noexcept {
@@ -109,9 +117,9 @@ double SimPlant::energy(double time_s) const noexcept {
   const bool held = held_at(time_s);
   const Mobility move = held ? gripped(held_move_, time_s) : free_move_;
   const Mobility turn = held ? gripped(held_turn_, time_s) : free_turn_;
-  const Vec3 off = motion_at(motion_, time_s).position - pose_.position;
+  const Vec3 off = target_at(time_s).position - pose_.position;
   const double cosine =
-      std::abs((turn_at(motion_, time_s).orientation * pose_.orientation.conjugate()).w());
+      std::abs((target_turn_at(time_s).orientation * pose_.orientation.conjugate()).w());
   return 0.5 *
              (move.mass.dot(twist_.linear.cwiseAbs2()) + turn.mass.dot(twist_.angular.cwiseAbs2()) +
               move.hand_stiffness * off.squaredNorm()) +

@@ -1,7 +1,10 @@
 #pragma once
 /// The mechanics of a simulated device in somebody's hand, in continuous quantities: nothing is
 /// quantised here.
+#include <optional>
+
 #include "core/types/motion.hpp"
+#include "devices/operator/target_follower.hpp"
 #include "devices/sim/parameters.hpp"
 
 namespace voxtouch::sim {
@@ -34,6 +37,20 @@ class SimPlant {
   /// At rest where `motion` starts. The parameters must be valid.
   SimPlant(const SimParameters& parameters, const OperatorConfig& hand, Motion motion);
 
+  /// From now on the hand follows the targets given to `lead`, from where its motion starts, and
+  /// not its motion. `period_s`: between two calls of `next_period`, from time 0 on.
+  void be_led(double period_s) noexcept { leader_.emplace(pose_, period_s); }
+  /// Where the hand wants the tip to be, in D; nothing unless `be_led` has been called.
+  void lead(const Pose& target) noexcept {
+    if (leader_)
+      leader_->aim(target);
+  }
+  /// A period of the device has passed.
+  void next_period() noexcept {
+    if (leader_)
+      leader_->advance();
+  }
+
   /// Moves on by one substep, under the wrench `push` of the device and the force `tremor` of the
   /// hand.
   void step(const Wrench& push, const Vec3& tremor, double time_s, double dt_s) noexcept;
@@ -54,6 +71,8 @@ class SimPlant {
   void set_state(const Pose& pose, const Twist& twist) noexcept { pose_ = pose, twist_ = twist; }
 
  private:
+  MotionPoint target_at(double time_s) const noexcept;
+  MotionTurnPoint target_turn_at(double time_s) const noexcept;
   /// From the tool's orientation to the target's: 2 sin(angle / 2) along the axis, in D. The torque
   /// of a spring whose energy is 4 k (1 - cos(angle / 2)); within 0.2 % of the angle up to 12
   /// degrees, and free of inverse functions.
@@ -65,6 +84,7 @@ class SimPlant {
 
   OperatorConfig hand_;
   Motion motion_;
+  std::optional<hand::TargetFollower> leader_;
   Mobility free_move_, free_turn_, held_move_, held_turn_;
   Pose pose_;
   Twist twist_;

@@ -14,7 +14,7 @@ double substep_s(const DeviceDescription& d) { return 1.0 / (d.rate_hz * kSubste
 }  // namespace
 
 SimulatedDevice::SimulatedDevice(const SimParameters& p, const OperatorConfig& hand, Motion motion,
-                                 std::uint64_t seed)
+                                 std::uint64_t seed, bool is_led)
     : description_(p.description),
       period_ns_(std::llround(1e9 / p.description.rate_hz)),
       plant_(p, hand::checked_grip(hand), hand::checked_motion(std::move(motion))),
@@ -22,6 +22,8 @@ SimulatedDevice::SimulatedDevice(const SimParameters& p, const OperatorConfig& h
                p.velocity_filter_hz, 1.0 / p.description.rate_hz),
       force_path_(p.description, substep_s(p.description)),
       tremor_(hand.tremor_n, hand.tremor_bandwidth_hz, 1.0 / p.description.rate_hz, seed) {
+  if (is_led)
+    plant_.be_led(1.0 / p.description.rate_hz);
   encoder_.sample(plant_.pose());
 }
 
@@ -50,6 +52,7 @@ void SimulatedDevice::advance(const Wrench& command) noexcept {
     plant_.step(applied_, tremor, static_cast<double>(period_ * kSubsteps + i) * dt_s, dt_s);
   }
   ++period_;
+  plant_.next_period();
   encoder_.sample(plant_.pose());
 }
 

@@ -19,10 +19,11 @@ namespace voxtouch::sim {
 class SimulatedDevice final : public devices::Driver {
  public:
   /// `motion`: where the hand wants the tool to be, in D; the tool starts there, at rest. `hand`
-  /// replaces the one of the parameters. Throws std::runtime_error where hand or motion cannot be
+  /// replaces the one of the parameters. `is_led`: the hand follows `lead_hand` instead, and rests
+  /// at the motion's start before. Throws std::runtime_error where hand or motion cannot be
   /// simulated.
   SimulatedDevice(const SimParameters& parameters, const OperatorConfig& hand, Motion motion,
-                  std::uint64_t seed = 0);
+                  std::uint64_t seed = 0, bool is_led = false);
 
   const DeviceDescription& description() const noexcept override { return description_; }
   devices::DeviceResult<devices::DeviceSample> read(
@@ -30,6 +31,7 @@ class SimulatedDevice final : public devices::Driver {
   devices::DeviceResult<void> write(const Wrench& command) noexcept override;
   void stop() noexcept override;
   bool simulated() const noexcept override { return true; }
+  void lead_hand(const Pose& target) noexcept override { plant_.lead(target); }
 
   /// What no real device tells: the state before the encoder, and the wrench that the motors gave
   /// in the last substep.

@@ -18,6 +18,7 @@
 #include "nodes/device/described_device.hpp"
 #include "nodes/device/device_monitor.hpp"
 #include "nodes/device/joint_outputs.hpp"
+#include "nodes/device/led_driver.hpp"
 #include "nodes/log/tell.hpp"
 #include "nodes/runtime/device_message.hpp"
 
@@ -74,10 +75,14 @@ std::optional<std::uint64_t> require_free_rig(const bus::Participant& participan
 /// A driver for these options. Throws where the device does not open.
 std::unique_ptr<devices::Driver> open_driver(const Options& options, const scene::Scene& scene,
                                              const std::atomic<bool>& stop) {
+  check_hand_from(options.device, options.hand, options.lockstep);
   devices::DeviceOptions device;
   device.seed = options.seed;
   device.motion = motion_in_device(choose_motion(scene, options.motion), scene.device.pose_WD,
                                    scene.device.pose_PT, scene.device.position_scale);
+  device.is_led = options.hand.from_page;
+  if (device.is_led)
+    device.motion->press.clear();  // nobody holds a button down meanwhile
   device.described = description_of(options.device);
   device.lockstep = options.lockstep;
   device.settings = devices::parse_settings(options.settings);
@@ -112,7 +117,7 @@ class DeviceNode {
         scene_(scene),
         session_(make_session_id(options, scene, sessions)),
         host_("device", options, std::move(participant)),
-        driver_(with_joints(open(stop), host_)),
+        driver_(with_page(with_joints(open(stop), host_))),
         states_(host_.writer<msg::DeviceState>(qos::kDeviceState)),
         descriptions_(host_.writer<msg::DeviceDescription>(qos::kDeviceDescription)),
         commands_(host_.reader<bus::FollowedReader<msg::ForceCommand>>(qos::kForceCommand)) {
@@ -135,6 +140,8 @@ class DeviceNode {
         describe();
       status.values = {{"scene", scene_.name}, {"scene_hash", scene_.hash}};
       monitor_->report_to(session_, registry, status, text);
+      if (led_)
+        led_->report_to(registry, status, text);
     };
     const auto cycles = [&] {
       end = wait_for_peers(stop);
@@ -153,6 +160,15 @@ class DeviceNode {
   }
 
  private:
+  /// A page leads the hand, if that was chosen.
+  std::unique_ptr<devices::Driver> with_page(std::unique_ptr<devices::Driver> driver) {
+    if (!options_.hand.from_page)
+      return driver;
+    auto led = std::make_unique<LedDriver>(std::move(driver), host_, session_);
+    led_ = led.get();
+    return led;
+  }
+
   std::unique_ptr<devices::Driver> open(const std::atomic<bool>& stop) const {
     try {
       return open_driver(options_, scene_, stop);
@@ -208,6 +224,7 @@ class DeviceNode {
   runtime::NodeHost host_;
   /// Before the driver, which closes first: a disk that hangs must not keep it open
   std::unique_ptr<Faults> faults_;
+  LedDriver* led_ = nullptr;  ///< the driver, if a page leads its hand
   std::unique_ptr<devices::Driver> driver_;
   bus::Writer<msg::DeviceState> states_;
   bus::Writer<msg::DeviceDescription> descriptions_;

@@ -14,6 +14,12 @@ void add_hand_options(CLI::App& app, HandChoice& choice) {
   app.add_option("--hand", choice.grip,
                  fmt::format("Grip of the simulated hand: {}; default: that of the device",
                              fmt::join(hand::grip_names(), ", ")));
+  app.add_option_function<std::string>(
+         "--hand-from", [&choice](const std::string& from) { choice.from_page = from == "page"; },
+         "What moves the simulated hand: `motion`, the one of --motion, or `page`: a page of `up "
+         "--view`, by mouse, touch, keys or gamepad")
+      ->check(CLI::IsMember({"motion", "page"}))
+      ->default_str("motion");
   app.add_option("--let-go-at", choice.let_go_at_s,
                  "Device time at which the simulated hand releases the device [s]")
       ->check(runtime::require_positive);
@@ -55,9 +61,21 @@ void append_arguments(const HandChoice& choice, std::vector<std::string>& argume
   };
   if (!choice.grip.empty())
     arguments.insert(arguments.end(), {"--hand", choice.grip});
+  if (choice.from_page)
+    arguments.insert(arguments.end(), {"--hand-from", "page"});
   number("--let-go-at", choice.let_go_at_s, usual.let_go_at_s);
   number("--grip-harder-at", choice.grip_harder_at_s, usual.grip_harder_at_s);
   number("--grip-factor", choice.grip_factor, usual.grip_factor);
+}
+
+void check_hand_from(const std::string& device, const HandChoice& choice, bool lockstep) {
+  if (!choice.from_page)
+    return;
+  devices::require_led(device);
+  if (lockstep)
+    throw devices::DeviceOpenError(
+        "--hand-from page moves the hand by the wall's time, and no two runs would be the same: "
+        "start without --lockstep, or with --motion");
 }
 
 std::string to_text(const HandChoice& choice) {

@@ -18,9 +18,10 @@ struct HandChoice {
   double let_go_at_s = std::numeric_limits<double>::infinity();
   double grip_harder_at_s = std::numeric_limits<double>::infinity();
   double grip_factor = 3.0;
+  bool from_page = false;  ///< a page leads it, and no motion
 };
 
-/// --hand, --let-go-at, --grip-harder-at, --grip-factor.
+/// --hand, --hand-from, --let-go-at, --grip-harder-at, --grip-factor.
 void add_hand_options(CLI::App& app, HandChoice& choice);
 
 /// The arguments that give the same choice to another process.
@@ -30,6 +31,10 @@ void append_arguments(const HandChoice& choice, std::vector<std::string>& argume
 /// chosen. Throws DeviceOpenError for an unknown grip.
 std::optional<sim::OperatorConfig> choose_hand(const std::string& device, const HandChoice& choice,
                                                const devices::DeviceOptions& options);
+
+/// Throws DeviceOpenError, a sentence, where a page was chosen to lead the hand and cannot: of a
+/// device that is not arithmetic alone, or in lockstep.
+void check_hand_from(const std::string& device, const HandChoice& choice, bool lockstep);
 
 /// Words that differ where the hands differ, for the identity of a recorded run.
 std::string to_text(const HandChoice& choice);

@@ -35,7 +35,7 @@ std::vector<rendering::PlanPart> ring_parts(const scene::Scene& scene) {
   std::vector<rendering::PlanPart> parts;
   const effects::EffectSpec* external = effects::external_of(scene.effects);
   for (const qos::Topic& topic : qos::kTopics)
-    if (external != nullptr || !topic.with_external)
+    if ((external != nullptr || !topic.with_external) && !topic.with_led_hand)
       parts.push_back({.name = name_of(topic, external),
                        .node = writer_of(topic),
                        .why = std::string(topic.why)});

@@ -17,11 +17,14 @@ TEST(NoAllocation, ReadGuardWriteAndStopTakeNothingFromTheHeap) {
     options.hand = usual_hand(name);
     options.hand->tremor_n = 0.1;
     options.motion.emplace().path = {Vec3::Zero(), Vec3(0.05, 0, 0)};
+    options.is_led = name == std::string_view("sim-lwr");
     const auto device = open_device(name, options);
     ForceGuard guard(guard_config(device->description()));
     CommandGate gate(1);
+    const Quat turn(Eigen::AngleAxisd(0.1, Vec3::UnitZ()));
     EXPECT_EQ(test::heap_count_of([&] {
                 for (std::uint64_t i = 0; i < 500; ++i) {
+                  device->lead_hand({Vec3(0.001 * static_cast<double>(i % 9), 0, 0), turn});
                   const auto sample = device->read(std::chrono::microseconds(0));
                   guard.count(gate.accept(1, 1, i / 2, i));
                   const GuardInput input{{Vec3(i % 7 ? 1.0 : 1e9, 0, 0), Vec3::Zero()},

@@ -1,0 +1,62 @@
+#pragma once
+/// A hand that is led by targets from outside, as those of a mouse: targets in, a smooth motion
+/// out.
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "core/types/motion.hpp"
+
+namespace voxtouch::hand {
+
+/// The sum of minimum-jerk steps (Flash and Hogan 1985), each of kStepS. Eight times within kStepS
+/// a step begins, from the goal of the last one towards the newest target. Position, velocity and
+/// acceleration are continuous, whatever the targets are. Its bandwidth (-3 dB) is 7 Hz, below the
+/// 10 Hz that a hand's voluntary motion is taken for.
+///
+/// Time is counted in calls of `advance`, never by a clock: the same calls give the same bits. All
+/// in the frame of the poses given. Real-time safe.
+class TargetFollower {
+ public:
+  static constexpr std::size_t kSteps = 8;
+  static constexpr double kStepS = 0.1;
+  /// Without a target for so long no further step begins: the hand rests kStepS later.
+  static constexpr double kRestS = 0.3;
+  /// The goal moves no faster, however far the target is.
+  static constexpr double kMaxSpeedMPerS = 0.5, kMaxRateRadPerS = 3.0;
+
+  /// At rest at `start`. `period_s`: between two calls of `advance`; at most kStepS / kSteps.
+  TargetFollower(const Pose& start, double period_s) noexcept;
+
+  /// The newest target. One that is not finite, or whose orientation is no rotation, is ignored.
+  void aim(const Pose& target) noexcept;
+  /// One period passes.
+  void advance() noexcept;
+
+  /// Position and velocity at `time_s` since the start, within the period that `advance` has begun.
+  MotionPoint position_at(double time_s) const noexcept;
+  /// Orientation and rate of turn, likewise.
+  MotionTurnPoint turn_at(double time_s) const noexcept;
+
+ private:
+  struct Step {
+    Vec3 way = Vec3::Zero();
+    Quat turn = Quat::Identity();  ///< its scalar part is not below 0
+    double start_s = 0.0;
+  };
+  Step begin_step() const noexcept;
+  /// Calls `use(step, share, rate)` for each step, the oldest first: the part of it that is done,
+  /// and its derivative [1/s].
+  template <class Use>
+  void for_each_step(double time_s, Use&& use) const noexcept;
+
+  double period_s_, step_s_;
+  std::uint64_t interval_, rest_periods_;  ///< in periods
+  std::uint64_t periods_ = 0, since_target_;
+  std::array<Step, kSteps> steps_{};
+  std::size_t oldest_ = 0;
+  Pose base_, goal_;  ///< without any of the steps; with all of them done
+  Pose target_;
+};
+
+}  // namespace voxtouch::hand
