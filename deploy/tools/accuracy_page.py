@@ -54,7 +54,9 @@ def page(result):
             "A missed contact counts as 180° of direction error. `force` is the mean force over the"
             " true one;"
         ),
-        "`noise` is its relative standard deviation.",
+        "`noise` is its relative standard deviation. These are errors of a model against its law.",
+        "The [league](league.md) asks other places (row A5); its truth is the nearest point of the"
+        " mesh.",
         "",
         (
             "| model | voxel | direction, mean | 95 % | force | noise | missed | time, median | 95"

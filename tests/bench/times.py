@@ -102,9 +102,12 @@ def main(out):
             clone = pathlib.Path(folder) / "clone"
             subprocess.run(["git", "clone", "-q", ROOT, clone], check=True)
             rows[command] = run(clone, command, environment)
-    pathlib.Path(out).write_text(page(rows, revision))
     print(page(rows, revision))
-    return max(status for _, _, status, _ in rows.values())
+    if any(status != 0 for _, _, status, _ in rows.values()):  # below 0: ended by a signal
+        print(f"{out} is not written: a command failed", file=sys.stderr)
+        return 1
+    pathlib.Path(out).write_text(page(rows, revision), encoding="utf-8")
+    return 0
 
 
 if __name__ == "__main__":

@@ -18,10 +18,12 @@ import sys
 
 import numpy as np
 
+import by_csv
 import loops
 import page
 import rivals
 import rows
+import shapes
 import truth
 
 
@@ -46,6 +48,12 @@ def judged(row, wrenches, times):
             z = np.abs(wrenches[:, 2])
             found = np.abs(wrenches[z > 1e-9, 5]) / z[z > 1e-9]
             facts["torque_ratio"] = float(np.median(found) / per_force) if len(found) else 0.0
+    elif row.judge == "hammer":
+        tool_z = row.poses[:, 6] + force[:, 2] / rows.SPRING_N_PER_M
+        facts |= {
+            "shift_mm": float(1e3 * np.max(np.abs(tool_z))),
+            "held": bool(abs(tool_z[-1]) < 0.5 * shapes.PITCH_M),
+        }
     elif row.judge == "free":
         facts |= {"touched": int(np.sum(np.linalg.norm(force, axis=1) > 1e-9)), "of": len(force)}
     else:
@@ -82,7 +90,7 @@ def check_addition(options, everybody):
 def play_loops(options, wanted, taking_part, out, result):
     names = [name for name, _, _ in taking_part]
     for name, (title, judge, _) in loops.LOOP_ROWS.items():
-        if wanted and not any(name.startswith(w) for w in wanted):
+        if not wanted(name):
             continue
         entry = result["rows"].setdefault(name, {"title": title, "judge": judge, "answers": {}})
         for rival in rivals.everybody(options.voxtouch):
@@ -97,33 +105,37 @@ def play_loops(options, wanted, taking_part, out, result):
                 entry["answers"][rival.name] = given
 
 
+def participants(options):
+    """Name, answer and version of everybody who plays."""
+    everybody = rivals.everybody(options.voxtouch)
+    if options.add:
+        check_addition(options, everybody)
+        return [(options.add, lambda row, folder: by_csv.answer(options.csv, row), "by CSV")]
+    only = options.only.split(",") if options.only else []
+    return [
+        (r.name, r.answer, r.version())
+        for r in everybody
+        if not only or any(r.name.startswith(o) for o in only)
+    ]
+
+
 def play(options):
     out = pathlib.Path(options.out).resolve()
     deploy = pathlib.Path(__file__).resolve().parents[3] / "deploy"
-    wanted = options.rows.split(",") if options.rows else []
+    chosen = options.rows.split(",") if options.rows else [""]
+
+    def wanted(name):
+        return any(name.startswith(begin) for begin in chosen)
+
     file = out / "result.json"
     result = (
         json.loads(file.read_text(encoding="utf-8"))
         if file.exists()
         else {"rows": {}, "versions": {}}
     )
-    everybody = rivals.everybody(options.voxtouch)
-    if options.add:
-        check_addition(options, everybody)
-        taking_part = [
-            (options.add, lambda row, folder: rivals.from_csv(options.csv, row), "by CSV")
-        ]
-    else:
-        only = options.only.split(",") if options.only else []
-        taking_part = [
-            (r.name, r.answer, r.version())
-            for r in everybody
-            if not only or any(r.name.startswith(o) for o in only)
-        ]
+    taking_part = participants(options)
     answered = 0
-    for row in rows.all_rows(deploy, truth.nearest_on):
-        if wanted and not any(row.name.startswith(w) for w in wanted):
-            continue
+    for row in rows.all_rows(deploy, truth.nearest_on, wanted):
         folder = out / row.name.replace(" ", "_").replace("/", "_")
         rows.write_row(row, folder)
         entry = result["rows"].setdefault(
@@ -133,7 +145,7 @@ def play(options):
             print(f"{row.name}: {name}", file=sys.stderr)
             try:
                 given = answer(row, folder)
-            except rivals.CsvError as error:
+            except by_csv.CsvError as error:
                 sys.exit(str(error))
             except Exception as error:  # a rival's own fault is a result, too
                 given = reason(error)

@@ -11,7 +11,8 @@ import numpy as np
 
 import rows
 import shapes
-from rivals import PERIOD_S, Bullet, Drake, MuJoCo, Voxtouch, timed
+import threads
+from rivals import HULLS, PERIOD_S, STIFF, Bullet, Drake, MuJoCo, Voxtouch, timed
 
 BOX_M, BOX_KG, SETTLE_STEPS = 0.04, 0.256, 2000
 
@@ -36,7 +37,7 @@ def settled(heights, times):
 def box_in_mujoco(rival):
     import mujoco
 
-    stiff = ' solref="0.002 1" solimp="0.99 0.999 0.0001"' if rival.setting == "best" else ""
+    stiff = STIFF if rival.stiff else ""
     half = BOX_M / 2
     model = mujoco.MjModel.from_xml_string(
         f'<mujoco><option timestep="{PERIOD_S}"/><worldbody>'
@@ -128,6 +129,13 @@ def ring(program, scene, folder, *options):
     return run, summary, samples
 
 
+def refused(run, scene):
+    """The last sentence of a run that gave no samples, without the scene's folder."""
+    said = run.stderr.strip().splitlines() or [f"exit status {run.returncode}"]
+    text = said[-1].removeprefix("error: ").replace(f"{scene.parent}/", "")
+    return f"refused: {text.removeprefix(f'{scene.name}: ').rstrip('.')}"
+
+
 def heights_of(samples, field):
     """z of tool_pose or object_pose of ContactState: CDR has a header of 4 bytes, then 3 x 8."""
     offset = 4 + 24 + (56 if field == "object" else 0) + 16
@@ -148,8 +156,7 @@ def box_in_voxtouch(program, folder):
     )
     run, _, samples = ring(program, scene, folder, "--motion", "rest", "--duration", "2")
     if len(samples) < SETTLE_STEPS:
-        said = run.stderr.strip().splitlines()
-        return f"refused: {said[-1][:120] if said else run.returncode}"
+        return refused(run, scene)
     return settled(heights_of(samples, "object"), [float("nan")])
 
 
@@ -240,7 +247,7 @@ def loop_of_voxtouch(program, stiffness, folder):
     options = ["--motion", "press", "--duration", f"{END_S:g}", "--let-go-at", f"{RELEASE_S:g}"]
     run, _, samples = ring(program, scene, folder, *options)
     if not samples:
-        return {"held": "not started", "released": "not started", "warned": "yes, refused"}
+        return refused(run, scene)
     heights = heights_of(samples, "tool")
     return {
         "held": motion_of(heights[: round(RELEASE_S / PERIOD_S)]),
@@ -252,22 +259,28 @@ def loop_of_voxtouch(program, stiffness, folder):
 LOOP_ROWS = {
     "D1": ("box of 40 mm and 0.256 kg at rest on a plane", "rest", 0.0),
     "C3 371 N/m": ("simulated Phantom pressed 12 mm, released after 3 s", "loop", 371.0),
+    "C3 2000 N/m": ("the same with a spring of 2000 N/m", "loop", 2000.0),
+    "D2l": ("friction from which nut M20 locks on its bolt", "lock", 0.0),
 }
 
 
 def answer(name, rival, folder):
     """None if the rival has no part in this row."""
     _, judge, stiffness = LOOP_ROWS[name]
+    if not rival.paths and judge != "rest":
+        return None
     folder.mkdir(parents=True, exist_ok=True)
-    if isinstance(rival, Voxtouch):
-        if not rival.paths:
-            return None
-        if judge == "rest":
-            return box_in_voxtouch(rival.program, folder)
-        return loop_of_voxtouch(rival.program, stiffness, folder)
     if judge == "loop":
-        return loop_of_rival(rival, stiffness, folder) if rival.paths else None
-    if isinstance(rival, MuJoCo) and rival.paths:
+        if isinstance(rival, Voxtouch):
+            return loop_of_voxtouch(rival.program, stiffness, folder)
+        return None if rival.name == "MuJoCo SDF" else loop_of_rival(rival, stiffness, folder)
+    if judge == "lock":
+        if isinstance(rival, Voxtouch):
+            return threads.in_voxtouch(rival.program, folder)
+        return threads.in_mujoco(rival, folder) if rival.name == "MuJoCo SDF" else HULLS
+    if isinstance(rival, Voxtouch) and rival.paths:
+        return box_in_voxtouch(rival.program, folder)
+    if isinstance(rival, MuJoCo) and rival.paths and not rival.sdf:
         return box_in_mujoco(rival)
     if isinstance(rival, Bullet) and rival.paths and rival.setting == "standard":
         return box_in_bullet()

@@ -1,4 +1,5 @@
 """The league's page and pictures, from result.json."""
+import notes
 
 
 def number(value):
@@ -9,13 +10,18 @@ def number(value):
 
 def cell(judge, a):
     if isinstance(a, str):
-        return a, "", ""
+        return a.split(":")[0], "", ""
     us = a.get("us_median", float("nan"))
     time = f"{number(us)} µs" if us == us else "-"
     if judge == "rest":
         return f"{number(a['sink_mm'])} mm", f"{number(a['creep_mm'])} mm", time
     if judge == "loop":
         return f"{a['held']}; {a['released']}", a["warned"], time
+    if judge == "hammer":
+        thread = "held" if a["held"] else "skipped"
+        return f"shifts {number(a['shift_mm'])} mm", thread, time
+    if judge == "lock":
+        return f"from {a['friction']:.3f} on", f"{a['expected']:.4f}", time
     if judge == "direction":
         torque = f", torque {a['torque_ratio']:.3f}" if "torque_ratio" in a else ""
         return (
@@ -39,12 +45,26 @@ HEADS = {
     "press": "| force | noise of the force | time of a step, median |",
     "rest": "| sinks by | moves in the last 0.5 s | time of a step, median |",
     "loop": "| held; released | warned | time of a step, median |",
+    "hammer": "| nut | thread | time of a step, median |",
+    "lock": "| locks | ideal helix | time of a step, median |",
     "foil": "| force | noise of the force | time of a step, median |",
 }
 
 
 def own_first(item):
     return not item[0].startswith("voxtouch"), item[0]
+
+
+def refusals(answers):
+    """Lines with the reasons of all systems that have no figures."""
+    by_reason = {}
+    for system, answer in sorted(answers.items(), key=own_first):
+        if isinstance(answer, str):
+            by_reason.setdefault(answer, []).append(system)
+    lines = []
+    for reason, systems in by_reason.items():
+        lines += notes.paragraph(f"{', '.join(systems)}: {reason}.")
+    return lines
 
 
 def markdown(result):
@@ -57,6 +77,7 @@ def markdown(result):
         f"load {result['conditions']['load']}.",
         "Times are CPU times of one thread next to other work: compare ratios only.",
         "Static rows: best of three. `tests/bench/league/README.md` explains rows and format.",
+        "Why a system does worse than its documentation suggests: see [the systems](#the-systems).",
         "",
     ]
     for name, row in sorted(result["rows"].items()):
@@ -69,6 +90,9 @@ def markdown(result):
         for system, answer in sorted(row["answers"].items(), key=own_first):
             lines.append(f"| {system} | " + " | ".join(cell(row["judge"], answer)) + " |")
         lines.append("")
+        lines += refusals(row["answers"])
+        lines += notes.of_row(name)
+    lines += notes.of_systems()
     lines += ["## Versions", "", "| system | version |", "|---|---|"]
     lines += [
         f"| {system} | {version} |"
@@ -112,7 +136,7 @@ def answers_of(result, row):
 
 def error_over_time(axes, result, styles):
     for row, filled in (("A5", True), ("A2", False)):
-        for system, a in answers_of(result, row).items():
+        for system, a in sorted(answers_of(result, row).items()):
             colour, marker = styles[system]
             axes.plot(
                 a["us_median"],

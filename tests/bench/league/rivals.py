@@ -5,7 +5,6 @@ a millisecond), and answer(row, folder) -> (wrenches n x 6 about the tool's orig
 or None if it cannot take part. One thread; times are CPU time.
 """
 import io
-import pathlib
 import subprocess
 import time
 
@@ -16,6 +15,10 @@ from rows import SPRING_N_PER_M
 STIFFNESS = 1000.0  # of a penalty contact [N/m]; only directions are compared
 MASS_KG = 0.1  # of a tool that an engine moves
 PERIOD_S = 0.001
+# Of MuJoCo: contacts nearly rigid; points that it begins its search for overlaps from.
+STIFF = ' solref="0.002 1" solimp="0.99 0.999 0.0001"'
+SDF_SEARCH = ' sdf_initpoints="40" sdf_iterations="10"'
+HULLS = "cannot: a moving mesh is its convex hull, which overlaps the bolt"
 
 
 def timed(function):
@@ -73,7 +76,7 @@ class Rival:
         if row.path != self.paths:
             return None
         if self.paths:
-            return self.follow(row, folder)
+            return HULLS if row.judge == "hammer" else self.follow(row, folder)
         contacts_at = self.start(row, folder)
         if contacts_at is None:
             return None
@@ -83,6 +86,28 @@ class Rival:
             wrenches.append(pushed(runs[0][0], pose[4:]))
             times.append(min(us for _, us in runs))
         return np.array(wrenches), np.array(times)
+
+
+class Refused(Exception):
+    """What voxtouch says of a scene that it does not take."""
+
+
+def probe(program, scene, poses, *options):
+    """Wrenches (n x 6) and times [us] of `voxtouch probe`; Refused with its sentence."""
+    run = subprocess.run(
+        [program, "probe", scene, "--poses", poses, "--time", *options],
+        capture_output=True,
+        text=True,
+    )
+    if run.returncode:
+        raise Refused(run.stderr.strip().splitlines()[-1].split(f"{scene}: ")[-1].rstrip("."))
+    table = np.genfromtxt(io.StringIO(run.stdout), delimiter=",", names=True)
+    return np.column_stack([table[c] for c in ("fx", "fy", "fz", "tx", "ty", "tz")]), table["us"]
+
+
+def probe_path(program, scene, poses):
+    """The same of a virtual tool behind the league's spring."""
+    return probe(program, scene, poses, "--spring", str(SPRING_N_PER_M))
 
 
 class Voxtouch(Rival):
@@ -112,19 +137,12 @@ class Voxtouch(Rival):
             ),
             encoding="utf-8",
         )
-        more = ["--spring", str(SPRING_N_PER_M)] if self.paths else ["--model", self.model]
-        run = subprocess.run(
-            [self.program, "probe", scene, "--poses", folder / "poses.csv", "--time", *more],
-            capture_output=True,
-            text=True,
-        )
-        if run.returncode:
-            return f"refused: {run.stderr.strip().splitlines()[-1]}"
-        table = np.genfromtxt(io.StringIO(run.stdout), delimiter=",", names=True)
-        return (
-            np.column_stack([table[c] for c in ("fx", "fy", "fz", "tx", "ty", "tz")]),
-            table["us"],
-        )
+        more = [] if self.paths else ["--model", self.model]
+        ask = probe_path if self.paths else probe
+        try:
+            return ask(self.program, scene, folder / "poses.csv", *more)
+        except Refused as error:
+            return f"refused: {error}"
 
 
 class Coal(Rival):
@@ -238,10 +256,13 @@ class Fcl(Rival):
 
 
 class MuJoCo(Rival):
+    """`best` is SDF for poses that stand alone, and stiff for paths; `sdf` is both, for threads."""
+
     def __init__(self, setting, paths=False):
         self.setting, self.paths = setting, paths
-        best = " stiff" if paths else " SDF"
-        self.name = "MuJoCo" + (best if setting == "best" else "")
+        self.sdf = setting == "sdf" or (setting == "best" and not paths)
+        self.stiff = setting != "standard" and paths
+        self.name = "MuJoCo" + (" SDF" if self.sdf else " stiff" if self.stiff else "")
 
     def version(self):
         import mujoco
@@ -251,13 +272,8 @@ class MuJoCo(Rival):
     def model(self, row, folder):
         import mujoco
 
-        sdf = self.setting == "best" and not self.paths
-        stiff = (
-            ' solref="0.002 1" solimp="0.99 0.999 0.0001"'
-            if self.setting == "best" and self.paths
-            else ""
-        )
-        shape = ' type="sdf"' if sdf else ' type="mesh"'
+        stiff = STIFF if self.stiff else ""
+        shape = ' type="sdf"' if self.sdf else ' type="mesh"'
         tool = (
             f'<geom type="sphere" size="{row.ball_m}"'
             if row.ball_m
@@ -271,7 +287,7 @@ class MuJoCo(Rival):
                 ' 0"/><joint name="z" type="slide" axis="0 0 1"/>'
             )
         )
-        points = ' sdf_initpoints="40" sdf_iterations="10"' if sdf else ""
+        points = SDF_SEARCH if self.sdf else ""
         return mujoco.MjModel.from_xml_string(
             f'<mujoco><option timestep="{PERIOD_S}" gravity="0 0 0"{points}/><asset><mesh'
             f' name="static" file="{folder / "static.obj"}"/><mesh name="tool"'
@@ -279,6 +295,11 @@ class MuJoCo(Rival):
             f' friction="0 0 0" condim="1"{stiff}/><body name="tool">{free}{tool} mass="{MASS_KG}"'
             f' friction="0 0 0" condim="1"{stiff}/></body></worldbody></mujoco>'
         )
+
+    def answer(self, row, folder):
+        if self.paths and self.sdf:
+            return self.follow(row, folder) if row.judge == "hammer" else None
+        return super().answer(row, folder)
 
     def start(self, row, folder):
         import mujoco
@@ -478,35 +499,7 @@ def everybody(program):
         Drake("best"),
         MuJoCo("standard", True),
         MuJoCo("best", True),
+        MuJoCo("sdf", True),
         Bullet("standard", True),
         Bullet("best", True),
     ]
-
-
-COLUMNS = ("fx", "fy", "fz", "tx", "ty", "tz", "us")
-
-
-class CsvError(Exception):
-    """A file of --csv that cannot be used: which, where, why."""
-
-
-def from_csv(path, row):
-    """Another lab's answer: fx,fy,fz,tx,ty,tz,us of this row, one line per pose."""
-    file = pathlib.Path(path) / f"{row.name}.csv"
-    if not file.exists():
-        return None
-    lines = file.read_text(encoding="utf-8").split()
-    if not lines or lines[0].split(",") != list(COLUMNS):
-        raise CsvError(f"{file}:1: the header is not {','.join(COLUMNS)}")
-    if len(lines) - 1 != len(row.poses):
-        raise CsvError(f"{file}: {len(lines) - 1} lines for {len(row.poses)} poses of poses.csv")
-    try:
-        table = np.array([[float(word) for word in line.split(",")] for line in lines[1:]])
-    except ValueError as error:
-        raise CsvError(f"{file}: {error}") from error
-    if table.shape != (len(row.poses), len(COLUMNS)):
-        raise CsvError(f"{file}: a line has not {len(COLUMNS)} values")
-    bad = np.flatnonzero(~np.isfinite(table).all(axis=1) | (table[:, 6] < 0))
-    if len(bad):
-        raise CsvError(f"{file}:{bad[0] + 2}: NaN, infinity or a negative time")
-    return table[:, :6], table[:, 6]

@@ -5,6 +5,7 @@ Static rows: every pose stands alone, and the answer is a contact wrench. Path r
 millisecond apart, and the answer is the wrench of a spring between hand and tool.
 """
 import dataclasses
+import itertools
 import pathlib
 
 import numpy as np
@@ -13,6 +14,8 @@ import shapes
 
 SEED = 20261129
 SPRING_N_PER_M = 500.0
+THREAD_GAP_M = 0.00025  # of the nut, along the radius
+THREAD_PLAY_M = THREAD_GAP_M / 3**0.5  # along the axis, each way
 
 
 @dataclasses.dataclass
@@ -27,7 +30,7 @@ class Row:
     ball_m: float = 0.0  # radius, if the tool is a ball
     depth_m: np.ndarray = None  # of the hand beyond the first touch
     voxel_m: float = 0.001
-    judge: str = "direction"  # direction | free | press | foil
+    judge: str = "direction"  # direction | free | press | foil | hammer
     facts: dict = dataclasses.field(default_factory=dict)
 
 
@@ -81,7 +84,7 @@ def read_obj(path, scale=1.0):
     return np.array(vertices), faces
 
 
-def rows_of_balls(deploy, nearest):
+def rows_of_balls(deploy, nearest, wanted):
     random = np.random.default_rng(SEED)
     plane = shapes.box((0.2, 0.2, 0.02), (0, 0, -0.01))
     xy = random.uniform(-0.06, 0.06, (100, 2))
@@ -94,6 +97,8 @@ def rows_of_balls(deploy, nearest):
     )
     for name, triangles in (("A2", 5_000), ("A3", 50_000), ("A4", 500_000)):
         angle, y = random.uniform(-1, 1, 100), random.uniform(-0.05, 0.05, 100)
+        if not wanted(name):
+            continue
         normal = np.stack([np.sin(angle), np.zeros(100), np.cos(angle)], 1)
         mesh = shapes.cylinder(0.04, 0.2, triangles)
         row = ball_row(
@@ -105,6 +110,8 @@ def rows_of_balls(deploy, nearest):
         )
         row.direction = outwards(row.poses[:, 4:], *nearest(mesh, row.poses[:, 4:]))
         yield row
+    if not wanted("A5"):
+        return
     cup = read_obj(deploy / "meshes" / "cup.obj")
     points, normals = surface_places(cup, 400, random)
     centres = points + normals * 0.0095
@@ -275,10 +282,26 @@ def screwed(turns, up_m=0.0):
     return np.column_stack([np.cos(half), zero, zero, np.sin(half), zero, zero, z])
 
 
+def hammered(speed, reach_m, blows):
+    """Heights of a hand that goes up and down at this speed, waits 20 ms at each end, and ends at
+    0.
+    """
+    step = speed * 0.001
+
+    def go(z_from, z_to):
+        n = int(np.ceil(abs(z_to - z_from) / step))
+        return np.concatenate([np.linspace(z_from, z_to, n + 1)[1:], np.full(20, z_to)])
+
+    legs, at = [np.zeros(300)], 0.0
+    for goal in [-reach_m, reach_m] * blows + [0.0]:
+        legs.append(go(at, goal))
+        at = goal
+    return np.concatenate(legs + [np.zeros(200)])
+
+
 def rows_of_threads():
     """D2: nut M20 on its bolt. Radial gap 0.25 mm, so 0.144 mm of play along the axis each way."""
-    bolt, nut = shapes.bolt(0.02), shapes.nut(0.01, 0.00025)
-    play = 0.00025 / 3**0.5
+    bolt, nut = shapes.bolt(0.02), shapes.nut(0.01, THREAD_GAP_M)
     turns = np.linspace(0, 1, 33) - 0.5
     common = {"voxel_m": 0.00025}
     yield Row(
@@ -296,19 +319,40 @@ def rows_of_threads():
         "nut M20 pressed 0.06 mm up into its flanks",
         bolt,
         nut,
-        screwed(turns, play + 0.00006),
+        screwed(turns, THREAD_PLAY_M + 0.00006),
         np.tile([0, 0, -1.0], (33, 1)),
         facts={"torque_per_force_m": shapes.PITCH_M / (2 * np.pi)},
         **common,
     )
+    z = hammered(6.0, 0.012, 10)
+    yield Row(
+        "D2h",
+        "nut M20 hammered along its bolt at 6 m/s, 12 mm each way",
+        bolt,
+        nut,
+        poses_at(np.column_stack([np.zeros((len(z), 2)), z])),
+        np.zeros((len(z), 3)),
+        path=True,
+        judge="hammer",
+        **common,
+    )
 
 
-def all_rows(deploy, nearest):
-    yield from rows_of_balls(deploy, nearest)
-    yield from rows_of_holes()
-    yield from rows_of_springs()
-    yield from rows_of_edges()
-    yield from rows_of_threads()
+def all_rows(deploy, nearest, wanted):
+    """Every row whose name is wanted; `nearest` gives the truth for rows of balls."""
+    for row in itertools.chain(
+        rows_of_balls(deploy, nearest, wanted),
+        rows_of_holes(),
+        rows_of_springs(),
+        rows_of_edges(),
+        rows_of_threads(),
+    ):
+        if wanted(row.name):
+            yield row
+
+
+def write_poses(file, poses):
+    np.savetxt(file, poses, "%.12g", ",", header="qw,qx,qy,qz,tx,ty,tz", comments="")
 
 
 def write_row(row, folder):
@@ -316,8 +360,7 @@ def write_row(row, folder):
     folder.mkdir(parents=True, exist_ok=True)
     shapes.write_obj(folder / "static.obj", *row.static)
     shapes.write_obj(folder / "tool.obj", *row.tool)
-    header = "qw,qx,qy,qz,tx,ty,tz"
-    np.savetxt(folder / "poses.csv", row.poses, "%.12g", ",", header=header, comments="")
+    write_poses(folder / "poses.csv", row.poses)
     np.savetxt(folder / "right.csv", row.direction, "%.12g", ",", header="dx,dy,dz", comments="")
     (folder / "row.txt").write_text(
         f"{row.title}\n{'path, 1 ms a row' if row.path else 'poses that stand alone'}\n",

@@ -213,7 +213,7 @@ def wedge(half_width, height, length):
 
 
 PITCH_M, MAJOR_M = 0.0025, 0.010  # M20
-STEPS = 32  # facets a turn and rows a pitch: rows joined along the diagonal follow the helix
+SIDES = 32  # facets a turn and rows a pitch: rows joined along the diagonal follow the helix
 
 
 def thread_radius(phase, grown_m=0.0):
@@ -224,49 +224,49 @@ def thread_radius(phase, grown_m=0.0):
     return MAJOR_M + grown_m - depth * down
 
 
-def threaded(low, high, grown_m=0.0):
-    """Grid of the threaded surface, n rows of STEPS vertices, rows PITCH_M / STEPS apart."""
-    rows = np.arange(round(low / PITCH_M * STEPS), round(high / PITCH_M * STEPS) + 1)
-    around = np.arange(STEPS)
-    r = thread_radius((rows[:, None] - around[None, :]) / STEPS, grown_m)
-    angle = 2 * np.pi * around / STEPS
-    z = np.broadcast_to(rows[:, None] * PITCH_M / STEPS, r.shape)
+def threaded(low, high, sides, grown_m=0.0):
+    """Grid of the threaded surface, n rows of sides vertices, rows PITCH_M / sides apart."""
+    rows = np.arange(round(low / PITCH_M * sides), round(high / PITCH_M * sides) + 1)
+    around = np.arange(sides)
+    r = thread_radius((rows[:, None] - around[None, :]) / sides, grown_m)
+    angle = 2 * np.pi * around / sides
+    z = np.broadcast_to(rows[:, None] * PITCH_M / sides, r.shape)
     return np.stack([r * np.cos(angle), r * np.sin(angle), z], 2).reshape(-1, 3), len(rows)
 
 
-def grid_faces(rows, inwards):
+def grid_faces(rows, sides, inwards):
     f = []
     for k in range(rows - 1):
-        for i in range(STEPS):
-            j = (i + 1) % STEPS
-            a, b, c, d = k * STEPS + i, k * STEPS + j, (k + 1) * STEPS + j, (k + 1) * STEPS + i
+        for i in range(sides):
+            j = (i + 1) % sides
+            a, b, c, d = k * sides + i, k * sides + j, (k + 1) * sides + j, (k + 1) * sides + i
             f += [(a, c, b), (a, d, c)] if inwards else [(a, b, c), (a, c, d)]
     return f
 
 
-def bolt(length):
-    v, rows = threaded(-length / 2, length / 2)
-    f, n = grid_faces(rows, False), len(v)
+def bolt(length, sides=SIDES):
+    v, rows = threaded(-length / 2, length / 2, sides)
+    f, n = grid_faces(rows, sides, False), len(v)
     v = np.concatenate([v, [(0, 0, -length / 2), (0, 0, length / 2)]])
-    for i in range(STEPS):
-        j = (i + 1) % STEPS
-        f += [(n, j, i), (n + 1, (rows - 1) * STEPS + i, (rows - 1) * STEPS + j)]
+    for i in range(sides):
+        j = (i + 1) % sides
+        f += [(n, j, i), (n + 1, (rows - 1) * sides + i, (rows - 1) * sides + j)]
     return v, f
 
 
-def nut(length, gap, outer_m=0.015):
+def nut(length, gap, sides=SIDES, outer_m=0.015):
     """The bolt's thread moved outwards by `gap`, in a cylinder."""
-    v, rows = threaded(-length / 2, length / 2, gap)
-    f, n = grid_faces(rows, True), len(v)
-    angle = 2 * np.pi * np.arange(STEPS) / STEPS
+    v, rows = threaded(-length / 2, length / 2, sides, gap)
+    f, n = grid_faces(rows, sides, True), len(v)
+    angle = 2 * np.pi * np.arange(sides) / sides
     ring = np.stack([outer_m * np.cos(angle), outer_m * np.sin(angle)], 1)
     v = np.concatenate(
-        [v] + [np.column_stack([ring, np.full(STEPS, z)]) for z in (-length / 2, length / 2)]
+        [v] + [np.column_stack([ring, np.full(sides, z)]) for z in (-length / 2, length / 2)]
     )
-    top = (rows - 1) * STEPS
-    for i in range(STEPS):
-        j = (i + 1) % STEPS
-        a, b, c, d = n + i, n + j, n + STEPS + j, n + STEPS + i
+    top = (rows - 1) * sides
+    for i in range(sides):
+        j = (i + 1) % sides
+        a, b, c, d = n + i, n + j, n + sides + j, n + sides + i
         f += [(a, b, c), (a, c, d), (i, j, b), (i, b, a)]
         f += [(top + j, top + i, d), (top + j, d, c)]
     return v, f

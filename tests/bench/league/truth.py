@@ -5,9 +5,13 @@ import numpy as np
 def nearest_on(mesh, points):
     """Nearest point of the mesh for each point, and its distance."""
     corners = np.asarray(mesh[0], float)[np.array(mesh[1])]
+    middle = corners.mean(axis=1)
+    reach = np.linalg.norm(corners - middle[:, None], axis=2).max(axis=1)
     closest, distance = np.empty((len(points), 3)), np.empty(len(points))
     for i, p in enumerate(points):
-        q = on_triangles(p, corners[:, 0], corners[:, 1], corners[:, 2])
+        to_middle = np.linalg.norm(middle - p, axis=1)
+        near = corners[to_middle - reach <= to_middle.min()]  # no other is as near as that middle
+        q = on_triangles(p, near[:, 0], near[:, 1], near[:, 2])
         d = np.linalg.norm(q - p, axis=1)
         k = int(np.argmin(d))
         closest[i], distance[i] = q[k], d[k]
