@@ -1,6 +1,7 @@
 #include "core/exact/bodies.hpp"
 
 #include <algorithm>
+#include <stdexcept>
 
 #include "core/exact/covered_features.hpp"
 
@@ -80,11 +81,33 @@ FeatureMesh free_features(const mesh::TriangleMesh& mesh) {
   return features;
 }
 
-ObjectBody::ObjectBody(const mesh::TriangleMesh& mesh)
+ObjectBody::ObjectBody(const mesh::TriangleMesh& mesh, std::span<const std::uint32_t> owners)
     : features_(free_features(mesh)),
       faces_(boxes_of_faces(features_)),
       edges_(edge_boxes(features_)),
-      vertices_(vertex_boxes(features_)) {}
+      vertices_(vertex_boxes(features_)) {
+  if (owners.empty())
+    return;
+  if (owners.size() != mesh.triangles.size())
+    throw std::invalid_argument("exact body: each triangle needs an owner");
+  for (const Face& face : features_.faces)
+    owner_of_face_.push_back(owners[face.triangle]);
+  owners_ = std::size_t{*std::max_element(owners.begin(), owners.end())} + 1;
+}
+
+std::uint32_t ObjectBody::owner_of(PairKind kind, std::uint32_t item) const noexcept {
+  if (owner_of_face_.empty())
+    return 0;
+  switch (kind) {
+    case PairKind::kVertexFace:
+      return owner_of_face_[item];
+    case PairKind::kFaceVertex:
+      return owner_of_face_[features_.vertices[features_.row_vertices[item]].face];
+    case PairKind::kEdgeEdge:
+      break;
+  }
+  return owner_of_face_[features_.edges[features_.row_edges[item]].faces[0]];
+}
 
 ToolBody::ToolBody(const mesh::TriangleMesh& mesh)
     : features_(free_features(mesh)),

@@ -1,29 +1,46 @@
 #pragma once
 /// What is built once for a tool and for an object: their features with the trees over them.
+#include <span>
+#include <vector>
+
 #include "core/exact/box_tree.hpp"
 #include "core/exact/element_tree.hpp"
 #include "core/exact/feature_mesh.hpp"
 
 namespace voxtouch::exact {
 
+/// The three ways in which two polyhedra can touch; the tool's feature first.
+enum class PairKind : std::uint8_t { kVertexFace, kFaceVertex, kEdgeEdge };
+
 /// A static or moving object, in its own frame. Immutable: any number of tools may share one.
+///
+/// Objects that touch or overlap are one body, or the edges at their seams would hold a tool. Each
+/// of its triangles then has an owner, which is told what its triangles push with.
 class ObjectBody {
  public:
-  /// As find_features. Allocates, throws.
-  explicit ObjectBody(const mesh::TriangleMesh& mesh);
+  /// `owners`: of each triangle, numbered from 0 without gaps; empty: all have one. Errors as
+  /// find_features, and std::invalid_argument for another number of owners than of triangles.
+  /// Allocates.
+  explicit ObjectBody(const mesh::TriangleMesh& mesh, std::span<const std::uint32_t> owners = {});
 
   const FeatureMesh& features() const noexcept { return features_; }
   /// Items: faces; entries of row_edges; entries of row_vertices.
   const BoxTree& faces() const noexcept { return faces_; }
   const BoxTree& edges() const noexcept { return edges_; }
   const BoxTree& vertices() const noexcept { return vertices_; }
+  std::size_t owners() const noexcept { return owners_; }
+  /// Of item `item` of the tree that pairs of this kind look at. Real-time safe.
+  std::uint32_t owner_of(PairKind kind, std::uint32_t item) const noexcept;
   std::size_t bytes() const noexcept {
-    return features_.bytes() + faces_.bytes() + edges_.bytes() + vertices_.bytes();
+    return features_.bytes() + faces_.bytes() + edges_.bytes() + vertices_.bytes() +
+           owner_of_face_.size() * sizeof(std::uint32_t);
   }
 
  private:
   FeatureMesh features_;
   BoxTree faces_, edges_, vertices_;
+  std::vector<std::uint32_t> owner_of_face_;  ///< empty: all have one
+  std::size_t owners_ = 1;
 };
 
 /// The tool, in T. Immutable.

@@ -19,6 +19,7 @@ void add_faces(const mesh::TriangleMesh& welded, FeatureMesh& out) {
     if (kinds[t] != mesh::TriangleKind::kSound)
       continue;
     Face face;
+    face.triangle = static_cast<std::uint32_t>(t);
     for (std::size_t k = 0; k < 3; ++k)
       face.corners[k] = stands[welded.triangles[t][k]];
     const Vec3& a = out.points[face.corners[0]];

@@ -18,7 +18,8 @@ struct Face {
   std::array<std::uint32_t, 3> edges{};    ///< edge k joins corner k and the next one
   Vec3 normal = Vec3::Zero();              ///< unit, outward
   std::uint32_t part = 0;
-  bool two_sided = false;  ///< its part is open: both sides hold
+  std::uint32_t triangle = 0;  ///< of the mesh that it was built from
+  bool two_sided = false;      ///< its part is open: both sides hold
 };
 
 /// Rims are edges of one face only, and each face's own where three or more meet.

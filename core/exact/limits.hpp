@@ -12,6 +12,9 @@ inline constexpr double kMarginM = 5e-7;
 /// rest.
 inline constexpr double kRestM = 1e-8;
 
+/// Positions of the tool are multiples of this [m]: a power of two, far below all else.
+inline constexpr double kLatticeM = 0x1p-42;
+
 /// Two features nearer than this touch [m]: the rounding of a crossing's time. Far below the
 /// margin.
 inline constexpr double kTouchM = 1e-9;

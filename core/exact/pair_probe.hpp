@@ -9,9 +9,6 @@
 
 namespace voxtouch::exact {
 
-/// The three ways in which two polyhedra can touch; the tool's feature first.
-enum class PairKind : std::uint8_t { kVertexFace, kFaceVertex, kEdgeEdge };
-
 /// A vertex of the tool against faces.
 class VertexProbe {
  public:

@@ -111,6 +111,11 @@ bool inside_closed_part(const Vec3& point, const FeatureMesh& mesh, const BoxTre
 StartVerdict StartCheck::advance(const ToolBody& tool, const ObjectBody& object, PosedPoints& posed,
                                  Work& work) noexcept {
   const FeatureMesh &a = tool.features(), &b = object.features();
+  Box around;
+  around.add(Vec3(posed.pose().position.array() - a.reach_m));
+  around.add(Vec3(posed.pose().position.array() + a.reach_m));
+  if (distance(around, object.faces().bounds()) > limits::kTouchM)
+    return StartVerdict::kFree;
   for (; next_face_ < a.faces.size(); ++next_face_) {
     if (work.done())
       return StartVerdict::kPending;

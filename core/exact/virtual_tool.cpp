@@ -24,8 +24,11 @@ Vec3 keep_axis(const Vec3& rotation, const Vec3& last) noexcept {
   return other.dot(last) > rotation.dot(last) ? other : rotation;
 }
 
+/// The position is rounded to a lattice, so that a caller may move it by multiples of that to and
+/// fro without a change.
 Pose moved(const Pose& pose, const Vec3& shift, const Vec3& rotation) noexcept {
-  Pose out{pose.position + shift, pose.orientation};
+  const Vec3 there = (pose.position + shift) / limits::kLatticeM;
+  Pose out{limits::kLatticeM * there.array().round().matrix(), pose.orientation};
   const double angle = rotation.norm();
   if (!(angle > 0.0))
     return out;
@@ -72,12 +75,17 @@ VirtualTool::VirtualTool(const ToolBody& tool, std::span<const ObjectBody* const
     throw std::invalid_argument(
         "virtual tool: needs objects, and reach, lever and fade that are finite");
   opposites_.reserve(objects.size());
-  for (const ObjectBody* object : objects)
+  std::size_t owners = 0;
+  for (const ObjectBody* object : objects) {
     opposites_.emplace_back(tool, *object, options_.pair_capacity);
+    first_owners_.push_back(static_cast<std::uint32_t>(owners));
+    owners += object->owners();
+  }
   objects_.resize(objects.size());
   targets_.resize(objects.size());
   planned_.resize(objects.size());
-  forces_.resize(objects.size());
+  objects_before_.resize(objects.size());
+  forces_.resize(owners);
   near_.reserve(limits::kMaxNearPairs);
   rows_.reserve(limits::kMaxRows);
   halfspaces_.reserve(limits::kMaxRows);
@@ -92,7 +100,8 @@ std::size_t VirtualTool::bytes() const noexcept {
 }
 
 void VirtualTool::reset() noexcept {
-  placed_ = starting_ = pressed_ = converged_ = false;
+  placed_ = pressed_ = converged_ = false;
+  start_ = {};
   rotation_ = Vec3::Zero();
   longest_step_m_ = 0.0;
   last_ = {};
@@ -139,15 +148,41 @@ bool VirtualTool::shortens(const Vec6& spring, const Vec6& taken, const Pose& to
   return falls + 2.0 * missing * spring.norm() >= limits::kArmijoRatio * taken.squaredNorm();
 }
 
-/// Goes on with the start where the hand first was; true once the tool is there and all lists are
-/// whole.
+void VirtualTool::relocate() noexcept {
+  if (!placed_)
+    return;
+  start_ = {.before = tool_, .returns = true};
+  std::copy(objects_.begin(), objects_.end(), objects_before_.begin());
+  placed_ = false;
+}
+
+void VirtualTool::start_at(const Pose& tool) noexcept {
+  reset();
+  start_ = {.pose = tool, .given = true, .whole_force = true};
+}
+
+/// There is no start where it was sought. \returns whether the tool goes on from where it was.
+bool VirtualTool::start_is_blocked() noexcept {
+  const Start blocked = start_;
+  start_ = {};
+  if (!blocked.returns)
+    return false;
+  tool_ = blocked.before;
+  for (std::size_t n = 0; n < objects_.size(); ++n) {
+    objects_[n] = objects_before_[n];
+    opposites_[n].put(relative(tool_, objects_[n]));
+  }
+  placed_ = pressed_ = true;
+  placed_s_ = 0.0;
+  return true;
+}
+
+/// Goes on with the start where it was begun, with the objects where they were then; true once the
+/// tool is there and all lists are whole.
 bool VirtualTool::initialise(const Pose& hand, std::span<const Pose> objects, Work& work) noexcept {
-  bool moved_on = !starting_;
-  for (std::size_t n = 0; n < objects.size(); ++n)
-    moved_on |= !same(objects[n], objects_[n]);
-  if (moved_on) {
-    tool_ = hand;
-    starting_ = true;
+  if (!start_.begun) {
+    tool_ = start_.given ? start_.pose : hand;
+    start_.begun = true;
     for (std::size_t n = 0; n < objects.size(); ++n) {
       objects_[n] = objects[n];
       opposites_[n].put(relative(tool_, objects_[n]));
@@ -160,27 +195,29 @@ bool VirtualTool::initialise(const Pose& hand, std::span<const Pose> objects, Wo
     if (verdict == StartVerdict::kPending)
       return false;
     if (verdict == StartVerdict::kBlocked)
-      return starting_ = false;
+      return start_is_blocked();
     opposite.renew(need, limits::kListReaches * need + limits::kListRestM, work);
     if (opposite.allowed_m() < need)
       return false;
     if (opposite.nearest_m() < limits::kStartGapM)
-      return starting_ = false;
+      return start_is_blocked();
   }
-  starting_ = false;
+  placed_s_ = start_.whole_force ? options_.fade_s : 0.0;
+  start_ = {};
   placed_ = true;
-  placed_s_ = 0.0;
   return true;
 }
 
 bool VirtualTool::place(const Pose& tool, std::span<const Pose> objects) noexcept {
-  reset();
   Pose pose = tool;
+  reset();
   Work work;
-  if (check(pose, objects) != PoseStatus::kUsable || !initialise(pose, objects, work))
+  if (check(pose, objects) != PoseStatus::kUsable)
+    return false;
+  start_at(pose);
+  if (!initialise(pose, objects, work))
     return false;
   hand_ = pose;
-  placed_s_ = options_.fade_s;
   return true;
 }
 
@@ -209,15 +246,16 @@ double VirtualTool::reach_of_query(double need_m, Work& work) noexcept {
   return nearest > allowed + rest ? allowed : std::min(need_m, allowed);
 }
 
-void VirtualTool::add_row(const Touch& touch, std::uint32_t object, double missed_m) noexcept {
-  const Pose& from = objects_[object];
+void VirtualTool::add_row(const Touch& touch, const NearPair& pair) noexcept {
+  const Pose& from = objects_[pair.object];
   Row row;
   row.normal = from.orientation * touch.normal;
   const Vec3 point = from * touch.point;
   row.arm = point - tool_.position;
   row.gap_m = touch.gap_m;
-  row.missed_m = missed_m;
-  row.object = object;
+  row.object = pair.object;
+  row.owner =
+      first_owners_[pair.object] + opposites_[pair.object].object().owner_of(pair.kind, pair.item);
   row.closes_m = closes(row);
   Halfspace halfspace;
   halfspace.jacobian << row.normal, row.arm.cross(row.normal) / options_.lever_m;
@@ -256,7 +294,7 @@ bool VirtualTool::collect(double reach_m, Work& work) noexcept {
       const Touches touches =
           touches_of(pair, opposite.tool(), opposite.object(), opposite.now(), reach_m);
       for (std::size_t k = 0; k < touches.count; ++k)
-        add_row(touches.of[k], n, 0.0);
+        add_row(touches.of[k], pair);
       return true;
     };
     if (!opposite.visit_near(reach_m + 2.0 * limits::kMarginM, take, work))
@@ -348,7 +386,7 @@ bool VirtualTool::passes_something(const Vec6& delta, Work& work) noexcept {
       continue;
     double found = 0.0;
     const Touch touch = passed_touch(pair, opposite.tool(), opposite.object(), now, next, found);
-    add_row(touch, pair.object, 0.0);
+    add_row(touch, pair);
     Row& row = rows_.back();
     const double predicted = row.gap_m - row.closes_m + halfspaces_.back().jacobian.dot(delta);
     row.missed_m = limits::kCorrection * std::max(0.0, predicted - found);
@@ -526,7 +564,7 @@ void VirtualTool::report(VirtualToolFrame& out) noexcept {
   for (std::size_t k = 0; k < last_.count; ++k) {
     const Row& row = rows_[last_.active[k]];
     const double force = last_.forces_m[k];
-    Wrench& sum = forces_[row.object];
+    Wrench& sum = forces_[row.owner];
     sum.force += force * row.normal;
     sum.torque += force * row.arm.cross(row.normal);
     ++out.rows;
@@ -535,7 +573,7 @@ void VirtualTool::report(VirtualToolFrame& out) noexcept {
     most = force;
     out.contact_point = tool_.position + row.arm;
     out.contact_normal = row.normal;
-    out.contact_object = row.object;
+    out.contact_owner = row.owner;
   }
   const bool lag = !free && last_.count == 0 && !pressed_;
   out.constrained = !free && !lag;

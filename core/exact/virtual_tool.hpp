@@ -46,7 +46,7 @@ struct VirtualToolFrame {
   double residual_m = 0.0;        ///< displacement that the last step still asked for
   Vec3 contact_point = Vec3::Zero();   ///< of the row that pushes most
   Vec3 contact_normal = Vec3::Zero();  ///< its direction, out of the object; zero without contact
-  std::uint32_t contact_object = 0;    ///< index into the objects
+  std::uint32_t contact_owner = 0;     ///< whose row that is, numbered as `contact_forces`
   std::uint32_t rows = 0;              ///< that push
   std::uint32_t rows_seen = 0;         ///< of the query with the most
   std::uint32_t pairs_seen = 0;        ///< likewise
@@ -89,15 +89,21 @@ class VirtualTool {
   /// lists are whole, which may take several frames; then the force comes in over `fade_s`.
   VirtualToolFrame frame(const HandSample& hand, std::span<const Pose> objects) noexcept;
 
-  /// What each object pushes the tool with in the last `frame`, over k: force [m], torque [m^2].
-  /// Times k they sum to the wrench where the tool has come to its place. Times k and an object's
-  /// velocity: its power.
+  /// What each owner pushes the tool with in the last `frame`, over k: force [m], torque [m^2];
+  /// the owners of the first object, then those of the next. Times k they sum to the wrench where
+  /// the tool has come to its place. Times k and an object's velocity: its power.
   std::span<const Wrench> contact_forces() const noexcept { return forces_; }
 
   /// Forgets the tool: a new session, the clutch, a jump of the device.
   void reset() noexcept;
-  /// Starts from `tool` with the whole force at once, in one call, however much work it is. False,
-  /// and no tool, where that is no start.
+  /// The hand may be anywhere: from the next frame on the tool starts where the hand is. Where that
+  /// is no start, the tool goes on from where it is. Meanwhile, which may take several frames,
+  /// there is no tool; then the force comes in over `fade_s`.
+  void relocate() noexcept;
+  /// From the next frame on starts from `tool`, and then with the whole force; where the hand is if
+  /// that is no start.
+  void start_at(const Pose& tool) noexcept;
+  /// The same in one call, however much work it is. False, and no tool, where that is no start.
   bool place(const Pose& tool, std::span<const Pose> objects) noexcept;
 
   bool placed() const noexcept { return placed_; }
@@ -115,6 +121,7 @@ class VirtualTool {
     double closes_m = 0.0;  ///< by so much the object's own motion in this step closes the gap
     double missed_m = 0.0;  ///< that the straight row missed of the gap in a step that was void
     std::uint32_t object = 0;
+    std::uint32_t owner = 0;  ///< as `contact_forces` counts
   };
   /// What limits the steps of a query.
   struct Query {
@@ -128,18 +135,28 @@ class VirtualTool {
         1.0;  ///< of the objects' displacement that is left, which they make in this step
   };
 
+  /// Where the tool starts, while there is none.
+  struct Start {
+    Pose pose = {};      ///< if `given`; else where the hand is
+    Pose before = {};    ///< if `returns`: where the tool goes on if it is no start
+    bool begun = false;  ///< and its check goes on
+    bool given = false, returns = false;
+    bool whole_force = false;  ///< without a fade
+  };
+
   PoseStatus check(Pose& hand, std::span<const Pose> objects) const noexcept;
   double way_of(const Vec6& delta) const noexcept;
   Vec6 spring_between(const Pose& tool, const Pose& hand) const noexcept;
   Vec6 spring_to(const Pose& hand) const noexcept;
   bool shortens(const Vec6& spring, const Vec6& taken, const Pose& tool,
                 const Pose& hand) const noexcept;
+  bool start_is_blocked() noexcept;
   bool initialise(const Pose& hand, std::span<const Pose> objects, Work& work) noexcept;
   double objects_way() noexcept;
   double reach_of_query(double need_m, Work& work) noexcept;
   bool collect(double reach_m, Work& work) noexcept;
   bool collect_for(Query& query, double objects_m, Work& work) noexcept;
-  void add_row(const Touch& touch, std::uint32_t object, double missed_m) noexcept;
+  void add_row(const Touch& touch, const NearPair& pair) noexcept;
   void plan_objects(double ratio) noexcept;
   double closes(const Row& row) const noexcept;
   void renew_closes() noexcept;
@@ -162,8 +179,10 @@ class VirtualTool {
   VirtualToolOptions options_;
   double reach_m_;  ///< of the tool
   std::vector<Opposite> opposites_;
+  std::vector<std::uint32_t> first_owners_;  ///< of each object
   std::vector<Pose> objects_, targets_,
-      planned_;  ///< where the tool meets them; where they are; after the step
+      planned_;                       ///< where the tool meets them; where they are; after the step
+  std::vector<Pose> objects_before_;  ///< with Start::before
   std::vector<NearPair> near_;
   std::vector<Row> rows_;
   std::vector<Halfspace> halfspaces_;
@@ -176,7 +195,8 @@ class VirtualTool {
   double damping_ = 1.0;          ///< of steps while the hand rests
   double last_residual_m_ = 0.0, last_step_m_ = 0.0;  ///< of the last query; step 0: there was none
   double placed_s_ = 0.0;
-  bool placed_ = false, starting_ = false;
+  Start start_;
+  bool placed_ = false;
   bool converged_ = false;  ///< the last query asked for no further step
   bool pressed_ = false;    ///< the last frame gave a force
 };

@@ -10,11 +10,6 @@
 namespace voxtouch::rendering {
 namespace {
 
-/// Rendered through another model, it is a scene without one.
-bool has_virtual_tool(const PartsRequest& request) noexcept {
-  return request.scene.virtual_tool() && request.model == contact::ContactModelKind::kField;
-}
-
 /// The force law of one object, with its own material; what all objects can show together is the
 /// sum of what each can.
 void add_contact_law(const PartsRequest& request, const pointshell::Pointshell& shell,
@@ -27,7 +22,7 @@ void add_contact_law(const PartsRequest& request, const pointshell::Pointshell& 
   object.renderer.emplace(object.voxmap, shell, request.model, parameters,
                           object.field ? &*object.field : nullptr);
   counts.shell_bytes += shell.size() * (8 * sizeof(double) + sizeof(std::uint32_t));
-  if (has_virtual_tool(request))
+  if (request.virtual_tool())
     return;  // one spring for all objects
   const StiffnessBounds contact =
       contact_stiffness(shell, parameters, object.field ? object.field->steepest_gradient() : 1.0);
@@ -52,7 +47,7 @@ void add_edges(BuiltParts& parts) {
 /// One spring, whatever it touches.
 void add_virtual_tool(const PartsRequest& request, const contact::ContactRenderer& renderer,
                       EffectGround& ground, BuildCounts& counts) {
-  if (!has_virtual_tool(request))
+  if (!request.virtual_tool())
     return;
   const scene::Scene& scene = request.scene;
   ground.virtual_tool_lever_m = scene.lever_m.value_or(0.0);
@@ -76,7 +71,7 @@ BuiltScene::BuiltScene(std::unique_ptr<ToolBody> tool_body,
       ground_(std::move(ground)),
       scene_(contacts_, std::move(effects),
              {ground_.proximity ? &*ground_.proximity : nullptr, ground_.tool.points, ground_.body,
-              ground_.virtual_tool_lever_m, ground_.watch.get()}),
+              ground_.virtual_tool_lever_m, ground_.watch.get(), ground_.bodies.get()}),
       plan_(std::move(plan)),
       largest_shell_gap_m_(largest_shell_gap_m) {}
 
@@ -95,6 +90,7 @@ std::unique_ptr<BuiltScene> build_scene(const scene::Scene& scene, const Paralle
                       .tool = std::move(parts.tool_points),
                       .body = parts.body,
                       .watch = std::move(parts.watch),
+                      .bodies = std::move(parts.bodies),
                       .virtual_tool_lever_m = {}};
   parts.counts.tool_reach_m = parts.objects.front()->renderer->query().reach_m();
   add_virtual_tool(request, *parts.objects.front()->renderer, ground, parts.counts);

@@ -22,6 +22,7 @@ struct EffectGround {
   ToolPoints tool;
   std::optional<effects::BodyShape> body;      ///< of the dynamic object, where it moves by itself
   std::unique_ptr<WallWatch> watch;            ///< where a virtual tool might pass a wall
+  std::unique_ptr<ExactBodies> bodies;         ///< where a virtual tool meets triangles
   std::optional<double> virtual_tool_lever_m;  ///< where the scene has one; 0: the tool's reach
 };
 
@@ -68,6 +69,10 @@ class BuiltScene {
 /// Called before each step with a short sentence, for progress.
 using Progress = std::function<void(const std::string&)>;
 
+/// What a virtual tool meets: the distances on voxels (core/contact), or the triangles
+/// (core/exact).
+enum class ToolMeets : std::uint8_t { kVoxels, kTriangles };
+
 /// What may be built otherwise than the scene says, to compare; and who reads the meshes.
 struct BuildChoices {
   std::optional<contact::ContactModelKind> model = {};
@@ -78,6 +83,7 @@ struct BuildChoices {
   /// A field that tells depth down to here [voxels] instead of DistanceFieldOptions' own: the same
   /// bits to this depth for less time. For a tool that is known to go no deeper.
   std::optional<double> field_depth_voxels = {};
+  ToolMeets tool_meets = ToolMeets::kVoxels;
   mesh::TriangleReader read = mesh::read_triangles;  ///< programs give one that a broken file
                                                      ///< cannot take with it (nodes/mesh_import)
 };

@@ -71,6 +71,7 @@ struct BuildContext {
   const BuildChoices& choices;
   const Progress& progress;
   contact::ContactModelKind model;
+  bool meets_triangles;  ///< the virtual tool that there is
   BuildCounts& counts;
 
   void step(const std::string& text) const {
@@ -232,30 +233,6 @@ void build_watch(const BuildContext& context, const mesh::ImportedMesh& moving, 
   parts.walls = {};
 }
 
-/// What is made of the dynamic mesh.
-void build_tool(const BuildContext& context, BuiltParts& parts) {
-  const scene::Scene& scene = context.scene;
-  context.step("reading the dynamic mesh");
-  const mesh::ImportedMesh moving = import(scene.dynamic_mesh, scene, context.choices.read);
-  warn(context.counts, scene.dynamic_mesh, moving);
-  context.counts.dynamic_triangles = moving.mesh.triangles.size();
-  context.step("pointshell of " + std::to_string(moving.mesh.triangles.size()) + " triangles");
-  const voxmap::Grid grid =
-      voxmap::default_grid(moving.mesh, context.choices.shell_voxel_m.value_or(scene.voxel_size_m));
-  const std::vector<pointshell::ShellPoint> points = with_hints(context.counts, [&] {
-    return pointshell::shell_points(moving.mesh, grid, context.parallel_for);
-  });
-  parts.largest_gap_m = pointshell::largest_gap_m(points);
-  parts.shell = scene.shell == scene::ShellKind::kExact
-                    ? pointshell::make_exact_shell(points, grid)
-                    : pointshell::make_naive_shell(points, grid);
-  context.counts.shell_points = parts.shell.size();
-  build_edges(context, moving, parts);
-  build_watch(context, moving, parts);
-  if (effects::needs_of(scene.effects).body)
-    parts.body = body_shape(scene, moving.mesh);
-}
-
 /// The surface of what the mesh encloses, in W.
 mesh::TriangleMesh surface_of(const BuildContext& context, const mesh::TriangleMesh& mesh) {
   return voxmap::solid_surface(mesh, voxmap::default_grid(mesh, context.scene.voxel_size_m));
@@ -313,6 +290,62 @@ std::vector<Solid> find_solids(const BuildContext& context, const std::vector<Ob
       solids.push_back(std::move(solid));
   }
   return solids;
+}
+
+/// Each solid is one body, each other object a body of its own.
+std::unique_ptr<ExactBodies> build_bodies(const BuildContext& context,
+                                          const mesh::TriangleMesh& tool,
+                                          const std::vector<ObjectMesh>& objects,
+                                          const std::vector<Solid>& solids) {
+  context.step("features of all meshes");
+  std::vector<std::size_t> numbers(objects.size());  // objects without a mesh have none
+  std::size_t numbered = 0;
+  for (std::size_t id = 0; id < objects.size(); ++id)
+    numbers[id] = objects[id].specs.empty() ? numbered : numbered++;
+  std::vector<ExactBodies::Object> bodies;
+  std::vector<bool> done(objects.size());
+  const auto add = [&](ExactBodies::Object& body, std::size_t id) {
+    append(body.mesh, objects[id].mesh);
+    body.owners.resize(body.mesh.triangles.size(), static_cast<std::uint32_t>(body.objects.size()));
+    body.objects.push_back(numbers[id]);
+    done[id] = true;
+  };
+  for (const Solid& solid : solids)
+    for (ExactBodies::Object& body = bodies.emplace_back(); const std::size_t id : solid.members)
+      add(body, id);
+  for (std::size_t id = 0; id < objects.size(); ++id)
+    if (!done[id] && !objects[id].specs.empty())
+      add(bodies.emplace_back(), id);
+  return std::make_unique<ExactBodies>(tool, bodies, context.scene.voxel_size_m);
+}
+
+/// What is made of the dynamic mesh.
+void build_tool(const BuildContext& context, const std::vector<ObjectMesh>& objects,
+                const std::vector<Solid>& solids, BuiltParts& parts) {
+  const scene::Scene& scene = context.scene;
+  context.step("reading the dynamic mesh");
+  const mesh::ImportedMesh moving = import(scene.dynamic_mesh, scene, context.choices.read);
+  warn(context.counts, scene.dynamic_mesh, moving);
+  context.counts.dynamic_triangles = moving.mesh.triangles.size();
+  context.step("pointshell of " + std::to_string(moving.mesh.triangles.size()) + " triangles");
+  const voxmap::Grid grid =
+      voxmap::default_grid(moving.mesh, context.choices.shell_voxel_m.value_or(scene.voxel_size_m));
+  const std::vector<pointshell::ShellPoint> points = with_hints(context.counts, [&] {
+    return pointshell::shell_points(moving.mesh, grid, context.parallel_for);
+  });
+  parts.largest_gap_m = pointshell::largest_gap_m(points);
+  parts.shell = scene.shell == scene::ShellKind::kExact
+                    ? pointshell::make_exact_shell(points, grid)
+                    : pointshell::make_naive_shell(points, grid);
+  context.counts.shell_points = parts.shell.size();
+  if (context.meets_triangles) {
+    parts.bodies = build_bodies(context, moving.mesh, objects, solids);
+  } else {
+    build_edges(context, moving, parts);
+    build_watch(context, moving, parts);
+  }
+  if (effects::needs_of(scene.effects).body)
+    parts.body = body_shape(scene, moving.mesh);
 }
 
 /// The voxels of object `id` in `solid`, whose own are `all`: each voxel belongs to one object.
@@ -419,8 +452,9 @@ BuiltParts build_parts(const PartsRequest& request, const ParallelFor& parallel_
   const scene::Scene& scene = request.scene;
   const effects::EffectNeeds needs = effects::needs_of(scene.effects);
   BuiltParts parts;
-  const BuildContext context{scene,    parallel_for,  request.choices,
-                             progress, request.model, parts.counts};
+  const BuildContext context{scene,       parallel_for,  request.choices,
+                             progress,    request.model, request.meets_triangles(),
+                             parts.counts};
   std::vector<ObjectMesh> fixed;
   for (std::uint32_t id = 0; id <= scene.objects.size(); ++id) {
     context.step(id == 0 ? "reading the static meshes"
@@ -438,11 +472,12 @@ BuiltParts build_parts(const PartsRequest& request, const ParallelFor& parallel_
   for (std::uint32_t id = 0; id < fixed.size(); ++id) {
     if (auto object = build_object(context, id, fixed, solid_with(id)))
       parts.objects.push_back(std::move(object));
-    if (scene.virtual_tool() && (id == 0 || !scene.objects[id - 1].moves))
+    if (scene.virtual_tool() && !context.meets_triangles &&
+        (id == 0 || !scene.objects[id - 1].moves))
       append(parts.walls, fixed[id].mesh);
   }
   parts.counts.objects = parts.objects.size();
-  build_tool(context, parts);
+  build_tool(context, fixed, solids, parts);
   if (needs.proximity_m > 0.0)
     build_proximity(context, needs, fixed.front(), solid_with(0) != nullptr, parts);
   return parts;

@@ -21,6 +21,14 @@ struct PartsRequest {
   const scene::Scene& scene;
   const BuildChoices& choices;
   contact::ContactModelKind model;  ///< the one chosen, else the scene's
+
+  /// Rendered through another model, it is a scene without one.
+  bool virtual_tool() const noexcept {
+    return scene.virtual_tool() && model == contact::ContactModelKind::kField;
+  }
+  bool meets_triangles() const noexcept {
+    return virtual_tool() && choices.tool_meets == ToolMeets::kTriangles;
+  }
 };
 
 struct BuiltParts {
@@ -32,6 +40,7 @@ struct BuiltParts {
   std::unique_ptr<ToolBody> tool_body;  ///< where there is a virtual tool, and it can be had
   mesh::TriangleMesh walls;             ///< with a virtual tool: of all objects at rest, in W
   std::unique_ptr<WallWatch> watch;     ///< where one of them is too thin to hold the tool for sure
+  std::unique_ptr<ExactBodies> bodies;  ///< where a virtual tool meets triangles
   std::optional<effects::BodyShape> body;   ///< where an effect asks for it
   std::optional<ProximityField> proximity;  ///< likewise
   ToolPoints tool_points;                   ///< with `proximity`

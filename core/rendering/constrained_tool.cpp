@@ -3,25 +3,20 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/rendering/exact_tool.hpp"
+#include "core/rendering/voxel_tool.hpp"
 #include "core/types/motion.hpp"
 #include "core/types/rotation_vector.hpp"
 
 namespace voxtouch::rendering {
 namespace {
 
-contact::VirtualToolOptions options_of(const ObjectContacts& objects, double lever_m) {
-  const contact::ContactQuery& query = objects.object(0).renderer->query();
-  contact::VirtualToolOptions options{.points = query.shell().size(),
-                                      .objects = objects.size(),
-                                      .reach_m = query.reach_m(),
-                                      .edge_m = query.voxmap().grid().edge,
-                                      .lever_m = lever_m};
-  for (std::size_t n = 0; n < objects.size(); ++n) {
-    options.edge_m = std::min(options.edge_m, objects.object(n).voxmap.grid().edge);
-    if (const auto& edges = objects.object(n).edges)
-      options.edge_points += edges->query.shell().size();
-  }
-  return options;
+std::unique_ptr<ToolSolver> solver_for(const ObjectContacts& objects, double lever_m,
+                                       const ExactBodies* bodies) {
+  if (bodies == nullptr)
+    return std::make_unique<VoxelTool>(objects, lever_m);
+  const double reach_m = objects.object(0).renderer->query().reach_m();
+  return std::make_unique<ExactTool>(*bodies, objects.size(), lever_m > 0.0 ? lever_m : reach_m);
 }
 
 /// A frame as a contact, with a spring of `k` [N/m]. Real-time safe.
@@ -47,18 +42,13 @@ contact::ContactResult contact_of(const contact::VirtualToolFrame& frame, double
 
 }  // namespace
 
-ConstrainedTool::ConstrainedTool(ObjectContacts& objects, double lever_m)
+ConstrainedTool::ConstrainedTool(ObjectContacts& objects, double lever_m, const ExactBodies* bodies)
     : objects_(objects),
-      tool_(options_of(objects, lever_m)),
+      solver_(solver_for(objects, lever_m, bodies)),
+      displacements_(objects.size(), Vec3::Zero()),
       results_(objects.size()) {
-  for (std::size_t n = 0; n < objects.size(); ++n) {
-    const StaticObject& object = objects.object(n);
-    grounds_.push_back({.query = &object.renderer->query(), .field = &*object.field});
-    if (object.edges)
-      grounds_.back().edges = &object.edges->query,
-      grounds_.back().tool_field = object.edges->tool_field;
-    parts_.push_back({.object = object.id, .contact = &results_[n], .twist = {}});
-  }
+  for (std::size_t n = 0; n < objects.size(); ++n)
+    parts_.push_back({.object = objects.object(n).id, .contact = &results_[n], .twist = {}});
 }
 
 void ConstrainedTool::aim_for(double spring_n_per_m) noexcept {
@@ -73,24 +63,24 @@ void ConstrainedTool::aim_for(double spring_n_per_m) noexcept {
 }
 
 void ConstrainedTool::put_objects(double time_s) noexcept {
-  for (std::size_t n = 0; n < grounds_.size(); ++n) {
+  for (std::size_t n = 0; n < displacements_.size(); ++n) {
     const StaticObject& object = objects_.object(n);
     if (!object.moves)
       continue;
     const MotionPoint at = motion_at(*object.moves, time_s);
-    grounds_[n].displacement = at.position;
+    displacements_[n] = at.position;
     parts_[n].twist.linear = at.velocity;
   }
 }
 
 contact::ContactResult ConstrainedTool::render(const Pose& hand, double time_s, double dt_s,
                                                double friction, ToolFrame& out) noexcept {
-  const bool was_placed = tool_.placed() && !fresh_;
+  const bool was_placed = solver_->placed() && !fresh_;
   const Pose before = frame_.tool;
   put_objects(time_s);
   if (hand_lost_ || (!fresh_ && (hand.position - hand_.position).norm() > kJumpMPerS * dt_s))
     find_hand(hand);
-  frame_ = tool_.frame({.pose = hand, .period_s = dt_s, .friction = friction}, grounds_);
+  frame_ = solver_->frame({.pose = hand, .period_s = dt_s, .friction = friction}, displacements_);
   out = {.constrained = frame_.constrained,
          .lag = frame_.lag || frame_.moved_too_far,
          .unplaced = frame_.unplaced || frame_.pose_status != contact::PoseStatus::kUsable ||
@@ -110,10 +100,10 @@ contact::ContactResult ConstrainedTool::render(const Pose& hand, double time_s, 
   if (!contact.wrench.finite() ||
       !contact.stiffness.allFinite()) {  // nothing that is no number goes on from here
     contact.wrench = {}, contact.stiffness.setZero(), contact.stiffness_bound_n_per_m = 0.0;
-    tool_.reset();
+    solver_->reset();
     out.unplaced = true;
   }
-  const bool follows = was_placed && tool_.placed() && dt_s > 0.0;
+  const bool follows = was_placed && solver_->placed() && dt_s > 0.0;
   twist_ = {};
   if (follows) {
     twist_.linear = (frame_.tool.position - before.position) / dt_s;
@@ -127,12 +117,10 @@ contact::ContactResult ConstrainedTool::render(const Pose& hand, double time_s, 
 
 /// The hand came back at `hand`, perhaps behind a wall that the tool has not passed.
 void ConstrainedTool::find_hand(const Pose& hand) noexcept {
-  const Pose tool = frame_.tool;
   hand_lost_ = false;
-  if (!tool_.placed())
+  if (!solver_->placed())
     return;
-  if (!tool_.place(hand, grounds_))
-    tool_.place(tool, grounds_);
+  solver_->relocate(hand, displacements_);
   spring_ = coupling::Ramp(0.0);
   spring_.head_for(aim_n_per_m_, kSpringRampS);
 }
@@ -145,7 +133,7 @@ double ConstrainedTool::depth_of_spring2() const noexcept {
 
 void ConstrainedTool::tell_parts(double felt_n_per_m) noexcept {
   power_w_ = 0.0;
-  const std::span<const Wrench> pushes = tool_.pushes();
+  const std::span<const Wrench> pushes = solver_->forces();
   for (std::size_t n = 0; n < results_.size(); ++n) {
     contact::ContactResult& part = results_[n];
     part = {};
@@ -162,12 +150,13 @@ void ConstrainedTool::tell_parts(double felt_n_per_m) noexcept {
 void ConstrainedTool::start_from(const Pose& tool, double time_s) noexcept {
   reset();
   put_objects(time_s);
-  if (tool_.place(tool, grounds_))
+  solver_->start_at(tool, displacements_);
+  if (solver_->placed())
     frame_.tool = tool;
 }
 
 void ConstrainedTool::reset() noexcept {
-  tool_.reset();
+  solver_->reset();
   frame_ = {};
   twist_ = {};
   spring_ = coupling::Ramp(aim_n_per_m_);

@@ -1,14 +1,17 @@
 #pragma once
 /// The virtual tool in a scene: against all objects where they are, with the spring that the
 /// coupling is certified for.
+#include <memory>
 #include <span>
 #include <vector>
 
-#include "core/contact/virtual_tool.hpp"
 #include "core/coupling/ramp.hpp"
 #include "core/rendering/object_contacts.hpp"
+#include "core/rendering/tool_solver.hpp"
 
 namespace voxtouch::rendering {
+
+class ExactBodies;
 
 /// What a frame of a virtual tool says beside its contact.
 struct ToolFrame {
@@ -30,8 +33,9 @@ class ConstrainedTool {
   /// Over this time the spring goes from one stiffness to the next [s].
   static constexpr double kSpringRampS = 0.2;
 
-  /// `lever_m` 0: the tool's reach. Every object must have its field.
-  ConstrainedTool(ObjectContacts& objects, double lever_m);
+  /// `lever_m` 0: the tool's reach. With `bodies` against triangles; without, against voxels: then
+  /// every object must have its field. They must outlive it.
+  ConstrainedTool(ObjectContacts& objects, double lever_m, const ExactBodies* bodies = nullptr);
 
   /// The stiffness of the spring [N/m] in W from the next frames on, on a straight line over
   /// kSpringRampS; at once after `reset`. One that is no number, or below zero, is 0. Real-time
@@ -45,7 +49,7 @@ class ConstrainedTool {
 
   /// Of the last `render`: the virtual tool, and its motion since the one before.
   const Pose& pose() const noexcept { return frame_.tool; }
-  bool placed() const noexcept { return tool_.placed(); }
+  bool placed() const noexcept { return solver_->placed(); }
   const Twist& twist() const noexcept { return twist_; }
   /// The object that it leans on, as StaticObject::id.
   std::uint32_t leans_on() const noexcept { return parts_[frame_.contact_object].object; }
@@ -60,7 +64,7 @@ class ConstrainedTool {
   void start_from(const Pose& tool, double time_s) noexcept;
   /// The hand may be anywhere in the next frame: where that is free the tool is placed there; else
   /// it stays where it is. The force fades in over kSpringRampS. Real-time safe.
-  void lose_hand() noexcept { hand_lost_ = tool_.placed(); }
+  void lose_hand() noexcept { hand_lost_ = solver_->placed(); }
   /// There is no virtual tool any more, until the hand is outside. Real-time safe.
   void reset() noexcept;
 
@@ -71,8 +75,8 @@ class ConstrainedTool {
   void find_hand(const Pose& hand) noexcept;
 
   ObjectContacts& objects_;
-  std::vector<contact::ToolGround> grounds_;
-  contact::VirtualTool tool_;
+  std::unique_ptr<ToolSolver> solver_;
+  std::vector<Vec3> displacements_;  ///< of each object
   contact::VirtualToolFrame frame_;
   coupling::Ramp spring_;
   double aim_n_per_m_ = 0.0,

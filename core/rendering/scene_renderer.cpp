@@ -21,7 +21,7 @@ SceneRenderer::SceneRenderer(ObjectContacts& contact, std::vector<effects::Effec
     body_.emplace(BodyPart{effects::RigidBody(*surroundings.body), n});
   }
   if (surroundings.virtual_tool_lever_m)
-    constrained_.emplace(contact, *surroundings.virtual_tool_lever_m);
+    constrained_.emplace(contact, *surroundings.virtual_tool_lever_m, surroundings.bodies);
 }
 
 /// The contact pushes the tool where the hand has it.

@@ -7,6 +7,7 @@
 #include "core/effects/rigid_body.hpp"
 #include "core/rendering/constrained_tool.hpp"
 #include "core/rendering/device_mapping.hpp"
+#include "core/rendering/exact_bodies.hpp"
 #include "core/rendering/object_contacts.hpp"
 #include "core/rendering/series_spring.hpp"
 #include "core/rendering/wall_watch.hpp"
@@ -40,7 +41,8 @@ struct SceneSurroundings {
       {};  ///< of the dynamic object, for scenes with the effect of that name
   std::optional<double> virtual_tool_lever_m =
       {};  ///< there is a virtual tool, with this lever; 0: the tool's reach
-  const WallWatch* watch = nullptr;  ///< with one
+  const WallWatch* watch = nullptr;     ///< with one
+  const ExactBodies* bodies = nullptr;  ///< with one that meets triangles
 };
 
 /// One thread at a time. `contact` and what `surroundings` points to must outlive it.

@@ -192,6 +192,57 @@ TEST(Frames, TheDisplayedStiffnessIsAtMostTheSprings) {
   }
 }
 
+/// The hand is lost in contact and comes back somewhere: free, or within the block. No frame
+/// exceeds its limit of work, and until the tool is found there is no force.
+TEST(Frames, ALostHandIsFoundOrTheToolStays) {
+  VirtualToolOptions options;
+  options.max_work = 4000;
+  const mesh::TriangleMesh block = test::box({-0.1, -0.1, -0.02}, {0.1, 0.1, 0.0});
+  for (const double back : {0.0102, 0.004}) {
+    Rig rig(test::ball(0.01, 3), block, options);
+    ASSERT_TRUE(rig.virtual_tool.place({{0, 0, 0.011}, Quat::Identity()}, {&rig.object_pose, 1}));
+    const Pose pressed =
+        rig.lead({{0, 0, 0.011}, Quat::Identity()}, {{0, 0, 0.007}, Quat::Identity()}, 100).tool;
+    rig.virtual_tool.relocate();
+    const Pose hand{{0.05, 0, back}, Quat::Identity()};
+    int frames = 0;
+    VirtualToolFrame frame;
+    do {
+      frame = rig.frame(hand);
+      ASSERT_LT(frame.work, options.max_work + options.max_work / 5);
+      ASSERT_LT(++frames, 100);
+      if (frame.not_initialised) {
+        ASSERT_TRUE(frame.wrench(1000.0).zero());
+      }
+    } while (frame.not_initialised);
+    EXPECT_LT(frame.ratio, 0.01);
+    if (back > 0.01) {
+      EXPECT_EQ(frame.tool.position, hand.position);
+    } else {
+      EXPECT_LT((frame.tool.position - pressed.position).norm(), 2e-3);
+      EXPECT_NEAR(frame.tool.position.z(), 0.01, 1e-4);
+      EXPECT_NEAR(rig.rest(hand, 2000).tool.position.x(), 0.05, 1e-3);
+    }
+    EXPECT_FALSE(rig.intersects());
+  }
+}
+
+/// What a scene that was built anew takes over from the one before it.
+TEST(Frames, AToolThatIsTakenOverHasItsWholeForceAtOnce) {
+  const mesh::TriangleMesh block = test::box({-0.1, -0.1, -0.02}, {0.1, 0.1, 0.0});
+  Rig rig(test::ball(0.01, 3), block);
+  rig.virtual_tool.start_at({{0, 0, 0.0101}, Quat::Identity()});
+  VirtualToolFrame frame;
+  for (int k = 0; k < 100 && (k == 0 || frame.not_initialised); ++k)
+    frame = rig.frame({{0, 0, 0.005}, Quat::Identity()});
+  EXPECT_TRUE(frame.constrained);
+  EXPECT_EQ(frame.ratio, 1.0);
+  EXPECT_NEAR(frame.wrench(1000.0).force.z(), 5.0, 0.2);
+  rig.virtual_tool.start_at({{0, 0, 0.0}, Quat::Identity()});  // no start
+  EXPECT_TRUE(rig.rest({{0, 0, 0.005}, Quat::Identity()}, 100).not_initialised);
+  EXPECT_FALSE(rig.rest({{0, 0, 0.02}, Quat::Identity()}, 100).not_initialised);
+}
+
 TEST(Frames, AfterAResetTheToolStartsAnew) {
   Rig rig(test::ball(0.01, 2), test::box({-0.1, -0.1, -0.02}, {0.1, 0.1, 0.0}));
   ASSERT_TRUE(rig.virtual_tool.place({{0, 0, 0.02}, Quat::Identity()}, {&rig.object_pose, 1}));

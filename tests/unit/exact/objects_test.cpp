@@ -46,6 +46,38 @@ TEST(Objects, InACornerOfTwoEachPushesWithItsOwnForce) {
   EXPECT_NEAR((forces[1].force - Vec3(-frame.shift.x(), 0, 0)).norm(), 0.0, 1e-7);
 }
 
+/// Two flush blocks as one body: nothing is felt of their seam, and each tells its own force.
+TEST(Objects, OfOneBodyTellEachItsOwnForce) {
+  const mesh::TriangleMesh left = test::box({-0.1, -0.1, -0.02}, {0.0, 0.1, 0.0});
+  const mesh::TriangleMesh right = test::box({0.0, -0.12, -0.03}, {0.1, 0.12, 0.0});
+  std::vector<std::uint32_t> owners(left.triangles.size(), 0);
+  owners.resize(left.triangles.size() + right.triangles.size(), 1);
+  const ToolBody tool(test::ball(0.01, 3));
+  const ObjectBody both(test::joined(left, right), owners);
+  const ObjectBody* const bodies[] = {&both};
+  VirtualTool virtual_tool(tool, bodies, {});
+  const Pose rest;
+  Pose hand{{-0.02, 0.0, 0.011}, Quat::Identity()};
+  ASSERT_TRUE(virtual_tool.place(hand, {&rest, 1}));
+  ASSERT_EQ(virtual_tool.contact_forces().size(), 2U);
+  for (int k = 0; k < 100; ++k) {
+    hand.position.z() -= 6e-5;
+    virtual_tool.frame({hand, 1e-3, 0.0}, {&rest, 1});
+  }
+  for (int k = 0; k <= 400; ++k) {
+    hand.position.x() = -0.02 + 1e-4 * k;
+    const VirtualToolFrame frame = virtual_tool.frame({hand, 1e-3, 0.0}, {&rest, 1});
+    ASSERT_LT(frame.shift.head<2>().norm(), 1e-5) << k;
+    const Vec3 on_left = virtual_tool.contact_forces()[0].force;
+    const Vec3 on_right = virtual_tool.contact_forces()[1].force;
+    ASSERT_NEAR((on_left + on_right).z(), -frame.shift.z(), 1e-9) << k;
+    if (k < 190 || k > 210) {
+      ASSERT_TRUE((k < 190 ? on_right : on_left).isZero(0.0)) << k;
+    }
+  }
+  EXPECT_THROW(ObjectBody(left, owners), std::invalid_argument);
+}
+
 /// A plate that goes up and down by 10 mm at half a metre per second, under a hand at rest.
 TEST(Objects, AnObjectAtHalfAMetrePerSecondDoesNotLag) {
   for (const bool ball : {true, false}) {

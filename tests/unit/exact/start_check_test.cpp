@@ -57,8 +57,8 @@ TEST(StartCheck, NoForceUntilTheHandIsInTheOpenAndThenItFadesIn) {
 TEST(StartCheck, IsSpreadOverFramesByTheLimitOfWork) {
   VirtualToolOptions options;
   options.max_work = 300;
-  Rig rig(test::ball(0.01, 3), test::terrain(0.1, 60, 0.005), options);
-  const Pose hand{{0.01, 0.0, 0.02}, Quat::Identity()};
+  Rig rig(test::ball(0.01, 3), test::bowl(0.03, 0.034, 48, 12), options);
+  const Pose hand{{0.005, 0.0, -0.01}, Quat::Identity()};
   int frames = 0;
   while (rig.frame(hand).not_initialised && ++frames < 1000) {
   }

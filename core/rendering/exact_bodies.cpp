@@ -1,0 +1,84 @@
+#include "core/rendering/exact_bodies.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "core/voxmap/closed_shells.hpp"
+#include "core/voxmap/grid_mesh.hpp"
+#include "core/voxmap/outward.hpp"
+
+namespace voxtouch::rendering {
+namespace {
+
+/// The tool reaches this far in x', or less than twice as far [m].
+constexpr int kReachExponent = -6;
+
+double reach_of(const mesh::TriangleMesh& mesh) {
+  double reach = 0.0;
+  for (const auto& triangle : mesh.triangles)
+    for (const std::uint32_t v : triangle)
+      reach = std::max(reach, mesh.vertices[v].norm());
+  if (!(reach > 0.0))
+    throw std::invalid_argument("the tool is a point at its origin");
+  return reach;
+}
+
+double scale_for(const mesh::TriangleMesh& tool) {
+  return std::ldexp(1.0, kReachExponent - std::ilogb(reach_of(tool)));
+}
+
+/// With all closed parts' triangles counter-clockwise seen from outside.
+mesh::TriangleMesh outward(mesh::TriangleMesh mesh, double edge_m) {
+  const voxmap::GridMesh in_grid(mesh, voxmap::default_grid(mesh, edge_m));
+  const std::vector<std::int8_t> sides =
+      voxmap::outward_sides(in_grid, voxmap::find_closed_shells(in_grid));
+  for (std::size_t t = 0; t < sides.size(); ++t)
+    if (sides[t] < 0)
+      std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
+  return mesh;
+}
+
+mesh::TriangleMesh in_own_frame(mesh::TriangleMesh mesh, const Vec3& origin, double scale) {
+  for (Vec3& v : mesh.vertices)
+    v = scale * (v - origin);
+  return mesh;
+}
+
+template <class Build>
+auto sound(Build&& build) {
+  try {
+    return build();
+  } catch (const std::runtime_error& error) {
+    throw std::invalid_argument(error.what());
+  }
+}
+
+}  // namespace
+
+ExactBodies::ExactBodies(const mesh::TriangleMesh& tool, std::span<const Object> objects,
+                         double edge_m)
+    : scale_(scale_for(tool)),
+      origin_(voxmap::default_grid(objects.front().mesh, edge_m).origin),
+      tool_(sound([&] {
+        return exact::ToolBody(in_own_frame(outward(tool, edge_m), Vec3::Zero(), scale_));
+      })) {
+  bodies_.reserve(objects.size());
+  for (const Object& object : objects) {
+    bodies_.push_back(sound([&] {
+      return exact::ObjectBody(in_own_frame(outward(object.mesh, edge_m), origin_, scale_),
+                               object.owners);
+    }));
+    leaders_.push_back(object.objects.front());
+    objects_.insert(objects_.end(), object.objects.begin(), object.objects.end());
+  }
+}
+
+std::size_t ExactBodies::bytes() const noexcept {
+  std::size_t sum = tool_.bytes();
+  for (const exact::ObjectBody& body : bodies_)
+    sum += body.bytes();
+  return sum;
+}
+
+}  // namespace voxtouch::rendering
