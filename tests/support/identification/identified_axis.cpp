@@ -21,8 +21,17 @@ double IdentifiedAxis::friction(double velocity, double dx) {
   return truth_.coulomb_n * (1.0 + truth_.stribeck * std::exp(-ratio * ratio)) * bristle_;
 }
 
+double IdentifiedAxis::hand_force() const {
+  const double w = 2.0 * std::numbers::pi * hand_.frequency_hz;
+  const double angle = w * time_ + hand_.phase;
+  const double target = hand_.amplitude_m * (std::sin(angle) - std::sin(hand_.phase));
+  const double speed = hand_.amplitude_m * w * std::cos(angle);
+  return hand_.stiffness_n_per_m * (target - x_[0]) + hand_.damping_ns_per_m * (speed - v_[0]) +
+         hand_.tremor_n * std::sin(2.0 * std::numbers::pi * hand_.tremor_hz * time_);
+}
+
 void IdentifiedAxis::move(double until) {
-  const double m = truth_.mass_kg;
+  const double m = truth_.mass_kg + hand_.mass_kg;
   const double steady = truth_.mode_hz > 0.0 ? 25e-6 : 50e-6;
   const double contact =
       0.1 * std::sqrt(m * truth_.presliding_m / std::max(1e-9, 1.5 * truth_.coulomb_n));
@@ -56,7 +65,8 @@ void IdentifiedAxis::move(double until) {
     }
     const double coupling = far > 0.0 ? k * (x_[1] - x_[0]) + d * (v_[1] - v_[0]) : 0.0;
     const double before = v_[0];
-    const double total = push + truth_.bias_n - friction(v_[0], v_[0] * h) + coupling;
+    const double total =
+        push + truth_.bias_n - friction(v_[0], v_[0] * h) + coupling + hand_force();
     const double half = 0.5 * h * truth_.viscous_ns_per_m / near;
     v_[0] = (v_[0] * (1.0 - half) + h * total / near) / (1.0 + half);
     if (time_ >= fault_s_ && fault_ == AxisFault::kStuck)

@@ -36,6 +36,13 @@ enum class AxisFault : std::uint8_t {
   kEncoderScale
 };
 
+/// A hand at the tool: a mass that moves with it, held by spring and damper to a slow sine.
+struct AxisHand {
+  double mass_kg = 0.0, damping_ns_per_m = 0.0, stiffness_n_per_m = 0.0;
+  double amplitude_m = 0.0, frequency_hz = 0.5, phase = 0.0;
+  double tremor_n = 0.0, tremor_hz = 9.0;
+};
+
 struct AxisSample {
   double time_s = 0.0, position_m = 0.0;
 };
@@ -47,6 +54,7 @@ class IdentifiedAxis {
     fault_ = fault;
     fault_s_ = at_s;
   }
+  void hold(const AxisHand& hand) { hand_ = hand; }
 
   /// Moves to the next sample that is not lost.
   AxisSample next();
@@ -62,9 +70,11 @@ class IdentifiedAxis {
  private:
   void move(double until);
   double friction(double velocity, double dx);
+  double hand_force() const;
   double uniform() { return std::uniform_real_distribution<double>(0.0, 1.0)(random_); }
 
   AxisTruth truth_;
+  AxisHand hand_;
   std::mt19937_64 random_;
   struct Arrival {
     double time_s, force_n;
