@@ -149,5 +149,27 @@ TEST(LossesOfMcap, OfAFileCutWhileRecordingAreCounted) {
   EXPECT_TRUE(says(to.refresh(), "was cut"));
 }
 
+/// What is written behind the cut gives the file its size again.
+TEST(LossesOfMcap, OfAFileCutBeforeMoreIsWrittenAreCounted) {
+  const TemporaryFolder folder;
+  BagWriter to = expect_value(BagWriter::create(folder / "run", {}));
+  const TopicId topic = expect_value(to.add_topic(kState));
+  const auto append = [&](std::uint64_t first) {
+    for (std::uint64_t i = first; i < first + 50; ++i)
+      EXPECT_GOOD(to.append(topic, static_cast<std::int64_t>(i) * kMs, noisy_message(9, i, 1000)));
+  };
+  append(0);
+  EXPECT_GOOD(to.commit());
+  fs::resize_file(folder / "run/run_0.mcap", 100);
+  append(50);
+  EXPECT_TRUE(says(to.refresh(), "was cut"));
+  append(100);
+  EXPECT_GOOD(to.close());
+  std::vector<TopicReport> counts(1);
+  to.fill_counts(counts);
+  EXPECT_EQ(counts[0].written, 50U) << "in the next file";
+  EXPECT_EQ(counts[0].lost, 100U);
+}
+
 }  // namespace
 }  // namespace voxtouch::bag::losses_cases
