@@ -183,16 +183,16 @@ Result<void> BagWriter::commit() {
   last_commit_ = Clock::now();
   if (!file_)
     return {};
-  // Before it is written: what is written behind a cut gives the file its size again.
-  const auto kept = check_files();
+  // What is written behind a cut gives the file its size again.
+  made_.back().is_cut = made_.back().is_cut || is_cut(made_.size() - 1);
   if (!file_->pending())
-    return kept;
+    return {};
   if (auto committed = file_->commit(); !committed) {
     lose_pending();
     return committed;
   }
   count_committed();
-  return kept;
+  return {};
 }
 
 void BagWriter::count_committed() {
@@ -221,6 +221,12 @@ void BagWriter::lose_pending() {
   pending_ = {};
 }
 
+bool BagWriter::is_cut(std::size_t file) const {
+  struct stat about {};
+  return ::stat((folder_ / metadata_.files[file].path).c_str(), &about) == 0 &&
+         static_cast<std::uint64_t>(about.st_size) < made_[file].bytes;
+}
+
 Result<void> BagWriter::check_files() {
   Result<void> result;
   for (std::size_t i = 0; i < made_.size(); ++i) {
@@ -229,7 +235,7 @@ Result<void> BagWriter::check_files() {
     struct stat about {};
     const bool there = ::stat((folder_ / file.path).c_str(), &about) == 0 &&
                        about.st_dev == made.device && about.st_ino == made.inode;
-    if (made.lost || (there && static_cast<std::uint64_t>(about.st_size) >= made.bytes))
+    if (made.lost || (there && !made.is_cut && !is_cut(i)))
       continue;
     made.lost = true;
     for (std::size_t topic = 0; topic < made.messages.size(); ++topic) {

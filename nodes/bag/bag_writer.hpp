@@ -66,6 +66,7 @@ class BagWriter final : public BagSink {
   struct Made {
     std::uint64_t device = 0, inode = 0, bytes = 0;
     std::vector<std::uint64_t> messages;  // of each topic
+    bool is_cut = false;                  // seen before more was written behind the cut
     bool lost = false;
   };
   using Clock = std::chrono::steady_clock;
@@ -80,6 +81,7 @@ class BagWriter final : public BagSink {
   void count_committed();
   /// Whether each file is still the one that was made, with at least the bytes that were written.
   /// One that is not is counted as lost, once.
+  bool is_cut(std::size_t file) const;
   Result<void> check_files();
   void lose_pending();
 

@@ -136,13 +136,13 @@ std::string start_remedy(std::string_view cause) {
   if (cause.contains("receive buffer"))
     return "allow larger socket buffers (`sysctl net.core.rmem_max`) or ask for less in "
            "CYCLONEDDS_URI";
+  if (cause.contains("config: ") || cause.contains("CycloneDDS/") ||
+      cause.contains("configuration file"))
+    return "correct CYCLONEDDS_URI, or unset it";
   if (cause.contains("out of range"))
     return "choose a smaller --domain, or ports for it in CYCLONEDDS_URI (Discovery/Ports)";
   if (cause.contains("participant index"))
     return "end other DDS processes of this domain, or choose another --domain";
-  if (cause.contains("config: ") || cause.contains("CycloneDDS/") ||
-      cause.contains("configuration file"))
-    return "correct CYCLONEDDS_URI, or unset it";
   if (cause.contains("bind") || cause.contains("port"))
     return "another process has the port: end it, or choose another --domain";
   return "`ip link` lists the interfaces, --interface chooses one";

@@ -142,7 +142,7 @@ class Rows:
             ),
             (
                 "a receive buffer that is refused",
-                uri('<Internal><SocketReceiveBufferSize min="2GB"/></Internal>'),
+                uri('<Internal><SocketReceiveBufferSize min="900MB"/></Internal>'),
                 (),
                 ("receive buffer", "net.core.rmem_max"),
             ),
