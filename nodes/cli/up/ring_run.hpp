@@ -16,13 +16,16 @@ struct UpOptions {
   LauncherOptions ring;       ///< what each has beside that
   ChosenLimits limits;
   std::uint64_t restarts = 0;  ///< nodes that may be started again in the run; the device never is
-  bool no_record = false, no_report = false, json = false, view = false;
+  bool no_record = false, no_report = false, json = false, view = false, browser = false;
 };
 
 class RingRun {
  public:
   /// Joins the domain and announces the ring. `options` must outlive it.
   RingRun(const UpOptions& options, const scene::Scene& scene, StartReport start);
+  /// The process of the ring's page, which has the role `page` from its first status on. It
+  /// outlives the run.
+  void set_page(const RunningNode& page) { monitor_.set_page(page); }
   /// Returns once every node has ended. Throws std::runtime_error, a sentence, if the rig is in
   /// use, a node cannot be started, or rendering or coupling refuses scene and device before any
   /// force: then no bag is left.

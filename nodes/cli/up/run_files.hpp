@@ -4,6 +4,7 @@
 #include <string>
 
 #include "nodes/cli/up/summary.hpp"
+#include "nodes/runtime/options.hpp"
 
 namespace voxtouch::cli {
 
