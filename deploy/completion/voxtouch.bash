@@ -104,7 +104,7 @@ _voxtouch() {
     COMPREPLY=($(compgen -W "$(_voxtouch_options "${call[@]}")" -- "$current"))
   else
     case $verb in
-      up | plan | probe | accuracy | view) [[ -z $scene ]] &&
+      up | try | plan | probe | accuracy | view) [[ -z $scene ]] &&
         COMPREPLY=($(compgen -W "$(_voxtouch_names "$share/scenes")" -- "$current")) ;;
       change) [[ -z $scene ]] && COMPREPLY=($(compgen -W "$(_voxtouch_effects)" -- "$current"))
         [[ -n $scene ]] && COMPREPLY=($(compgen -W "on off gain" -- "$current")) ;;

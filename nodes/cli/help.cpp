@@ -24,8 +24,20 @@ const std::map<std::string, VerbHelp, std::less<>> kVerbs = {
       "\n"
       "Examples:\n"
       "  voxtouch up cup_virtual_tool --motion slide --view\n"
+      "  voxtouch up cup_virtual_tool --hand-from page\n"
       "  voxtouch up part.yaml --device sim-lwr --motion press --duration 10\n"
       "  voxtouch up cup --lockstep --duration 5 --record golden"}},
+    {"try",
+     {"Touch a scene or a mesh with mouse, touch, keys or gamepad",
+      "Starts `voxtouch up SCENE --hand-from page`, without a recording unless --record is given, "
+      "and opens the\n"
+      "page in the browser, if there is one. Of a mesh a scene is made first, as by `voxtouch "
+      "new`.\n"
+      "\n"
+      "Examples:\n"
+      "  voxtouch try\n"
+      "  voxtouch try part.stl --device sim-lwr\n"
+      "  voxtouch try cup_viscosity --record touched"}},
     {"new",
      {"Write a scene file for a mesh",
       "Measures the part and proposes unit, voxel size, tool and two motions of a simulated hand. "

@@ -13,6 +13,7 @@
 #include "core/types/program_folder.hpp"
 #include "nodes/cli/force_line.hpp"
 #include "nodes/cli/known_device.hpp"
+#include "nodes/cli/new.hpp"
 #include "nodes/cli/verbs.hpp"
 #include "nodes/log/tell.hpp"
 #include "nodes/mesh_import/mesh_process.hpp"
@@ -125,10 +126,9 @@ std::vector<std::string> tried(const scene::Scene& scene,
   return said;
 }
 
-int make_new(const NewOptions& o) {
+/// Writes the scene to `out`; returns its reasons, as sentences.
+std::vector<std::string> write_scene(const NewOptions& o, const fs::path& out) {
   const coupling::design::DeviceModel device = find_device(o.device);
-  const fs::path out = fs::absolute(
-      o.out.empty() ? fs::path(first_scene::scene_name(o.part.stem().string()) + ".yaml") : o.out);
   if (fs::exists(out))
     throw std::runtime_error(fmt::format(
         "{} is there already and is left as it is; --out FILE is another", out.string()));
@@ -148,7 +148,13 @@ int make_new(const NewOptions& o) {
     fs::remove(out);  // a scene that cannot even be built is no begin
     throw;
   }
-  for (const std::string& reason : proposed.reasons)
+  return std::move(proposed.reasons);
+}
+
+int make_new(const NewOptions& o) {
+  const fs::path out = fs::absolute(
+      o.out.empty() ? fs::path(first_scene::scene_name(o.part.stem().string()) + ".yaml") : o.out);
+  for (const std::string& reason : write_scene(o, out))
     log::print_result("{}\n", reason);
   log::print_result(
       "\n{} is written. Feel it, and see it:\n  voxtouch up {} --device {} --motion press --view\n",
@@ -158,6 +164,13 @@ int make_new(const NewOptions& o) {
 }
 
 }  // namespace
+
+void write_first_scene(const fs::path& part, const std::string& device, const fs::path& out) {
+  NewOptions o;
+  o.part = part, o.device = device;
+  for (const std::string& reason : write_scene(o, out))
+    log::tell("  {}\n", reason);
+}
 
 void add_new(CLI::App& app, Action& action) {
   auto o = std::make_shared<NewOptions>();

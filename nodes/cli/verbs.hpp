@@ -18,7 +18,7 @@ using AddVerb = void(CLI::App& app, Action& action);
 
 AddVerb add_up, add_new, add_build, add_probe, add_design, add_accuracy, add_plan, add_schema,
     add_change, add_types, add_view, add_report, add_replay, add_status, add_recover, add_doctor,
-    add_keys, add_identify;
+    add_keys, add_identify, add_try;
 
 /// Parses the command line of a program that has these verbs and runs the chosen one. Returns the
 /// exit status.

@@ -46,6 +46,10 @@ void add_view(CLI::App& app, Action& action) {
               "--port", o->server.port,
               "Port to serve at; 0: any that is free. Default: 8765, or any where that is taken")
           ->check(CLI::Range(0, 65535));
+  verb->add_flag("--lead-hand", o->leads_hand,
+                 "Pages move the hand of the ring's device, which runs with --hand-from page "
+                 "(voxtouch up sets this)");
+  verb->add_flag("--browser", o->opens_browser, "Opens the page in the browser, if there is one");
   verb->add_option(
       "--with-parent", o->parent,
       "Stop when this parent process dies, and tell the address on stderr (voxtouch up sets this)");

@@ -80,14 +80,16 @@ class PageServer::Impl {
     Clock::time_point second{};
     int messages = 0;      ///< in this second
     bool refused = false;  ///< gets one sentence and is closed
+    std::uint64_t number = 0;
   };
 
  public:
-  Impl(const ServerOptions& options, std::function<std::string()> greeting,
-       std::function<void(std::string)> heard)
+  Impl(const ServerOptions& options, std::function<std::string()> greeting, Heard heard,
+       Closed closed)
       : files_(find_page_files()),
         greeting_(std::move(greeting)),
-        heard_(std::move(heard)) {
+        heard_(std::move(heard)),
+        closed_(std::move(closed)) {
     check_address(options.address);
     access_ = {options.address, options.port, make_token()};
     lws_set_log_level(0, nullptr);  // that a port is taken is said below
@@ -258,6 +260,9 @@ class PageServer::Impl {
     }
     clients_.insert({wsi, *client});
     count_.store(clients_.size());
+    (*client)->number = ++last_number_;
+    (*client)->waiting.push_back(
+        outgoing(fmt::format(R"({{"type":"page","page":{}}})", last_number_), false));
     (*client)->waiting.push_back(outgoing(greeting_(), false));
     lws_callback_on_writable(wsi);
     return 0;
@@ -266,6 +271,8 @@ class PageServer::Impl {
   int close(lws* wsi, Client** client) {
     clients_.erase({wsi, *client});
     count_.store(clients_.size());
+    if (*client && !(*client)->refused)
+      closed_((*client)->number);
     delete std::exchange(*client, nullptr);
     return 0;
   }
@@ -287,7 +294,7 @@ class PageServer::Impl {
       client.second = now, client.messages = 0;
     if (++client.messages > kMaxMessagesASecond)
       return end_it(LWS_CLOSE_STATUS_POLICY_VIOLATION, "too many messages");
-    heard_(std::exchange(client.incoming, {}));
+    heard_(client.number, std::exchange(client.incoming, {}));
     return 0;
   }
 
@@ -337,7 +344,9 @@ class PageServer::Impl {
 
   std::map<std::string, PageFile> files_;
   std::function<std::string()> greeting_;
-  std::function<void(std::string)> heard_;
+  Heard heard_;
+  Closed closed_;
+  std::uint64_t last_number_ = 0;
   Access access_;
   lws_context* context_ = nullptr;
   std::set<std::pair<lws*, Client*>> clients_;  ///< the server's thread alone
@@ -349,8 +358,9 @@ class PageServer::Impl {
 };
 
 PageServer::PageServer(const ServerOptions& options, std::function<std::string()> greeting,
-                       std::function<void(std::string)> heard)
-    : impl_(std::make_unique<Impl>(options, std::move(greeting), std::move(heard))) {}
+                       Heard heard, Closed closed)
+    : impl_(std::make_unique<Impl>(options, std::move(greeting), std::move(heard),
+                                   std::move(closed))) {}
 PageServer::~PageServer() = default;
 std::string PageServer::address() const { return impl_->address(); }
 void PageServer::send_frame(std::string text) { impl_->send(text, true); }

@@ -1,6 +1,8 @@
 #pragma once
 /// Serves the page's files and one WebSocket on one address, by libwebsockets, in a thread of its
 /// own.
+#include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
@@ -18,17 +20,22 @@ struct ServerOptions {
 inline constexpr std::size_t kMaxClients = 8;
 inline constexpr std::size_t kMaxConnections = 64;     ///< a browser opens several for one page
 inline constexpr std::size_t kMaxMessageBytes = 4096;  ///< of a client [bytes]
-inline constexpr int kMaxMessagesASecond = 50;         ///< of a client
+inline constexpr int kMaxMessagesASecond = 100;  ///< of a client; one that leads the hand sends 60
 inline constexpr std::size_t kMaxWaiting =
     64;  ///< frames for a client that is slow; what comes then is left out for it
 
 class PageServer {
  public:
-  /// `greeting` gives what a client that has just come must know, as one message; `heard` gets what
-  /// clients send. Both are called from the server's thread. Throws std::runtime_error, a sentence,
-  /// where the address cannot be had or the page's files are missing.
-  PageServer(const ServerOptions& options, std::function<std::string()> greeting,
-             std::function<void(std::string)> heard);
+  /// What a client sends; it is a number from 1 on, and of no other one.
+  using Heard = std::function<void(std::uint64_t client, std::string text)>;
+  using Closed = std::function<void(std::uint64_t client)>;
+
+  /// `greeting` gives what a client that has just come must know, as one message, after
+  /// {"type": "page", "page": its number}. All three are called from the server's thread. Throws
+  /// std::runtime_error, a sentence, where the address cannot be had or the page's files are
+  /// missing.
+  PageServer(const ServerOptions& options, std::function<std::string()> greeting, Heard heard,
+             Closed closed);
   ~PageServer();
   PageServer(const PageServer&) = delete;
   PageServer& operator=(const PageServer&) = delete;

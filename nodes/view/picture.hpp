@@ -60,6 +60,7 @@ class Picture {
   /// All rows of the last kPastS.
   nlohmann::json past(const scene::Scene* scene);
   nlohmann::json latency() const { return latency_.to_json(); }
+  const std::optional<msg::DeviceState>& state() const noexcept { return state_; }
   const std::optional<msg::ContactState>& contact() const noexcept { return contact_; }
 
  private:

@@ -18,7 +18,9 @@
 #include "nodes/runtime/clock.hpp"
 #include "nodes/runtime/convert.hpp"
 #include "nodes/view/bag_player.hpp"
+#include "nodes/view/browser.hpp"
 #include "nodes/view/contact_points.hpp"
+#include "nodes/view/hand_lead.hpp"
 #include "nodes/view/ring_tap.hpp"
 #include "nodes/view/rounded.hpp"
 #include "nodes/view/shapes.hpp"
@@ -58,12 +60,21 @@ json counts_of(const std::vector<NodeRow>& rows) {
 
 class View {
  public:
+  /// Throws std::runtime_error, a sentence.
   explicit View(const Options& options)
       : options_(options),
         participant_(options.node.participant("view")),
+        hand_(options.leads_hand ? std::make_unique<HandLead>(participant_, options.node)
+                                 : nullptr),
         server_(
             options.server, [this] { return greeting(); },
-            [this](std::string text) { hear(std::move(text)); }) {
+            [this](std::uint64_t page, std::string text) { hear(page, std::move(text)); },
+            [this](std::uint64_t page) {
+              if (hand_)
+                hand_->close(page);
+            }) {
+    if (is_bag(options.shown) && hand_)
+      throw std::runtime_error("a recording has no hand to lead: start without --lead-hand");
     if (is_bag(options.shown))
       player_.emplace(participant_, options.shown);
     else
@@ -84,6 +95,8 @@ class View {
       log::tell("{}\n", line);
     else
       log::print_result("{}\n", line), log::finish_results();
+    if (options_.opens_browser)
+      open_browser(server_.address());
     std::int64_t at_ns = runtime::monotonic_ns(), before_ns = at_ns, frame_at_ns = 0,
                  facts_at_ns = 0;
     while (!stop.load()) {
@@ -111,6 +124,8 @@ class View {
   void advance(std::int64_t now_ns, double elapsed_s) {
     if (tap_) {
       tap_->take(picture_, facts_, nodes_, now_ns);
+      if (hand_ && picture_.state())
+        hand_->see(*picture_.state());
     } else if (player_->advance(server_.clients() > 0 ? elapsed_s : 0.0, picture_, facts_,
                                 nodes_)) {
       server_.send_fact(text_of(picture_.past(known_scene())));
@@ -140,6 +155,8 @@ class View {
   void send_facts(std::int64_t now_ns) {
     look_after_shapes();
     follow_scene();
+    if (hand_)
+      hand_->claim();
     if (server_.clients() == 0)
       return;
     const std::vector<NodeRow> rows = nodes_.rows(player_ ? player_->now_ns() : now_ns);
@@ -150,6 +167,7 @@ class View {
     facts["counts"] = counts_of(rows);
     facts["latency"] = picture_.latency();
     facts["scene_note"] = scene_note();
+    facts["hand"] = hand_ ? hand_->to_json() : json();
     if (player_)
       facts["bag_note"] = player_->note();
     if (player_)
@@ -216,6 +234,8 @@ class View {
       return;
     }
     facts_.scene_is(*scene_);
+    if (hand_)
+      hand_->set_scene(*scene_);
     // Large meshes take seconds to read; forces and charts do not wait for them.
     shapes_ = std::async(std::launch::async, [this, scene = *scene_] {
       json shapes = shapes_of(scene, ended_);
@@ -271,8 +291,16 @@ class View {
     orders_.push_back(json::object({{"past", true}}));
     return scene_text_;
   }
-  void hear(std::string text) {
+  void hear(std::uint64_t page, std::string text) {
     json order = json::parse(text, nullptr, false);
+    if (hand_ && order.is_object() && order.contains("aim")) {
+      try {
+        hand_->aim(page, order["aim"], runtime::monotonic_ns());
+      } catch (const json::exception&) {
+        // It is none of ours: a page sends no such thing.
+      }
+      return;
+    }
     constexpr std::size_t kMaxOrders = 64;
     const std::lock_guard lock(mutex_);
     if (order.is_object() && orders_.size() < kMaxOrders)
@@ -352,6 +380,7 @@ class View {
   std::mutex mutex_;
   std::string scene_text_ = R"({"type":"scene","meshes":[],"notes":[]})";
   std::deque<json> orders_;
+  std::unique_ptr<HandLead> hand_;  ///< if pages lead one
   PageServer server_;
   std::optional<RingTap> tap_;
   std::optional<BagPlayer> player_;

@@ -13,6 +13,8 @@ struct Options {
   std::filesystem::path
       shown;  ///< a bag, a scene file, or empty: the ring's own scene, if its file is at hand
   ServerOptions server;
+  bool leads_hand = false;  ///< pages move the hand of the ring's device
+  bool opens_browser = false;
   bool to_stderr = false;  ///< the address is told there, since stdout belongs to somebody else
 };
 

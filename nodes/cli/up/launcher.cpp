@@ -194,11 +194,16 @@ int RunningNode::join(std::chrono::milliseconds patience) {
   return *ended();
 }
 
-std::unique_ptr<RunningNode> start_page(const runtime::NodeOptions& o) {
+std::unique_ptr<RunningNode> start_page(const runtime::NodeOptions& o, bool leads_hand,
+                                        bool browser) {
   constexpr std::chrono::milliseconds kPatience{2'000};
   std::vector<std::string> arguments = {"view",        o.scene.string(),   "--rig",
                                         o.rig,         "--domain",         fmt::to_string(o.domain),
                                         "--interface", o.network_interface};
+  if (leads_hand)
+    arguments.emplace_back("--lead-hand");
+  if (browser)
+    arguments.emplace_back("--browser");
   for (const std::string& peer : o.discovery_peers)
     arguments.insert(arguments.end(), {"--discovery-peer", peer});
   if (!o.security.empty())

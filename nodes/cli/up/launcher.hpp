@@ -53,7 +53,9 @@ std::unique_ptr<RunningNode> start_node(LauncherOptions& options, const std::str
 
 /// The page of `up --view`: `voxtouch view` as a process of its own, whose end the ring does not
 /// notice. Shows the ring of `options` and the meshes of its scene, and tells its address on
-/// stderr. Throws std::runtime_error where it cannot be started.
-std::unique_ptr<RunningNode> start_page(const runtime::NodeOptions& options);
+/// stderr. `leads_hand`: pages move the hand of the ring's device. `browser`: it is opened there.
+/// Throws std::runtime_error where it cannot be started.
+std::unique_ptr<RunningNode> start_page(const runtime::NodeOptions& options, bool leads_hand,
+                                        bool browser);
 
 }  // namespace voxtouch::cli

@@ -17,15 +17,19 @@ struct UpOptions {
   LauncherOptions ring;       ///< what each has beside that
   ChosenLimits limits;
   std::uint64_t restarts = 0;  ///< nodes that may be started again in the run; the device never is
-  bool no_record = false, no_report = false, json = false, view = false;
+  bool no_record = false, no_report = false, json = false, view = false, browser = false;
 };
 
 class RingRun {
  public:
   /// Joins the domain and announces the ring. `options` must outlive it.
   RingRun(const UpOptions& options, const scene::Scene& scene, StartReport start);
-  /// From now on it is reported if this process of `view` ends. It must outlive the run.
-  void watch_page(RunningNode& page) { page_ = &page; }
+  /// The process of the ring's page, which has the role `page` from its first status on. The run
+  /// reports its end. It outlives the run.
+  void set_page(RunningNode& page) {
+    page_ = &page;
+    monitor_.set_page(page);
+  }
   /// Returns once every node has ended. Throws std::runtime_error, a sentence, if the rig is in
   /// use, a node cannot be started, or rendering or coupling refuses scene and device before any
   /// force: then no bag is left.

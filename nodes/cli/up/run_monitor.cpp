@@ -12,6 +12,12 @@
 
 namespace voxtouch::cli {
 
+namespace {
+
+constexpr std::string_view kPage = "page";
+
+}  // namespace
+
 RunMonitor::RunMonitor(const bus::Participant& participant, const std::string& rig,
                        bus::RosGraph graph, StartReport start)
     : registry_(participant, rig),
@@ -30,7 +36,7 @@ void RunMonitor::poll(const ProcessSupervisor& nodes) {
         std::max(silence_s_["up"], 1e-9 * static_cast<double>(now_ns - last_poll_ns_));
   last_poll_ns_ = now_ns;
   const auto is_of_node = [&](const runtime::NodeReport& report) {
-    const RunningNode* const node = nodes.find(report.node);
+    const RunningNode* const node = report.node == kPage ? page_ : nodes.find(report.node);
     if (!node || node->pid() != report.pid)
       return false;
     // The process number stands in each status for all to copy: the first that had it stays.
@@ -44,6 +50,8 @@ void RunMonitor::poll(const ProcessSupervisor& nodes) {
     if (!is_of_node(report))
       continue;
     players_[report.node].insert(report.participant);
+    if (report.node == kPage)
+      continue;
     const auto earlier = earlier_.find(report.node);
     reports_[report.node] =
         earlier == earlier_.end() ? report : over_all_processes(earlier->second, report);

@@ -14,6 +14,7 @@
 namespace voxtouch::cli {
 
 class ProcessSupervisor;
+class RunningNode;
 
 class RunMonitor {
  public:
@@ -21,6 +22,8 @@ class RunMonitor {
   RunMonitor(const bus::Participant& participant, const std::string& rig, bus::RosGraph graph,
              StartReport start);
 
+  /// A process beside the nodes that plays the role `page`; the run does not depend on it.
+  void set_page(const RunningNode& page) { page_ = &page; }
   /// Takes what has come. Call it at least every 20 ms: longer pauses are reported as silence of
   /// "up".
   void poll(const ProcessSupervisor& nodes);
@@ -50,6 +53,7 @@ class RunMonitor {
   void tell_once(const std::string& node, const std::string& text);
   runtime::NodeRegistry registry_;
   const bus::Guid own_;
+  const RunningNode* page_ = nullptr;
   bus::Reader<msg::ValidationReport> verdicts_;  ///< the validator judges only while somebody
                                                  ///< reads; its counts come with its status
   ForeignWriters writers_;

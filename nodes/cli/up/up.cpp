@@ -43,8 +43,20 @@ void check_restarts(const UpOptions& options) {
     throw std::runtime_error("--restart starts a process again. Start without --one-process");
 }
 
+/// A page that leads the hand is bound by a status of its own, for which a tool's keys give no
+/// right.
+void check_page(const UpOptions& options) {
+  const device_node::Options& device = options.ring.device;
+  device_node::check_hand_from(device.device, device.hand, options.node.lockstep);
+  if (device.hand.from_page && !options.node.security.empty())
+    throw std::runtime_error(
+        "--hand-from page does not work under --security: the keys of a tool give the page no "
+        "right to lead a hand. Start without --security, or with --motion");
+}
+
 RunSummary run_up(const UpOptions& options) {
   check_restarts(options);
+  check_page(options);
   require_all_keys(options);
   runtime::catch_signals();
   signal(SIGCHLD, [](int) {});  // is not to be ignored by `usleep`
@@ -55,15 +67,15 @@ RunSummary run_up(const UpOptions& options) {
   RingRun run(options, scene,
               {std::move(warnings), options.node.scene.string(),
                options.ring.device.device});  // first: others can answer its claim meanwhile
-  if (options.view) {
-    page = start_page(options.node);  // what takes long to build can be looked at meanwhile
-    run.watch_page(*page);
-  }
   const device_node::Options& device = options.ring.device;
-  const std::vector<std::string> notes =
-      check_before_start(scene, {device.device, devices::parse_settings(device.settings),
-                                 device.motion, options.no_record ? "" : options.ring.logger.bag,
-                                 device.network_delay_ms, options.node.lockstep});
+  if (options.view || device.hand.from_page) {  // what takes long to build can be seen meanwhile
+    page = start_page(options.node, device.hand.from_page, options.browser);
+    run.set_page(*page);
+  }
+  const std::vector<std::string> notes = check_before_start(
+      scene, {device.device, devices::parse_settings(device.settings), device.motion,
+              options.no_record ? "" : options.ring.logger.bag, device.network_delay_ms,
+              options.node.lockstep, device.hand.from_page});
   for (const std::string& note : notes)
     log::tell("note: {}\n", note);
   return run.go();
@@ -124,7 +136,8 @@ void add_up(CLI::App& app, Action& action) {
       ->option_text("N")
       ->check(runtime::require_whole);
   verb->add_flag("--view", options->view,
-                 "Serves a page that shows the ring, and prints its address");
+                 "Serves a page that shows the ring, and prints its address; --hand-from page too");
+  verb->add_flag("--browser", options->browser, "Opens that page in the browser, if there is one");
   verb->add_flag("--json", options->json,
                  "Summary as one JSON object on stdout; all else goes to stderr");
   verb->callback([options, &action] { action = [options] { return up(*options); }; });

@@ -91,7 +91,7 @@ std::vector<std::string> check_before_start(const scene::Scene& scene, const Pla
   if (!simulated_hand && !plans.motion.empty())
     notes.push_back(fmt::format("--motion {} moves a simulated hand; {} is moved by a person",
                                 plans.motion, plans.device));
-  if (simulated_hand && plans.motion.empty())
+  if (simulated_hand && plans.motion.empty() && !plans.hand_from_page)
     notes.push_back(
         "no --motion is given: the simulated hand rests where the scene's first motion starts");
   return notes;

@@ -16,6 +16,7 @@ struct Plans {
   std::filesystem::path bag;  ///< empty: none
   double network_delay_ms = 0.0;
   bool lockstep = false;
+  bool hand_from_page = false;
 };
 
 /// Throws std::runtime_error, a sentence: unknown device, device option or motion, a device that

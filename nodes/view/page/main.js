@@ -17,6 +17,8 @@
   }
   const charts = new Charts($('charts'), hold => setPaused(hold));
   const effects = new Panels.Effects(send);
+  const hand = state.hand = scene3d && new Hand(scene3d, order => socket && socket.readyState === WebSocket.OPEN && socket.send(JSON.stringify(order)), () => state.connected && state.frame,
+    () => state.facts && state.facts.device && state.facts.device.max_force_n);
 
   function send(order) {
     if (socket && socket.readyState === WebSocket.OPEN) socket.send(JSON.stringify(order));
@@ -46,6 +48,7 @@
     else if (message.type === 'answer') effects.answered(message);
     else if (message.type === 'slice') takeSlice(message);
     else if (message.type === 'refused') refusal = message.sentence;
+    else if (message.type === 'page' && hand) hand.page = state.page = message.page, hand.position = hand.aimed = null;
   }
 
   function takeScene(scene) {
@@ -96,7 +99,10 @@
   function takeFrame(frame) {
     frameAt = performance.now();
     state.frames++;
-    if (state.frame && state.frame.session !== frame.session) charts.clear();
+    if (state.frame && state.frame.session !== frame.session) {
+      charts.clear();
+      if (hand) hand.position = hand.aimed = null;
+    }
     state.frame = frame;
     if (paused && !isBag()) return;
     waiting = frame;
@@ -125,6 +131,7 @@
       if (!paused) charts.histogram.show(facts.latency, facts.counts, isBag(), Boolean(device && device.lockstep));
     }
     if (facts.bag) showPlayer(facts.bag);
+    if (hand) hand.take(facts.hand);
     note(), pill();
   }
 
@@ -219,13 +226,16 @@
   $('help').addEventListener('click', () => $('keys').showModal());
   $('close-keys').addEventListener('click', () => $('keys').close());
   for (const button of document.querySelectorAll('[data-camera]')) button.addEventListener('click', () => look(button.dataset.camera));
+  const toggleHand = () => hand && hand.facts && hand.setOn(!hand.on);
+  $('hand-on').addEventListener('click', toggleHand);
   const step = by => isBag() && send({seek: Math.max(0, state.facts.bag.t + by)});
-  const KEYS = {' ': toggle, t: switchTheme, o: see, '?': () => $('keys').showModal(), ArrowLeft: () => step(-1), ArrowRight: () => step(1),
+  const KEYS = {' ': toggle, h: toggleHand, t: switchTheme, o: see, '?': () => $('keys').showModal(), ArrowLeft: () => step(-1), ArrowRight: () => step(1),
                 v: () => { cut.axis = {'': 'x', x: 'y', y: 'z', z: ''}[cut.axis], askSlice(); },
                 0: () => look('home'), 1: () => look('front'), 2: () => look('side'), 3: () => look('top'), 4: () => look('near')};
   document.addEventListener('keydown', event => {
     if (event.ctrlKey || event.metaKey || event.altKey || $('keys').open) return;
     if (event.target.closest('input, select, button, summary, textarea') && (event.key === ' ' || event.key.startsWith('Arrow') || event.target.matches('input[type="text"]'))) return;
+    if (hand && hand.key(event)) return void event.preventDefault();
     const act = KEYS[event.key];
     if (!act) return;
     event.preventDefault();
@@ -245,9 +255,11 @@
     }
   }
   function draw() {
+    if (hand) hand.step(performance.now());
     if (waiting) {
       if (scene3d) scene3d.setFrame(waiting), $('scales').textContent = scene3d.scaleText();
       showNumbers(waiting);
+      if (hand && state.facts && state.facts.device) hand.rumble(Math.hypot(...(waiting.force || [0])) / state.facts.device.max_force_n, performance.now());
       waiting = null;
     }
     if (scene3d && scene3d.draw()) state.pictures++;
@@ -258,6 +270,7 @@
     requestAnimationFrame(draw);
   }
   setInterval(pill, 500);
+  setInterval(() => hand && hand.step(performance.now()), 50);  // a page that draws slowly leads the hand all the same
   connect();
   requestAnimationFrame(draw);
 })();

@@ -102,6 +102,13 @@
       this.dots.geometry.setAttribute('position', new THREE.BufferAttribute(new Float32Array(3 * MOST_POINTS), 3));
       this.dots.frustumCulled = false, this.dots.renderOrder = 9;
       this.world.add(this.trailLine, this.dots);
+      this.cursor = new THREE.Mesh(new THREE.SphereBufferGeometry(1, 16, 10), new THREE.MeshBasicMaterial({wireframe: true, depthTest: false, transparent: true}));
+      this.pull = new THREE.Line(new THREE.BufferGeometry(), new THREE.LineBasicMaterial({depthTest: false, transparent: true}));
+      this.pull.geometry.setAttribute('position', new THREE.BufferAttribute(new Float32Array(6), 3));
+      this.pull.frustumCulled = false;
+      this.cursor.renderOrder = this.pull.renderOrder = 12;
+      this.cursor.visible = this.pull.visible = false;
+      this.world.add(this.cursor, this.pull);
       this.radius = 0.1, this.middle = new THREE.Vector3(), this.seeThrough = true, this.follow = false;
       this.metresPerNewton = 0.1, this.largest = [];
       this.makeArrows(), this.recolor();
@@ -176,6 +183,7 @@
       for (const kind of ['returned', 'contact']) this.arrows[kind].userData.material.color.copy(color('--' + kind));
       this.trailLine.material.color.copy(color('--trail'));
       this.dots.material.color.copy(color('--points'));
+      for (const o of [this.cursor, this.pull]) o.material.color.copy(color('--cursor'));
       if (this.grid) {
         this.grid.geometry.deleteAttribute && this.grid.geometry.deleteAttribute('color');
         this.grid.material.color.copy(color('--grid'));
@@ -251,7 +259,7 @@
         const group = this.objects.get(Number(object));
         if (group) group.position.set(...moved);
       }
-      this.setForces(f), this.setTrail(f), this.setPoints(f.points || []);
+      this.setForces(f), this.setTrail(f), this.setPoints(f.points || []), this.setPull();
       this.dirty = true;
     }
 
@@ -290,6 +298,22 @@
       at.array.set(points.slice(0, 3 * count));
       at.needsUpdate = true;
       this.dots.geometry.setDrawRange(0, count);
+    }
+
+    // Where the hand wants the tool to be, and a line from there to the tool; null: nowhere.
+    setCursor(position) {
+      const same = position ? this.cursor.visible && this.cursor.position.equals(position) : !this.cursor.visible;
+      if (same) return;
+      this.cursor.visible = this.pull.visible = position !== null;
+      if (position) this.cursor.position.copy(position), this.cursor.scale.setScalar(0.035 * this.radius);
+      this.setPull();
+    }
+    setPull() {
+      this.dirty = true;
+      if (!this.pull.visible) return;
+      const at = this.pull.geometry.getAttribute('position');
+      at.setXYZ(0, ...this.tool.position.toArray()), at.setXYZ(1, ...this.cursor.position.toArray());
+      at.needsUpdate = true;
     }
 
     /** Without a force in the last ten seconds the arrows have no scale. */

@@ -1,0 +1,97 @@
+#include "nodes/view/hand_lead.hpp"
+
+#include <array>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "core/types/motion.hpp"
+#include "nodes/runtime/convert.hpp"
+#include "nodes/view/rounded.hpp"
+
+namespace voxtouch::view {
+
+using nlohmann::json;
+
+HandLead::HandLead(const bus::Participant& participant, const runtime::NodeOptions& options)
+    : targets_(participant, qos::kOperatorTarget, options.rig,
+               qos::profile(qos::kOperatorTarget.profile)),
+      status_(participant, "page", options.rig) {}
+
+HandLead::~HandLead() {
+  if (!state_)
+    return;
+  runtime::NodeReport report;
+  report.session_id = state_->session_id;
+  report.state = runtime::NodeState::kStopped;
+  report.message = "stopped on request; the hand rests";
+  status_.publish(report, false);
+  status_.flush();
+}
+
+void HandLead::set_scene(const scene::Scene& scene) {
+  const std::lock_guard lock(mutex_);
+  place_ = Place{scene.device.pose_WD, scene.device.pose_PT, scene.device.position_scale};
+}
+
+void HandLead::see(const msg::DeviceState& state) {
+  const std::lock_guard lock(mutex_);
+  if (state_ && state_->session_id != state.session_id)
+    target_.reset();
+  state_ = state;
+}
+
+void HandLead::claim() {
+  const std::lock_guard lock(mutex_);
+  if (!state_)
+    return;
+  runtime::NodeReport report;
+  report.session_id = state_->session_id;
+  report.state = runtime::NodeState::kRunning;
+  report.message = page_ ? fmt::format("page {} has the hand", *page_) : "no page has the hand";
+  report.figures["targets"] = {sequence_, "targets"};
+  status_.publish(report, false);
+}
+
+void HandLead::aim(std::uint64_t page, const json& target, std::int64_t now_ns) {
+  const auto p = target.at("p").get<std::array<double, 3>>();
+  const auto q = target.at("q").get<std::array<double, 4>>();
+  Pose pose{Vec3(p[0], p[1], p[2]), Quat(q[3], q[0], q[1], q[2])};
+  if (!pose.position.allFinite() || !normalise_within(pose.orientation, 0.5, 2.0))
+    return;
+  const std::lock_guard lock(mutex_);
+  if (page_ && *page_ != page && now_ns - aimed_ns_ < kKeptNs)
+    return;
+  if (!place_ || !state_)
+    return;
+  page_ = page, target_ = pose, aimed_ns_ = now_ns;
+  Motion rest;
+  rest.path = {pose.position}, rest.orientation = pose.orientation;
+  rest = motion_in_device(rest, place_->pose_WD, place_->pose_PT, place_->position_scale);
+  msg::OperatorTarget message{};
+  message.session_id = state_->session_id;
+  message.sequence_number = sequence_++;
+  message.sample_time_ns = state_->sample_time_ns;
+  message.pose = runtime::to_msg(Pose{rest.path.front(), rest.orientation});
+  targets_.write(message);
+}
+
+void HandLead::close(std::uint64_t page) {
+  const std::lock_guard lock(mutex_);
+  if (page_ == page)
+    page_.reset();
+}
+
+json HandLead::to_json() const {
+  const std::lock_guard lock(mutex_);
+  json target;
+  if (target_) {
+    const Vec3& p = target_->position;
+    const Quat& q = target_->orientation;
+    for (const double x : {p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w()})
+      target.push_back(rounded(x));
+  }
+  return {{"page", page_ ? json(*page_) : json()}, {"target", std::move(target)}};
+}
+
+}  // namespace voxtouch::view

@@ -1,0 +1,410 @@
+"""The hand of a simulated device, led from pages: by a plain client, and by the pointer, the wheel,
+the keys, a finger, a pen and a gamepad of headless Chromium.
+"""
+import json
+import pathlib
+import re
+import signal
+import subprocess
+import tempfile
+import time
+import unittest
+
+from browser_test import Browser
+from page_client import BIN, DEPLOY, DOMAIN, Process, WebSocket, page, scene, size, state_of, until
+from page_client import until_it_runs
+from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
+
+UP = (0.0, 0.0, 0.0, 1.0)
+
+
+def led_ring(name, *more):
+    """A ring that a page leads; on a busy machine samples may be lost."""
+    arguments = () if "--record" in more else ("--no-record",)
+    return Process("up", name, "--hand-from", "page", "--domain", DOMAIN, *arguments, *more)
+
+
+def rigid_plane(folder):
+    """The shipped plane, with a virtual tool: what is felt stays outside."""
+    text = pathlib.Path(scene("plane")).read_text().replace("../meshes", str(DEPLOY / "meshes"))
+    soft = "contact: {model: adapted, stiffness_n_per_m: 30}"
+    assert soft in text
+    file = pathlib.Path(folder) / "rigid.yaml"
+    file.write_text(text.replace(soft, "contact: {model: field, rendering: virtual_tool}"))
+    return str(file)
+
+
+def aim(socket, place, seconds, orientation=UP):
+    """Sixty targets a second for so long, as a page sends them."""
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        socket.order(aim={"p": list(place), "q": list(orientation)})
+        time.sleep(1 / 60)
+
+
+def newest_frame(socket):
+    """The first frame that was made after this call: those that wait are older."""
+    end = time.monotonic() + 0.2
+    frame = socket.frame(lambda m: "tool" in m, 10, "a frame")
+    while time.monotonic() < end:
+        frame = socket.frame(lambda m: "tool" in m, 10, "a frame")
+    return frame
+
+
+def hand_of(socket):
+    return socket.facts(lambda m: m["hand"] is not None, 10, "who has the hand")["hand"]
+
+
+def distance(a, b):
+    return sum((x - y) ** 2 for x, y in zip(a[:3], b[:3])) ** 0.5
+
+
+class Led(unittest.TestCase):
+    def test_the_first_page_has_the_hand_until_it_closes(self):
+        with led_ring("plane") as up:
+            until_it_runs(up)
+            address = up.address()
+            first, second = WebSocket(address), WebSocket(address)
+            number = first.wait_for(lambda m: m["type"] == "page", 5, "its number")["page"]
+            start = newest_frame(first)["tool"]
+            goal = (start[0] + 0.02, start[1], start[2] + 0.01)
+            aim(first, goal, 1.5)
+            self.assertLess(distance(newest_frame(first)["tool"], goal), 0.003)
+            aim(second, start, 1.0)
+            self.assertLess(distance(newest_frame(second)["tool"], goal), 0.003, "not its hand")
+            self.assertEqual(
+                second.facts(lambda m: m["hand"]["page"] is not None, 10, "who")["hand"]["page"],
+                number,
+            )
+            first.close()
+            second.facts(lambda m: m["hand"]["page"] is None, 10, "that the hand is free")
+            aim(second, start, 1.5)
+            self.assertLess(distance(newest_frame(second)["tool"], start), 0.003)
+            second.close()
+
+    def test_without_the_token_nothing_moves(self):
+        with led_ring("plane") as up:
+            until_it_runs(up)
+            address = up.address()
+            with WebSocket(address) as good:
+                start = newest_frame(good)["tool"]
+                with WebSocket(address, token="0" * 32) as stranger:
+                    self.assertNotEqual(stranger.status, 101)
+                    try:
+                        aim(stranger, (start[0], start[1], start[2] + 0.03), 0.6)
+                    except OSError:
+                        pass  # the server has closed
+                # What is no pose moves nothing either, and the server goes on.
+                for odd in (
+                    {"p": [0, 0], "q": UP},
+                    {"p": ["a", 0, 0], "q": UP},
+                    {"p": [0, 0, 0], "q": [0, 0, 0, 0]},
+                    {"p": [0, 0, 1e999], "q": UP},
+                    [],
+                    None,
+                ):
+                    good.order(aim=odd)
+                time.sleep(0.5)
+                self.assertLess(distance(newest_frame(good)["tool"], start), 1e-4)
+
+    def test_a_page_that_up_did_not_start_leads_nothing(self):
+        with led_ring("plane") as up, page("--lead-hand") as stranger:
+            until_it_runs(up)
+            with WebSocket(stranger.address()) as socket:
+                start = newest_frame(socket)["tool"]
+                aim(socket, (start[0], start[1], start[2] + 0.03), 1.0)
+                self.assertLess(distance(newest_frame(socket)["tool"], start), 1e-4)
+
+    def test_a_lost_socket_in_contact_rests_the_hand(self):
+        with led_ring("plane") as up:
+            until_it_runs(up)
+            address = up.address()
+            with WebSocket(address) as watching:
+                leading = WebSocket(address)
+                start = newest_frame(leading)["tool"]
+                deep = (start[0], start[1], -0.01)
+                aim(leading, deep, 1.5)
+                pressed = size(newest_frame(watching)["force"])
+                self.assertGreater(pressed, 0.5)
+                leading.socket.close()
+                frames = []
+                end = time.monotonic() + 2.0
+                while time.monotonic() < end:
+                    frames.append(watching.frame(lambda m: "force" in m, 5, "a frame"))
+                sizes = [size(f["force"]) for f in frames]
+                for force in sizes:
+                    self.assertAlmostEqual(force, pressed, delta=0.15 * pressed)
+                places = [f["tool"] for f in frames[len(frames) // 2 :]]
+                self.assertLess(max(distance(places[0], p) for p in places), 2e-4, "it rests")
+                # Whoever comes next leads on from there.
+                aim(watching, start, 1.5)
+                self.assertLess(distance(newest_frame(watching)["tool"], start), 0.003)
+
+    def test_what_was_dragged_is_recorded_and_replays_bit_by_bit(self):
+        with tempfile.TemporaryDirectory() as folder:
+            bag = str(pathlib.Path(folder) / "bag")
+            with led_ring("cup_virtual_tool", "--record", bag) as up:
+                until_it_runs(up)
+                with WebSocket(up.address()) as socket:
+                    start = newest_frame(socket)["tool"]
+                    for step in range(6):
+                        sign = 1 if step % 2 == 0 else 0
+                        aim(socket, [x * (1 - 0.6 * sign) for x in start[:3]], 0.5)
+                    self.assertGreater(hand_of(socket)["page"], 0)
+                up.process.send_signal(signal.SIGINT)
+                up.process.wait(60)
+                told = up.told()
+            metadata = (pathlib.Path(bag) / "metadata.yaml").read_text()
+            entry = metadata[metadata.index("/operator/target") :]
+            count = int(re.search(r"message_count: (\d+)", entry).group(1))
+            self.assertGreater(count, 100, told)
+            replay = subprocess.run(
+                [BIN / "voxtouch", "replay", bag], capture_output=True, text=True, check=False
+            )
+            self.assertEqual(replay.returncode, 0, replay.stdout + replay.stderr)
+
+
+class Refused(unittest.TestCase):
+    def refusal(self, *arguments):
+        done = subprocess.run(
+            [BIN / "voxtouch", "up", scene("plane"), "--hand-from", "page", "--no-record"]
+            + ["--domain", DOMAIN, *arguments],
+            capture_output=True,
+            text=True,
+            check=False,
+            timeout=30,
+        )
+        self.assertEqual(done.returncode, 1, done.stderr)
+        return done.stderr
+
+    def test_by_real_devices_in_lockstep_and_under_security(self):
+        for device in ("phantom", "lwr", "fr3", "emulated-lwr"):
+            self.assertIn(f"'{device}'", self.refusal("--device", device))
+        self.assertIn("--lockstep", self.refusal("--lockstep", "--duration", "1"))
+        with tempfile.TemporaryDirectory() as folder:
+            self.assertIn("--security", self.refusal("--security", folder))
+
+
+class Pointer:
+    """Real events of a browser by its debugging protocol, in the canvas's own pixels."""
+
+    def __init__(self, browser):
+        self.browser = browser
+        box = browser.js("(b => [b.x, b.y, b.width, b.height])(canvas.getBoundingClientRect())")
+        self.x, self.y = box[0] + box[2] / 2, box[1] + box[3] / 2
+
+    def event(self, kind, **more):
+        arguments = {"type": kind, "x": self.x, "y": self.y, **more}
+        self.browser.driver.execute_cdp_cmd("Input.dispatchMouseEvent", arguments)
+
+    def press(self, button="left", **more):
+        self.event("mousePressed", button=button, clickCount=1, **more)
+
+    def release(self, button="left"):
+        self.event("mouseReleased", button=button, clickCount=1)
+
+    def move(self, dx, dy, steps=10, **more):
+        for _ in range(steps):
+            self.x, self.y = self.x + dx / steps, self.y + dy / steps
+            self.event("mouseMoved", **more)
+
+    def drag(self, dx, dy, steps=10, button="left", **more):
+        self.press(button, **more)
+        self.move(dx, dy, steps, button=button, buttons=2 if button == "right" else 1, **more)
+        self.release(button)
+
+    def wheel(self, delta):
+        self.event("mouseWheel", deltaX=0, deltaY=delta)
+
+    def touch(self, kind, points):
+        self.browser.driver.execute_cdp_cmd(
+            "Input.dispatchTouchEvent",
+            {"type": kind, "touchPoints": [{"x": x, "y": y, "id": n} for n, (x, y) in points]},
+        )
+
+
+class LedByABrowser(unittest.TestCase):
+    def setUp(self):
+        self.browser = Browser()
+        self.addCleanup(self.browser.end)
+
+    def open(self, up):
+        browser = self.browser
+        until_it_runs(up)
+        browser.open(up.address())
+        until(lambda: browser.frame().get("tool"), 20, "a tool")
+        until(
+            lambda: browser.js("Boolean(voxtouch.hand.facts && voxtouch.scene.meshes.length)"),
+            20,
+            "the hand",
+        )
+        browser.find("[data-camera=front]").click()
+        time.sleep(0.3)
+        return Pointer(browser)
+
+    def tool(self):
+        return self.browser.frame()["tool"]
+
+    def resting(self):
+        """Where the tool is once it does not move any more."""
+        last = [self.tool()]
+
+        def rests():
+            time.sleep(0.3)
+            before, last[0] = last[0], self.tool()
+            return distance(before, last[0]) < 1e-4
+
+        until(rests, 10, "rest")
+        return last[0]
+
+    def test_moves_it_by_pointer_wheel_and_keys(self):
+        with led_ring("plane") as up:
+            pointer = self.open(up)
+            start = self.resting()
+            pixel = self.browser.js(
+                "(voxtouch.hand.position || (voxtouch.hand.grip(),"
+                " voxtouch.hand.position), voxtouch.hand.pixel())"
+            )
+            pointer.drag(60, 0)
+            at = self.resting()
+            # The front camera looks along +y, with x to the right and z up.
+            self.assertAlmostEqual(at[0] - start[0], 60 * pixel, delta=0.002)
+            self.assertAlmostEqual(at[1], start[1], delta=0.002)
+            self.assertAlmostEqual(at[2], start[2], delta=0.002)
+            pointer.wheel(-200)
+            deep = self.resting()
+            self.assertAlmostEqual(deep[1] - at[1], 200 * 0.3 * pixel, delta=0.003)
+            turned_before = self.tool()[3:]
+            pointer.drag(40, 0, button="right")
+            self.resting()
+            turned = abs(sum(a * b for a, b in zip(turned_before, self.tool()[3:])))
+            self.assertLess(turned, 0.9999, "the right button rotates")
+            again = self.tool()[3:]
+            pointer.drag(40, 0, modifiers=8)
+            self.resting()
+            self.assertLess(
+                abs(sum(a * b for a, b in zip(again, self.tool()[3:]))), 0.9999, "Shift"
+            )
+
+            # Keys alone, from wherever the focus is.
+            for key, axis, sign in (
+                (Keys.ARROW_RIGHT, 0, 1),
+                (Keys.ARROW_LEFT, 0, -1),
+                (Keys.ARROW_UP, 2, 1),
+                (Keys.PAGE_UP, 1, 1),
+                (Keys.PAGE_DOWN, 1, -1),
+            ):
+                before = self.resting()
+                for _ in range(4):
+                    self.browser.press(key)
+                after = self.resting()
+                self.assertGreater(sign * (after[axis] - before[axis]), 0.002, repr(key))
+
+            # The camera's own drag, and the hand's again.
+            before = self.resting()
+            self.browser.press("h")
+            pointer.drag(80, 0)
+            self.assertLess(distance(self.resting(), before), 1e-4, "the camera is dragged")
+            self.browser.press("h")
+            self.browser.picture("hand.png")
+            self.assertEqual(self.browser.overlaps(), [])
+            self.assertEqual(self.browser.low_contrast(), [])
+            self.assertEqual(self.browser.barriers(), [])
+            self.assertEqual(self.browser.faults(), [])
+
+    def test_feels_the_wall_that_is_dragged_into(self):
+        with tempfile.TemporaryDirectory() as folder, led_ring(rigid_plane(folder)) as up:
+            browser, pointer = self.browser, self.open(up)
+            pointer.press()
+            pointer.move(0, 140, 30, button="left", buttons=1)
+            until(lambda: size(browser.frame().get("force")) > 0.5, 10, "the wall's force")
+            at, wants = self.resting(), browser.js("voxtouch.hand.aimed.toArray()")
+            shown = browser.frame()["object"]
+            self.assertGreater(shown[2], 0.0095, "the sphere of 10 mm stays outside")
+            self.assertLess(wants[2], shown[2] - 0.005, "and the hand wants it deeper")
+            self.assertTrue(browser.js("voxtouch.scene3d.pull.visible"))
+            browser.picture("hand_in_contact.png")
+            force = size(browser.frame()["force"])
+
+            # A page that is loaded anew in contact: the hand rests, and no other force comes.
+            browser.driver.refresh()
+            until(lambda: browser.frame().get("tool"), 20, "a tool")
+            time.sleep(1)
+            self.assertAlmostEqual(size(browser.frame()["force"]), force, delta=0.15 * force)
+            self.assertLess(distance(self.tool(), at), 5e-4)
+
+            # Another page sees who has the hand once this one moves it.
+            until(lambda: browser.js("Boolean(voxtouch.hand.facts)"), 10, "the hand")
+            browser.find("[data-camera=front]").click()
+            pointer = Pointer(browser)
+            pointer.drag(0, -60)
+            number = browser.js("voxtouch.page")
+            own = browser.driver.current_window_handle
+            browser.driver.switch_to.new_window("tab")
+            browser.open(up.address())
+            until(
+                lambda: f"Page {number} has the hand" in browser.find("#hand-text").text,
+                20,
+                "who has the hand",
+            )
+            before = self.resting()
+            Pointer(browser).drag(50, 0)
+            self.assertLess(distance(self.resting(), before), 1e-4, "it is not this page's hand")
+            browser.driver.close()
+            browser.driver.switch_to.window(own)
+
+    def test_moves_it_by_finger_pen_and_gamepad(self):
+        with led_ring("plane") as up:
+            browser, pointer = self.browser, self.open(up)
+            before = self.resting()
+            x, y = pointer.x, pointer.y
+            pointer.touch("touchStart", [(1, (x, y))])
+            for n in range(1, 11):
+                pointer.touch("touchMove", [(1, (x + 5 * n, y))])
+            pointer.touch("touchEnd", [])
+            moved = self.resting()
+            self.assertGreater(moved[0] - before[0], 0.005, "a finger")
+
+            # Two fingers that come apart: towards the viewer.
+            pointer.touch("touchStart", [(1, (x - 20, y)), (2, (x + 20, y))])
+            for n in range(1, 11):
+                pointer.touch("touchMove", [(1, (x - 20 - 3 * n, y)), (2, (x + 20 + 3 * n, y))])
+            pointer.touch("touchEnd", [])
+            apart = self.resting()
+            self.assertLess(apart[1] - moved[1], -0.005, "two fingers")
+
+            pen = {"pointerType": "pen"}
+            pointer.press(force=0.1, **pen)
+            for force in (0.2, 0.4, 0.6, 0.8):
+                pointer.move(1, 0, 1, button="left", buttons=1, force=force, **pen)
+            pointer.event("mouseReleased", button="left", clickCount=1, **pen)
+            self.assertGreater(self.resting()[1] - apart[1], 0.004, "a pen's pressure")
+
+            browser.js(
+                """(() => {
+              window.rumbled = 0;
+              const buttons = Array.from({length: 17}, () => ({value: 0}));
+              window.pad = {axes: [0, 0, 0, 0], buttons,
+                vibrationActuator: {playEffect() { rumbled++; return Promise.resolve(); }}};
+              navigator.getGamepads = () => [pad];
+            })()"""
+            )
+            before = self.resting()
+            browser.js("pad.axes[0] = -1")
+            time.sleep(0.4)
+            browser.js("pad.axes[0] = 0")
+            left = self.resting()
+            self.assertLess(left[0] - before[0], -0.004, "the left stick")
+            browser.js("pad.buttons[7].value = 1")
+            time.sleep(0.4)
+            browser.js("pad.buttons[7].value = 0")
+            self.assertGreater(self.resting()[1] - left[1], 0.004, "the right trigger")
+            browser.js("pad.axes[1] = 1")
+            until(lambda: size(browser.frame().get("force")) > 0.5, 20, "the wall's force")
+            until(lambda: browser.js("rumbled") > 0, 10, "rumble")
+            browser.js("pad.axes[1] = 0")
+
+
+if __name__ == "__main__":
+    unittest.main()
