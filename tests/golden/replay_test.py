@@ -477,7 +477,7 @@ class Replay(unittest.TestCase):
         bag = self.folder / "bag"
         self.change(
             bag,
-            DEPLOY / "scenes/cup_friction.yaml",
+            scene_of(self.folder, "cup_friction", ("kind: auto", "kind: shaping_filter")),
             [("friction", "stiffness_n_per_m=80", "--from-sample", 1500)],
             "--motion",
             "slide",
