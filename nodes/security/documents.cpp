@@ -21,7 +21,7 @@ bool writes(std::string_view role, const qos::Topic& topic) {
   if (role == kLauncher)
     return topic.writers == qos::kEveryNode || topic.of_launcher;
   if (role == kTool)
-    return topic.writers == qos::kNobody && !topic.of_launcher;
+    return topic.writers == qos::kNobody && !topic.of_launcher && !topic.with_led_hand;
   return (topic.writers & node_of(role)) != 0;
 }
 

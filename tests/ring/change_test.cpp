@@ -27,27 +27,17 @@ constexpr double kDamping = 2.0;
 /// plane.yaml as through oil, in a folder of the test. `smooth`: with a contact model that does not
 /// step at voxel borders.
 std::string oily_plane(const TemporaryFolder& folder, bool smooth = false) {
-  std::ifstream in(shipped_scene("plane"));
-  std::stringstream text;
-  text << in.rdbuf();
-  std::string scene = text.str();
-  const auto replace = [&](const std::string& from, const std::string& to) {
-    for (std::size_t at = 0; (at = scene.find(from, at)) != std::string::npos; at += to.size())
-      scene.replace(at, from.size(), to);
-  };
-  replace("../meshes", std::string(VOXTOUCH_DEPLOY) + "/meshes");
-  replace("effects: []", "effects: [{viscosity: {damping_ns_per_m: 2}}]");
   // Damped without a bound and on a filtered velocity the hand keeps its height for tens of
   // samples, where a step of the force by a change is to be seen.
-  replace("{design: auto, kind: shaping_filter}",
-          "{design: auto, kind: shaping_filter, damper_share: 0, damping_floor: 0, "
-          "velocity_windows: false}");
+  std::vector<std::pair<std::string, std::string>> words = {
+      {"effects: []", "effects: [{viscosity: {damping_ns_per_m: 2}}]"},
+      {"{design: auto, kind: shaping_filter}",
+       "{design: auto, kind: shaping_filter, damper_share: 0, damping_floor: 0, "
+       "velocity_windows: false}"}};
   if (smooth)
-    replace("{model: adapted, stiffness_n_per_m: 30}",
-            "{model: field, stiffness_n_per_m3: 6.0e+7}");
-  const auto file = folder / "oily_plane.yaml";
-  std::ofstream(file) << scene;
-  return file.string();
+    words.push_back(
+        {"{model: adapted, stiffness_n_per_m: 30}", "{model: field, stiffness_n_per_m3: 6.0e+7}"});
+  return changed_scene(folder, "plane", words);
 }
 
 struct Change {
@@ -381,21 +371,13 @@ TEST(ChangeVerb, SaysWhatWasDoneOrWhyNot) {
 /// comes.
 TEST(ChangeVerb, IsRefusedWhatTheDeviceDoesNotStand) {
   const TemporaryFolder folder;
-  const auto file = folder / "cup_viscosity.yaml";
+  std::string file;
   const auto write = [&](const std::string& damping) {
-    std::ifstream in(shipped_scene("cup_viscosity"));
-    std::stringstream text;
-    text << in.rdbuf();
-    std::string scene = text.str();
-    for (const auto& [from, to] : {std::pair<std::string, std::string>{
-                                       "../meshes", std::string(VOXTOUCH_DEPLOY) + "/meshes"},
-                                   {"damping_ns_per_m: 1}", "damping_ns_per_m: " + damping + "}"}})
-      for (std::size_t at = 0; (at = scene.find(from, at)) != std::string::npos; at += to.size())
-        scene.replace(at, from.size(), to);
-    std::ofstream(file) << scene;
+    file = changed_scene(folder, "cup_viscosity",
+                         {{"damping_ns_per_m: 1}", "damping_ns_per_m: " + damping + "}"}});
   };
   write("1");
-  Process up(up_arguments(file.string(), {"--motion", "slide", "--no-record"}));
+  Process up(up_arguments(file, {"--motion", "slide", "--no-record"}));
   for (int i = 0; i < 1500 && !runs(up); ++i)
     std::this_thread::sleep_for(milliseconds(20));
   const auto refused = [](const Verb& verb, const std::string& text) {

@@ -80,25 +80,14 @@ TEST(Options, ThatAreNoneAreRefusedAtOnce) {
     }
 }
 
-/// plane.yaml, whose hand `hit`s at 8 m/s: up to some voxels a sample.
-std::string struck_plane(const TemporaryFolder& folder) {
-  std::stringstream text;
-  text << std::ifstream(shipped_scene("plane")).rdbuf();
-  std::string scene = text.str();
-  for (const auto& [from, to] :
-       {std::pair<std::string, std::string>{"../meshes", VOXTOUCH_DEPLOY "/meshes"},
-        {"speed_m_per_s: 0.2, hold_s: 2.6", "speed_m_per_s: 8, hold_s: 0.2"}})
-    for (std::size_t at = 0; (at = scene.find(from, at)) != std::string::npos; at += to.size())
-      scene.replace(at, from.size(), to);
-  const auto file = folder / "struck_plane.yaml";
-  std::ofstream(file) << scene;
-  return file.string();
-}
-
 TEST(Missed, ARunInWhichAWallMayHaveBeenPassedUnseenIsNoGoodOne) {
   const TemporaryFolder folder;
-  const RingResult run = run_ring(
-      struck_plane(folder), {"--motion", "hit", "--duration", "2", "--lockstep", "--no-record"});
+  // The hand `hit`s at 8 m/s: up to some voxels a sample.
+  const std::string scene =
+      changed_scene(folder, "plane",
+                    {{"speed_m_per_s: 0.2,", "speed_m_per_s: 8,"}, {"hold_s: 2.6", "hold_s: 0.2"}});
+  const RingResult run =
+      run_ring(scene, {"--motion", "hit", "--duration", "2", "--lockstep", "--no-record"});
   EXPECT_EQ(run.process.status, 1);
   EXPECT_GT(run.summary["missed_samples"], 10);
   EXPECT_GT(run.summary["fast_samples"], run.summary["missed_samples"])

@@ -1,6 +1,10 @@
 #include "tests/ring/ring_run.hpp"
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
+#include <fstream>
+#include <sstream>
 
 namespace voxtouch::test {
 
@@ -40,6 +44,24 @@ RingResult run_ring(const std::string& scene, const std::vector<std::string>& mo
 
 std::string shipped_scene(const std::string& name) {
   return std::string(VOXTOUCH_DEPLOY) + "/scenes/" + name + ".yaml";
+}
+
+std::string changed_scene(const TemporaryFolder& folder, const std::string& name,
+                          const std::vector<std::pair<std::string, std::string>>& replacements) {
+  std::stringstream text;
+  text << std::ifstream(shipped_scene(name)).rdbuf();
+  std::string scene = text.str();
+  const auto replace = [&](const std::string& from, const std::string& to) {
+    EXPECT_NE(scene.find(from), std::string::npos) << name << ".yaml has no '" << from << "'";
+    for (std::size_t at = 0; (at = scene.find(from, at)) != std::string::npos; at += to.size())
+      scene.replace(at, from.size(), to);
+  };
+  replace("../meshes", std::string(VOXTOUCH_DEPLOY) + "/meshes");
+  for (const auto& [from, to] : replacements)
+    replace(from, to);
+  const auto file = folder / (name + ".yaml");
+  std::ofstream(file) << scene;
+  return file.string();
 }
 
 }  // namespace voxtouch::test

@@ -46,5 +46,9 @@ std::vector<T> read_ring_topic(const std::filesystem::path& folder, const std::s
 
 /// deploy/scenes/<name>.yaml
 std::string shipped_scene(const std::string& name);
+/// Writes a shipped scene with some words replaced into `folder` and returns its path. A word that
+/// the scene does not have fails the test. Paths of meshes become absolute.
+std::string changed_scene(const TemporaryFolder& folder, const std::string& name,
+                          const std::vector<std::pair<std::string, std::string>>& replacements);
 
 }  // namespace voxtouch::test

@@ -13,6 +13,7 @@
 #include "nodes/bag/bag_writer.hpp"
 #include "nodes/logger/recording_qos.hpp"
 #include "voxtouch_msgs/definitions.hpp"
+#include "voxtouch_msgs/messages.hpp"
 
 namespace {
 
@@ -53,15 +54,16 @@ int main(int argc, char** argv) {
     return logger::offered_qos_text(
         qos::make_qos(qos::profile(id), qos::Endpoint::kWriter, 0.001).get());
   };
-  const auto topic = [&](const char* name, std::string type, qos::ProfileId id) {
-    const std::string definition =
-        type == "std_msgs/msg/String" ? "string data\n" : std::string(msg::definition_of(type));
-    const std::string hash = type == "std_msgs/msg/String" ? "" : "RIHS01_" + std::string(64, 'a');
-    return recorder.add_topic({name, std::move(type), "cdr", offered(id), 0, hash, definition});
+  const auto topic = [&](const char* name, std::string_view type, std::string_view hash,
+                         std::string_view definition, qos::ProfileId id) {
+    return recorder.add_topic({name, std::string(type), "cdr", offered(id), 0, std::string(hash),
+                               std::string(definition)});
   };
-  const auto state =
-      topic("/haptic/device/state", "voxtouch_msgs/msg/DeviceState", qos::ProfileId::kStream);
-  const auto text = topic("/haptic/note", "std_msgs/msg/String", qos::ProfileId::kLatched);
+  constexpr msg::AnyType kState = msg::kAnyType<msg::DeviceState>;
+  const auto state = topic("/haptic/device/state", kState.ros_name, kState.hash,
+                           msg::definition_of(kState.ros_name), qos::ProfileId::kStream);
+  const auto text =
+      topic("/haptic/note", "std_msgs/msg/String", "", "string data\n", qos::ProfileId::kLatched);
   if (!state || !text)
     return fail("a topic was refused");
   // header (1 byte of padding is said there), length 6, "hello", padding

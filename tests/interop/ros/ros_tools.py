@@ -195,10 +195,11 @@ def found(voxtouch, cyclone, fast, python):
     expected = own - {
         "rt/haptic/recover",
         "rt/haptic/rendering/change",
+        "rt/haptic/operator/target",
         "rt/clock",
         "rt/joint_states",
         "rt/robot_description",
-    }  # of a person; in simulated time; of arms
+    }  # of a person; of a page; in simulated time; of arms
     expected -= {
         "rt/haptic/external",
         "rt/haptic/rendering/external",
