@@ -101,7 +101,7 @@ void check_weight(const MeshFile& file, std::string_view line, std::size_t after
        !(word = next_word(line, p)).empty() && word[0] != '#' && word != "\\";)
     if (++numbers == 4)
       weight = word;
-  if (numbers < 4)
+  if (numbers != 4)  // six: a colour
     return;
   if (const auto value = parse_number<double>(weight); !value || *value != 1.0)
     refuse(file.path, "gives a vertex the weight '" + printable(weight) + "' behind x, y and z",
