@@ -15,7 +15,7 @@ enum class PairKind : std::uint8_t { kVertexFace, kFaceVertex, kEdgeEdge };
 /// A static or moving object, in its own frame. Immutable: any number of tools may share one.
 ///
 /// Objects that touch or overlap are one body, or the edges at their seams would hold a tool. Each
-/// of its triangles then has an owner, which is told what its triangles push with.
+/// of its triangles then has an owner, which receives what its triangles push with.
 class ObjectBody {
  public:
   /// `owners`: of each triangle, numbered from 0 without gaps; empty: all have one. Errors as

@@ -38,7 +38,7 @@ double tone_omega(std::size_t tone) {
   return 2.0 * std::numbers::pi * (kFirstHz + kApartHz * static_cast<double>(tone));
 }
 
-/// Amplitudes of all tones of a signal, with slow motion fitted beside them.
+/// Amplitudes of all tones of a signal, with slow motion fitted together with them.
 class ToneFit {
  public:
   /// `turns_s`: times at which the motion reverses. Friction then changes its sign, which bends the

@@ -82,7 +82,7 @@ std::unique_ptr<devices::Driver> open_driver(const Options& options, const scene
                                    scene.device.pose_PT, scene.device.position_scale);
   device.is_led = options.hand.from_page;
   if (device.is_led)
-    device.motion->press.clear();  // nobody holds a button down meanwhile
+    device.motion->press.clear();  // no button is held down meanwhile
   device.described = description_of(options.device);
   device.lockstep = options.lockstep;
   device.settings = devices::parse_settings(options.settings);

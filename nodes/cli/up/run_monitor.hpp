@@ -22,7 +22,7 @@ class RunMonitor {
   RunMonitor(const bus::Participant& participant, const std::string& rig, bus::RosGraph graph,
              StartReport start);
 
-  /// A process beside the nodes that plays the role `page`; the run does not depend on it.
+  /// A process next to the nodes that plays the role `page`; the run does not depend on it.
   void set_page(const RunningNode& page) { page_ = &page; }
   /// Takes what has come. Call it at least every 20 ms: longer pauses are reported as silence of
   /// "up".
